@@ -7,7 +7,7 @@
 //! use std::io;
 //! use std::path::Path;
 //!
-//! use falsify::session::{CheckOptions, Input, RunOptions, Session};
+//! use falsify::session::{Input, RunOptions, Session};
 //!
 //! const SCENARIO: &str = r#"
 //! edition 1
@@ -29,7 +29,7 @@
 //! let input = Input::file("crossing.scn");
 //!
 //! // Parse and check.
-//! let checked = session.check(&CheckOptions { input: input.clone(), ..CheckOptions::default() })?;
+//! let checked = session.check(&input)?;
 //! assert!(checked.compiled.diagnostics.is_empty());
 //! assert_eq!(checked.plan()?.campaigns[0].evaluations.len(), 2);
 //!
@@ -49,69 +49,55 @@
 //!
 //! A caller adds its own driving policy to the language with [`Catalog::with_policy`](language::Catalog::with_policy).
 #![doc = include_str!("ARCHITECTURE.md")]
+#![warn(missing_docs)]
 
-// The code that pest generates for the grammar names this crate.
-extern crate alloc;
-
-pub mod internal;
-
-// Modules name each other as `crate::NAME`.
-#[cfg(feature = "program")]
-use internal::{analysis, campaign, cli, export, files, lsp, record, report, store};
-use internal::{
-    av, compile, contained, diagnostic, env, falsifier, geometry, judge, lang, process, rl, road, seed, signature, sim,
-    statistics, units,
-};
-
-#[cfg(feature = "program")]
 #[doc(inline)]
-pub use internal::session;
+pub use program::session;
 
 /// The scenario language: catalogue, plans and diagnostics.
 pub mod language {
     #[doc(inline)]
-    pub use crate::compile::{
+    pub use base::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
+    #[doc(inline)]
+    pub use base::signature::{Arguments, Param, Signature, Type};
+    #[doc(inline)]
+    pub use compile::{
         Campaign, Catalog, Compiled, Evaluation, MakePolicy, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
         Training, TrainingKey,
     };
     #[doc(inline)]
-    pub use crate::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
-    #[doc(inline)]
-    pub use crate::lang::{Reader, Unreadable};
-    #[doc(inline)]
-    pub use crate::signature::{Arguments, Param, Signature, Type};
+    pub use lang::{Reader, Unreadable};
 }
 
 /// What a driving policy perceives and returns, and the openers that may start one as a program.
 pub mod driving {
     #[doc(inline)]
-    pub use crate::av::external::{Link, Opener, Program};
+    pub use base::seed::Stream;
     #[doc(inline)]
-    pub use crate::av::{DrivingMode, DrivingPolicy, Fault, Perception};
+    pub use process::ProcessOpener;
     #[doc(inline)]
-    pub use crate::process::ProcessOpener;
+    pub use world::av::external::{Link, Opener, Program};
     #[doc(inline)]
-    pub use crate::seed::Stream;
+    pub use world::av::{DrivingMode, DrivingPolicy, Fault, Perception};
     #[doc(inline)]
-    pub use crate::sim::Control;
+    pub use world::sim::Control;
 }
 
-#[cfg(feature = "program")]
 /// The data of a run, a report and a repeated episode.
 pub mod results {
     #[doc(inline)]
-    pub use crate::campaign::{Observer as CampaignObserver, Shard, Task};
+    pub use export::{EgoDriver, ExportError, ExportFile, Exporter, Variant, Walking};
     #[doc(inline)]
-    pub use crate::env::{Outcome, Scenario};
+    pub use results::campaign::{Observer as CampaignObserver, Shard, Task};
     #[doc(inline)]
-    pub use crate::export::{EgoDriver, ExportError, ExportFile, Exporter, Variant, Walking};
-    #[doc(inline)]
-    pub use crate::judge::Verdict;
-    #[doc(inline)]
-    pub use crate::report::{
+    pub use results::report::{
         Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,
-        SearchCell, Spread, StoredReport, TrainingRecord, WriteError,
+        SearchCell, Spread, StoredReport, TooFewRuns, TrainingRecord, WriteError,
     };
     #[doc(inline)]
-    pub use crate::store::{Known, Limits, StoreError};
+    pub use results::store::{Known, Limits, StoreError};
+    #[doc(inline)]
+    pub use world::env::{Outcome, Scenario};
+    #[doc(inline)]
+    pub use world::judge::Verdict;
 }

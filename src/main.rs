@@ -1,5 +1,5 @@
 //! The program `falsify`.
 
 fn main() -> std::process::ExitCode {
-    falsify::internal::cli::main().into()
+    program::cli::main().into()
 }

@@ -50,7 +50,7 @@ def judge(
             Without it they are those of the paper (4.79 m by 2.16 m, 0.188 m), on an empty plane.
 
     Returns:
-        ``verdict`` (empty without a touch), ``foreseeable``, ``attributable``, ``warning_s`` and ``impact_speed_mps`` as the columns of the
+        ``verdict`` (empty without a touch), ``foreseeable``, ``fault``, ``warning_s`` and ``impact_speed_mps`` as the columns of the
         table of episodes; ``avoided_by``, which reference drivers avoid it; ``touch_s``, the time of the touch from the first instant;
         ``least_gap_m``, ``min_ttc_s`` and ``pet_s``. A number that does not apply is not a number.
 

@@ -198,7 +198,7 @@ def reports(out: str | os.PathLike[str] = "reports") -> dict[str, Report]:
 def failures(report: str | os.PathLike[str] = "reports", *, arguments: Sequence[str] = ()) -> list[dict[str, Any]]:
     """The failures of a report or of a folder of reports, those that count most against a driver first.
 
-    ``arguments`` are further ones of ``falsify failures``, such as ``["--verdict", "attributable", "--top", "5"]``.
+    ``arguments`` are further ones of ``falsify failures``, such as ``["--verdict", "fault", "--top", "5"]``.
     """
     return [json.loads(line) for line in call("failures", os.fspath(report), "--format", "json", *arguments).splitlines()]
 

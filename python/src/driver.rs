@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use falsify::internal::av::Fault;
-use falsify::internal::av::external::{External, Link, Opener, Program, Settings};
-use falsify::internal::env::{PolicyMaker, Scenario};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use world::av::Fault;
+use world::av::external::{External, Link, Opener, Program, Settings};
+use world::env::{PolicyMaker, Scenario};
 
 /// The first exception that a driver has raised since the last look.
 #[derive(Clone, Default)]

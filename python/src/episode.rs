@@ -1,12 +1,12 @@
 //! Episodes as Python values: their ends as dictionaries, their ticks as arrays.
 
-use falsify::internal::env::{Ending, Scenario, Trace};
-use falsify::internal::judge::Verdict;
-use falsify::internal::sim::PedestrianState;
 use numpy::IntoPyArray;
 use numpy::ndarray::{Array1, Array2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use world::env::{Ending, Scenario, Trace};
+use world::judge::Verdict;
+use world::sim::PedestrianState;
 
 use super::world::End;
 
@@ -49,7 +49,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
 pub fn verdict_of(dict: &Bound<'_, PyDict>, verdict: Option<&Verdict>) -> PyResult<()> {
     dict.set_item("verdict", verdict.map_or("", |verdict| verdict.label.name()))?;
     dict.set_item("foreseeable", verdict.is_some_and(|verdict| verdict.foreseeable))?;
-    dict.set_item("attributable", verdict.is_some_and(Verdict::is_attributable))?;
+    dict.set_item("fault", verdict.is_some_and(Verdict::is_fault))?;
     dict.set_item("warning_s", verdict.map_or(f64::NAN, |verdict| verdict.warning))
 }
 

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use falsify::internal::env::Scenario;
-use falsify::internal::geometry::{Obstacles, OrientedBox, Point, Pose};
-use falsify::internal::judge::{Encountered, Recording, RecordingError, Reference, Sizes};
-use falsify::internal::sim::{PedestrianState, VehicleState};
 use numpy::PyReadonlyArray2;
 use numpy::ndarray::ArrayView2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use world::env::Scenario;
+use world::geometry::{Obstacles, OrientedBox, Point, Pose};
+use world::judge::{Encountered, Recording, RecordingError, Reference, Sizes};
+use world::sim::{PedestrianState, VehicleState};
 
 use super::episode;
 

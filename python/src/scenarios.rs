@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, Overrides, Plan, compile_with};
-use falsify::internal::diagnostic::{Colour, Severity, Sources, records, render};
-use falsify::internal::env::Scenario;
-use falsify::internal::files;
-use falsify::internal::judge::Sizes;
-use falsify::internal::lang::Reader;
-use falsify::internal::process::ProcessOpener;
+use base::diagnostic::{Colour, Severity, Sources, records, render};
+use base::files;
+use compile::{Catalog, Overrides, Plan, compile_with};
+use lang::Reader;
 use numpy::PyReadonlyArray2;
+use process::ProcessOpener;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use world::env::Scenario;
+use world::judge::Sizes;
 
 use super::driver::{Raised, with_driver};
 use super::recording::judged;

@@ -1,7 +1,7 @@
 //! A view from above, as pixels: lanes, obstacles, vehicles and pedestrians.
 
-use falsify::internal::geometry::{OrientedBox, Point, Pose, Vector};
-use falsify::internal::road::{LaneFilter, LaneKind};
+use world::geometry::{OrientedBox, Point, Pose, Vector};
+use world::road::{LaneFilter, LaneKind};
 
 use super::world::World;
 

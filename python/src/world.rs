@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use falsify::internal::compile::episodes_seed;
-use falsify::internal::env::{Outcome, PedestrianEnv, Scenario, Trace};
-use falsify::internal::judge::{Verdict, judge};
-use falsify::internal::rl::Step;
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::WalkCommand;
+use base::seed::Seed;
+use compile::episodes_seed;
+use learn::Step;
+use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use world::judge::{Verdict, judge};
+use world::sim::WalkCommand;
 
 /// The end of an episode.
 #[derive(Debug, Clone)]

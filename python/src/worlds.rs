@@ -2,15 +2,15 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use falsify::internal::env::{ObservationSpec, Scenario};
-use falsify::internal::judge::Label;
-use falsify::internal::sim::WalkCommand;
 use numpy::ndarray::{Array1, Array2, Array3, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
+use world::env::{ObservationSpec, Scenario};
+use world::judge::Label;
+use world::sim::WalkCommand;
 
 use super::driver::Raised;
 use super::episode;
@@ -138,7 +138,7 @@ impl Worlds {
     /// Whether the states and the actions of the first pedestrian are scaled to order one.
     #[getter]
     fn scaled(&self) -> (bool, bool) {
-        use falsify::internal::env::Scaling;
+        use world::env::Scaling;
         let role = &self.scenario.cast.pedestrian;
         (role.observation.scaling == Scaling::Unit, role.action.scaling == Scaling::Unit)
     }

@@ -45,7 +45,7 @@ def test_an_episode_of_ours_has_its_own_verdict(scenario, town, policy):
         if info["outcome"] not in ("collision", "timeout", "lost"):
             continue
         found = falsify_av.judge(ego, walked, DT, scenario=scenario, task="train", **choice)
-        for name in ("verdict", "foreseeable", "attributable"):
+        for name in ("verdict", "foreseeable", "fault"):
             assert found[name] == info[name], (name, found, info)
         assert math.isnan(found["touch_s"]) == (info["outcome"] != "collision")
         if info["outcome"] == "collision":
@@ -64,7 +64,7 @@ def test_an_episode_of_ours_has_its_own_verdict(scenario, town, policy):
 def test_avoidable_and_unavoidable_crossings():
     visible = falsify_av.judge(*crossing(8.0, 40.0), DT)
     assert visible["verdict"] == "preventable" and visible["avoided_by"]["cc"] and visible["avoided_by"]["bound"]
-    assert visible["foreseeable"] and visible["attributable"]
+    assert visible["foreseeable"] and visible["fault"]
     # The bumper is 2.395 m ahead of the middle.
     assert visible["impact_speed_mps"] == pytest.approx(8.0) and visible["touch_s"] == pytest.approx((40 - 2.395) / 8, abs=0.05)
     sudden = falsify_av.judge(*crossing(14.0, 8.0, walking=3.0), DT)

@@ -1,13 +1,13 @@
-use crate::diagnostic::Diagnostic;
-use crate::env::{
+use base::diagnostic::Diagnostic;
+use base::signature::{Arguments, Form, Param, Signature, Type};
+use base::units::Dimension;
+use lang::diagnostics;
+use lang::hir::Block;
+use world::env::{
     ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling,
     TargetBox,
 };
-use crate::lang::diagnostics;
-use crate::lang::hir::Block;
-use crate::signature::{Arguments, Form, Param, Signature, Type};
-use crate::sim::{Gait, PedestrianBody};
-use crate::units::Dimension;
+use world::sim::{Gait, PedestrianBody};
 
 const FRAMES: &[&str] = &["heading", "initial", "line_of_sight", "world"];
 const ACTION_FRAMES: &[&str] = &["heading", "initial", "line_of_sight", "world", "meeting"];
@@ -137,7 +137,6 @@ pub fn check(block: &Block, said: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The pedestrian.
 pub fn lower(arguments: &Arguments) -> PedestrianRole {
     let size = match arguments.choice("body") {
         "child" => PedestrianBody::child(),

@@ -22,6 +22,6 @@ impl Catalog {
             published::form(),
             campaign::form(),
         ];
-        Self { forms, vocabulary: crate::env::vocabulary(), policies, opener: None, falsifiers }
+        Self { forms, vocabulary: world::env::vocabulary(), policies, opener: None, falsifiers }
     }
 }

@@ -1,5 +1,5 @@
-use crate::signature::{Form, Param, Signature, Type};
-use crate::units::Dimension;
+use base::signature::{Form, Param, Signature, Type};
+use base::units::Dimension;
 
 /// The built-in controllers.
 pub(super) const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept", "natural", "scripted"];

@@ -2,16 +2,14 @@ use std::sync::Arc;
 
 use super::falsifier::FalsifierKind;
 use super::policy_kind::{PolicyKind, with_common_keys};
-use crate::av::external::Opener;
-use crate::signature::{Form, Vocabulary};
+use base::signature::{Form, Vocabulary};
+use world::av::external::Opener;
 
 /// A kind whose name another kind of the same form has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is a {form} of kind `{kind}` already")]
 pub struct TakenKind {
-    /// The form.
     pub form: &'static str,
-    /// The name of the kind.
     pub kind: &'static str,
 }
 

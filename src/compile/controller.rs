@@ -2,11 +2,11 @@ use std::sync::Arc;
 
 use super::campaign::PEDESTRIANS;
 use super::lowering::Lowering;
-use crate::av::onnx::Network;
-use crate::falsifier::{Controller, Networked, Programmed};
-use crate::lang::hir::Declaration;
-use crate::lang::{Reader, diagnostics, reason};
-use crate::signature::{DeclarationId, Form, Signature};
+use base::signature::{DeclarationId, Form, Signature};
+use lang::hir::Declaration;
+use lang::{Reader, diagnostics, reason};
+use world::av::onnx::Network;
+use world::falsifier::{Controller, Networked, Programmed};
 
 /// A kind of controller: its keys, and how it is made.
 struct ControllerKind {

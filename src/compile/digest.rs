@@ -2,8 +2,8 @@
 
 use super::fingerprint::Fingerprint;
 use super::lowering::Lowering;
-use crate::lang::hir::{Block, Declaration};
-use crate::signature::{DeclarationId, Distribution, Formula, Value};
+use base::signature::{DeclarationId, Distribution, Formula, Value};
+use lang::hir::{Block, Declaration};
 
 /// Optional keys that were added to the language later. Where they are left out they change no digest, so that tasks keep their names.
 const ADDED: &[&str] = &["from"];
@@ -183,7 +183,7 @@ mod tests {
     use std::path::Path;
 
     use super::super::{Catalog, Fingerprint, compile};
-    use crate::diagnostic::Sources;
+    use base::diagnostic::Sources;
 
     /// The fingerprints of the evaluations in both towns, with this map and these changes of the text.
     fn fingerprints(map: &str, changes: &[(&str, &str)]) -> Vec<Fingerprint> {
@@ -205,7 +205,8 @@ campaign both {
             assert!(text.contains(from), "{from}");
             text.replace(from, to)
         });
-        let lib = |name: &str| std::fs::read_to_string(format!("{}/scenarios/lib/{name}", env!("CARGO_MANIFEST_DIR")));
+        let lib =
+            |name: &str| std::fs::read_to_string(format!("{}/../../scenarios/lib/{name}", env!("CARGO_MANIFEST_DIR")));
         let read = |path: &Path| match path.to_str().unwrap() {
             "a.scn" => Ok(text.replacen("edition 1", "edition 1\nimport \"paper.scn\"\nimport \"drivers.scn\"", 1)),
             "old.xodr" => Ok(map.to_string()),

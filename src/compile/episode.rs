@@ -1,9 +1,9 @@
 use std::f64::consts::PI;
 
-use crate::env::EpisodeRule;
-use crate::signature::{Arguments, Form, Param, Signature, Type};
-use crate::sim::LightCycle;
-use crate::units::Dimension;
+use base::signature::{Arguments, Form, Param, Signature, Type};
+use base::units::Dimension;
+use world::env::EpisodeRule;
+use world::sim::LightCycle;
 
 /// The form `episode`.
 pub fn form() -> Form {
@@ -17,11 +17,11 @@ pub fn form() -> Form {
         ),
         Param::with_default(
             "hold",
-            Type::Integer { min: 1, max: 10_000 },
+            Type::Ticks { min: 1, max: 10_000 },
             "20",
             "Ticks for which the pedestrian holds a command.",
         ),
-        Param::with_default("ticks", Type::Integer { min: 1, max: 1_000_000 }, "600", "Most ticks of an episode."),
+        Param::with_default("ticks", Type::Ticks { min: 1, max: 1_000_000 }, "600", "Most ticks of an episode."),
         Param::optional(
             "end_when",
             Type::Condition("step"),
@@ -73,7 +73,6 @@ pub fn form() -> Form {
     }
 }
 
-/// The rule.
 pub fn lower(arguments: &Arguments) -> EpisodeRule {
     EpisodeRule {
         tick: arguments.number("tick"),

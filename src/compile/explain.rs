@@ -1,12 +1,12 @@
 use std::fmt::Write;
 
 use super::{Catalog, interface_pages};
-use crate::lang::error_index::{Mistake, mistakes};
-use crate::lang::keywords::{WORDS, Word};
-use crate::lang::nearest;
-use crate::lang::{DIMENSIONS, functions, library};
-use crate::signature::{Event, Param, Signature, Type, Variable, bounds};
-use crate::units::{Dimension, UNIT_NAMES, parse_unit};
+use base::signature::{Event, Param, Signature, Type, Variable, bounds};
+use base::units::{Dimension, UNIT_NAMES, parse_unit};
+use lang::error_index::{Mistake, mistakes};
+use lang::keywords::{WORDS, Word};
+use lang::nearest;
+use lang::{DIMENSIONS, functions, library};
 
 impl Catalog {
     /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), a word of the

@@ -1,14 +1,14 @@
 use std::sync::Arc;
 
-use crate::diagnostic::Diagnostic;
-use crate::falsifier::{
+use base::diagnostic::Diagnostic;
+use base::signature::{Arguments, DeclarationId, Form, Signature, Value};
+use lang::diagnostics;
+use lang::hir::Declaration;
+use learn::PpoConfig;
+use world::falsifier::{
     Archive, Controlled, Controller, Exhaustive, Falsifier, Homing, Intercept, Learning, Natural, OpenLoop, Random,
     Scripted, TreeSearch, Walking,
 };
-use crate::lang::diagnostics;
-use crate::lang::hir::Declaration;
-use crate::rl::PpoConfig;
-use crate::signature::{Arguments, DeclarationId, Form, Signature, Value};
 
 /// What the keys of a falsifier may name.
 pub struct Named {

@@ -1,12 +1,12 @@
 use super::spawn::{ego_route, ego_route_param};
 use super::target_walk::numbers;
-use crate::diagnostic::Diagnostic;
-use crate::env::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, RoadShape, SpawnRule};
-use crate::geometry::{Point, Pose};
-use crate::lang::diagnostics;
-use crate::lang::hir::Declaration;
-use crate::signature::{Distribution, Param, Signature, Type, Value};
-use crate::units::Dimension;
+use base::diagnostic::Diagnostic;
+use base::signature::{Distribution, Param, Signature, Type, Value};
+use base::units::Dimension;
+use lang::diagnostics;
+use lang::hir::Declaration;
+use world::env::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, RoadShape, SpawnRule};
+use world::geometry::{Point, Pose};
 
 /// The word of a `spawn` with a given path of the pedestrian.
 pub const GIVEN_PATH: &str = "given_path";
@@ -133,17 +133,14 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         distance: Distribution::Constant(apart),
         measure: Measure::Range,
         ego_start: EgoStart::Poses(egos),
+        test_speed: arguments.has("test_speed").then(|| arguments.number("test_speed")),
         ego_route: ego_route(arguments),
         road_shape: RoadShape::Any,
         ego_speed: speed.map_or(EgoSpeed::Steady, EgoSpeed::Drawn),
         heading: None,
         constraints: vec![Constraint::Clearance(CLEARANCE)],
         target_walk: None,
-        given_path: Some(GivenPath {
-            points,
-            delay: arguments.distribution("delay").clone(),
-            test_speed: arguments.has("test_speed").then(|| arguments.number("test_speed")),
-        }),
+        given_path: Some(GivenPath { points, delay: arguments.distribution("delay").clone() }),
     })
 }
 

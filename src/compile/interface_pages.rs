@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::env::{ActionSpec, Component, ObservationSpec, ObservedSpeed, ReferenceFrame, Scaling};
-use crate::signature::short;
+use base::signature::short;
+use world::env::{ActionSpec, Component, ObservationSpec, ObservedSpeed, ReferenceFrame, Scaling};
 
 /// The page of the state.
 pub fn state() -> String {

@@ -11,12 +11,12 @@ use super::reached::reached;
 use super::variants::{Variant, understand};
 use super::whole_plan::{forbid_equal_names, warn_of_unused};
 use super::{Catalog, adversary, policy, spawn, town};
-use crate::diagnostic::{Diagnostic, Severity, Sources};
-use crate::env::{PolicyMaker, SpawnRule};
-use crate::geometry::Obstacles;
-use crate::lang::hir::{Block, Declaration, ParamId};
-use crate::lang::{self, Reader, Unreadable, diagnostics};
-use crate::signature::DeclarationId;
+use base::diagnostic::{Diagnostic, Severity, Sources};
+use base::signature::DeclarationId;
+use lang::hir::{Block, Declaration, ParamId};
+use lang::{Reader, Unreadable, diagnostics};
+use world::env::{PolicyMaker, SpawnRule};
+use world::geometry::Obstacles;
 
 /// The result of compiling a set of files.
 #[derive(Debug)]
@@ -26,7 +26,6 @@ pub struct Compiled {
     /// The plan when its only errors are unsatisfiable spawns: use it to plot starts, never to run. None when there is a plan, and when
     /// there is any other error.
     pub unplaced: Option<Plan>,
-    /// All diagnostics.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -37,8 +36,6 @@ pub struct Overrides {
     pub maps: BTreeMap<String, PathBuf>,
     /// Values for parameters and keys: `name=value`.
     pub settings: Vec<String>,
-    /// Whether imported towns are included in the plan, as far as they can be built.
-    pub imported_towns: bool,
     /// Whether the plan is only inspected and not run: its tasks have no names and no fingerprints.
     pub only_checked: bool,
 }
@@ -92,16 +89,15 @@ pub fn compile_with(
         let mut lowering =
             Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared, digests };
         lowering.variant(variant, &mut plan);
-        if overrides.imported_towns && variant.multiplied.is_none() {
-            lowering.imported_towns(&mut plan);
-        }
         if !variant.settings.is_empty() {
             let combination = format!("so it is with {}", variant.settings.join(", "));
             diagnostics[before..].iter_mut().for_each(|each| each.help.insert(0, combination.clone()));
         }
     }
     let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();
-    plan.campaigns.iter_mut().for_each(|campaign| drop(campaign.settings.splice(0..0, outside.iter().cloned())));
+    for campaign in &mut plan.campaigns {
+        campaign.settings = [outside.clone(), std::mem::take(&mut campaign.settings)].concat();
+    }
     if !overrides.only_checked {
         plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(1));
     }
@@ -176,18 +172,6 @@ impl Lowering<'_> {
         of_form("adversary").for_each(|adversary| adversary::check(&adversary.block, self.said));
         for campaign in of_form("campaign").filter(|campaign| !left_out.contains(&campaign.id)) {
             self.campaign(campaign);
-        }
-    }
-
-    /// Adds the towns that files import. One that cannot be built is left out, since nothing uses it.
-    fn imported_towns(&mut self, plan: &mut Plan) {
-        let program = self.program;
-        let imported = |each: &&Arc<Declaration>| each.form == "town" && !program.roots.contains(&each.source);
-        let mut unsaid = Vec::new();
-        for declaration in program.declarations.iter().filter(imported) {
-            let map = self.maps.get(&declaration.name).map(PathBuf::as_path);
-            let built = town::lower(declaration, map, self.sources, self.read, &mut unsaid);
-            plan.towns.extend(built.map(|town| NamedTown { name: declaration.name.clone(), town: Arc::new(town) }));
         }
     }
 

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use super::Catalog;
 use super::noting::Noting;
-use crate::diagnostic::{Diagnostic, Sources};
-use crate::env::PolicyMaker;
-use crate::geometry::Obstacles;
-use crate::lang::hir::{Block, Declaration, Program};
-use crate::road::Town;
-use crate::signature::DeclarationId;
+use base::diagnostic::{Diagnostic, Sources};
+use base::signature::DeclarationId;
+use lang::hir::{Block, Declaration, Program};
+use world::env::PolicyMaker;
+use world::geometry::Obstacles;
+use world::road::Town;
 
 /// A town with its obstacles, ready to be shared.
 #[derive(Clone)]

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::lang::Reader;
+use lang::Reader;
 
 /// Reads files and remembers a digest of each, if fingerprints are wanted.
 pub(super) struct Noting<'a> {

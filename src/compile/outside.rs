@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use crate::av::external::{External, Opener, Program, Settings};
-use crate::av::onnx::{Model, Onnx};
-use crate::env::PolicyMaker;
-use crate::lang::hir::Declaration;
-use crate::lang::{Reader, diagnostics, reason};
-use crate::signature::Signature;
+use base::signature::Signature;
+use lang::hir::Declaration;
+use lang::{Reader, diagnostics, reason};
+use world::av::external::{External, Opener, Program, Settings};
+use world::av::onnx::{Model, Onnx};
+use world::env::PolicyMaker;
 
 /// A kind of driving policy with a program or a file: its keys, and how its maker is built.
 pub struct OutsideKind {

@@ -3,14 +3,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{Fingerprint, RunId};
-use crate::av::Cruise;
-use crate::av::sensors::SensorModel;
-use crate::env::Scenario;
-use crate::falsifier::{Controller, Falsifier};
-use crate::rl::PpoConfig;
-use crate::road::Town;
-use crate::seed::Seed;
-use crate::signature::Arguments;
+use base::seed::Seed;
+use base::signature::Arguments;
+use learn::PpoConfig;
+use world::av::Cruise;
+use world::av::external::External;
+use world::av::sensors::SensorModel;
+use world::env::Scenario;
+use world::falsifier::{Controller, Falsifier};
+use world::road::Town;
 
 /// Everything that is run.
 #[derive(Debug, Clone, Default)]
@@ -61,7 +62,6 @@ impl Campaign {
 /// A campaign: trainings, evaluations of their results, and searches.
 #[derive(Debug, Clone)]
 pub struct Campaign {
-    /// Its name.
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
@@ -92,7 +92,6 @@ pub struct Published {
     pub docs: String,
     /// The number of trainings its figures are averaged over.
     pub runs: u32,
-    /// Its cells.
     pub cells: Vec<PublishedCell>,
 }
 
@@ -105,7 +104,6 @@ pub struct PublishedCell {
     pub towns: Vec<String>,
     /// Names of driving policies.
     pub policies: Vec<String>,
-    /// Its figures.
     pub figures: Vec<PublishedFigure>,
 }
 
@@ -125,9 +123,7 @@ pub struct PublishedFigure {
 /// A declaration that a campaign uses, with its documentation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Documented {
-    /// Its form.
     pub form: &'static str,
-    /// Its name.
     pub name: String,
     /// Its `///` lines.
     pub docs: String,
@@ -136,7 +132,6 @@ pub struct Documented {
 /// A town under the name that the files give it.
 #[derive(Debug, Clone)]
 pub struct NamedTown {
-    /// The name.
     pub name: String,
     /// The roads.
     pub town: Arc<Town>,
@@ -147,7 +142,6 @@ pub struct NamedTown {
 pub struct Driver {
     /// The name that the files give it.
     pub name: String,
-    /// Its kind.
     pub kind: &'static str,
     /// Its keys with their values, except `sensors`.
     pub settings: Arguments,
@@ -155,7 +149,7 @@ pub struct Driver {
     pub sensors: Option<String>,
     /// The model of its sensors, if any.
     pub sensor_model: Option<Arc<SensorModel>>,
-    /// See [`Signature::surrogate`](crate::signature::Signature::surrogate).
+    /// See [`Signature::surrogate`](base::signature::Signature::surrogate).
     pub surrogate: &'static str,
 }
 
@@ -163,6 +157,11 @@ impl Driver {
     /// Whether it perceives no pedestrians, so that each of them can hit it. Reports show such a driver apart from those under test.
     pub fn sees_no_pedestrians(&self) -> bool {
         self.kind == Cruise::KIND
+    }
+
+    /// Whether it is a program of the user.
+    pub fn is_external(&self) -> bool {
+        self.kind == External::KIND
     }
 }
 
@@ -176,7 +175,6 @@ pub struct TrainingKey {
     pub town: String,
     /// Name of the driving policy; names of several, joined by `+`.
     pub policy: String,
-    /// Name of the reward.
     pub reward: String,
     /// Number of the run, from 0.
     pub run: u32,
@@ -189,7 +187,7 @@ impl TrainingKey {
     }
 }
 
-/// `r1 in harbour against careful, run 0`.
+/// `r1 in harbour against idm, run 0`.
 impl fmt::Display for TrainingKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} in {} against {}, run {}", self.reward, self.town, self.policy, self.run)
@@ -207,7 +205,6 @@ pub struct Training {
     pub together: Vec<(String, Arc<Scenario>)>,
     /// Its settings.
     pub config: PpoConfig,
-    /// The number of environments.
     pub environments: usize,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
@@ -275,11 +272,9 @@ pub struct Evaluation {
     pub controller: ControllerKind,
     /// Its training; for an untrained controller, the reward and run that its rows are compared with.
     pub trained: Arc<TrainingKey>,
-    /// Name of the town.
     pub town: Arc<str>,
     /// Name of the driving policy.
     pub policy: Arc<str>,
-    /// Name of the vehicle.
     pub vehicle: Arc<str>,
     /// Name of the adversary, which gives the pedestrian's body and its states and actions.
     pub adversary: Arc<str>,
@@ -300,13 +295,11 @@ pub struct Evaluation {
 pub struct SearchKey {
     /// Its short name.
     pub id: RunId,
-    /// Name of the falsifier.
     pub falsifier: String,
     /// Its kind.
     pub method: &'static str,
     /// Name of the reward that it maximises; empty for falsifiers without one.
     pub reward: String,
-    /// Name of the town.
     pub town: String,
     /// Name of the driving policy.
     pub policy: String,
@@ -324,7 +317,7 @@ impl SearchKey {
     }
 }
 
-/// `chance in harbour against careful, run 0`.
+/// `chance in harbour against idm, run 0`.
 impl fmt::Display for SearchKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} in {} against {}, run {}", self.falsifier, self.town, self.policy, self.run)
@@ -338,7 +331,6 @@ pub struct Search {
     pub key: SearchKey,
     /// The scenario of the search.
     pub scenario: Arc<Scenario>,
-    /// The falsifier.
     pub falsifier: Arc<dyn Falsifier>,
     /// The number of simulator ticks it may use.
     pub budget: u64,
@@ -346,6 +338,24 @@ pub struct Search {
     pub tries: u32,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
+}
+
+impl Search {
+    /// The seed of its starts: the same for all falsifiers and all drivers.
+    pub fn starts(&self, seed: &Seed) -> Seed {
+        seed.child("search").child(&self.key.town).index(self.key.run.into())
+    }
+
+    /// The seed of what its falsifier draws.
+    pub fn drawn(&self, seed: &Seed) -> Seed {
+        self.own(seed).child("search")
+    }
+
+    /// The seed of what is its own: what its falsifier draws, and the tries of its controller.
+    pub fn own(&self, seed: &Seed) -> Seed {
+        let key = &self.key;
+        seed.child("falsifier").child(&key.town).child(&key.policy).child(&key.falsifier).index(key.run.into())
+    }
 }
 
 /// The seed of the episodes of all evaluations in a town: the same for all drivers, controllers and rewards.

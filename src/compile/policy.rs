@@ -6,15 +6,15 @@ use super::outside::{self, OutsideKind};
 use super::plan::Driver;
 use super::policy_kind::{PolicyKind, with_common_keys};
 use super::sensors;
-use crate::av::behavior_agent::BehaviorAgent;
-use crate::av::interfuser::InterFuser;
-use crate::av::lav::Lav;
-use crate::av::sensors::SensorWrapper;
-use crate::av::{ActuationDelay, Aeb, Cruise, Idm, OracleBrake, Predictive, RssGuarded};
-use crate::env::PolicyMaker;
-use crate::lang::diagnostics;
-use crate::lang::hir::Declaration;
-use crate::signature::{Form, Signature};
+use base::signature::{Form, Signature};
+use lang::diagnostics;
+use lang::hir::Declaration;
+use ported::behavior_agent::BehaviorAgent;
+use ported::interfuser::InterFuser;
+use ported::lav::Lav;
+use world::av::sensors::SensorWrapper;
+use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, Idm, OracleBrake, Predictive, RssGuarded};
+use world::env::PolicyMaker;
 
 /// All kinds of driving policies; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
@@ -28,6 +28,7 @@ pub fn kinds() -> Vec<PolicyKind> {
         PolicyKind::new(RssGuarded::signature(), RssGuarded::new),
         PolicyKind::new(Predictive::signature(), Predictive::new),
         PolicyKind::new(OracleBrake::signature(), OracleBrake::new),
+        PolicyKind::new(CarefulHuman::signature(), CarefulHuman::new),
     ]
 }
 

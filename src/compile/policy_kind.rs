@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
-use crate::av::DrivingPolicy;
-use crate::signature::{Arguments, Param, Signature, Type};
-use crate::units::Dimension;
+use base::signature::{Arguments, Param, Signature, Type};
+use base::units::Dimension;
+use world::av::DrivingPolicy;
 
 /// Makes a driving policy from checked arguments.
 pub type MakePolicy = Arc<dyn Fn(&Arguments) -> Box<dyn DrivingPolicy> + Send + Sync>;

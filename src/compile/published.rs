@@ -1,9 +1,9 @@
 use super::plan::{Published, PublishedCell, PublishedFigure};
-use crate::diagnostic::Diagnostic;
-use crate::lang::diagnostics;
-use crate::lang::hir::{Block, Declaration, Program};
-use crate::signature::{DeclarationId, Form, Param, Signature, Type};
-use crate::units::Dimension;
+use base::diagnostic::Diagnostic;
+use base::signature::{DeclarationId, Form, Param, Signature, Type};
+use base::units::Dimension;
+use lang::diagnostics;
+use lang::hir::{Block, Declaration, Program};
 
 /// The published figures that can be compared with ours: the column of `cells`, the keys of mean and spread, and its description.
 const FIGURES: [(&str, &str, &str, &str); 6] = [

@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
-use crate::lang::hir::{Block, Program};
-use crate::signature::{Arguments, DeclarationId, Value};
+use base::signature::{Arguments, DeclarationId, Value};
+use lang::hir::{Block, Program};
 
 /// A declaration and all that it refers to, directly or not.
 pub(super) fn reached(program: &Program, from: DeclarationId) -> BTreeSet<DeclarationId> {

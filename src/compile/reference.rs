@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::Catalog;
-use crate::signature::{Param, Signature};
+use base::signature::{Param, Signature};
 
 impl Catalog {
     /// The part of the language reference that lists forms, kinds, keys, events and variables, as Markdown.

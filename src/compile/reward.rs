@@ -1,6 +1,6 @@
-use crate::env::{HitClass, RewardRule};
-use crate::lang::hir::Block;
-use crate::signature::{Form, Param, Signature, Type};
+use base::signature::{Form, Param, Signature, Type};
+use lang::hir::Block;
+use world::env::{HitClass, RewardRule};
 
 /// The form `reward`.
 pub fn form() -> Form {
@@ -23,7 +23,6 @@ fn potential() -> Param {
     )
 }
 
-/// The rule.
 pub fn lower(block: &Block) -> RewardRule {
     let find = |event: &str, word: Option<&str>| {
         let found = block.clauses.iter().find(|clause| clause.event == event && clause.word == word);

@@ -31,7 +31,6 @@ impl fmt::Display for RunId {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is not the name of a run, which has eight hexadecimal digits")]
 pub struct NoRunId {
-    /// The text.
     pub text: String,
 }
 

@@ -4,17 +4,16 @@
 //! is evaluated over the bounds of its variables. A condition that is never true is a contradiction, and one that is always true
 //! is dropped. The rest is left to rejection, unless ever smaller boxes of starts show that it is never true together.
 
-use crate::diagnostic::{Diagnostic, Label, Span};
-use crate::lang::diagnostics;
-use crate::signature::{BinaryOperator, Bounds, Distribution, Formula, VariableId, Vocabulary};
-use crate::units::Dimension;
+use base::diagnostic::{Diagnostic, Label, Span};
+use base::signature::{BinaryOperator, Bounds, Distribution, Formula, VariableId, Vocabulary};
+use base::units::Dimension;
+use lang::diagnostics;
 
 /// A quantity that is drawn independently.
 #[derive(Debug, Clone)]
 pub(super) struct Drawn {
     variable: &'static str,
     dimension: Dimension,
-    /// Its distribution.
     pub distribution: Distribution,
     /// The places in the file that set its least and its greatest value.
     low: Span,
@@ -351,9 +350,9 @@ fn shown(value: f64, dimension: Dimension) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Sources;
-    use crate::env::vocabulary;
+    use base::diagnostic::Sources;
     use proptest::prelude::*;
+    use world::env::vocabulary;
 
     fn sector(vocabulary: &Vocabulary) -> Sector<'_> {
         let span = Span { source: Sources::default().add("test", ""), start: 0, end: 0 };

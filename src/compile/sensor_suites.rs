@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use crate::av::sensors::{Seam, Sector};
+use world::av::sensors::{Seam, Sector};
 
 /// A kind of sensors.
 pub struct Suite {
@@ -29,7 +29,6 @@ const fn seam(degrees: f64) -> Seam {
     Seam { facing: degrees * PI / 180.0, width: 6.0 * PI / 180.0, miss: 0.3 }
 }
 
-/// All suites.
 pub const SUITES: &[Suite] = &[
     Suite {
         name: "interfuser_suite",

@@ -1,11 +1,11 @@
 use std::f64::consts::{PI, TAU};
 
 use super::sensor_suites::{SUITES, Suite};
-use crate::av::sensors::{Field, Seam, Sector, SensorModel};
-use crate::geometry::Vector;
-use crate::lang::hir::Block;
-use crate::signature::{Form, LEAST, MOST, Param, Signature, Type};
-use crate::units::Dimension;
+use base::signature::{Form, LEAST, MOST, Param, Signature, Type};
+use base::units::Dimension;
+use lang::hir::Block;
+use world::av::sensors::{Field, Seam, Sector, SensorModel};
+use world::geometry::Vector;
 
 /// Greatest length and width of what a pedestrian is mistaken for (m): larger than any vehicle.
 const LONGEST_CONFUSED: f64 = 30.0;
@@ -162,11 +162,10 @@ fn params() -> Vec<Param> {
     ]
 }
 
-/// The model.
 pub fn lower(block: &Block) -> SensorModel {
     let arguments = &block.arguments;
     let number = |key: &str| arguments.number(key);
-    let or_any = |arguments: &crate::signature::Arguments, key: &str| match arguments.has(key) {
+    let or_any = |arguments: &base::signature::Arguments, key: &str| match arguments.has(key) {
         true => arguments.number(key),
         false => f64::INFINITY,
     };

@@ -2,14 +2,14 @@ use std::f64::consts::PI;
 
 use super::sector::{self, Sector};
 use super::{given_path, target_walk};
-use crate::diagnostic::{Diagnostic, Sources};
-use crate::env::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
-use crate::geometry::Pose;
-use crate::lang::diagnostics;
-use crate::lang::hir::{Block, Declaration};
-use crate::road::RoadOption;
-use crate::signature::{Arguments, Distribution, Form, Param, Signature, Type, Value, Vocabulary};
-use crate::units::Dimension;
+use base::diagnostic::{Diagnostic, Sources};
+use base::signature::{Arguments, Distribution, Form, Param, Signature, Type, Value, Vocabulary};
+use base::units::Dimension;
+use lang::diagnostics;
+use lang::hir::{Block, Declaration};
+use world::env::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
+use world::geometry::Pose;
+use world::road::RoadOption;
 
 /// The form `spawn`.
 pub fn form() -> Form {
@@ -70,6 +70,11 @@ pub fn form() -> Form {
             Type::Distribution { dimension: Dimension::SPEED, min: 0.0, max: 60.0 },
             "Speed of the ego at the start, such as `0 m/s`. Without it the driver is in its steady state: it has driven its lane alone up to there.",
         ),
+        Param::optional(
+            "test_speed",
+            Type::positive(Dimension::SPEED),
+            "Speed that the driver holds before the start, instead of its own: its speed limit is set so that it drives this speed. So drivers are compared at equal speeds.",
+        ),
         ego_route_param(),
         Param::optional(
             "require",
@@ -112,6 +117,11 @@ pub fn lower(
     let (bearing, distance) = (with_place("bearing"), with_place("distance"));
     let steady = !arguments.has("ego_speed");
     let at_rest = Distribution::Constant(0.0);
+    if !steady && arguments.has("test_speed") {
+        let message = "the ego has either an `ego_speed` or a `test_speed`".to_string();
+        said.push(diagnostics::contradiction(block.place("test_speed"), message).help("remove one of them"));
+        return None;
+    }
     let speed = if steady { (&at_rest, block.head) } else { with_place("ego_speed") };
     let area = arguments.choice("measure") == "area";
     let before = said.len();
@@ -169,6 +179,7 @@ pub fn lower(
             "bend" => RoadShape::Bend,
             _ => RoadShape::Any,
         },
+        test_speed: arguments.has("test_speed").then(|| arguments.number("test_speed")),
         ego_speed: if steady { EgoSpeed::Steady } else { EgoSpeed::Drawn(ego_speed) },
         heading: arguments.has("heading").then(|| arguments.distribution("heading").clone()),
         constraints,

@@ -1,12 +1,12 @@
-use crate::diagnostic::Diagnostic;
-use crate::env::{
+use base::diagnostic::Diagnostic;
+use base::signature::{Arguments, Distribution, Param, Signature, Type, Value};
+use base::units::Dimension;
+use lang::diagnostics;
+use lang::hir::Declaration;
+use world::env::{
     EgoSpeed, EgoStart, Measure, RoadShape, SpawnRule, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
-use crate::geometry::Pose;
-use crate::lang::diagnostics;
-use crate::lang::hir::Declaration;
-use crate::signature::{Arguments, Distribution, Param, Signature, Type, Value};
-use crate::units::Dimension;
+use world::geometry::Pose;
 
 /// Half the length of the longest car of the catalogue (m), for checks that do not know the car.
 const LONGEST_HALF: f64 = 2.5;
@@ -166,6 +166,7 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         distance: Distribution::Constant((slow * walk.headway).max(8.0)),
         measure: Measure::Range,
         ego_start: EgoStart::Poses(starts),
+        test_speed: None,
         ego_route: Vec::new(),
         road_shape: RoadShape::Any,
         ego_speed: EgoSpeed::Steady,

@@ -1,16 +1,16 @@
 use std::f64::consts::SQRT_2;
 use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, Sources, Span};
-use crate::geometry::{OrientedBox, Point, Pose, Vector};
-use crate::lang::diagnostics;
-use crate::lang::hir::{Block, Declaration};
-use crate::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
-use crate::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
-use crate::signature::{Form, Param, Signature, Type, Value, short};
-use crate::units::Dimension;
+use base::diagnostic::{Diagnostic, Sources, Span};
+use base::signature::{Form, Param, Signature, Type, Value, short};
+use base::units::Dimension;
+use lang::diagnostics;
+use lang::hir::{Block, Declaration};
+use world::geometry::{OrientedBox, Point, Pose, Vector};
+use world::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
+use world::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
 
-use crate::lang::Reader;
+use lang::Reader;
 
 /// Points of streets closer than this are one node (m).
 const SAME_NODE: f64 = 0.01;
@@ -389,11 +389,11 @@ fn read_map(
     let mut missing = false;
     let text = read.text(file).map_err(|error| {
         missing = error.kind() == std::io::ErrorKind::NotFound;
-        crate::lang::reason(&error)
+        lang::reason(&error)
     });
     match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
         Ok(parts) => {
-            // What has no effect is listed by `falsify map`; it is no mistake of the file.
+            // What has no effect is listed by `falsify preview`; it is no mistake of the file.
             let mistakes = parts.warnings.iter().filter(|warning| !warning.problem.is_unused());
             let warnings: Vec<String> = mistakes.map(ToString::to_string).collect();
             if !warnings.is_empty() {
@@ -481,7 +481,8 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
                 let half = (arguments.number("length") / 2.0, arguments.number("width") / 2.0);
                 all.push((child.head, OrientedBox::new(pose(arguments.value("at")), half.0, half.1)));
             }
-            _ => {}
+            "street" | "row_houses" | "crosswalk" | "speed_sign" => {}
+            other => unreachable!("checked: `{other}` is no part of a town"),
         }
     }
     all

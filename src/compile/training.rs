@@ -1,11 +1,11 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use crate::lang::hir::Declaration;
-use crate::lang::{Reader, diagnostics, reason};
-use crate::rl::{ActorCritic, PpoConfig, Schedule};
-use crate::signature::{Arguments, Form, LEAST, Param, Signature, Type};
-use crate::units::Dimension;
+use base::signature::{Arguments, Form, LEAST, Param, Signature, Type};
+use base::units::Dimension;
+use lang::hir::Declaration;
+use lang::{Reader, diagnostics, reason};
+use learn::{ActorCritic, PpoConfig, Schedule};
 
 const SCHEDULES: &[&str] = &["constant", "linear"];
 
@@ -135,8 +135,8 @@ fn params() -> Vec<Param> {
 /// The settings and the number of environments.
 pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
     let count = |key: &str| arguments.integer(key) as usize;
-    let width = |value: &crate::signature::Value| match value {
-        crate::signature::Value::Integer(width) => *width as usize,
+    let width = |value: &base::signature::Value| match value {
+        base::signature::Value::Integer(width) => *width as usize,
         other => panic!("checked: a whole number, not {other:?}"),
     };
     let schedule = |key: &str| match arguments.choice(key) {
@@ -194,8 +194,7 @@ pub fn initial(declaration: &Declaration, config: &PpoConfig, lowering: &mut Low
 mod tests {
     use super::super::Catalog;
     use super::*;
-    use crate::diagnostic::Sources;
-    use crate::lang;
+    use base::diagnostic::Sources;
 
     fn lowered(text: &str) -> (PpoConfig, usize) {
         let mut sources = Sources::default();

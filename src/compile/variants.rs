@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use super::Catalog;
 use super::reached::reached;
-use crate::diagnostic::{Diagnostic, Severity, Sources};
-use crate::lang::hir::{ParamId, Program};
-use crate::lang::{self, Checked, Matrix, diagnostics};
-use crate::signature::DeclarationId;
+use base::diagnostic::{Diagnostic, Severity, Sources};
+use base::signature::DeclarationId;
+use lang::hir::{ParamId, Program};
+use lang::{Checked, Matrix, diagnostics};
 
 /// The files checked with one combination of settings, and the campaigns that are run that way.
 pub(super) struct Variant {

@@ -1,6 +1,6 @@
-use crate::signature::{Arguments, Form, Param, Signature, Type};
-use crate::sim::VehicleBlueprint;
-use crate::units::Dimension;
+use base::signature::{Arguments, Form, Param, Signature, Type};
+use base::units::Dimension;
+use world::sim::VehicleBlueprint;
 
 /// The form `vehicle`.
 pub fn form() -> Form {

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::plan::Plan;
-use crate::diagnostic::Diagnostic;
-use crate::lang::diagnostics;
-use crate::lang::hir::{Declaration, Program};
-use crate::signature::DeclarationId;
+use base::diagnostic::Diagnostic;
+use base::signature::DeclarationId;
+use lang::diagnostics;
+use lang::hir::{Declaration, Program};
 
 /// The longest name of a combination (bytes); folders and files get this name.
 const LONGEST_CAMPAIGN: usize = 150;

@@ -1,6 +1,6 @@
 use font8x8::legacy::BASIC_LEGACY;
 
-use crate::geometry::{Point, Vector};
+use world::geometry::{Point, Vector};
 
 /// Red, green and blue.
 pub(super) type Colour = [u8; 3];

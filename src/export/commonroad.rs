@@ -11,8 +11,8 @@ use super::episode::{Actor, Motion, Shape};
 use super::lane_bounds::lane_bounds;
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, Episode, ExportError, ExportFile, Exporter, Variant};
-use crate::geometry::{OrientedBox, Point};
-use crate::road::{LaneKind, RoadIndex, Town, Waypoint};
+use world::geometry::{OrientedBox, Point};
+use world::road::{LaneKind, RoadIndex, Town, Waypoint};
 
 /// The exporter of CommonRoad scenarios.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,9 @@
 use super::ExportError;
-use crate::env::{Outcome, Scenario, Trace};
-use crate::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
-use crate::judge::Verdict;
-use crate::road::{LaneFilter, Town};
-use crate::sim::{ActorId, PedestrianBody, VehicleBlueprint};
+use world::env::{Outcome, Scenario, Trace};
+use world::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
+use world::judge::Verdict;
+use world::road::{LaneFilter, Town};
+use world::sim::{ActorId, PedestrianBody, VehicleBlueprint};
 
 /// The height of a car (m); the world is flat, so its cars have none.
 ///
@@ -31,7 +31,6 @@ pub struct Episode<'a> {
     pub scenario: &'a Scenario,
     /// The track of each actor.
     pub trace: &'a Trace,
-    /// Its outcome.
     pub outcome: &'a Outcome,
     /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<&'a Verdict>,
@@ -152,7 +151,6 @@ impl<'a> Episode<'a> {
         (tick as f64 * self.dt() * 1e9).round() as u64
     }
 
-    /// The number of ticks.
     pub(super) fn ticks(&self) -> usize {
         self.trace.vehicle(0).len().saturating_sub(1)
     }

@@ -4,9 +4,9 @@ use super::Episode;
 use super::canvas::{Canvas, Colour, circle};
 use super::episode::{Actor, Shape};
 use super::lane_bounds::lane_bounds;
-use crate::geometry::{OrientedBox, Point, Pose, Vector};
-use crate::road::{LaneKind, RoadIndex, Town, Waypoint};
-use crate::sim::ActorId;
+use world::geometry::{OrientedBox, Point, Pose, Vector};
+use world::road::{LaneKind, RoadIndex, Town, Waypoint};
+use world::sim::ActorId;
 
 /// Width and height of a frame (px); both even, as encoders want them.
 pub(super) const SIZE: [usize; 2] = [720, 480];
@@ -43,7 +43,6 @@ const INK: Colour = [32, 36, 42];
 pub(super) const COLOURS: [Colour; 11] =
     [PAPER, INK, GROUND, SIDEWALK, ROAD, MARK, HOUSE, EGO, WINDOW, TRAFFIC, PEDESTRIAN];
 
-/// A film.
 pub(super) struct Film<'a> {
     episode: &'a Episode<'a>,
     actors: Vec<Actor<'a>>,

@@ -13,9 +13,9 @@ use super::episode::{Actor, Motion, OBSTACLE_HEIGHT, Shape};
 use super::lane_bounds::lane_bounds;
 use super::recording::{Channel, ChannelId, Recording};
 use super::{Episode, ExportError, ExportFile, Exporter, Variant};
-use crate::geometry::{OrientedBox, Point};
-use crate::road::{LaneKind, RoadIndex, Town, Waypoint};
-use crate::sim::ActorId;
+use world::geometry::{OrientedBox, Point};
+use world::road::{LaneKind, RoadIndex, Town, Waypoint};
+use world::sim::ActorId;
 
 /// The exporter of recordings for Foxglove.
 #[derive(Debug, Clone, Copy)]

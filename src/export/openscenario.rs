@@ -5,20 +5,19 @@
 //! version 1.0 are written for it.
 //!
 //! # Source
-//! ASAM OpenSCENARIO XML 1.0, 1.2.0 and 1.3.0. ScenarioRunner: `srunner/tools/openscenario_parser.py`.
+//! ASAM OpenSCENARIO XML 1.0 and 1.3.0. ScenarioRunner: `srunner/tools/openscenario_parser.py`.
 
 use super::episode::{Actor, Motion, Shape};
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
-use crate::geometry::Vector;
-use crate::sim::{ActorId, VehicleBlueprint};
+use world::geometry::Vector;
+use world::sim::{ActorId, VehicleBlueprint};
 
 /// A version of the standard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Version {
     /// For CARLA's ScenarioRunner.
     V1_0,
-    V1_2,
     V1_3,
 }
 
@@ -40,7 +39,6 @@ impl Exporter for OpenScenario {
     fn name(&self) -> &'static str {
         match self.0 {
             Version::V1_0 => "xosc-1.0",
-            Version::V1_2 => "xosc-1.2",
             Version::V1_3 => "xosc-1.3",
         }
     }
@@ -48,7 +46,6 @@ impl Exporter for OpenScenario {
     fn about(&self) -> &'static str {
         match self.0 {
             Version::V1_0 => "OpenSCENARIO XML 1.0 with its OpenDRIVE map, for CARLA's ScenarioRunner",
-            Version::V1_2 => "OpenSCENARIO XML 1.2 with its OpenDRIVE map",
             Version::V1_3 => "OpenSCENARIO XML 1.3 with its OpenDRIVE map",
         }
     }
@@ -170,7 +167,6 @@ impl<'a> Storyboard<'a> {
     fn text(&self) -> String {
         let minor = match self.version {
             Version::V1_0 => 0,
-            Version::V1_2 => 2,
             Version::V1_3 => 3,
         };
         Xml::document("OpenSCENARIO", &[], |xml| {

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::diagnostic::{SourceId, Span};
-use crate::signature::{DeclarationId, Distribution};
-use crate::units::Dimension;
+use base::diagnostic::{SourceId, Span};
+use base::signature::{DeclarationId, Distribution};
+use base::units::Dimension;
 
 /// A word with its place.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +18,6 @@ pub struct Name {
 /// A file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct File {
-    /// Its source.
     pub source: SourceId,
     /// The number after `edition`, with its place.
     pub edition: Option<(f64, Span)>,
@@ -52,11 +51,9 @@ pub struct Import {
 pub struct Param {
     /// The text of its `///` lines.
     pub docs: Vec<String>,
-    /// Its name.
     pub name: Name,
     /// The word for its type.
     pub ty: Name,
-    /// Its value.
     pub value: Expression,
     /// Where it is set to that value, if not in its declaration.
     pub setting: Option<Span>,
@@ -103,27 +100,22 @@ pub enum Entry {
 /// `key: value`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Property {
-    /// The key.
     pub key: Name,
-    /// The value.
     pub value: Expression,
 }
 
 /// `on event(word) => formula`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clause {
-    /// The event.
     pub event: Name,
     /// The word in parentheses.
     pub word: Option<Name>,
-    /// The formula.
     pub formula: Expression,
 }
 
 /// An expression with its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expression {
-    /// What it is.
     pub kind: ExpressionKind,
     /// Its place.
     pub span: Span,
@@ -145,9 +137,7 @@ pub enum ExpressionKind {
     Name(String),
     /// `function(a, b)`
     Call {
-        /// The function.
         function: Name,
-        /// Its arguments.
         arguments: Vec<Expression>,
         /// The key of each argument, if it has one: a kind in place of a name has keys.
         keys: Vec<Option<Name>>,
@@ -198,4 +188,4 @@ pub enum Known {
 }
 
 /// The sign between two expressions.
-pub use crate::signature::BinaryOperator as Operator;
+pub use base::signature::BinaryOperator as Operator;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::diagnostics;
 use super::tokens::{TokenKind, tokens};
-use crate::diagnostic::{Diagnostic, SourceId, Span};
+use base::diagnostic::{Diagnostic, SourceId, Span};
 
 /// How deep brackets may nest.
 pub const MAX_DEPTH: usize = 64;

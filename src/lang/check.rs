@@ -14,9 +14,9 @@ use super::names::names_of_all;
 use super::params::{DIMENSIONS, Params, type_of};
 use super::value::{Context, plain_number, value};
 use super::{Loaded, diagnostics};
-use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
-use crate::units::{Dimension, parse_unit};
+use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
+use base::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
+use base::units::{Dimension, parse_unit};
 
 /// The results of checking, reused for further variants of the same files, which differ only in their settings.
 #[derive(Debug)]
@@ -135,7 +135,8 @@ fn key_of<'f>(word: &str, signature: &'f Signature, forms: &'f [Form]) -> Option
 
 /// Whether numbers of a type may be of this dimension.
 fn measures(ty: &Type, dimension: Dimension) -> bool {
-    ty.dimension() == Some(dimension) || matches!(ty, Type::Integer { .. }) && dimension == Dimension::RATIO
+    ty.dimension() == Some(dimension)
+        || matches!(ty, Type::Integer { .. } | Type::Ticks { .. }) && dimension == Dimension::RATIO
 }
 
 fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<DeclarationId>> {
@@ -477,8 +478,7 @@ fn counted_in_ticks(
     entries: &[Entry],
 ) -> Option<Diagnostic> {
     let default = signature.params.iter().find(|param| param.name == "tick")?.default?;
-    let counts = matches!(param.ty, Type::Integer { .. }) && param.doc.contains("icks");
-    let time = seconds(value).filter(|_| counts)?;
+    let time = seconds(value).filter(|_| matches!(param.ty, Type::Ticks { .. }))?;
     let written = entries.iter().find_map(|entry| match entry {
         Entry::Property(property) if property.key.text == "tick" => Some(&property.value),
         _ => None,

@@ -7,8 +7,8 @@ use super::library;
 use super::names::Names;
 use super::parse::parse_value;
 use super::value::{Context, value};
-use crate::diagnostic::Sources;
-use crate::signature::{Param, Type, Value, Vocabulary};
+use base::diagnostic::Sources;
+use base::signature::{Param, Type, Value, Vocabulary};
 
 /// The names that formulas may use, and the defaults that have been read with them.
 #[derive(Debug)]

@@ -3,7 +3,6 @@
 /// A section of the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mistake {
-    /// The code.
     pub code: &'static str,
     /// What it means.
     pub text: &'static str,
@@ -15,7 +14,7 @@ pub struct Mistake {
 
 /// All codes, in the order of the page.
 pub fn mistakes() -> Vec<Mistake> {
-    include_str!("../../grammar/mistakes.md").split("\n## ").skip(1).map(section).collect()
+    include_str!("grammar/mistakes.md").split("\n## ").skip(1).map(section).collect()
 }
 
 fn section(text: &'static str) -> Mistake {

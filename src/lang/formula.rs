@@ -3,14 +3,13 @@
 use super::ast::{Expression, ExpressionKind, Known, Name};
 use super::diagnostics;
 use super::names::Names;
-use crate::diagnostic::{Diagnostic, Span};
-use crate::signature::{BinaryOperator, Bounds, Formula, Function, VariableId, Vocabulary};
-use crate::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
+use base::diagnostic::{Diagnostic, Span};
+use base::signature::{BinaryOperator, Bounds, Formula, Function, VariableId, Vocabulary};
+use base::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
 
 /// The type of a formula's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sort {
-    /// A quantity.
     Quantity(Dimension),
     /// True or false.
     Truth,
@@ -111,7 +110,6 @@ impl Part {
     }
 }
 
-/// A part that is a quantity.
 struct Quantity {
     formula: Formula,
     dimension: Dimension,

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::diagnostic::{SourceId, Span};
-use crate::signature::{Arguments, DeclarationId, Formula};
+use base::diagnostic::{SourceId, Span};
+use base::signature::{Arguments, DeclarationId, Formula};
 
 /// All declarations of all files.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,9 +22,7 @@ pub type ParamId = (SourceId, usize);
 /// A parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Param {
-    /// Its id.
     pub id: ParamId,
-    /// Its name.
     pub name: String,
     /// The word for its type.
     pub ty: String,
@@ -39,7 +37,6 @@ pub struct Param {
 }
 
 impl Program {
-    /// The declaration with this id.
     pub fn get(&self, id: DeclarationId) -> &Declaration {
         &self.declarations[id.0]
     }
@@ -61,15 +58,12 @@ impl Program {
 /// One declaration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Declaration {
-    /// Its id.
     pub id: DeclarationId,
     /// The file that contains it.
     pub source: SourceId,
-    /// Its form.
     pub form: &'static str,
     /// Its kind; the form's own name when it has none.
     pub kind: &'static str,
-    /// Its name.
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
@@ -113,7 +107,6 @@ impl Block {
         self.members.iter().find(|(name, _)| *name == key).map_or(&[], |(_, spans)| spans)
     }
 
-    /// The nested blocks with this word.
     pub fn nested<'a>(&'a self, word: &'a str) -> impl Iterator<Item = &'a Block> {
         self.children.iter().filter(move |child| child.word == word)
     }
@@ -122,11 +115,9 @@ impl Block {
 /// `on event(word) => formula`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clause {
-    /// The event's name.
     pub event: &'static str,
     /// The word in parentheses.
     pub word: Option<&'static str>,
-    /// Its formula.
     pub formula: Formula,
     /// The event's place.
     pub span: Span,

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::ast::{Declaration, Entry, Expression, ExpressionKind, File, Name, Property};
 use super::suggest::nearest;
 use super::{Loaded, Matrix};
-use crate::diagnostic::{Sources, Span};
-use crate::signature::{Form, Signature, Type};
+use base::diagnostic::{Sources, Span};
+use base::signature::{Form, Signature, Type};
 
 /// The longest derived name (bytes) that is made of the keys and values themselves.
 const LONGEST: usize = 40;

@@ -4,24 +4,23 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use super::parse;
-use crate::diagnostic::{Sources, Span};
+use base::diagnostic::{Sources, Span};
 
 /// The folder in which its files are shown and import each other; it exists in no file system.
 const FOLDER: &str = "<std>";
 
-/// Its files.
 const FILES: &[(&str, &str)] = &[
-    ("carla_towns.scn", include_str!("../../scenarios/lib/carla_towns.scn")),
-    ("drivers.scn", include_str!("../../scenarios/lib/drivers.scn")),
-    ("fmvss127.scn", include_str!("../../scenarios/lib/fmvss127.scn")),
-    ("ncap.scn", include_str!("../../scenarios/lib/ncap.scn")),
-    ("paper.scn", include_str!("../../scenarios/lib/paper.scn")),
-    ("paper_tables.scn", include_str!("../../scenarios/lib/paper_tables.scn")),
-    ("pedestrians.scn", include_str!("../../scenarios/lib/pedestrians.scn")),
-    ("r152.scn", include_str!("../../scenarios/lib/r152.scn")),
-    ("rewards.scn", include_str!("../../scenarios/lib/rewards.scn")),
-    ("sensors.scn", include_str!("../../scenarios/lib/sensors.scn")),
-    ("towns.scn", include_str!("../../scenarios/lib/towns.scn")),
+    ("carla_towns.scn", include_str!("library/carla_towns.scn")),
+    ("drivers.scn", include_str!("library/drivers.scn")),
+    ("fmvss127.scn", include_str!("library/fmvss127.scn")),
+    ("ncap.scn", include_str!("library/ncap.scn")),
+    ("paper.scn", include_str!("library/paper.scn")),
+    ("paper_tables.scn", include_str!("library/paper_tables.scn")),
+    ("pedestrians.scn", include_str!("library/pedestrians.scn")),
+    ("r152.scn", include_str!("library/r152.scn")),
+    ("rewards.scn", include_str!("library/rewards.scn")),
+    ("sensors.scn", include_str!("library/sensors.scn")),
+    ("towns.scn", include_str!("library/towns.scn")),
 ];
 
 /// A declaration or a parameter of the library.

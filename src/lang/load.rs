@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use super::ast::File;
 use super::tokens::{TokenKind, tokens};
 use super::{diagnostics, library, parse};
-use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
+use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
 
 /// Reads files; the front end's only access to the outside. A function that returns a file's text is a reader.
 pub trait Reader {
@@ -37,7 +37,6 @@ impl<F: Fn(&Path) -> std::io::Result<String>> Reader for F {
 pub struct Unreadable {
     /// The file.
     pub path: PathBuf,
-    /// The reason.
     pub source: std::io::Error,
 }
 
@@ -48,7 +47,6 @@ pub struct Loaded {
     pub files: Vec<File>,
     /// The files that the user named, as opposed to imported ones.
     pub roots: Vec<SourceId>,
-    /// The diagnostics.
     pub diagnostics: Vec<Diagnostic>,
 }
 

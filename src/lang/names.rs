@@ -8,8 +8,8 @@ use super::diagnostics;
 use super::hir::ParamId;
 use super::library;
 use super::suggest::nearest;
-use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use crate::signature::{DeclarationId, Form};
+use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
+use base::signature::{DeclarationId, Form};
 
 /// The names a file can see.
 #[derive(Debug, Clone, Default)]

@@ -9,9 +9,9 @@ use super::hir::ParamId;
 use super::names::Names;
 use super::value::{Context, distributions, value};
 use super::{Loaded, diagnostics, hir};
-use crate::diagnostic::{Diagnostic, Label, SourceId, Sources, Span};
-use crate::signature::{Form, Signature, Type, Value, Vocabulary};
-use crate::units::{Dimension, parse_unit};
+use base::diagnostic::{Diagnostic, Label, SourceId, Sources, Span};
+use base::signature::{Form, Signature, Type, Value, Vocabulary};
+use base::units::{Dimension, parse_unit};
 
 /// Words for types that are dimensions.
 pub const DIMENSIONS: &[(&str, Dimension)] = &[
@@ -335,7 +335,6 @@ impl<'a> Params<'a> {
     }
 }
 
-/// The parameters that an entry names.
 fn mentioned_in(entry: &Entry, names: &Names, found: &mut Vec<ParamId>) {
     match entry {
         Entry::Property(Property { value, .. }) | Entry::Bare(value) => mentioned(value, names, found),
@@ -345,7 +344,6 @@ fn mentioned_in(entry: &Entry, names: &Names, found: &mut Vec<ParamId>) {
     }
 }
 
-/// The parameters that an expression names.
 fn mentioned(expression: &Expression, names: &Names, found: &mut Vec<ParamId>) {
     match &expression.kind {
         ExpressionKind::Name(word) => found.extend(names.param(word)),

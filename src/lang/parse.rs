@@ -10,16 +10,16 @@ use pest::iterators::Pair;
 
 use super::ast::{Entry, Expression, File, Name};
 use super::{brackets, diagnostics};
-use crate::diagnostic::{Diagnostic, SourceId, Span};
+use base::diagnostic::{Diagnostic, SourceId, Span};
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
 pub(super) mod rules {
     /// The parser made from the grammar files.
     #[derive(pest_derive::Parser)]
-    #[grammar = "../grammar/lexical.pest"]
-    #[grammar = "../grammar/scenario.pest"]
-    #[grammar = "../grammar/mistakes.pest"]
-    pub(in crate::internal::lang) struct ScenarioParser;
+    #[grammar = "grammar/lexical.pest"]
+    #[grammar = "grammar/scenario.pest"]
+    #[grammar = "grammar/mistakes.pest"]
+    pub(crate) struct ScenarioParser;
 }
 use rules::{Rule, ScenarioParser};
 

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use super::ast::{Declaration, Entry, Expression, ExpressionKind, Name, Property};
 use super::parse::parse_value;
 use super::{Loaded, diagnostics};
-use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use crate::signature::Form;
-use crate::units::{Dimension, parse_unit};
+use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
+use base::signature::Form;
+use base::units::{Dimension, parse_unit};
 
 /// The word of a block that multiplies a declaration.
 const MATRIX: &str = "matrix";
@@ -24,7 +24,6 @@ const MOST_CHECKS: usize = 300_000;
 pub struct Setting {
     /// The name of a parameter, or the words of the path to a key.
     pub path: Vec<Name>,
-    /// The value.
     pub value: Expression,
 }
 

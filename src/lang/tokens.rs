@@ -56,7 +56,6 @@ impl TokenKind {
 /// A piece of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Token {
-    /// What it is.
     pub kind: TokenKind,
     /// Its first byte.
     pub start: usize,
@@ -70,7 +69,6 @@ impl Token {
         self.start..self.end
     }
 
-    /// Its part of the text.
     pub fn text(self, text: &str) -> &str {
         &text[self.range()]
     }

@@ -11,9 +11,9 @@ use super::diagnostics;
 use super::formula::{Scope, Sort, formula};
 use super::library;
 use super::names::Names;
-use crate::diagnostic::{Diagnostic, Sources, Span};
-use crate::signature::{Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
-use crate::units::Dimension;
+use base::diagnostic::{Diagnostic, Sources, Span};
+use base::signature::{Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
+use base::units::Dimension;
 use distribution::distribution;
 pub use distribution::distributions;
 use suggested::{as_allowed, as_beside, as_difference, as_meant, otherwise, places_with_units, round_the_back};
@@ -126,7 +126,7 @@ pub(super) fn value(
             within(number, *min, *max, *dimension, span, context, diagnostics)?;
             Some(Value::Number(number))
         }
-        (Type::Integer { min, max }, _) if is_formula(expression) => {
+        (Type::Integer { min, max } | Type::Ticks { min, max }, _) if is_formula(expression) => {
             let number = quantity(expression, Dimension::RATIO, context, diagnostics)?;
             let written = context.sources.text(span);
             if number.fract() == 0.0

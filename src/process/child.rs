@@ -15,8 +15,8 @@ use nix::unistd::Pid;
 use super::descendants;
 use super::messages::Messages;
 use super::opener::Notes;
-use crate::av::Fault;
-use crate::av::external::{Link, Program};
+use world::av::Fault;
+use world::av::external::{Link, Program};
 
 /// The number of bytes of one read.
 const CHUNK: usize = 1 << 16;
@@ -62,7 +62,6 @@ pub(super) struct Child {
 }
 
 impl Child {
-    /// Starts a program.
     pub fn start(program: &Program, notes: Notes) -> io::Result<Self> {
         let mut command = Command::new(&program.words[0]);
         command.args(&program.words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());

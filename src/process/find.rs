@@ -1,7 +1,7 @@
 use std::env;
 use std::path::Path;
 
-use crate::av::external::Program;
+use world::av::external::Program;
 
 /// Programs whose first argument is a file to run, unless it is an option; a version may follow the name.
 const INTERPRETERS: [&str; 10] = ["python", "pypy", "node", "ruby", "perl", "julia", "bash", "sh", "Rscript", "php"];

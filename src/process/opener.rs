@@ -1,7 +1,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::av::Fault;
-use crate::av::external::{Link, Opener, Program};
+use world::av::Fault;
+use world::av::external::{Link, Opener, Program};
 
 /// The most notes about drivers that are printed.
 const MOST_NOTES: usize = 20;

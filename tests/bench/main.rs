@@ -6,18 +6,18 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::Arc;
 
+use base::seed::Seed;
+use compile::Plan;
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use falsify::internal::campaign::watch;
-use falsify::internal::compile::Plan;
-use falsify::internal::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
-use falsify::internal::falsifier::{Random, evaluate, train};
-use falsify::internal::judge::{NearMiss, judge};
-use falsify::internal::rl::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
-use falsify::internal::road::LaneFilter;
-use falsify::internal::seed::Seed;
 use falsify::session::{Input, Session};
+use learn::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
 use rand::RngExt;
+use results::campaign::watch;
+use world::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
+use world::falsifier::{Random, evaluate, train};
+use world::judge::{NearMiss, judge};
+use world::road::LaneFilter;
 
 fn main() {
     // The benchmark of external drivers starts this binary again as a driver.
@@ -42,7 +42,7 @@ campaign bench {
   evaluate {
     towns: [harbour]  pedestrians: [random]
     policies: [
-      behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind,
+      behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, idm, blind,
       aeb, rss, predictive, oracle, late_oracle, lav_eyed
     ]
   }
@@ -56,7 +56,7 @@ const DRIVERS: [&str; 14] = [
     "interfuser",
     "lav",
     "lav_v1",
-    "careful",
+    "idm",
     "blind",
     "aeb",
     "rss",
@@ -246,12 +246,12 @@ fn nearest_lane(bencher: Bencher<'_, '_>) {
 /// computation (`driver` below), so this is the cost of the messages. Counted in ticks of a world.
 #[divan::bench(args = ["json", "binary"], consts = [1, 8, 32, 128], sample_count = 5)]
 fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
-    use falsify::internal::av::external::{External, Program, Settings};
+    use world::av::external::{External, Program, Settings};
     let own = std::env::current_exe().expect("a bench has a file").display().to_string();
     let program = Program { words: vec![own, format!("drive-{encoding}")], folder: PathBuf::new() };
-    let opener = Arc::new(falsify::internal::process::ProcessOpener::default());
+    let opener = Arc::new(process::ProcessOpener::default());
     let settings = Settings { worlds: WORLDS, timeout: 60.0, ..Settings::default() };
-    let maker = move || -> Box<dyn falsify::internal::av::DrivingPolicy> {
+    let maker = move || -> Box<dyn world::av::DrivingPolicy> {
         Box::new(External::new(program.clone(), settings, opener.clone()))
     };
     let outside = driven_by(Arc::new(maker));
@@ -261,10 +261,10 @@ fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
 /// A small network from an ONNX file, counted in ticks of a world.
 #[divan::bench(consts = [1, 32], sample_count = 5)]
 fn onnx<const WORLDS: usize>(bencher: Bencher<'_, '_>) {
-    use falsify::internal::av::onnx::{Model, Onnx};
+    use world::av::onnx::{Model, Onnx};
     let bytes = include_bytes!("../reference/onnx/follow.onnx").to_vec();
     let model = Arc::new(Model::read(bytes).expect("the network drives"));
-    let maker = move || -> Box<dyn falsify::internal::av::DrivingPolicy> { Box::new(Onnx::new(WORLDS, model.clone())) };
+    let maker = move || -> Box<dyn world::av::DrivingPolicy> { Box::new(Onnx::new(WORLDS, model.clone())) };
     let outside = driven_by(Arc::new(maker));
     episodes_of(bencher, &outside, 32);
 }

@@ -6,8 +6,8 @@
 
 use std::time::Instant;
 
-use falsify::internal::rl::{PpoConfig, Trainer};
-use falsify::internal::seed::Seed;
+use base::seed::Seed;
+use learn::{PpoConfig, Trainer};
 
 use ped_world::{End, PedWorld, Reward, Road, Rules, Units};
 

@@ -1,4 +1,4 @@
-//! `cargo bench --no-default-features --bench worlds -- SCENARIO WORLDS SECONDS ACTIONS`: environments of the library stepped in a plain loop.
+//! `cargo bench --bench worlds -- SCENARIO WORLDS SECONDS ACTIONS`: environments of the library stepped in a plain loop.
 //!
 //! ACTIONS is a file of 32-bit floats, low byte first: the action of each world, the same in every decision. World *i* has the episodes of
 //! seed 1 + *i*. Prints one JSON object: decisions, ticks of a decision, CPU seconds of all threads. `python/benches/speed.py` compares the
@@ -9,11 +9,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use falsify::internal::compile::{Catalog, compile, episodes_seed};
-use falsify::internal::env::PedestrianEnv;
-use falsify::internal::rl::Env;
-use falsify::internal::seed::Seed;
+use base::seed::Seed;
+use compile::{Catalog, compile, episodes_seed};
+use learn::Env;
 use rayon::prelude::*;
+use world::env::PedestrianEnv;
 
 /// CPU seconds of the process; wall seconds where the system has no such count.
 #[cfg(unix)]

@@ -85,18 +85,6 @@ def frames_of(path):
     return int(path.name.split("_")[4])
 
 
-def osi(path):
-    """Reads all messages; the number of frames is in the name, and each has all actors."""
-    data, frames, place = path.read_bytes(), 0, 0
-    while place < len(data):
-        (length,) = struct.unpack_from("<I", data, place)
-        ground_truth(path, data[place + 4 : place + 4 + length], frames)
-        place += 4 + length
-        frames += 1
-    assert frames == frames_of(path), path
-    return [f"{frames} messages"]
-
-
 def recording(path):
     """All messages of an MCAP file by topic, with its summary; checksums and indexes are checked."""
     from mcap.reader import make_reader
@@ -242,7 +230,6 @@ def gif(path):
 CHECKS = [
     ("*.xosc", "qc_openscenario", openscenario),
     ("*.xodr", "qc_opendrive", opendrive),
-    ("*.osi", "osi3", osi),
     ("*_gt_*.mcap", "osi3", osi_recording),
     ("*.foxglove.mcap", "mcap", foxglove),
     ("*.gif", "struct", gif),

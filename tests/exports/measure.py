@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-FORMATS = ["xosc-1.3", "xosc-1.0", "xodr", "osi", "osi-mcap", "foxglove", "commonroad", "carla", "gif", "mp4"]
+FORMATS = ["xosc-1.3", "xosc-1.0", "xodr", "osi", "foxglove", "commonroad", "carla", "gif"]
 
 
 def kilobytes(files):

@@ -5,11 +5,11 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{Controller, PedestrianEnv, Trace};
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::WalkCommand;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use world::env::{Controller, PedestrianEnv, Trace};
+use world::sim::WalkCommand;
 
 use super::cast::{ahead, away, two_and_two};
 
@@ -52,8 +52,8 @@ campaign ticks {
   evaluate {
     towns: [village]  pedestrians: [intercept]
     policies: [
-      behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind,
-      aeb, rss, predictive, oracle, late_oracle, squinting, lav_eyed
+      behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, idm, blind,
+      aeb, rss, predictive, oracle, late_oracle, careful_human, squinting, lav_eyed
     ]
   }
 }

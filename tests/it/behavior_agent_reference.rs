@@ -6,13 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::reference;
-use falsify::internal::av::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
-use falsify::internal::av::{Actor, DrivingPolicy, Light, Perception};
-use falsify::internal::geometry::{Obstacles, Pose, Vector};
-use falsify::internal::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::{ActorId, LightColour, VehicleBlueprint};
+use base::seed::Seed;
+use ported::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
 use serde_json::Value;
+use world::av::{Actor, DrivingPolicy, Light, Perception};
+use world::geometry::{Obstacles, Pose, Vector};
+use world::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
+use world::sim::{ActorId, LightColour, VehicleBlueprint};
 
 /// Half sizes of the recorded cars and walkers (m).
 const CAR: [f64; 2] = [2.395_889_759_063_720_7, 1.081_725_001_335_144];

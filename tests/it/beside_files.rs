@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use falsify::internal::lang::Reader;
+use lang::Reader;
 
 /// Reads this text as `test.scn`, and files.
 pub struct With(pub String);

@@ -4,20 +4,20 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use falsify::internal::analysis::Approach;
-use falsify::internal::av::{DrivingMode, PerfectSensors};
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::env::{
+use base::seed::Seed;
+use base::signature::Distribution;
+use compile::{Catalog, Plan, compile};
+use learn::Env;
+use results::analysis::Approach;
+use world::av::{DrivingMode, PerfectSensors};
+use world::env::{
     ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Outcome, PedestrianEnv, PedestrianRole,
     Placed, Scenario, Trace, VehicleRole,
 };
-use falsify::internal::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate};
-use falsify::internal::geometry::{Obstacles, Pose};
-use falsify::internal::judge::{NearMiss, judge};
-use falsify::internal::rl::Env;
-use falsify::internal::seed::Seed;
-use falsify::internal::signature::Distribution;
-use falsify::internal::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
+use world::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate};
+use world::geometry::{Obstacles, Pose};
+use world::judge::{NearMiss, judge};
+use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -50,7 +50,7 @@ fn scenario(town: &str, policy: &str) -> Scenario {
             compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
         compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
     });
-    let of = |each: &&falsify::internal::compile::Evaluation| *each.town == *town && *each.policy == *policy;
+    let of = |each: &&compile::Evaluation| *each.town == *town && *each.policy == *policy;
     Scenario::clone(&PLAN.campaigns[0].evaluations.iter().find(of).unwrap().scenario)
 }
 
@@ -215,7 +215,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     // At the touch the boxes have no gap; one tick earlier they have one.
     let (ego, other) = (trace.vehicle(0), trace.vehicle(1));
     let last = ego.len() - 1;
-    let outline = |frame: &falsify::internal::env::VehicleFrame| frame.state.outline(&scenario.cast.ego.blueprint);
+    let outline = |frame: &world::env::VehicleFrame| frame.state.outline(&scenario.cast.ego.blueprint);
     assert!(outline(&ego[last]).overlaps(&outline(&other[last])));
     assert!(!outline(&ego[last - 1]).overlaps(&outline(&other[last - 1])));
 }

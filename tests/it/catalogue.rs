@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use falsify::internal::av::{DrivingMode, DrivingPolicy, Perception};
-use falsify::internal::campaign::{InMemory, Silent, run};
-use falsify::internal::compile::{Catalog, Compiled, PolicyKind, TakenKind, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::seed::{Seed, Stream};
-use falsify::internal::signature::{Param, Signature, Type};
-use falsify::internal::sim::Control;
+use base::diagnostic::Sources;
+use base::seed::{Seed, Stream};
+use base::signature::{Param, Signature, Type};
+use compile::{Catalog, Compiled, PolicyKind, TakenKind, compile};
+use results::campaign::{InMemory, Silent, run};
+use world::av::{DrivingMode, DrivingPolicy, Perception};
+use world::sim::Control;
 
 /// Always brakes with the same force.
 struct Braking {

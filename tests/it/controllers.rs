@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use falsify::internal::av::Fault;
-use falsify::internal::compile::{Campaign, Catalog, Compiled, ControllerKind, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{Ending, Outcome, Scenario};
-use falsify::internal::falsifier::{ActionMode, Homing, Simulator, TrainError, TrainedWalker, WalkPolicy, evaluate};
-use falsify::internal::process::ProcessOpener;
-use falsify::internal::rl::ActorCritic;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Campaign, Catalog, Compiled, ControllerKind, compile};
+use learn::ActorCritic;
+use process::ProcessOpener;
+use world::av::Fault;
+use world::env::{Ending, Outcome, Scenario};
+use world::falsifier::{ActionMode, Homing, Simulator, TrainError, TrainedWalker, WalkPolicy, evaluate};
 
 use crate::beside_files::With;
 use crate::program::{error, falsify, said};

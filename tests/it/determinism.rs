@@ -12,7 +12,7 @@ import "lib/towns.scn"
 training short = ppo(steps: 600, environments: 2)
 campaign twice {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
-  train { towns: [harbour] policies: [behavior, careful] rewards: [r1, r2] runs: 2 }
+  train { towns: [harbour] policies: [behavior, idm] rewards: [r1, r2] runs: 2 }
   evaluate { towns: [village] policies: [behavior, blind] pedestrians: [trained, random, intercept] episodes: 6 }
 }
 "#;
@@ -64,10 +64,10 @@ fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
 /// The digest of many episodes. It changes when the behaviour changes; a change must be intended.
 #[test]
 fn a_long_chaotic_run_has_the_digest_it_always_had() {
-    use falsify::internal::compile::{Catalog, compile};
-    use falsify::internal::falsifier::{Random, evaluate};
-    use falsify::internal::seed::Seed;
+    use base::seed::Seed;
+    use compile::{Catalog, compile};
     use std::ops::ControlFlow;
+    use world::falsifier::{Random, evaluate};
 
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/twice.scn");
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };

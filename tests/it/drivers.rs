@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use falsify::internal::av::{DrivingMode, PerfectSensors};
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::env::Scenario;
-use falsify::internal::geometry::{Obstacles, Pose};
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::{ActorStart, Contact, Start, WalkCommand, World};
+use base::seed::Seed;
+use compile::{Catalog, Plan, compile};
+use world::av::{DrivingMode, PerfectSensors};
+use world::env::Scenario;
+use world::geometry::{Obstacles, Pose};
+use world::sim::{ActorStart, Contact, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -105,14 +105,14 @@ fn they_drive_past_somebody_on_the_far_pavement() {
 #[test]
 fn nobody_gets_hit_by_the_oracle_while_it_moves() {
     let scenario = scenario("oracle");
-    let mut env = falsify::internal::env::PedestrianEnv::new(scenario, Seed::root(2));
+    let mut env = world::env::PedestrianEnv::new(scenario, Seed::root(2));
     let (mut hits, mut moving) = (0, 0);
     for episode in 0..60 {
         env.begin(episode);
         while env.outcome().is_none() {
             env.carry_out(&[env.intercept(0)]);
         }
-        if let falsify::internal::env::Ending::Collision { moving: at_speed, .. } = env.outcome().unwrap().ending {
+        if let world::env::Ending::Collision { moving: at_speed, .. } = env.outcome().unwrap().ending {
             hits += 1;
             moving += u32::from(at_speed);
         }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use falsify::internal::compile::Catalog;
-use falsify::internal::lang::functions;
-use falsify::internal::lang::tokens::{KEYWORDS, TokenKind, tokens};
-use falsify::internal::units::UNIT_NAMES;
+use base::units::UNIT_NAMES;
+use compile::Catalog;
+use lang::functions;
+use lang::tokens::{KEYWORDS, TokenKind, tokens};
 use regex::Regex;
 use serde_json::Value;
 

@@ -12,20 +12,20 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use falsify::internal::av::Fault;
-use falsify::internal::av::external::{Link, Opener, Program};
-use falsify::internal::campaign::{self, InMemory, Silent};
-use falsify::internal::compile::{Campaign, Catalog, Plan, compile};
-use falsify::internal::diagnostic::{Diagnostic, Severity, Sources};
-use falsify::internal::env::{Ending, Outcome};
-use falsify::internal::judge::Verdict;
-use falsify::internal::lang::Reader;
-use falsify::internal::rl::ActorCritic;
-use falsify::internal::seed::Seed;
-use falsify::internal::signature::{Form, Param, Signature, Type};
-use falsify::internal::units::Dimension;
+use base::diagnostic::{Diagnostic, Severity, Sources};
+use base::seed::Seed;
+use base::signature::{Form, Param, Signature, Type};
+use base::units::Dimension;
+use compile::{Campaign, Catalog, Plan, compile};
 use falsify::session::{Input, RunOptions, Session};
+use lang::Reader;
+use learn::ActorCritic;
+use results::campaign::{self, InMemory, Silent};
 use serde::Deserialize;
+use world::av::Fault;
+use world::av::external::{Link, Opener, Program};
+use world::env::{Ending, Outcome};
+use world::judge::Verdict;
 
 /// What the scenarios are made of: `tests/suite/keys.toml`.
 #[derive(Debug, Deserialize)]
@@ -298,7 +298,7 @@ fn values(ty: &Type, present: Option<&str>) -> Vec<String> {
                 |low: f64, high: f64| format!("{:?} {1} .. {2:?} {1}", low.min(high), unit(dimension), high.max(low));
             vec![range(sizes[0], sizes[1]), range(sizes[1], sizes[2]), range(sizes[0], sizes[0])]
         }
-        Type::Integer { min, max } => {
+        Type::Integer { min, max } | Type::Ticks { min, max } => {
             let known = present.and_then(|text| text.replace('_', "").parse::<i64>().ok()).unwrap_or(10);
             [known * 3, known / 3, known + 1, known / 2, 1, 2, 40].map(|size| size.clamp(*min, *max).to_string()).into()
         }

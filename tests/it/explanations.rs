@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::lang::Reader;
-use falsify::internal::lang::error_index::mistakes;
-use falsify::internal::lang::keywords::WORDS;
+use base::diagnostic::Sources;
+use compile::{Catalog, compile};
+use lang::Reader;
+use lang::error_index::mistakes;
+use lang::keywords::WORDS;
 
 /// Reads an example instead of a file, and also the files of the suite.
 struct Example {
@@ -126,7 +126,7 @@ fn words_events_and_variables_are_explained_and_the_examples_are_right() {
         assert_eq!(raised(word.example), BTreeSet::new(), "{}", word.name);
     }
     let known: BTreeSet<&str> = WORDS.iter().map(|word| word.name).collect();
-    assert!(falsify::internal::lang::distributions().all(|name| known.contains(name)));
+    assert!(lang::distributions().all(|name| known.contains(name)));
     for event in &catalog.vocabulary.events {
         assert!(explain(&[event.name]).contains(event.doc) && explain(&["on", event.name]).contains(event.doc));
     }

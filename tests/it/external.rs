@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
 
-use falsify::internal::av::Fault;
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{Outcome, Scenario};
-use falsify::internal::falsifier::{Random, TrainError, evaluate, train};
-use falsify::internal::process::ProcessOpener;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Plan, compile};
+use process::ProcessOpener;
+use world::av::Fault;
+use world::env::{Outcome, Scenario};
+use world::falsifier::{Random, TrainError, evaluate, train};
 
 use crate::program::falsify;
 
@@ -170,7 +170,7 @@ fn nothing_is_started_unless_the_user_allows_it() {
         assert_eq!(output.status.code(), Some(3), "{}", said(&output));
         assert!(said(&output).contains("error[external-not-allowed]"), "{}", said(&output));
     }
-    for arguments in [&["check", "--allow-external", "evil.scn"][..], &["map", "evil.scn"]] {
+    for arguments in [&["check", "--allow-external", "evil.scn"][..], &["preview", "--once", "evil.scn"]] {
         falsify(arguments, place.path());
     }
     assert!(!mark.exists(), "checking and drawing start nothing");
@@ -214,7 +214,7 @@ fn av_check_tells_good_drivers_from_bad_ones() {
         return;
     }
     let check = |arguments: &[&str]| {
-        let command = [&["av", "check", "--timeout", "60", "--show", "--", "python3"], arguments].concat();
+        let command = [&["check", "--timeout", "60", "--show", "--", "python3"], arguments].concat();
         let output = falsify(&command, &folder("tests/external"));
         (output.status.code(), said(&output))
     };
@@ -247,6 +247,6 @@ fn the_driver_in_cpp_compiles_and_conforms() {
         return;
     };
     assert!(compiler.status.success(), "{}", said(&compiler));
-    let output = falsify(&["av", "check", "--timeout", "60", "--", "./my_av"], place.path());
+    let output = falsify(&["check", "--timeout", "60", "--", "./my_av"], place.path());
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use falsify::internal::diagnostic::{Severity, Sources};
-use falsify::internal::lang::{format, outline, parse};
+use base::diagnostic::{Severity, Sources};
+use lang::{format, outline, parse};
 use proptest::prelude::*;
 
 use crate::shipped::shipped;
@@ -33,7 +33,7 @@ fn holds(text: &str) -> bool {
 
 #[test]
 fn every_shipped_file_is_laid_out() {
-    for file in shipped("scenarios").into_iter().chain(shipped("src/cli/templates")) {
+    for file in shipped("scenarios").into_iter().chain(shipped("src/program/cli/templates")) {
         let text = std::fs::read_to_string(&file).unwrap();
         let laid_out = format(Sources::default().add(&file, text.as_str()), &text).unwrap();
         assert!(laid_out == text, "run `falsify fmt {}`", file.display());

@@ -4,9 +4,8 @@ use std::path::Path;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::{Colour, Sources, records, render};
-use falsify::internal::lang;
+use base::diagnostic::{Colour, Sources, records, render};
+use compile::{Catalog, compile};
 use proptest::prelude::*;
 
 /// Checks a text, renders its diagnostics, lays it out, and returns the first code.
@@ -36,7 +35,7 @@ fn shipped() -> Vec<String> {
         "scenarios/first_look.scn",
         "scenarios/lib/paper.scn",
         "scenarios/lib/drivers.scn",
-        "src/cli/templates/crossing.scn",
+        "src/program/cli/templates/crossing.scn",
     ]
     .map(|path| std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap())
     .to_vec()
@@ -177,8 +176,7 @@ fn what_multiplies_is_bounded() {
     let ten = "[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]";
     let many = format!("edition 1\n{params}campaign c {{ matrix {{ p0: {ten} p1: {ten} p2: {ten} }} }}\n");
     assert_eq!(survive_in_time("many rows of much", many), Some("too-many-combinations"));
-    let runs =
-        "train { towns: [harbour, village] policies: [behavior, careful, blind] rewards: [r1, r2] runs: 10_000 }";
+    let runs = "train { towns: [harbour, village] policies: [behavior, idm, blind] rewards: [r1, r2] runs: 10_000 }";
     let keys = "vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper";
     let text = format!("edition 1\n{pieces}import \"std/towns.scn\"\n{params}campaign c {{ {keys} {runs} {runs} }}\n");
     assert!(survive_in_time("many trainings", text).is_some());

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::internal::compile::{Catalog, Plan, Training, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::falsifier::TrainingRun;
-use falsify::internal::lang::Reader;
-use falsify::internal::rl::ActorCritic;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Plan, Training, compile};
+use lang::Reader;
+use learn::ActorCritic;
+use world::falsifier::TrainingRun;
 
 use crate::program::{error, falsify, said};
 

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{PedestrianEnv, Trace};
-use falsify::internal::rl::Env;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use learn::Env;
+use world::env::{PedestrianEnv, Trace};
 
 use crate::program::{error, falsify, said};
 
@@ -19,7 +19,7 @@ adversary tested { FRAMES }
 episode short { ticks: 60  hold: 7 }
 campaign all {
   vehicle: model3  adversary: tested  spawn: ahead  episode: short
-  evaluate { towns: [harbour] policies: [careful] pedestrians: [random] }
+  evaluate { towns: [harbour] policies: [idm] pedestrians: [random] }
 }
 "#;
 

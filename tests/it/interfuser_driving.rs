@@ -3,15 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::av::interfuser::{InterFuser, Settings};
-use falsify::internal::av::{DrivingMode, DrivingPolicy, PerfectSensors};
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::Scenario;
-use falsify::internal::geometry::{Pose, Vector};
-use falsify::internal::road::LaneFilter;
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::{ActorStart, PedestrianBody, Start, WalkCommand, World};
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use ported::interfuser::{InterFuser, Settings};
+use world::av::{DrivingMode, DrivingPolicy, PerfectSensors};
+use world::env::Scenario;
+use world::geometry::{Pose, Vector};
+use world::road::LaneFilter;
+use world::sim::{ActorStart, PedestrianBody, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
 edition 1

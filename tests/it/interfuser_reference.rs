@@ -4,12 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::reference;
-use falsify::internal::av::interfuser::{
+use ported::interfuser::{
     Cell, Controller, EgoVector, Forecast, HORIZONS, Inputs, ObjectClass, ObjectMap, Settings, Sighting, Tracker,
     TrackerMode, find_detections,
 };
-use falsify::internal::geometry::Point;
 use serde_json::Value;
+use world::geometry::Point;
 
 /// The files state this value too.
 const TOLERANCE: f64 = 1e-6;

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
-use falsify::internal::lsp::{Ending, WireError, serve};
+use program::lsp::{Ending, WireError, serve};
 use serde_json::{Value, json};
 
 use crate::program::command;
@@ -51,7 +51,7 @@ impl Session {
     /// Sends a request about the position of a mark in a text.
     fn ask_at(&mut self, method: &str, uri: &str, text: &str, mark: &str) -> u64 {
         let at = text.find(mark).unwrap_or_else(|| panic!("{mark}"));
-        let (line, column) = falsify::internal::diagnostic::Lines::new(text).utf16(at);
+        let (line, column) = base::diagnostic::Lines::new(text).utf16(at);
         let position = json!({ "line": line, "character": column });
         self.ask(method, json!({ "textDocument": { "uri": uri }, "position": position }))
     }
@@ -213,7 +213,7 @@ fn what_could_stand_at_the_cursor_is_offered() {
     {
         let uri = format!("untitled:{index}");
         session.open(&uri, before);
-        let (line, column) = falsify::internal::diagnostic::Lines::new(before).utf16(before.len());
+        let (line, column) = base::diagnostic::Lines::new(before).utf16(before.len());
         let position = json!({ "line": line, "character": column });
         let params = json!({ "textDocument": { "uri": uri }, "position": position });
         wanted.push((before, some, not, session.ask("textDocument/completion", params)));
@@ -542,7 +542,7 @@ fn parameters_types_and_imported_names_are_offered() {
         let rest = if after.contains("import") { " from \"part.scn\"\n" } else { "" };
         let text = format!("{head}{after}{rest}");
         session.open(&uri, &text);
-        let (line, column) = falsify::internal::diagnostic::Lines::new(&text).utf16(head.len() + after.len());
+        let (line, column) = base::diagnostic::Lines::new(&text).utf16(head.len() + after.len());
         let position = json!({ "line": line, "character": column });
         let params = json!({ "textDocument": { "uri": uri }, "position": position });
         wanted.push((after, some, not, session.ask("textDocument/completion", params)));

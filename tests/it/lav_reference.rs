@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::reference;
-use falsify::internal::av::lav::{
+use ported::lav::{
     Blob, BlobKind, BrakeRules, Command, Controller, Detector, EgoPoint, Forecast, Overruled, Pedals, Situation,
     Verdict, Version, WalkerView,
 };
-use falsify::internal::sim::{PedestrianBody, VehicleBlueprint};
 use serde_json::Value;
+use world::sim::{PedestrianBody, VehicleBlueprint};
 
 /// Examples are rounded to nine decimals.
 const TOLERANCE: f64 = 1e-6;

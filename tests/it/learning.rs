@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::internal::compile::{Catalog, ControllerKind, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::Outcome;
-use falsify::internal::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, evaluate, train};
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, ControllerKind, compile};
+use world::env::Outcome;
+use world::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, evaluate, train};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -17,8 +17,8 @@ import "lib/towns.scn"
 training half = ppo(steps: 30_000)
 campaign learning {
   vehicle: plain_car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: half
-  train { towns: [harbour] policies: [careful] rewards: [r1] runs: 1 }
-  evaluate { towns: [harbour] policies: [careful] pedestrians: [trained] }
+  train { towns: [harbour] policies: [idm] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] policies: [idm] pedestrians: [trained] }
 }
 "#;
 

@@ -78,7 +78,7 @@ fn a_gate_does_not_pass_for_want_of_a_table() {
         for ending in ["csv", "parquet"] {
             fs::remove_file(lost.join(format!("{table}.{ending}"))).unwrap();
         }
-        let gate = ["compare", "out/small", "lost", "--fail-if", "attributable_starts_new > 0"];
+        let gate = ["compare", "out/small", "lost", "--fail-if", "fault_starts_new > 0"];
         let compared = falsify(&gate, place.path());
         assert_eq!(compared.status.code(), Some(2), "{table}: {compared:?}");
         assert!(error(&compared).contains("which the report had when it was written"), "{}", error(&compared));

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Child, Stdio};
 
+use falsify::session::{Input, Session};
 use serde_json::{Value, json};
 
 use crate::page::{Tab, balanced, browser, fits};
@@ -28,6 +29,14 @@ campaign walk {
 }
 ";
 
+/// Writes the towns of a scenario file as OpenDRIVE maps, `NAME.xodr`.
+pub fn write_maps(file: &Path, folder: &Path) {
+    let checked = Session::default().check(&Input::file(file)).unwrap();
+    for named in &checked.plan().unwrap().towns {
+        std::fs::write(folder.join(format!("{}.xodr", named.name)), export::town(&named.town).unwrap()).unwrap();
+    }
+}
+
 fn once(folder: &Path, text: &str) -> (Option<i32>, String) {
     std::fs::write(folder.join("my.scn"), text).unwrap();
     let output = command().current_dir(folder).args(["preview", "my.scn", "--once"]).output().unwrap();
@@ -38,7 +47,8 @@ fn once(folder: &Path, text: &str) -> (Option<i32>, String) {
 fn a_map_names_its_lanes_and_has_axes() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("my.scn"), SCENARIO).unwrap();
-    let drawn = command().current_dir(folder.path()).args(["map", "my.scn"]).output().unwrap();
+    write_maps(&folder.path().join("my.scn"), folder.path());
+    let drawn = command().current_dir(folder.path()).args(["preview", "corner.xodr"]).output().unwrap();
     assert!(drawn.status.success(), "{drawn:?}");
     let picture = std::fs::read_to_string(folder.path().join("corner.svg")).unwrap();
     let svg = roxmltree::Document::parse(&picture).unwrap();
@@ -179,7 +189,7 @@ fn what_a_map_has_and_no_driver_uses_is_reported() {
         r#"<OpenDRIVE><road id="1" length="100" junction="-1"><planView><geometry s="0" x="0" y="0" hdg="0" length="100"><line/></geometry></planView><lanes><laneSection s="0"><right><lane id="-1" type="driving"><width a="3.5"/></lane></right></laneSection></lanes><signals>{signs}</signals></road></OpenDRIVE>"#
     );
     std::fs::write(folder.path().join("signs.xodr"), map).unwrap();
-    let drawn = command().current_dir(folder.path()).args(["map", "signs.xodr"]).output().unwrap();
+    let drawn = command().current_dir(folder.path()).args(["preview", "signs.xodr"]).output().unwrap();
     let said = String::from_utf8(drawn.stdout).unwrap();
     assert!(drawn.status.success() && said.contains("warnings        2\n"), "{said}");
     assert!(said.contains("not used: 50 × stop sign (signal type 206)"), "{said}");

@@ -4,9 +4,9 @@
 
 use std::path::Path;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::{Colour, Sources, render};
-use falsify::internal::lang::error_index::mistakes;
+use base::diagnostic::{Colour, Sources, render};
+use compile::{Catalog, compile};
+use lang::error_index::mistakes;
 
 /// Mistakes of authors who know other languages, and the messages for them.
 const TRAPS: &[(&str, &str)] = &[
@@ -73,8 +73,8 @@ fn an_import_is_offered_where_it_can_stand() {
         ("edition 1 // the first\n", "edition 1 // the first\nimport \"std/paper.scn\"\n"),
         ("edition 1 /* the\nfirst */\n", "edition 1\nimport \"std/paper.scn\" /* the\nfirst */\n"),
         (
-            "edition 1\nimport careful from \"std/drivers.scn\" // drivers\n",
-            "edition 1\nimport careful from \"std/drivers.scn\" // drivers\nimport \"std/paper.scn\"\n",
+            "edition 1\nimport idm from \"std/drivers.scn\" // drivers\n",
+            "edition 1\nimport idm from \"std/drivers.scn\" // drivers\nimport \"std/paper.scn\"\n",
         ),
     ] {
         let text = format!("{before}{spawn}");

@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::env::{Outcome, Scenario, Trace};
-use falsify::internal::falsifier::{Natural, RecordedWalking, evaluate_noting};
-use falsify::internal::geometry::{Vector, wrap_angle};
-use falsify::internal::seed::Seed;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use world::env::{Outcome, Scenario, Trace};
+use world::falsifier::{Natural, RecordedWalking, evaluate_noting};
+use world::geometry::{Vector, wrap_angle};
 
 use crate::reference;
 

@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::Outcome;
-use falsify::internal::falsifier::{Random, evaluate};
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use world::env::Outcome;
+use world::falsifier::{Random, evaluate};
 
 use crate::beside_files::With;
 use crate::program::command;

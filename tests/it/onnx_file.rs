@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use falsify::internal::av::onnx::Model;
+use world::av::onnx::Model;
 
 fn varint(mut number: u64) -> Vec<u8> {
     let mut bytes = Vec::new();

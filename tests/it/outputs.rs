@@ -84,7 +84,6 @@ fn a_device_is_written_to_and_a_file_is_no_folder() {
     for arguments in [
         &["export", &name, "--report", "out/cut", "--as", "xosc-1.3", "--out", "cut.scn"][..],
         &["preview", "cut.scn", "--once", "--out", "cut.scn"],
-        &["map", "cut.scn", "--out", "cut.scn"],
         &["compare", "out/cut", "out/cut", "--page", "cut.scn/page.html"],
     ] {
         let output = falsify(arguments, place.path());

@@ -34,7 +34,7 @@ campaign page {
   }
   evaluate {
     towns: [harbour]
-    policies: [blind, careful]
+    policies: [blind, idm]
     pedestrians: [trained, random, intercept]
     episodes: 20
   }
@@ -61,7 +61,7 @@ campaign speeds {
   matrix { share: [0.3, 0.6, 0.9] }
   evaluate {
     towns: [harbour]
-    policies: [slow, careful]
+    policies: [slow, idm]
     pedestrians: [intercept]
     episodes: 5
   }

@@ -4,10 +4,10 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
-use falsify::internal::geometry::wrap_angle;
-use falsify::internal::rl::{Env, Step};
-use falsify::internal::seed::Stream;
+use base::seed::Stream;
+use learn::{Env, Step};
 use rand::Rng;
+use world::geometry::wrap_angle;
 
 /// The length of a tick (s).
 const TICK: f64 = 0.05;

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use falsify::internal::rl::Env;
-use falsify::internal::seed::Seed;
+use base::seed::Seed;
+use learn::Env;
 use serde_json::Value;
 
 use super::ped_world::{End, PedWorld, Reward, Road, Rules, Start, TICKS, Units, WALK};

@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, ControllerKind, Plan, compile};
-use falsify::internal::env::{Outcome, Scenario, Trace};
-use falsify::internal::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_noting};
-use falsify::internal::geometry::Obstacles;
-use falsify::internal::judge::PedestrianMotion;
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::Gait;
+use base::seed::Seed;
+use compile::{Catalog, ControllerKind, Plan, compile};
+use world::env::{Outcome, Scenario, Trace};
+use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_noting};
+use world::geometry::Obstacles;
+use world::judge::PedestrianMotion;
+use world::sim::Gait;
 
 const SCENARIO: &str = r#"
 edition 1

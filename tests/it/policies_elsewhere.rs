@@ -8,8 +8,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
-use falsify::internal::rl::{Env, FrameStack, PpoConfig, train};
-use falsify::internal::seed::Seed;
+use base::seed::Seed;
+use learn::{Env, FrameStack, PpoConfig, train};
 use serde_json::{Value, json};
 
 use super::ped_world::{End, PedWorld, Reward, Road, Rules, Units};

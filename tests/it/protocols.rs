@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::av::{DrivingMode, DrivingPolicy, Perception};
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::env::{Ending, Outcome, Scenario, TargetSide, TestCriterion, Trace};
-use falsify::internal::falsifier::{Scripted, evaluate_noting};
-use falsify::internal::geometry::Vector;
-use falsify::internal::seed::{Seed, Stream};
-use falsify::internal::sim::{Control, VehicleBlueprint};
+use base::seed::{Seed, Stream};
+use compile::{Catalog, Plan, compile};
+use world::av::{DrivingMode, DrivingPolicy, Perception};
+use world::env::{Ending, Outcome, Scenario, TargetSide, TestCriterion, Trace};
+use world::falsifier::{Scripted, evaluate_noting};
+use world::geometry::Vector;
+use world::sim::{Control, VehicleBlueprint};
 
 use crate::reference;
 
@@ -321,7 +321,7 @@ fn assert_has(test: &str, speeds: &[f64], overlaps: &[f64]) {
     let scenario = scenario(test, "blind");
     let walk = scenario.spawn.target_walk.as_ref().unwrap();
     for (speed, overlap) in speeds.iter().flat_map(|speed| overlaps.iter().map(move |overlap| (speed, overlap))) {
-        let is_it = |case: &&falsify::internal::env::TestCase| {
+        let is_it = |case: &&world::env::TestCase| {
             (case.test_speed * 3.6 - speed).abs() < 1e-9 && (case.overlap * 100.0 - overlap).abs() < 1e-9
         };
         assert_eq!(walk.cases.iter().filter(is_it).count(), 1, "{test} at {speed} km/h and {overlap} %");

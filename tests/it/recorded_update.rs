@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use falsify::internal::rl::{ActorCritic, PpoConfig, RecordedRollout, update_on_recorded};
+use learn::{ActorCritic, PpoConfig, RecordedRollout, update_on_recorded};
 use safetensors::SafeTensors;
 use serde_json::Value;
 

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use falsify::internal::judge::Recording;
 use proptest::prelude::*;
+use world::judge::Recording;
 
 use crate::program::{error, falsify};
 
@@ -32,7 +32,7 @@ fn a_recorded_touch_has_a_verdict() {
     let folder = tempfile::tempdir().unwrap();
     let found = judged(folder.path(), &crossing(8.0, 1.4, 0.05), &[]);
     assert_eq!(found["verdict"], "preventable");
-    assert_eq!((&found["foreseeable"], &found["attributable"]), (&true.into(), &true.into()));
+    assert_eq!((&found["foreseeable"], &found["fault"]), (&true.into(), &true.into()));
     assert_eq!(found["avoided_by"]["cc"], true);
     let touch = found["touch_s"].as_f64().unwrap();
     assert!((touch - (40.0 - 2.395) / 8.0).abs() < 0.05, "the bumper is 2.395 m ahead of the middle: {touch} s");

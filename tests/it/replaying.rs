@@ -80,11 +80,11 @@ fn a_report_can_be_replayed_drawn_and_verified() {
     assert_eq!(failure.status.code(), Some(0), "{failure:?}");
 
     for (arguments, moves) in
-        [(vec!["render", &name, "-o", "a.svg"], false), (vec!["render", &name, "--animate"], true)]
+        [(vec!["export", &name, "--as", "svg"], false), (vec!["export", &name, "--as", "animation"], true)]
     {
         let drawn = falsify(&arguments, here);
         assert_eq!(drawn.status.code(), Some(0), "{drawn:?}");
-        let path = here.join(String::from_utf8(drawn.stdout).unwrap().trim());
+        let path = here.join(String::from_utf8(drawn.stdout).unwrap().split_whitespace().last().unwrap());
         let page = std::fs::read_to_string(path).unwrap();
         roxmltree::Document::parse(&page).unwrap();
         assert_eq!(page.contains("<animateTransform"), moves);

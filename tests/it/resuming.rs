@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{ObservationSpec, PedestrianEnv};
-use falsify::internal::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy, train};
-use falsify::internal::rl::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::WalkCommand;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Plan, compile};
+use learn::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
+use world::env::{ObservationSpec, PedestrianEnv};
+use world::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy, train};
+use world::sim::WalkCommand;
 
 /// Short episodes with drivers that have memory and drivers that draw random numbers; settings of both kinds.
 const SCENARIO: &str = r#"
@@ -24,7 +24,7 @@ training rich = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3
                     normalize_rewards: true, learning_rate_schedule: linear, target_kl: 0.05, value_clip: 0.3)
 campaign plain {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: plain
-  train { towns: [harbour] policies: [behavior, careful] rewards: [r2] runs: 1 }
+  train { towns: [harbour] policies: [behavior, idm] rewards: [r2] runs: 1 }
 }
 reward led {
   potential: -distance / 30 m
@@ -32,7 +32,7 @@ reward led {
 }
 campaign rich {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: rich
-  train { towns: [harbour] policies: [behavior, careful] rewards: [led] runs: 1 }
+  train { towns: [harbour] policies: [behavior, idm] rewards: [led] runs: 1 }
 }
 "#;
 
@@ -134,7 +134,7 @@ fn threads_within_a_training_change_nothing() {
         let training = &campaign.trainings[0];
         let at = |workers: usize, threads: Option<usize>| -> Trained {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build().unwrap();
-            let config = falsify::internal::rl::PpoConfig { threads, ..training.config.clone() };
+            let config = learn::PpoConfig { threads, ..training.config.clone() };
             let mut go_on = |_: &_| ControlFlow::Continue(());
             pool.install(|| train(&training.scenario, 5, &config, &Seed::root(2), &mut go_on).unwrap())
         };

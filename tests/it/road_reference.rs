@@ -5,8 +5,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::reference;
-use falsify::internal::geometry::{Point, Pose, wrap_angle};
-use falsify::internal::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
+use world::geometry::{Point, Pose, wrap_angle};
+use world::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
 
 /// The required agreement, in metres and in radians.
 const TOLERANCE: f64 = 1e-3;

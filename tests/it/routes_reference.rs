@@ -5,8 +5,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::reference;
-use falsify::internal::geometry::{Point, Vector};
-use falsify::internal::road::{RoadOption, RoutePlanner, RoutePoint, Town, opendrive};
+use world::geometry::{Point, Vector};
+use world::road::{RoadOption, RoutePlanner, RoutePoint, Town, opendrive};
 
 /// The spacing of the recorded routes (m).
 const SAMPLING: f64 = 2.0;

@@ -15,8 +15,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::thread;
 
-use falsify::internal::rl::{ActorCritic, Env, PpoConfig, UpdateLog, train};
-use falsify::internal::seed::Seed;
+use base::seed::Seed;
+use learn::{ActorCritic, Env, PpoConfig, UpdateLog, train};
 use serde_json::Value;
 
 use super::ped_world::{End, PedWorld, Reward, Road, Rules, Start, Units};

@@ -50,8 +50,8 @@ fn the_main_campaigns_survive_a_smoke_run() {
 
 #[test]
 fn the_examples_in_the_documents_check() {
-    use falsify::internal::compile::{Catalog, compile};
-    use falsify::internal::diagnostic::Sources;
+    use base::diagnostic::Sources;
+    use compile::{Catalog, compile};
     let top = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut blocks = 0;
     for document in ["README.md", "grammar/README.md", "docs/src/reference/commands.md"] {
@@ -72,10 +72,10 @@ fn the_examples_in_the_documents_check() {
 
 #[test]
 fn a_matrix_over_the_eyes_of_a_driver_changes_how_it_drives() {
-    use falsify::internal::campaign::watch;
-    use falsify::internal::compile::{Catalog, compile};
-    use falsify::internal::diagnostic::Sources;
-    use falsify::internal::seed::Seed;
+    use base::diagnostic::Sources;
+    use base::seed::Seed;
+    use compile::{Catalog, compile};
+    use results::campaign::watch;
     const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -96,7 +96,7 @@ campaign looks {
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let campaigns = compiled.plan.unwrap().campaigns;
     let moving = |campaign: usize| {
-        let note = &mut |outcome: &falsify::internal::env::Outcome, _: &falsify::internal::env::Trace| {
+        let note = &mut |outcome: &world::env::Outcome, _: &world::env::Trace| {
             outcome.impact_speed().is_some_and(|speed| speed > 0.1)
         };
         let go_on = &mut |_| std::ops::ControlFlow::Continue(());

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use falsify::internal::campaign::{self, SearchResult, Silent};
-use falsify::internal::compile::{Campaign, Catalog, compile};
-use falsify::internal::report;
-use falsify::internal::seed::Seed;
+use base::seed::Seed;
+use compile::{Campaign, Catalog, compile};
+use results::campaign::{self, SearchResult, Silent};
+use results::report;
 
 const PIECES: &str = r#"
 edition 1
@@ -137,7 +137,7 @@ fn beginnings_are_shared_and_a_second_falsifier_changes_nothing_for_the_first() 
 fn searches_with_a_goal_find_what_walking_at_random_does_not() {
     let plan = campaign(
         "campaign rare { vehicle: model3 adversary: slow spawn: far_aside episode: ten_seconds training: ppo_paper
-         search { towns: [straight] policies: [careful] falsifiers: [chance, home, meet, cross, strategy, tree]
+         search { towns: [straight] policies: [idm] falsifiers: [chance, home, meet, cross, strategy, tree]
                   budget: 150_000 runs: 4 episodes: 0 } }",
     );
     let results = run(&plan);
@@ -155,7 +155,7 @@ fn searches_with_a_goal_find_what_walking_at_random_does_not() {
 
 #[test]
 fn the_cells_count_censored_runs() {
-    use falsify::internal::report::{search_cells, searches};
+    use results::report::{search_cells, searches};
     let plan = obvious("home", 2_000, 4);
     let mut results = run(&plan);
     for result in &mut results[2..] {
@@ -177,7 +177,7 @@ spawn ahead_of_a_moving_car {
 }
 episode until_passed { hold: 10  ticks: 400  end_when: ahead < -6 m }
 reward faulty {
-  on hit(attributable) => 1
+  on hit(fault) => 1
   on hit(preventable) => 0.3
   on hit(moving) => 0.1
 }
@@ -195,12 +195,11 @@ fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_be
     let results = run(&plan);
     let distinct = |result: &SearchResult| {
         let judged = result.spent.failures.iter().zip(&result.verdicts);
-        let faults = judged.filter(|(_, verdict)| verdict.as_ref().is_some_and(|verdict| verdict.is_attributable()));
+        let faults = judged.filter(|(_, verdict)| verdict.as_ref().is_some_and(|verdict| verdict.is_fault()));
         faults.map(|(failure, _)| failure.cell).collect::<std::collections::BTreeSet<_>>().len()
     };
     let controller = |result: &SearchResult| {
-        let faults =
-            result.evaluated.iter().filter(|each| each.verdict.as_ref().is_some_and(|it| it.is_attributable()));
+        let faults = result.evaluated.iter().filter(|each| each.verdict.as_ref().is_some_and(|it| it.is_fault()));
         faults.count()
     };
     let (meet, archive) = (&results[0], &results[1]);
@@ -232,6 +231,6 @@ fn every_failure_of_a_search_has_a_verdict_and_belongs_to_a_kind() {
     let table = report::searches(&results);
     let sum = |name: &str| table.column(name).unwrap().u64().unwrap().into_no_null_iter().sum::<u64>();
     assert_eq!(sum("preventable_failures"), preventable);
-    assert!(sum("attributable_failures") <= preventable && sum("distinct_preventable") <= preventable);
+    assert!(sum("faults") <= preventable && sum("distinct_preventable") <= preventable);
     assert_eq!(report::search_failures(&results).height(), failures);
 }

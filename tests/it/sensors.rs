@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex};
 
-use falsify::internal::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
-use falsify::internal::av::{Actor, ActuationDelay, DrivingMode, DrivingPolicy, Perception};
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::env::{PedestrianEnv, Scenario};
-use falsify::internal::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use falsify::internal::seed::{Seed, Stream};
-use falsify::internal::sim::{ActorId, Control};
+use base::seed::{Seed, Stream};
+use compile::{Catalog, Plan, compile};
 use rand::Rng;
+use world::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
+use world::av::{Actor, ActuationDelay, DrivingMode, DrivingPolicy, Perception};
+use world::env::{PedestrianEnv, Scenario};
+use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use world::sim::{ActorId, Control};
 
 fn plan(text: &str) -> Plan {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/sensors.scn");
@@ -120,7 +120,7 @@ fn found(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[A
 
 #[test]
 fn exact_sensors_change_no_bit_of_an_episode() {
-    let names = ["behavior", "careful", "aeb", "predictive"];
+    let names = ["behavior", "idm", "aeb", "predictive"];
     let declarations = r#"
         policy a = behavior_agent(release: "0.9.15", sensors: perfect)
         policy b = idm(time_headway: 1.5 s, sensors: perfect)

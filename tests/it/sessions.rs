@@ -7,9 +7,8 @@ use std::sync::{Arc, Mutex};
 use falsify::language::{Diagnostic, Sources};
 use falsify::results::WriteError;
 use falsify::session::{
-    CampaignOutcome, CampaignState, CheckOptions, EpisodeName, Error, Export, Input, MergeOptions, Observer,
-    RepeatOptions, Repeated, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable,
-    VerifyOptions,
+    CampaignOutcome, CampaignState, EpisodeName, Error, Export, Input, MergeOptions, Observer, RepeatOptions, Repeated,
+    ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable, VerifyOptions,
 };
 
 const SCENARIO: &str = r#"
@@ -142,7 +141,7 @@ fn errors_are_facts_with_their_data() {
     assert!(matches!(run("wrong.scn"), Err(Error::Scenario { errors: 1 })));
     assert_eq!(*heard.diagnostics.lock().unwrap(), 1);
     assert!(matches!(run("empty.scn"), Err(Error::NoCampaign { .. })));
-    let checked = session.check(&CheckOptions { input: Input::file("wrong.scn"), ..CheckOptions::default() });
+    let checked = session.check(&Input::file("wrong.scn"));
     assert_eq!(checked.unwrap().compiled.diagnostics.len(), 1);
     let maps = vec![("atlantis".to_string(), PathBuf::from("town.xodr"))];
     let mapped = session.plan(&Input { maps, ..Input::file("crossing.scn") });

@@ -3,13 +3,13 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::internal::compile::{Catalog, Training, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{PedestrianEnv, SpawnRule};
-use falsify::internal::falsifier::train;
-use falsify::internal::rl::{Env, shaping};
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Training, compile};
+use learn::{Env, shaping};
 use rand::RngExt;
+use world::env::{PedestrianEnv, SpawnRule};
+use world::falsifier::train;
 
 /// Rewards with and without a potential; a spawn whose near part is empty.
 const SCENARIO: &str = r#"
@@ -123,7 +123,7 @@ fn beginnings_widen_from_near_to_all() {
         spawns.collect()
     };
     for (width, farthest) in [(0.0, 9.3), (0.5, 19.65), (1.0, 30.0)] {
-        let apart = |(ego, walker): &(falsify::internal::geometry::Pose, falsify::internal::geometry::Pose)| {
+        let apart = |(ego, walker): &(world::geometry::Pose, world::geometry::Pose)| {
             (walker.position() - ego.position()).norm()
         };
         let found = begin(Some(width)).iter().map(apart).fold(0.0, f64::max);

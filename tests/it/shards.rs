@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use falsify::internal::campaign::{self, Shard, Task, tasks};
-use falsify::internal::compile::{Campaign, Catalog, compile};
+use compile::{Campaign, Catalog, compile};
+use results::campaign::{self, Shard, Task, tasks};
 
 use crate::program::{error, falsify, report, said};
 

@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{FirstHeading, Scenario, Spawn};
-use falsify::internal::geometry::wrap_angle;
-use falsify::internal::road::LaneFilter;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use world::env::{FirstHeading, Scenario, Spawn};
+use world::geometry::wrap_angle;
+use world::road::LaneFilter;
 
 /// The scenario of a campaign in the outline of CARLA's Town01 with this spawn.
 fn scenario(spawn: &str) -> Arc<Scenario> {

@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{Outcome, PedestrianEnv, Scenario};
-use falsify::internal::falsifier::{Intercept, Random, Simulator, WalkPolicy, evaluate};
-use falsify::internal::process::ProcessOpener;
-use falsify::internal::rl::Env;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Plan, compile};
+use learn::Env;
+use process::ProcessOpener;
+use world::env::{Outcome, PedestrianEnv, Scenario};
+use world::falsifier::{Intercept, Random, Simulator, WalkPolicy, evaluate};
 
 /// Every kind of route and of memory.
 const DRIVERS: [&str; 12] = [
@@ -20,7 +20,7 @@ const DRIVERS: [&str; 12] = [
     "lav",
     "interfuser",
     "blind",
-    "careful",
+    "idm",
     "aeb",
     "rss",
     "predictive",
@@ -113,7 +113,7 @@ fn a_longer_way_gives_the_same_speed() {
 
 #[test]
 fn a_given_speed_is_kept_and_needs_no_run_up() {
-    let outcomes = outcomes(&scenario("harbour", "ego_speed: 0 m/s", "careful"), &mut Random::default(), 4);
+    let outcomes = outcomes(&scenario("harbour", "ego_speed: 0 m/s", "idm"), &mut Random::default(), 4);
     for outcome in outcomes {
         assert_eq!((outcome.run_up, outcome.spawn.ego_speed), (0, 0.0));
     }
@@ -150,7 +150,7 @@ fn a_copy_goes_on_like_the_original() {
 
 #[test]
 fn a_start_that_is_tried_again_at_once_costs_its_run_up_once() {
-    let scenario = scenario("harbour", "", "careful");
+    let scenario = scenario("harbour", "", "idm");
     let seed = Seed::root(2);
     let once = |starts: &[u64]| {
         let mut simulator = Simulator::new(scenario.clone(), seed, 1_000_000, &|| false);
@@ -185,7 +185,7 @@ fn a_saved_episode_has_its_run_up_again() {
 
 #[test]
 fn a_search_pays_for_run_ups_and_never_exceeds_its_budget() {
-    let scenario = scenario("harbour", "", "careful");
+    let scenario = scenario("harbour", "", "idm");
     let budget = 5000;
     let mut simulator = Simulator::new(Arc::clone(&scenario), Seed::root(1), budget, &|| false);
     let (mut played, mut run_up) = (0, 0);

@@ -5,14 +5,13 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::env::{ObservationSpec, PedestrianEnv, Scenario};
-use falsify::internal::lang;
-use falsify::internal::seed::Seed;
-use falsify::internal::signature::{Form, Param, Signature, Type};
-use falsify::internal::units::Dimension;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use base::signature::{Form, Param, Signature, Type};
+use base::units::Dimension;
+use compile::{Catalog, compile};
 use proptest::prelude::*;
+use world::env::{ObservationSpec, PedestrianEnv, Scenario};
 
 /// The number of ticks of each scenario.
 const TICKS: u32 = 20;
@@ -83,7 +82,7 @@ fn value(param: &Param, a: u16, b: u16) -> Option<String> {
                     _ => format!("truncated(normal({}, {}), {} .. {})", of(b), of(b / 16), of(b / 8), of(b / 4)),
                 }
             }
-            Type::Integer { min, max } => {
+            Type::Integer { min, max } | Type::Ticks { min, max } => {
                 let offers = [*min, *max, 1, 2, 7, 1000].map(|size| size.clamp(*min, *max));
                 pick(&offers, a).to_string()
             }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use falsify::internal::campaign::{InMemory, Silent, StoppingRule, run};
-use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::record::EpisodeRow;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::StoppingRule;
+use compile::{Catalog, compile};
+use results::campaign::{InMemory, Silent, run};
+use results::record::EpisodeRow;
 
 const SCENARIO: &str = r#"
 edition 1

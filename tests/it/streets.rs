@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::internal::compile::{Campaign, Catalog, compile};
-use falsify::internal::env::{Outcome, PedestrianEnv, Scenario, Trace};
-use falsify::internal::falsifier::{Scripted, evaluate_noting};
-use falsify::internal::geometry::{OrientedBox, Point};
-use falsify::internal::judge::{Reference, judge};
-use falsify::internal::seed::Seed;
-use falsify::internal::sim::WalkCommand;
+use base::seed::Seed;
+use compile::{Campaign, Catalog, compile};
+use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use world::falsifier::{Scripted, evaluate_noting};
+use world::geometry::{OrientedBox, Point};
+use world::judge::{Reference, judge};
+use world::sim::WalkCommand;
 
 /// The campaign of a scenario whose imports are read from the folder of scenarios.
 fn campaign(text: &str) -> Campaign {
@@ -98,7 +98,7 @@ fn a_scripted_pedestrian_is_on_its_path_at_every_tick() {
 #[test]
 fn a_path_departs_after_its_delay_and_the_driver_holds_the_test_speed() {
     let spawn = format!("ego_poses: [(-100 m, -1.75 m, 0 deg)],  test_speed: 36 km/h,  {PATH},  delay: 1 s .. 4 s");
-    for policy in ["blind", "careful", "rss"] {
+    for policy in ["blind", "idm", "rss"] {
         let mut departures = Vec::new();
         for (_, trace) in scripted(&walking(&spawn, policy), 4) {
             assert!((trace.vehicle(0)[0].state.speed - 10.0).abs() < 0.3, "{policy}: {:?}", trace.vehicle(0)[0]);
@@ -167,7 +167,7 @@ fn a_target_as_a_box_is_touched_at_its_impact_point() {
 
 #[test]
 fn friction_bounds_every_driver_and_the_reference_drivers() {
-    for policy in ["behavior", "careful", "aeb", "rss", "predictive"] {
+    for policy in ["behavior", "idm", "aeb", "rss", "predictive"] {
         let slippery = protocol("cpna", "adult_target", policy, "friction: 0.3");
         let mut hardest = 0.0_f64;
         for (_, trace) in scripted(&slippery, 18) {
@@ -261,7 +261,7 @@ fn a_driver_that_heeds_crosswalks_stops_for_those_who_use_them() {
         let last = trace.vehicle(0).last().unwrap().state;
         assert!(last.speed > 1.0 || last.pose.x > 5.0, "{policy} goes on afterwards: {last:?}");
     }
-    for policy in ["careful", "aeb", "predictive"] {
+    for policy in ["idm", "aeb", "predictive"] {
         let (_, trace) = drive(&after("20 s"), policy);
         assert!(
             slowest(&trace) > 8.0,
@@ -282,8 +282,7 @@ const CROSSING: &str = "street east { through: [(-250 m, 0 m), (0 m, 0 m), (150 
 
 #[test]
 fn every_driver_takes_the_stated_turns() {
-    let drivers =
-        ["blind", "behavior", "careful", "aeb", "rss", "predictive", "oracle", "lav_ideal", "interfuser_ideal"];
+    let drivers = ["blind", "behavior", "idm", "aeb", "rss", "predictive", "oracle", "lav_ideal", "interfuser_ideal"];
     for policy in drivers {
         for (turn, start) in [("left", ""), ("straight", ""), ("right", ""), ("left", ",  ego_speed: 5 m/s")] {
             let spawn = format!(
@@ -313,8 +312,7 @@ fn every_driver_keeps_its_lane_through_a_crossing_of_wide_streets() {
              street north {{ through: [(0 m, -150 m), (0 m, 0 m), (0 m, 150 m)]  one_way: true }}"
         )
     };
-    let drivers =
-        ["blind", "behavior", "careful", "aeb", "rss", "predictive", "oracle", "lav_ideal", "interfuser_ideal"];
+    let drivers = ["blind", "behavior", "idm", "aeb", "rss", "predictive", "oracle", "lav_ideal", "interfuser_ideal"];
     // Only the inner lane leads to the left, too; the one-way street cannot be entered to the right.
     let route = "ego_route: [straight],";
     let streets =
@@ -337,12 +335,12 @@ fn every_driver_keeps_its_lane_through_a_crossing_of_wide_streets() {
 
 #[test]
 fn lights_keep_their_cycle_and_opposite_legs_share_a_turn() {
-    use falsify::internal::sim::LightColour::{self, Green, Red, Yellow};
+    use world::sim::LightColour::{self, Green, Red, Yellow};
     let town = format!("traffic_lights: true  light_turns: opposite_legs  {CROSSING}");
     let spawn = "ego_poses: [(-40 m, -1.75 m, 0 deg)],  ego_speed: 0 m/s,\n\
                  through: [(-140 m, 60 m), (-140 m, 61 m)],  speeds: [1 m/s]";
     let episode = "hold: 400  ticks: 400  light_green: 4 s  light_yellow: 2 s  light_red: 1 s  light_phase: 3.5 s";
-    let scenario = in_town(&town, spawn, episode, "careful");
+    let scenario = in_town(&town, spawn, episode, "idm");
     let lights = &scenario.town.traffic_lights;
     assert_eq!(lights.len(), 4);
     for light in lights {

@@ -7,9 +7,9 @@
 
 use std::path::{Path, PathBuf};
 
-use falsify::internal::compile::{Catalog, Overrides, compile_with};
-use falsify::internal::diagnostic::{Severity, Sources};
-use falsify::internal::lang::Reader;
+use base::diagnostic::{Severity, Sources};
+use compile::{Catalog, Overrides, compile_with};
+use lang::Reader;
 
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Clone)]
 struct Said {

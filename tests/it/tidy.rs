@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use falsify::internal::compile::Catalog;
+use compile::Catalog;
 
 use crate::program::command;
 
@@ -57,11 +57,10 @@ fn the_tables_of_reports_have_the_columns_that_their_page_explains() {
             }
         }
     }
-    let all =
-        ["cells", "comparisons", "episodes", "explanation_features", "explanations", "failure_modes", "learning_curve"];
+    let all = ["cells", "comparisons", "episodes", "explanations", "failure_modes", "learning_curve"];
     let more = [
-        "mode_accumulation",
         "mode_counts",
+        "results",
         "runs",
         "search_cells",
         "search_comparisons",
@@ -71,35 +70,6 @@ fn the_tables_of_reports_have_the_columns_that_their_page_explains() {
         "transfer",
     ];
     assert!(tables.iter().eq(all.iter().chain(&more)), "{tables:?}");
-}
-
-/// The columns of the tables before the renaming of November 2026, and their names since then: only the names changed, no order and no
-/// column. New columns may stand between them.
-#[test]
-fn columns_were_renamed_and_nothing_else() {
-    let renamed = |name: &str| match name {
-        "pedestrian" => "controller".to_string(),
-        "other_pedestrian" => "other_controller".into(),
-        "trail" => "state_hashes".into(),
-        "beginning" => "start".into(),
-        "beginnings" => "starts".into(),
-        name => {
-            let name = name.replace("failed_beginnings", "failed_starts").replace("tried_", "evaluated_");
-            name.replace("cc_2s_", "cc_attentive_")
-        }
-    };
-    let before = read("tests/reference/columns/0.1.0-2026-11-21.txt");
-    assert_eq!(before.lines().count(), 14);
-    for line in before.lines() {
-        let (table, names) = line.split_once(": ").unwrap();
-        let now = explained(table);
-        let mut left = now.iter();
-        // The side of a touch is no verdict any more.
-        let kept = names.split(',').filter(|name| *name != "walked_into_side_collisions");
-        for name in kept.map(renamed) {
-            assert!(left.any(|column| *column == name), "`{name}` of {table} is not where it was: {now:?}");
-        }
-    }
 }
 
 #[test]
@@ -120,14 +90,6 @@ fn every_code_has_a_case_in_the_suite() {
     // A text in a test file cannot show this mistake: it would have to be megabytes long.
     missing.retain(|code| *code != "too-large");
     assert!(missing.is_empty(), "tests/suite has no case for {missing:?}");
-}
-
-#[test]
-fn the_readme_names_the_two_commands_of_the_set_up() {
-    let readme = read("README.md");
-    for command in ["cargo run --locked -- run scenarios/*.scn", "cargo test --locked"] {
-        assert!(readme.lines().any(|line| line == command), "README.md does not show `{command}`");
-    }
 }
 
 /// Links between documents lead to files that exist; headings after `#` are not checked.

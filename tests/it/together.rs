@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use falsify::internal::compile::{Catalog, Plan, compile};
-use falsify::internal::diagnostic::Sources;
-use falsify::internal::falsifier::TrainingRun;
-use falsify::internal::seed::Seed;
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Plan, compile};
+use world::falsifier::TrainingRun;
 
 use crate::program::{error, falsify, report};
 
@@ -18,8 +18,8 @@ import "lib/towns.scn"
 training quick = ppo(steps: 360, steps_per_update: 30, epochs: 1, environments: 3, hidden: [8])
 campaign joint {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
-  train { towns: [harbour, village] policies: [careful, blind] rewards: [r1] runs: 1 TOGETHER }
-  evaluate { towns: [harbour, village] policies: [careful, blind] pedestrians: [trained] episodes: 6 }
+  train { towns: [harbour, village] policies: [idm, blind] rewards: [r1] runs: 1 TOGETHER }
+  evaluate { towns: [harbour, village] policies: [idm, blind] pedestrians: [trained] episodes: 6 }
 }
 "#;
 
@@ -40,9 +40,9 @@ fn a_training_is_of_each_pair_or_of_all_that_are_trained_together() {
     };
     let key = |town: &str, policy: &str, places| (town.to_string(), policy.to_string(), places);
     assert_eq!(keys("").len(), 4);
-    assert_eq!(keys("together: policies"), [key("harbour", "careful+blind", 2), key("village", "careful+blind", 2)]);
-    assert_eq!(keys("together: towns"), [key("harbour+village", "careful", 2), key("harbour+village", "blind", 2)]);
-    assert_eq!(keys("together: all"), [key("harbour+village", "careful+blind", 4)]);
+    assert_eq!(keys("together: policies"), [key("harbour", "idm+blind", 2), key("village", "idm+blind", 2)]);
+    assert_eq!(keys("together: towns"), [key("harbour+village", "idm", 2), key("harbour+village", "blind", 2)]);
+    assert_eq!(keys("together: all"), [key("harbour+village", "idm+blind", 4)]);
     let fingerprint = |together: &str| plan(together).campaigns[0].trainings[0].fingerprint;
     let all: BTreeSet<_> = ["", "together: policies", "together: towns", "together: all"].map(fingerprint).into();
     assert_eq!(all.len(), 4);
@@ -91,7 +91,7 @@ fn a_joint_pedestrian_is_evaluated_in_each_town_against_each_driver_and_reported
     };
     let one = run("one", "1");
     let cells = String::from_utf8(one[Path::new("cells.csv")].clone()).unwrap();
-    let trained = cells.lines().filter(|line| line.contains("harbour+village") && line.contains("careful+blind"));
+    let trained = cells.lines().filter(|line| line.contains("harbour+village") && line.contains("idm+blind"));
     assert_eq!(trained.count(), 4, "{cells}");
     let mut two = run("two", "2");
     let mut one = one;

@@ -204,13 +204,13 @@ fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
 }
 
 #[test]
-fn imported_towns_are_drawn_and_what_is_given_outside_is_looked_at() {
+fn towns_are_shown_where_nobody_can_be_placed_and_what_is_given_outside_is_looked_at() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.scn"), CROWDED).unwrap();
-    // No start can be placed, but the towns can be drawn.
-    let output = falsify(&["map", "a.scn"], folder.path());
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    assert!(["harbour.svg", "village.svg"].iter().all(|name| folder.path().join(name).exists()));
+    let output = falsify(&["preview", "a.scn", "--once"], folder.path());
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let page = std::fs::read_to_string(folder.path().join("a.preview.html")).unwrap();
+    assert!(page.contains("harbour") && page.contains("<svg"), "the town of the campaign is drawn");
     let shown = |setting: &str| {
         let output = falsify(&["debug", "hir", "--set", setting, "a.scn"], folder.path());
         (output.status.code(), said(&output).0)
@@ -235,7 +235,7 @@ fn every_command_shows_examples_and_is_completed() {
     let folder = tempfile::tempdir().unwrap();
     let script = said(&falsify(&["completions", "bash"], folder.path())).0;
     for command in
-        ["run", "check", "fmt", "explain", "new", "debug", "lsp", "map", "config", "merge", "status", "completions"]
+        ["run", "check", "fmt", "explain", "new", "debug", "lsp", "preview", "config", "merge", "status", "completions"]
     {
         let (help, _) = said(&falsify(&[command, "--help"], folder.path()));
         assert!(help.contains("Examples") && help.contains(&format!("falsify {command}")), "{command}: {help}");
@@ -255,5 +255,5 @@ fn the_library_inside_the_program_holds_every_file_of_the_folder() {
         .filter(|name| name.ends_with(".scn"))
         .collect();
     files.sort();
-    assert_eq!(falsify::internal::lang::library::names().collect::<Vec<_>>(), files);
+    assert_eq!(lang::library::names().collect::<Vec<_>>(), files);
 }

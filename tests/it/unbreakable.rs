@@ -81,7 +81,7 @@ fn maps_that_are_too_large_are_refused_and_the_others_are_drawn_soon() {
     ] {
         let file = format!("{name}.xodr");
         fs::write(place.path().join(&file), text).unwrap();
-        let output = small(&["map", &file], place.path());
+        let output = small(&["preview", &file], place.path());
         match refused {
             Some(reason) => {
                 assert_eq!(output.status.code(), Some(3), "{name}: {output:?}");
@@ -120,12 +120,12 @@ fn pipes_and_devices_are_refused_at_once() {
     fs::write(place.path().join("model.scn"), "edition 1\npolicy p = onnx(model: \"pipe\")\n").unwrap();
     for arguments in [
         ["check", "pipe"],
-        ["map", "pipe"],
+        ["preview", "pipe"],
         ["fmt", "pipe"],
         ["check", "import.scn"],
         ["check", "map.scn"],
         ["check", "model.scn"],
-        ["map", "/dev/zero"],
+        ["preview", "/dev/zero"],
         ["check", "/dev/zero"],
     ] {
         let output = small(&arguments, place.path());

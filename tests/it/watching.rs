@@ -242,7 +242,7 @@ fn a_training_with_more_steps_continues_a_finished_one_bit_for_bit() {
     }
 }
 
-/// The steps and values of a tag in an event file. The test of the format itself is in `rl::event_file`; this one reads wire types by hand.
+/// The steps and values of a tag in an event file. The test of the format itself is in `learn::event_file`; this one reads wire types by hand.
 fn scalars(file: &[u8], tag: &str) -> Vec<(u64, f32)> {
     fn varint(bytes: &mut &[u8]) -> u64 {
         let mut value = 0;

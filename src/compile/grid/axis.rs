@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::compile::lowering::{BuiltTown, Lowering};
-use crate::compile::{adversary, episode, reward, training, vehicle};
-use crate::env::{EpisodeRule, PedestrianRole, PolicyMaker, RewardRule, SpawnRule};
-use crate::lang::diagnostics;
-use crate::lang::hir::Block;
-use crate::rl::PpoConfig;
-use crate::signature::DeclarationId;
-use crate::sim::VehicleBlueprint;
+use crate::lowering::{BuiltTown, Lowering};
+use crate::{adversary, episode, reward, training, vehicle};
+use base::signature::DeclarationId;
+use lang::diagnostics;
+use lang::hir::Block;
+use learn::PpoConfig;
+use world::env::{EpisodeRule, PedestrianRole, PolicyMaker, RewardRule, SpawnRule};
+use world::sim::VehicleBlueprint;
 
 /// The greatest number of decisions between two updates, over all environments.
 const MOST_DECISIONS: usize = 1 << 22;

@@ -3,14 +3,14 @@ use std::sync::Arc;
 
 use super::axis::{Axis, Usual};
 use super::ground::note_towns;
-use crate::compile::RunId;
-use crate::compile::lowering::Lowering;
-use crate::compile::plan::{Campaign, ControllerKind, Evaluation, NO_REWARD, Training, TrainingKey};
-use crate::env::RewardRule;
-use crate::falsifier::Controller;
-use crate::lang::diagnostics;
-use crate::lang::hir::Block;
-use crate::signature::{DeclarationId, Value};
+use crate::RunId;
+use crate::lowering::Lowering;
+use crate::plan::{Campaign, ControllerKind, Evaluation, NO_REWARD, Training, TrainingKey};
+use base::signature::{DeclarationId, Value};
+use lang::diagnostics;
+use lang::hir::Block;
+use world::env::RewardRule;
+use world::falsifier::Controller;
 
 impl Lowering<'_> {
     pub(super) fn evaluate(
@@ -92,7 +92,6 @@ impl Lowering<'_> {
 enum Chosen {
     /// A built-in controller.
     Word(&'static str),
-    /// A declared one.
     Declared(DeclarationId, Controller),
 }
 

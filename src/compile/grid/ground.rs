@@ -3,19 +3,19 @@
 use std::sync::Arc;
 
 use super::axis::Axis;
-use crate::compile::lowering::{BuiltTown, Lowering};
-use crate::compile::plan::NamedTown;
-use crate::compile::policy;
-use crate::env::{
+use crate::lowering::{BuiltTown, Lowering};
+use crate::plan::NamedTown;
+use crate::policy;
+use base::seed::Seed;
+use base::signature::{DeclarationId, short};
+use lang::diagnostics;
+use lang::hir::Block;
+use world::env::{
     Cast, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule, TestOracle,
     VehicleRole,
 };
-use crate::judge::ReferenceOracle;
-use crate::lang::diagnostics;
-use crate::lang::hir::Block;
-use crate::seed::Seed;
-use crate::signature::{DeclarationId, short};
-use crate::sim::VehicleBlueprint;
+use world::judge::ReferenceOracle;
+use world::sim::VehicleBlueprint;
 
 /// The acceleration of free fall (m/s²).
 const GRAVITY: f64 = 9.81;

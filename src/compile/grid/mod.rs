@@ -11,9 +11,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
 use super::{policy, published};
-use crate::lang::diagnostics;
-use crate::lang::hir::{Block, Declaration};
 use axis::Usual;
+use lang::diagnostics;
+use lang::hir::{Block, Declaration};
 
 /// The greatest number of trainings, evaluations or searches of one block.
 const MOST_CELLS: usize = 200_000;

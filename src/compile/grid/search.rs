@@ -2,15 +2,15 @@ use std::sync::Arc;
 
 use super::axis::{Axis, Usual};
 use super::ground::note_towns;
-use crate::compile::lowering::Lowering;
-use crate::compile::plan::{Campaign, Search, SearchKey};
-use crate::compile::{RunId, falsifier};
-use crate::env::RewardRule;
-use crate::falsifier::Falsifier;
-use crate::lang::diagnostics;
-use crate::lang::hir::Block;
-use crate::rl::PpoConfig;
-use crate::signature::DeclarationId;
+use crate::lowering::Lowering;
+use crate::plan::{Campaign, Search, SearchKey};
+use crate::{RunId, falsifier};
+use base::signature::DeclarationId;
+use lang::diagnostics;
+use lang::hir::Block;
+use learn::PpoConfig;
+use world::env::RewardRule;
+use world::falsifier::Falsifier;
 
 /// A falsifier of a `search` block.
 struct Rival {

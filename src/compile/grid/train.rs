@@ -2,12 +2,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::axis::{Axis, Usual};
 use super::ground::{Place, note_towns};
-use crate::compile::lowering::Lowering;
-use crate::compile::plan::{Campaign, Training, TrainingKey};
-use crate::env::RewardRule;
-use crate::lang::diagnostics;
-use crate::lang::hir::Block;
-use crate::signature::DeclarationId;
+use crate::lowering::Lowering;
+use crate::plan::{Campaign, Training, TrainingKey};
+use base::signature::DeclarationId;
+use lang::diagnostics;
+use lang::hir::Block;
+use world::env::RewardRule;
 
 impl Lowering<'_> {
     /// The trainings of a `train` block; its rewards are recorded for the controllers that are evaluated later.

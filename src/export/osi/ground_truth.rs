@@ -2,10 +2,10 @@ use super::messages::{
     Base, Classification, GroundTruth, Identifier, InterfaceVersion, MovingObject, StationaryObject, Timestamp, Triple,
     VehicleAttributes,
 };
-use crate::export::Episode;
-use crate::export::episode::{Actor, CAR_HEIGHT, Motion, OBSTACLE_HEIGHT, Shape};
-use crate::geometry::OrientedBox;
-use crate::sim::ActorId;
+use crate::Episode;
+use crate::episode::{Actor, CAR_HEIGHT, Motion, OBSTACLE_HEIGHT, Shape};
+use world::geometry::OrientedBox;
+use world::sim::ActorId;
 
 /// The version of OSI.
 const VERSION: InterfaceVersion = InterfaceVersion { major: Some(3), minor: Some(8), patch: Some(0) };

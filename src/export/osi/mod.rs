@@ -1,4 +1,4 @@
-//! ASAM OSI: a trace of `GroundTruth` messages, one a tick; each after its length, or in an MCAP recording.
+//! ASAM OSI: a trace of `GroundTruth` messages, one a tick, in an MCAP recording.
 //!
 //! The descriptor in a recording has the messages and fields that a trace holds, under their names in the standard, and no others.
 //!
@@ -15,20 +15,13 @@ use prost::Message;
 use super::recording::{Channel, Recording};
 use super::{Episode, ExportError, ExportFile, Exporter, Variant, opendrive};
 
-/// The exporter of OSI traces.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Osi;
-
 /// The exporter of OSI traces in MCAP.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OsiRecording;
+pub(super) struct Osi;
 
 /// The versions of OSI and of protobuf: those of the package osi-python 3.8.0, by which the messages are tested.
 const VERSION: &str = "3.8.0";
 const PROTOBUF: &str = "7.36.2";
-
-const APPROXIMATED: &str =
-    "a pedestrian's disc is the square around it; lanes are in the map only; phases of traffic lights are left out";
 
 impl Exporter for Osi {
     fn name(&self) -> &'static str {
@@ -36,36 +29,11 @@ impl Exporter for Osi {
     }
 
     fn about(&self) -> &'static str {
-        "ASAM OSI 3.8 ground truth, a message a tick, with the OpenDRIVE map"
+        "ASAM OSI 3.8 ground truth in MCAP, a message a tick, with the OpenDRIVE map"
     }
 
     fn approximates(&self) -> &'static str {
-        APPROXIMATED
-    }
-
-    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        let map = opendrive::map_file(&episode.scenario.town)?;
-        let mut bytes = Vec::new();
-        for message in messages(episode, &map.name) {
-            // The messages of a tick are some kilobytes, so their length fits.
-            bytes.extend_from_slice(&(message.len() as u32).to_le_bytes());
-            bytes.extend_from_slice(&message);
-        }
-        Ok(vec![ExportFile { name: file_name(episode, "osi"), bytes }, map])
-    }
-}
-
-impl Exporter for OsiRecording {
-    fn name(&self) -> &'static str {
-        "osi-mcap"
-    }
-
-    fn about(&self) -> &'static str {
-        "the same ground truth as an OSI trace in MCAP"
-    }
-
-    fn approximates(&self) -> &'static str {
-        APPROXIMATED
+        "a pedestrian's disc is the square around it; lanes are in the map only; phases of traffic lights are left out"
     }
 
     fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
@@ -97,7 +65,7 @@ impl Exporter for OsiRecording {
         for (tick, message) in messages(episode, &map.name).enumerate() {
             recording.message(channel, episode.nanos(tick), &message);
         }
-        Ok(vec![ExportFile { name: file_name(episode, "mcap"), bytes: recording.finish() }, map])
+        Ok(vec![ExportFile { name: file_name(episode), bytes: recording.finish() }, map])
     }
 }
 
@@ -108,8 +76,8 @@ fn messages(episode: &Episode, map: &str) -> impl Iterator<Item = Vec<u8>> {
 }
 
 /// A file's name as the standard recommends it: time, type, versions of OSI and protobuf, frames, name.
-fn file_name(episode: &Episode, extension: &str) -> String {
+fn file_name(episode: &Episode) -> String {
     let [osi, protobuf] = [VERSION, PROTOBUF].map(|version| version.replace('.', ""));
     let frames = episode.ticks() + 1;
-    format!("20261122T000000Z_gt_{osi}_{protobuf}_{frames}_{}.{extension}", episode.stem())
+    format!("20261122T000000Z_gt_{osi}_{protobuf}_{frames}_{}.mcap", episode.stem())
 }

@@ -12,7 +12,7 @@ pub use worlds::*;
 
 use super::foreign_names::own_word;
 use super::suggest::nearest;
-use crate::diagnostic::{Diagnostic, Span};
+use base::diagnostic::{Diagnostic, Span};
 
 /// The greatest number of words of a list that is shown; a hostile file may have any number.
 const MOST_SHOWN: usize = 40;
@@ -34,7 +34,7 @@ fn cut(word: &str) -> std::borrow::Cow<'_, str> {
 }
 
 /// A name with its article; a name that starts with a quote or `one of` has none.
-pub(in crate::internal::lang) fn one(thing: impl std::fmt::Display) -> String {
+pub(crate) fn one(thing: impl std::fmt::Display) -> String {
     let thing = thing.to_string();
     match thing.chars().next() {
         Some('`') => thing,

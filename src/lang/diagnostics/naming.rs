@@ -3,9 +3,9 @@
 use super::super::foreign_names::own_word;
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
-use crate::diagnostic::{Diagnostic, Span};
-use crate::lang::ast::Name;
-use crate::signature::Param;
+use crate::ast::Name;
+use base::diagnostic::{Diagnostic, Span};
+use base::signature::Param;
 
 /// An import names something that the file does not declare.
 pub fn unknown_import<'a>(span: Span, word: &str, path: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 
 use super::super::suggest::nearest;
 use super::super::{library, reason};
-use crate::diagnostic::{Diagnostic, Span};
+use base::diagnostic::{Diagnostic, Span};
 
 /// A statement has no shape the grammar knows.
 pub fn syntax(span: Span, text: String) -> Diagnostic {
@@ -122,7 +122,7 @@ pub fn missing_braces(span: Span) -> Diagnostic {
 }
 
 /// The label of an opening bracket.
-pub(in crate::internal::lang) const OPENED: &str = "opened here";
+pub(crate) const OPENED: &str = "opened here";
 
 /// A closing bracket meets another kind of opening one.
 pub fn mismatched_bracket(span: Span, opening: Span, bracket: char) -> Diagnostic {

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use super::super::foreign_names::own_unit;
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
-use crate::diagnostic::{Diagnostic, Fix, Label, Span};
-use crate::signature::{Param, Type, short};
-use crate::units::{Dimension, parse_unit};
+use base::diagnostic::{Diagnostic, Fix, Label, Span};
+use base::signature::{Param, Type, short};
+use base::units::{Dimension, parse_unit};
 
 /// A value has another type than its key.
 pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
@@ -363,7 +363,6 @@ pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
     unknown("unknown-event", span, format!("unknown event `{}`", cut(word)), word, known.iter().copied())
 }
 
-/// An event's word is unknown.
 pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -> Diagnostic {
     unknown(
         "unknown-event-word",

@@ -1,6 +1,6 @@
 //! Errors of the described world: maps, towns, starts, external drivers, values that contradict each other.
 
-use crate::diagnostic::{Diagnostic, Span};
+use base::diagnostic::{Diagnostic, Span};
 
 /// A map file cannot be used.
 pub fn unusable_map(span: Span, path: &str, reason: &str) -> Diagnostic {
@@ -60,7 +60,7 @@ pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
     for warning in warnings.iter().take(3) {
         diagnostic = diagnostic.help(warning.clone());
     }
-    diagnostic.help(format!("`falsify map {path}` lists them all"))
+    diagnostic.help(format!("`falsify preview {path}` lists them all"))
 }
 
 /// No pedestrian can be placed at the start of an episode.

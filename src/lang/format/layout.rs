@@ -4,9 +4,9 @@ use super::marks::marks;
 use super::printer::{Doc, print};
 use super::tokens::{Token, tokens};
 use super::tree::{Item, Member, Node, Tree};
-use crate::diagnostic::{Diagnostic, Severity, SourceId};
-use crate::lang::parse;
-use crate::lang::tokens::TokenKind;
+use crate::parse;
+use crate::tokens::TokenKind;
+use base::diagnostic::{Diagnostic, Severity, SourceId};
 
 /// Columns per line.
 const WIDTH: usize = 120;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use pest::Parser;
 use pest::iterators::Pair;
 
-use crate::lang::parse::rules::{Rule, ScenarioParser};
+use crate::parse::rules::{Rule, ScenarioParser};
 
 /// The parser's information about places in a text.
 #[derive(Debug, Default)]

@@ -1,14 +1,12 @@
 //! Tokens with the properties that a layout needs: line ends, and the statements and blocks that the parser found.
 
 use super::marks::Marks;
-use crate::lang::tokens::{self, TokenKind};
+use crate::tokens::{self, TokenKind};
 
 /// A token that is no blank.
 #[derive(Debug, Clone, Copy)]
 pub struct Token<'a> {
-    /// Its text.
     pub text: &'a str,
-    /// What it is.
     pub kind: TokenKind,
     /// Whether it is a sign before a value, as in `-3 m`.
     pub prefix: bool,

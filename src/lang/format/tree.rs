@@ -1,14 +1,13 @@
 //! Tokens → statements, blocks and brackets.
 
 use super::tokens::Token;
-use crate::lang::tokens::TokenKind;
+use crate::tokens::TokenKind;
 
 /// An item of a file or a block.
 #[derive(Debug)]
 pub enum Item<'a> {
     /// A comment or a `///` line.
     Aside(Token<'a>),
-    /// A statement.
     Statement {
         /// Its parts.
         nodes: Vec<Node<'a>>,
@@ -26,7 +25,6 @@ pub enum Node<'a> {
     Token(Token<'a>),
     /// A pair of brackets with members between commas.
     Bracket {
-        /// The opening one.
         open: Token<'a>,
         /// The members between.
         members: Vec<Member<'a>>,
@@ -58,7 +56,6 @@ pub struct Tree<'a, 'b> {
 }
 
 impl<'a, 'b> Tree<'a, 'b> {
-    /// All items of a file.
     pub fn file(tokens: &'b [Token<'a>]) -> Vec<Item<'a>> {
         Self { tokens, at: 0 }.items()
     }

@@ -6,12 +6,12 @@ use pest::iterators::{Pair, Pairs};
 
 use super::rules::Rule;
 use super::{Reader, inner_text, read_number};
-use crate::diagnostic::Span;
-use crate::lang::ast::{Entry, Expression, ExpressionKind, Name, Operator};
-use crate::lang::diagnostics;
-use crate::lang::formula::is_function;
-use crate::lang::value::distributions;
-use crate::signature::short;
+use crate::ast::{Entry, Expression, ExpressionKind, Name, Operator};
+use crate::diagnostics;
+use crate::formula::is_function;
+use crate::value::distributions;
+use base::diagnostic::Span;
+use base::signature::short;
 
 /// Greatest number of terms and operators of one expression; later phases walk it recursively.
 const MAX_TERMS: usize = 500;

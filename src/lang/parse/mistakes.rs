@@ -4,10 +4,10 @@ use pest::iterators::Pair;
 
 use super::Reader;
 use super::rules::Rule;
-use crate::diagnostic::Span;
-use crate::lang::ast::{Expression, ExpressionKind, Known};
-use crate::lang::diagnostics;
-use crate::lang::tokens::{TokenKind, tokens};
+use crate::ast::{Expression, ExpressionKind, Known};
+use crate::diagnostics;
+use crate::tokens::{TokenKind, tokens};
+use base::diagnostic::Span;
 
 const COLON: &str = "a key is followed by `:`";
 const ARROW: &str = "an event is followed by `=>`";

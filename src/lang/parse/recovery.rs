@@ -9,11 +9,11 @@ use pest::iterators::Pair;
 
 use super::rules::{Rule, ScenarioParser};
 use super::{Reader, names_of, unread_arguments};
-use crate::diagnostic::{Diagnostic, Span};
-use crate::lang::ast::{Expression, ExpressionKind, File, Known};
-use crate::lang::brackets::unbraced;
-use crate::lang::diagnostics;
-use crate::lang::tokens::{Token, TokenKind, words};
+use crate::ast::{Expression, ExpressionKind, File, Known};
+use crate::brackets::unbraced;
+use crate::diagnostics;
+use crate::tokens::{Token, TokenKind, words};
+use base::diagnostic::{Diagnostic, Span};
 
 /// The greatest number of error nodes that are parsed again for the place of the error; a file with more is not a scenario.
 const MOST_REREAD: usize = 1000;

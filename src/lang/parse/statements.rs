@@ -4,12 +4,10 @@ use pest::iterators::Pair;
 
 use super::rules::Rule;
 use super::{Reader, inner_text, names_of, read_number, words_of};
-use crate::diagnostic::Span;
-use crate::lang::ast::{
-    Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Known, Name, Param, Property,
-};
-use crate::lang::diagnostics;
-use crate::lang::params::{is_type, type_of};
+use crate::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Known, Name, Param, Property};
+use crate::diagnostics;
+use crate::params::{is_type, type_of};
+use base::diagnostic::Span;
 
 /// The form whose values are lists of alternatives.
 const MATRIX: &str = "matrix";

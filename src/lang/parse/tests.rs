@@ -1,6 +1,6 @@
 use super::*;
-use crate::diagnostic::Sources;
-use crate::lang::tokens::{self, TokenKind};
+use crate::tokens::{self, TokenKind};
+use base::diagnostic::Sources;
 use proptest::prelude::*;
 
 /// Lines of scenarios, and some that join two statements or split one.
@@ -112,7 +112,7 @@ proptest! {
 
 #[test]
 fn tokens_are_the_leaves_of_every_scenario_and_section() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut read = 0;
     for folder in ["scenarios", "scenarios/lib", "tests/suite", "tests/bench"] {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {

@@ -2,12 +2,12 @@
 
 use super::suggested::{as_beside, as_dashed_range, describe};
 use super::{Context, ends, is_formula, quantity, within};
-use crate::diagnostic::{Diagnostic, Span};
-use crate::lang::ast::{Expression, ExpressionKind, Known};
-use crate::lang::diagnostics;
-use crate::lang::formula::is_function;
-use crate::signature::{Distribution, LEAST, MOST, Type};
-use crate::units::Dimension;
+use crate::ast::{Expression, ExpressionKind, Known};
+use crate::diagnostics;
+use crate::formula::is_function;
+use base::diagnostic::{Diagnostic, Span};
+use base::signature::{Distribution, LEAST, MOST, Type};
+use base::units::Dimension;
 
 /// The functions that make distributions, with their arguments.
 const DISTRIBUTIONS: &[(&str, &str)] = &[

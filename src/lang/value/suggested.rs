@@ -3,13 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Context;
-use crate::diagnostic::{Diagnostic, Fix, Span};
-use crate::lang::ast::{Expression, ExpressionKind, Known, Operator};
-use crate::lang::diagnostics;
-use crate::lang::foreign_names::own_word;
-use crate::lang::suggest::nearest;
-use crate::signature::{Distribution, Type, short};
-use crate::units::{Dimension, parse_unit};
+use crate::ast::{Expression, ExpressionKind, Known, Operator};
+use crate::diagnostics;
+use crate::foreign_names::own_word;
+use crate::suggest::nearest;
+use base::diagnostic::{Diagnostic, Fix, Span};
+use base::signature::{Distribution, Type, short};
+use base::units::{Dimension, parse_unit};
 
 /// The greatest number of names that a word is compared with.
 const MOST_COMPARED: usize = 200;

@@ -1,5 +1,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    falsify::internal::fuzzing::policy(bytes);
+    program::fuzzing::policy(bytes);
 });

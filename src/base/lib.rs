@@ -1,0 +1,9 @@
+//! What every package needs and no package owns: named random streams, units, signatures of kinds, diagnostics with their source line, statistics, files that appear whole.
+
+pub mod diagnostic;
+pub mod contained;
+pub mod files;
+pub mod units;
+pub mod signature;
+pub mod seed;
+pub mod statistics;

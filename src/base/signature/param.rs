@@ -1,0 +1,215 @@
+use crate::units::Dimension;
+
+/// The least positive value, in SI: smaller divisors give quotients that are too large to use.
+pub const LEAST: f64 = 1e-12;
+/// The greatest absolute value of a quantity of any size, in SI.
+pub const MOST: f64 = 1e9;
+
+/// The type of a value in the language.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Type {
+    /// One number with a dimension; bounds are in SI and inclusive.
+    Quantity {
+        dimension: Dimension,
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
+    /// `low .. high`, low not above high; bounds are in SI and inclusive.
+    Range {
+        /// The dimension of both ends.
+        dimension: Dimension,
+        /// Least value of the low end.
+        min: f64,
+        /// Greatest value of the high end.
+        max: f64,
+    },
+    /// A distribution of a quantity: a value, a range, `truncated(normal(mean, deviation), low .. high)`, `choice(a, b)`,
+    /// `weighted((2, a), (1, b))`; bounds are in SI and inclusive.
+    Distribution {
+        dimension: Dimension,
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
+    /// A whole number without unit, in inclusive bounds.
+    Integer {
+        /// Least value.
+        min: i64,
+        /// Greatest value.
+        max: i64,
+    },
+    /// A whole number of ticks, in inclusive bounds.
+    Ticks {
+        /// Least value.
+        min: i64,
+        /// Greatest value.
+        max: i64,
+    },
+    /// `true` or `false`.
+    Boolean,
+    /// One of these words, bare or in quotes.
+    Choice(&'static [&'static str]),
+    /// One of these words, as a step of a sequence: a list may have it several times.
+    Step(&'static [&'static str]),
+    /// A text in quotes.
+    Text,
+    /// A file's path in quotes, relative to the folder of the file that names it.
+    Path,
+    /// `(x, y)`, two lengths.
+    Point,
+    /// `(x, y, yaw)`, two lengths and an angle.
+    Pose,
+    /// The name of a declaration of this form.
+    Reference(&'static str),
+    /// One of these words, bare or in quotes, or the name of a declaration of this form.
+    WordOrReference(&'static [&'static str], &'static str),
+    /// `[a, b, …]` with at least one member; a single value may be written without brackets.
+    List(Box<Type>),
+    /// A condition over the variables that have a value at this event of the vocabulary.
+    Condition(&'static str),
+    /// A plain number over the variables that have a value at this event of the vocabulary.
+    Formula(&'static str),
+}
+
+impl Type {
+    /// The dimension of a value's numbers; none for values without such numbers.
+    pub fn dimension(&self) -> Option<Dimension> {
+        match self {
+            Self::Quantity { dimension, .. } | Self::Range { dimension, .. } | Self::Distribution { dimension, .. } => {
+                Some(*dimension)
+            }
+            Self::Point | Self::Pose => Some(Dimension::LENGTH),
+            Self::List(inner) => inner.dimension(),
+            _ => None,
+        }
+    }
+
+    /// A quantity of any size.
+    pub fn any(dimension: Dimension) -> Self {
+        Self::Quantity { dimension, min: f64::NEG_INFINITY, max: f64::INFINITY }
+    }
+
+    /// A quantity that is not negative.
+    pub fn non_negative(dimension: Dimension) -> Self {
+        Self::Quantity { dimension, min: 0.0, max: MOST }
+    }
+
+    /// A quantity above zero.
+    pub fn positive(dimension: Dimension) -> Self {
+        Self::Quantity { dimension, min: LEAST, max: MOST }
+    }
+
+    /// A plain number from 0 to 1.
+    pub fn share() -> Self {
+        Self::Quantity { dimension: Dimension::RATIO, min: 0.0, max: 1.0 }
+    }
+
+    /// Its name for users, with its bounds if it has any.
+    pub fn describe_bounded(&self) -> String {
+        match self {
+            Type::Quantity { dimension, min, max }
+            | Type::Range { dimension, min, max }
+            | Type::Distribution { dimension, min, max }
+                if *min > f64::NEG_INFINITY || *max < f64::INFINITY =>
+            {
+                format!("{}, {}", self.describe(), bounds(*min, *max, *dimension))
+            }
+            Type::List(item) => format!("list, each {}", item.describe_bounded()),
+            other => other.describe(),
+        }
+    }
+
+    /// Its name for users.
+    pub fn describe(&self) -> String {
+        match self {
+            Type::Quantity { dimension, .. } => with_units(*dimension, &dimension.to_string()),
+            Type::Range { dimension, .. } => with_units(*dimension, &format!("range of {dimension}")),
+            Type::Distribution { dimension, .. } => {
+                with_units(*dimension, &format!("{dimension}, range or distribution"))
+            }
+            Type::Integer { min, max } if *max == i64::MAX => format!("whole number from {min}"),
+            Type::Integer { min, max } | Type::Ticks { min, max } => format!("whole number from {min} to {max}"),
+            Type::Boolean => "`true` or `false`".into(),
+            Type::Choice(words) | Type::Step(words) => format!("one of {}", words.join(", ")),
+            Type::Text => "text in quotes".into(),
+            Type::Path => "path in quotes".into(),
+            Type::Point => "point `(x, y)`".into(),
+            Type::Pose => "pose `(x, y, yaw)`".into(),
+            Type::Reference(form) if form.starts_with(['a', 'e', 'i', 'o']) => format!("name of an {form}"),
+            Type::Reference(form) => format!("name of a {form}"),
+            Type::WordOrReference(words, form) => format!("one of {}, or the name of a {form}", words.join(", ")),
+            Type::List(item) => format!("list, each {}", item.describe()),
+            Type::Condition(_) => "condition".into(),
+            Type::Formula(_) => "formula of a plain number".into(),
+        }
+    }
+}
+
+/// Bounds in SI as a user would write them.
+pub fn bounds(min: f64, max: f64, dimension: Dimension) -> String {
+    // Bounds are shown in degrees for angles, as a user would write them.
+    let (scale, name) = match dimension {
+        Dimension::RATIO => (1.0, ""),
+        Dimension::ANGLE => (std::f64::consts::PI / 180.0, " deg"),
+        _ => (1.0, dimension.usual_units().first().copied().unwrap_or("")),
+    };
+    let shown = |bound: f64| format!("{} {}", short(bound / scale), name.trim()).trim().to_string();
+    match (min, max) {
+        (LEAST, max) if max >= MOST => format!("above {}", shown(0.0)),
+        (LEAST, max) => format!("above {}, at most {}", shown(0.0), shown(max)),
+        (min, max) if max >= MOST => format!("{} or more", shown(min)),
+        (min, max) if min <= -MOST => format!("{} or less", shown(max)),
+        (min, max) => format!("{} to {}", shown(min), shown(max)),
+    }
+}
+
+/// A number with few digits.
+pub fn short(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-4..1e7).contains(&size) {
+        format!("{number:e}")
+    } else {
+        format!("{}", (number * 1e9).round() / 1e9)
+    }
+}
+
+fn with_units(dimension: Dimension, name: &str) -> String {
+    match dimension.usual_units() {
+        [] => name.to_string(),
+        units => format!("{name} [{}]", units.join(", ")),
+    }
+}
+
+/// A key of a form or kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Param {
+    /// The key.
+    pub name: &'static str,
+    /// The type of its value.
+    pub ty: Type,
+    /// The value when the key is not given, as written in a file. `None` when the key is required, and `Some("")`
+    /// when it is optional and then absent.
+    pub default: Option<&'static str>,
+    /// One sentence for the reference.
+    pub doc: &'static str,
+}
+
+impl Param {
+    /// A required key.
+    pub fn required(name: &'static str, ty: Type, doc: &'static str) -> Self {
+        Self { name, ty, default: None, doc }
+    }
+
+    /// A key with a default, written as in a file.
+    pub fn with_default(name: &'static str, ty: Type, default: &'static str, doc: &'static str) -> Self {
+        Self { name, ty, default: Some(default), doc }
+    }
+
+    /// An optional key.
+    pub fn optional(name: &'static str, ty: Type, doc: &'static str) -> Self {
+        Self { name, ty, default: Some(""), doc }
+    }
+}

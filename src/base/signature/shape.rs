@@ -1,0 +1,101 @@
+use super::Param;
+use crate::units::Dimension;
+
+/// A kind, or a block: a name, its keys, and the blocks that may stand inside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signature {
+    /// The word that selects it.
+    pub name: &'static str,
+    /// One or two sentences for the reference.
+    pub doc: &'static str,
+    /// Its keys.
+    pub params: Vec<Param>,
+    /// Blocks that may stand inside, any number of each.
+    pub children: Vec<Signature>,
+    /// Whether `on event => formula` clauses may stand inside.
+    pub clauses: bool,
+    /// Pairs of keys; the value of the first must not be above that of the second.
+    pub rising: Vec<[&'static str; 2]>,
+    /// The length of the tick that it is made for (s), if any.
+    pub tick: Option<f64>,
+    /// What this kind approximates and assumes, and what its numbers show; empty for the real thing.
+    pub surrogate: &'static str,
+}
+
+impl Signature {
+    /// A kind with keys and nothing inside.
+    pub fn new(name: &'static str, doc: &'static str, params: Vec<Param>) -> Self {
+        Self { name, doc, params, children: Vec::new(), clauses: false, rising: Vec::new(), tick: None, surrogate: "" }
+    }
+
+    /// The same, with the condition that no value of these keys is above that of the next one.
+    ///
+    /// # Panics
+    /// One of them is not a key.
+    pub fn rising(mut self, keys: &[&'static str]) -> Self {
+        assert!(keys.iter().all(|key| self.params.iter().any(|param| param.name == *key)), "no keys: {keys:?}");
+        self.rising.extend(keys.windows(2).map(|pair| [pair[0], pair[1]]));
+        self
+    }
+
+    /// The same, made for ticks of this length (s).
+    pub fn made_for(self, tick: f64) -> Self {
+        Self { tick: Some(tick), ..self }
+    }
+
+    /// The same, with a description of what it approximates; reports repeat it.
+    pub fn surrogate(self, surrogate: &'static str) -> Self {
+        Self { surrogate, ..self }
+    }
+}
+
+/// A form: the first word of a declaration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Form {
+    /// The word.
+    pub name: &'static str,
+    /// One or two sentences for the reference.
+    pub doc: &'static str,
+    /// The keys of `form name { … }`; `None` when a kind must be named.
+    pub plain: Option<Signature>,
+    /// Whether a `matrix` block may multiply its declarations.
+    pub multiplies: bool,
+    /// The kinds of `form name = kind(…)`.
+    pub kinds: Vec<Signature>,
+}
+
+/// A quantity that a formula may name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Its name in formulas.
+    pub name: &'static str,
+    /// Its dimension; the value is in SI.
+    pub dimension: Dimension,
+    /// The bounds of its value in all situations, in SI.
+    pub bounds: (f64, f64),
+    /// One sentence for the reference.
+    pub doc: &'static str,
+}
+
+/// An event that a reward can answer to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Its name, such as `hit`.
+    pub name: &'static str,
+    /// The words it takes in parentheses, such as `front`; empty when it takes none.
+    pub words: &'static [&'static str],
+    /// The names of the variables that have a value when it happens.
+    pub variables: &'static [&'static str],
+    /// Whether `on` clauses can answer to it; conditions can use all events.
+    pub answered: bool,
+    /// One sentence for the reference.
+    pub doc: &'static str,
+}
+
+/// The names that formulas can use.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Vocabulary {
+    /// All variables; a formula holds indices into this list.
+    pub variables: Vec<Variable>,
+    pub events: Vec<Event>,
+}

@@ -1,0 +1,57 @@
+//! From the language to the simulation: the forms and kinds that a scenario may use, and HIR → [`Plan`].
+//!
+//! Every form has a file with two functions: its [`Form`](base::signature::Form), which the checker and the reference
+//! read, and a `lower` that turns checked values into something that runs. Kinds of driving policies own their
+//! signatures themselves; [`policy`](self) lists them.
+
+mod catalog;
+mod builtin;
+mod reference;
+mod explain;
+mod interface_pages;
+mod town;
+mod vehicle;
+mod policy_kind;
+mod policy;
+mod outside;
+mod sensors;
+mod sensor_suites;
+mod adversary;
+mod spawn;
+mod target_walk;
+mod given_path;
+mod sector;
+mod reward;
+mod episode;
+mod training;
+mod falsifier;
+mod published;
+mod controller;
+mod campaign;
+mod plan;
+mod chunks;
+mod stopping;
+mod noting;
+mod lowering;
+mod fingerprint;
+mod digest;
+mod run_id;
+mod run_names;
+mod reached;
+mod variants;
+mod whole_plan;
+mod lower;
+mod grid;
+
+pub use catalog::{Catalog, TakenKind};
+pub use chunks::CHUNK;
+pub use fingerprint::Fingerprint;
+pub use lower::{Compiled, Overrides, compile, compile_with};
+pub use plan::{
+    Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, Plan, Published, PublishedCell,
+    PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
+};
+pub use policy_kind::{MakePolicy, PolicyKind};
+pub use published::published_columns;
+pub use run_id::{NoRunId, RunId};
+pub use stopping::StoppingRule;

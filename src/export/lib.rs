@@ -1,0 +1,136 @@
+//! A failure for other programs: one file per format, each an [`Exporter`].
+//!
+//! An exporter receives an [`Episode`] and returns [`ExportFile`]s. It writes nothing itself, knows no path and no clock, and gives the same
+//! bytes for the same episode. A part of the episode that its format cannot hold is an [`ExportError`] that names the part. What a format
+//! approximates is in [`Exporter::approximates`], in the files themselves where they have a place for it, and in
+//! `docs/src/how-to/export.md`.
+//!
+//! Two approximations are common to formats that know boxes only: a pedestrian's disc becomes the square around it, and cars get a height.
+
+mod error;
+mod episode;
+mod xml;
+mod lane_bounds;
+mod opendrive;
+mod openscenario;
+mod commonroad;
+mod osi;
+mod recording;
+mod foxglove;
+mod carla;
+mod canvas;
+mod film;
+mod gif;
+
+pub use episode::Episode;
+pub use error::ExportError;
+pub use opendrive::town;
+
+use crate::carla::Carla;
+use crate::commonroad::CommonRoad;
+use crate::foxglove::Foxglove;
+use crate::gif::Gif;
+use crate::opendrive::OpenDrive;
+use crate::openscenario::{OpenScenario, Version};
+use crate::osi::Osi;
+
+/// The date in the files (ISO 8601). It is that of the first writer, so that the same episode gives the same bytes at any time.
+const DATE: &str = "2026-11-22T00:00:00";
+
+/// The name of the program in the files.
+const AUTHOR: &str = concat!("falsify ", env!("CARGO_PKG_VERSION"));
+
+/// A format.
+pub trait Exporter: Sync {
+    /// The name on the command line.
+    fn name(&self) -> &'static str;
+
+    /// The format and its use, in a line.
+    fn about(&self) -> &'static str;
+
+    /// What differs from the episode in the simulator, in a line.
+    fn approximates(&self) -> &'static str;
+
+    /// Whether the options other than the default have an effect.
+    fn has_variants(&self) -> bool {
+        false
+    }
+
+    /// Makes the files of an episode. The first one is the one to open.
+    ///
+    /// # Errors
+    /// A part of the episode that the format cannot hold.
+    fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError>;
+}
+
+/// The parts of the recorded episode that an export repeats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Variant {
+    /// Who drives the ego.
+    pub ego: EgoDriver,
+    /// When the pedestrians walk.
+    pub walking: Walking,
+}
+
+/// The driver of the ego in an export.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EgoDriver {
+    /// The recorded track: an exact repetition.
+    #[default]
+    Recorded,
+    /// The controller of the user, from the recorded start and speed.
+    User,
+}
+
+/// The time at which the pedestrians of an export walk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Walking {
+    /// The recorded one.
+    #[default]
+    Recorded,
+    /// As soon as the ego is as near as it was when the pedestrian of the verdict set off.
+    Released,
+}
+
+/// A file of an export.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExportFile {
+    /// Its name, without a folder.
+    pub name: String,
+    /// Its contents.
+    pub bytes: Vec<u8>,
+}
+
+/// All formats.
+pub const EXPORTERS: &[&dyn Exporter] = &[
+    &OpenScenario(Version::V1_3),
+    &OpenScenario(Version::V1_0),
+    &OpenDrive,
+    &Osi,
+    &Foxglove,
+    &CommonRoad,
+    &Carla,
+    &Gif,
+];
+
+/// The format with this name.
+pub fn exporter(name: &str) -> Option<&'static dyn Exporter> {
+    EXPORTERS.iter().copied().find(|exporter| exporter.name() == name)
+}
+
+/// Makes the files of an episode in a format.
+///
+/// # Errors
+/// Those of [`Exporter::export`], and a variant that the format does not have.
+pub fn export(exporter: &dyn Exporter, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
+    if episode.ticks() == 0 {
+        let what = "an episode without a tick".to_owned();
+        return Err(ExportError::NotRepresentable { format: exporter.name(), what });
+    }
+    if variant != Variant::default() && !exporter.has_variants() {
+        let what =
+            "an ego that the user drives, or pedestrians that are released: it holds the recorded tracks".to_owned();
+        return Err(ExportError::NotRepresentable { format: exporter.name(), what });
+    }
+    exporter.export(episode, variant)
+}

@@ -1,0 +1,297 @@
+//! Saving and loading a learned policy.
+
+use std::collections::BTreeMap;
+
+use safetensors::{SafeTensorError, SafeTensors};
+
+use super::actor_critic::ActorCritic;
+use super::archive::{Writer, read, read_vector};
+use super::mlp::Mlp;
+use super::moments::RunningMoments;
+
+/// Why bytes are not a checkpoint.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// The bytes are not in the safetensors format.
+    #[error("not a safetensors file: {0}")]
+    Format(#[source] SafeTensorError),
+    /// A tensor is absent.
+    #[error("the tensor `{name}` is missing")]
+    Missing {
+        /// The name of the tensor.
+        name: String,
+    },
+    /// A tensor holds numbers of another type.
+    #[error("the tensor `{name}` holds {found}, not {expected}")]
+    Type {
+        /// The name of the tensor.
+        name: String,
+        /// The type that was needed.
+        expected: &'static str,
+        /// The type that was found.
+        found: String,
+    },
+    /// A tensor does not fit the others.
+    #[error("the tensor `{name}` has the shape {found:?}, which does not fit")]
+    Shape {
+        /// The name of the tensor.
+        name: String,
+        /// The shape that was found.
+        found: Vec<usize>,
+    },
+    /// A tensor contains an infinite number or something that is not a number.
+    #[error("the tensor `{name}` contains a number that is not finite")]
+    NonFinite {
+        /// The name of the tensor.
+        name: String,
+    },
+    /// The training was started with other settings.
+    #[error("the training was begun with another `{name}`")]
+    Settings {
+        /// The first setting that differs.
+        name: String,
+    },
+    /// An environment cannot continue from its saved state.
+    #[error("environment {env} does not accept its saved state")]
+    Env {
+        /// The number of the environment, from 0.
+        env: usize,
+    },
+}
+
+/// The names of a network's layers: `trunk.0`, `trunk.2`, … with the activations counted in between, then `head`.
+fn layer_names(trunk: &str, head: &str, layers: usize) -> Vec<String> {
+    let hidden = (0..layers - 1).map(|l| format!("mlp_extractor.{trunk}.{}", 2 * l));
+    hidden.chain([head.to_owned()]).collect()
+}
+
+impl ActorCritic {
+    /// Encodes the policy in the safetensors format, with the tensor names of stable-baselines3's state dictionary.
+    ///
+    /// Weights are outputs × inputs, row by row, in `F32`. The moments that observations are normalised with, if any, are
+    /// `obs_rms.mean`, `obs_rms.var` and `obs_rms.count` in `F64`. `metadata` goes into the header. The same policy and
+    /// metadata give the same bytes.
+    pub fn to_safetensors(&self, metadata: &BTreeMap<String, String>) -> Vec<u8> {
+        let mut writer = Writer::default();
+        self.write(&mut writer);
+        writer.finish(metadata)
+    }
+
+    /// Adds the policy's arrays to a file.
+    pub(super) fn write(&self, writer: &mut Writer) {
+        writer.vector("log_std", self.log_std());
+        for (mlp, trunk, head, range) in [
+            (self.actor(), "policy_net", "action_net", self.actor_range()),
+            (self.critic(), "value_net", "value_net", self.critic_range()),
+        ] {
+            let parameters = &self.parameters()[range];
+            for (layer, name) in mlp.layers().iter().zip(layer_names(trunk, head, mlp.layers().len())) {
+                let weight = &parameters[layer.weight.clone()];
+                let rows = (0..layer.outputs).flat_map(|row| weight.iter().skip(row).step_by(layer.outputs));
+                writer.add(&format!("{name}.weight"), &[layer.outputs, layer.inputs], rows.copied());
+                writer.vector(&format!("{name}.bias"), &parameters[layer.bias.clone()]);
+            }
+        }
+        if let Some(moments) = self.observation_moments() {
+            write_moments(writer, "obs_rms", moments);
+        }
+    }
+
+    /// Decodes a policy and the metadata of its header.
+    ///
+    /// The sizes of the networks follow from the shapes of the tensors. Tensors of other names are ignored.
+    ///
+    /// # Errors
+    /// The bytes are not a policy with finite parameters; the error names the reason.
+    pub fn from_safetensors(bytes: &[u8]) -> Result<(Self, BTreeMap<String, String>), CheckpointError> {
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(CheckpointError::Format)?;
+        let tensors = SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
+        let metadata = header.metadata().iter().flatten().map(|(key, value)| (key.clone(), value.clone())).collect();
+        Ok((Self::read(&tensors)?, metadata))
+    }
+
+    /// Reads the policy's arrays.
+    pub(super) fn read(tensors: &SafeTensors<'_>) -> Result<Self, CheckpointError> {
+        let actor = read_network(tensors, "policy_net", "action_net")?;
+        let critic = read_network(tensors, "value_net", "value_net")?;
+        let log_std = read_vector(tensors, "log_std", actor.mlp.outputs())?;
+        if critic.mlp.inputs() != actor.mlp.inputs() || critic.mlp.outputs() != 1 {
+            let name = if critic.mlp.outputs() == 1 { &critic.names[0] } else { "value_net" };
+            return Err(read::<f32>(tensors, &format!("{name}.weight"))?.misshapen());
+        }
+        let moments = read_moments(tensors, "obs_rms", actor.mlp.inputs())?;
+        let mut this = Self::zeros(actor.mlp, critic.mlp);
+        let parameters = [actor.parameters, critic.parameters, log_std].concat();
+        this.parameters_mut().copy_from_slice(&parameters);
+        *this.observation_moments_mut() = moments;
+        Ok(this)
+    }
+}
+
+/// Adds running moments to a file.
+pub(super) fn write_moments(writer: &mut Writer, name: &str, moments: &RunningMoments) {
+    writer.vector(&format!("{name}.mean"), &moments.mean);
+    writer.vector(&format!("{name}.var"), &moments.variance);
+    writer.vector(&format!("{name}.count"), &[moments.count]);
+}
+
+/// Reads running moments, if the file has them.
+pub(super) fn read_moments(
+    tensors: &SafeTensors<'_>,
+    name: &str,
+    components: usize,
+) -> Result<Option<RunningMoments>, CheckpointError> {
+    if tensors.tensor(&format!("{name}.mean")).is_err() {
+        return Ok(None);
+    }
+    let mean = read_vector(tensors, &format!("{name}.mean"), components)?;
+    let variance = read_vector(tensors, &format!("{name}.var"), components)?;
+    let count = read_vector(tensors, &format!("{name}.count"), 1)?[0];
+    Ok(Some(RunningMoments { mean, variance, count }))
+}
+
+/// A network with its parameters in the order of [`Mlp`], and the names of its layers.
+struct Network {
+    mlp: Mlp,
+    parameters: Vec<f32>,
+    names: Vec<String>,
+}
+
+fn read_network(tensors: &SafeTensors<'_>, trunk: &str, head: &str) -> Result<Network, CheckpointError> {
+    let hidden = (0..).take_while(|l| tensors.tensor(&format!("mlp_extractor.{trunk}.{}.weight", 2 * l)).is_ok());
+    let names = layer_names(trunk, head, hidden.count() + 1);
+    let mut widths = Vec::new();
+    let mut parameters = Vec::new();
+    for name in &names {
+        let weight = read::<f32>(tensors, &format!("{name}.weight"))?;
+        let &[outputs, inputs] = weight.shape.as_slice() else { return Err(weight.misshapen()) };
+        if outputs == 0 || inputs == 0 || widths.last().is_some_and(|&width| width != inputs) {
+            return Err(weight.misshapen());
+        }
+        let bias = read::<f32>(tensors, &format!("{name}.bias"))?;
+        if bias.shape != [outputs] {
+            return Err(bias.misshapen());
+        }
+        if widths.is_empty() {
+            widths.push(inputs);
+        }
+        widths.push(outputs);
+        parameters.extend((0..inputs).flat_map(|column| weight.values.iter().skip(column).step_by(inputs)));
+        parameters.extend(bias.values);
+    }
+    Ok(Network { mlp: Mlp::new(&widths), parameters, names })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::seed::Seed;
+
+    fn policy() -> ActorCritic {
+        ActorCritic::new(4, 2, &[6, 5], -0.25, &mut Seed::root(8).stream())
+    }
+
+    fn metadata() -> BTreeMap<String, String> {
+        [("scenario", "a \"quoted\" name\n"), ("a", "1"), ("b", "2")].map(|(k, v)| (k.to_owned(), v.to_owned())).into()
+    }
+
+    #[test]
+    fn a_round_trip_preserves_every_bit() {
+        let bytes = policy().to_safetensors(&metadata());
+        assert_eq!(bytes, policy().to_safetensors(&metadata()));
+        let (read, read_metadata) = ActorCritic::from_safetensors(&bytes).unwrap();
+        assert_eq!(read, policy());
+        assert_eq!(read_metadata, metadata());
+        assert_eq!(read.to_safetensors(&read_metadata), bytes);
+    }
+
+    #[test]
+    fn the_moments_of_observations_are_part_of_a_policy() {
+        let mut normalising = policy();
+        let mut moments = RunningMoments::new(4);
+        moments.update([[0.1, 20.0, -3.0, 0.5], [0.2, 25.0, -3.5, 0.25]].iter().map(|sample| &sample[..]));
+        *normalising.observation_moments_mut() = Some(moments.clone());
+        let bytes = normalising.to_safetensors(&BTreeMap::new());
+        let (read, _) = ActorCritic::from_safetensors(&bytes).unwrap();
+        assert_eq!(read.observation_moments(), Some(&moments));
+        assert_eq!(read, normalising);
+        let (mut a, mut b, mut plain) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+        let obs = [0.15, 22.0, -3.1, 0.3];
+        normalising.act(&obs, &mut a, &mut normalising.scratch(1));
+        read.act(&obs, &mut b, &mut read.scratch(1));
+        policy().act(&obs, &mut plain, &mut read.scratch(1));
+        assert_eq!(a, b);
+        assert_ne!(a, plain);
+    }
+
+    #[test]
+    fn names_and_layout_are_those_of_the_state_dictionary() {
+        let policy = policy();
+        let bytes = policy.to_safetensors(&BTreeMap::new());
+        let tensors = SafeTensors::deserialize(&bytes).unwrap();
+        let mut names: Vec<String> = tensors.names().into_iter().map(str::to_owned).collect();
+        names.sort();
+        let mut expected = vec!["log_std".to_owned()];
+        for layer in
+            ["policy_net.0", "policy_net.2", "value_net.0", "value_net.2"].map(|name| format!("mlp_extractor.{name}"))
+        {
+            expected.extend([format!("{layer}.bias"), format!("{layer}.weight")]);
+        }
+        for head in ["action_net", "value_net"] {
+            expected.extend([format!("{head}.bias"), format!("{head}.weight")]);
+        }
+        expected.sort();
+        assert_eq!(names, expected);
+
+        // Row-major: the second number is the weight of the second input, six further on in a column-major matrix.
+        let first = read::<f32>(&tensors, "mlp_extractor.policy_net.0.weight").unwrap();
+        assert_eq!(first.shape, [6, 4]);
+        assert_eq!(first.values[1], policy.parameters()[6]);
+        assert_eq!(tensors.tensor("action_net.weight").unwrap().shape(), [2, 5]);
+        assert_eq!(tensors.tensor("value_net.bias").unwrap().shape(), [1]);
+    }
+
+    #[test]
+    fn corrupt_bytes_are_errors_and_never_panics() {
+        let bytes = policy().to_safetensors(&metadata());
+        for end in 0..bytes.len() {
+            assert!(ActorCritic::from_safetensors(&bytes[..end]).is_err(), "the first {end} bytes pass");
+        }
+        let header = 8 + u64::from_le_bytes(*bytes.first_chunk().unwrap()) as usize;
+        for at in 0..header {
+            for flip in [0x01, 0x10, 0x80] {
+                let mut broken = bytes.clone();
+                broken[at] ^= flip;
+                // Flipped bits in the metadata and in unused names may pass; none may panic.
+                let _ = ActorCritic::from_safetensors(&broken);
+            }
+        }
+    }
+
+    fn with_replaced(from: &str, to: &str) -> Result<(ActorCritic, BTreeMap<String, String>), CheckpointError> {
+        assert_eq!(from.len(), to.len());
+        let mut bytes = policy().to_safetensors(&metadata());
+        let at = bytes.windows(from.len()).position(|window| window == from.as_bytes()).expect("the text occurs");
+        bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
+        ActorCritic::from_safetensors(&bytes)
+    }
+
+    #[test]
+    fn each_kind_of_damage_has_its_error() {
+        let missing = with_replaced("policy_net.0.bias", "policy_net.0.bios");
+        assert!(matches!(missing, Err(CheckpointError::Missing { name }) if name.ends_with("policy_net.0.bias")));
+        // Read as 4 outputs of 6 inputs, which the bias contradicts.
+        let transposed = with_replaced("[6,4]", "[4,6]");
+        assert!(matches!(transposed, Err(CheckpointError::Shape { found, .. }) if found == [6]));
+        let other_type = with_replaced("\"F32\"", "\"I32\"");
+        assert!(
+            matches!(other_type, Err(CheckpointError::Type { name, found, .. }) if name == "log_std" && found == "I32")
+        );
+        assert!(matches!(with_replaced("\"log_std\"", "'log_std'"), Err(CheckpointError::Format(_))));
+
+        let mut infinite = policy();
+        infinite.parameters_mut()[0] = f32::INFINITY;
+        let read = ActorCritic::from_safetensors(&infinite.to_safetensors(&BTreeMap::new()));
+        assert!(matches!(read, Err(CheckpointError::NonFinite { .. })));
+    }
+}

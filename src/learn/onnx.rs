@@ -1,0 +1,335 @@
+//! A learned policy as an ONNX graph, for other runtimes.
+//!
+//! ```text
+//! state → (− mean) → (÷ deviation) → clip to ±10 → single precision → (matrix, bias, tanh)… → clip to the bounds → action
+//! ```
+//!
+//! The first three steps are present when the policy normalises its observations.
+//!
+//! # Source
+//! `onnx.proto` of the ONNX project; only the messages and fields that such a graph needs.
+
+use std::collections::BTreeMap;
+
+use prost::Message;
+
+use super::actor_critic::ActorCritic;
+use super::mlp::Layer;
+use super::moments::LIMIT;
+
+/// The version of the format, and that of its operators.
+const IR_VERSION: i64 = 8;
+const OPERATORS: i64 = 17;
+/// Numbers of element types.
+const FLOAT: i32 = 1;
+const DOUBLE: i32 = 11;
+/// The number of the type of an attribute that is a whole number.
+const INT: i32 = 2;
+
+#[derive(Clone, PartialEq, Message)]
+struct Model {
+    #[prost(int64, tag = "1")]
+    ir_version: i64,
+    #[prost(string, tag = "2")]
+    producer_name: String,
+    #[prost(message, optional, tag = "7")]
+    graph: Option<Graph>,
+    #[prost(message, repeated, tag = "8")]
+    operators: Vec<Operators>,
+    #[prost(message, repeated, tag = "14")]
+    metadata: Vec<Entry>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Operators {
+    #[prost(int64, tag = "2")]
+    version: i64,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Entry {
+    #[prost(string, tag = "1")]
+    key: String,
+    #[prost(string, tag = "2")]
+    value: String,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Graph {
+    #[prost(message, repeated, tag = "1")]
+    nodes: Vec<Node>,
+    #[prost(string, tag = "2")]
+    name: String,
+    #[prost(message, repeated, tag = "5")]
+    constants: Vec<Tensor>,
+    #[prost(message, repeated, tag = "11")]
+    inputs: Vec<Value>,
+    #[prost(message, repeated, tag = "12")]
+    outputs: Vec<Value>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Node {
+    #[prost(string, repeated, tag = "1")]
+    inputs: Vec<String>,
+    #[prost(string, repeated, tag = "2")]
+    outputs: Vec<String>,
+    #[prost(string, tag = "3")]
+    name: String,
+    #[prost(string, tag = "4")]
+    operator: String,
+    #[prost(message, repeated, tag = "5")]
+    attributes: Vec<Attribute>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Attribute {
+    #[prost(string, tag = "1")]
+    name: String,
+    #[prost(int64, tag = "3")]
+    value: i64,
+    #[prost(int32, tag = "20")]
+    kind: i32,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Tensor {
+    // Not packed: the format predates that encoding, and not every reader knows it.
+    #[prost(int64, repeated, packed = "false", tag = "1")]
+    shape: Vec<i64>,
+    #[prost(int32, tag = "2")]
+    element: i32,
+    #[prost(string, tag = "8")]
+    name: String,
+    #[prost(bytes = "vec", tag = "9")]
+    data: Vec<u8>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Value {
+    #[prost(string, tag = "1")]
+    name: String,
+    #[prost(message, optional, tag = "2")]
+    kind: Option<Kind>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Kind {
+    #[prost(message, optional, tag = "1")]
+    tensor: Option<TensorKind>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct TensorKind {
+    #[prost(int32, tag = "1")]
+    element: i32,
+    #[prost(message, optional, tag = "2")]
+    shape: Option<Shape>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Shape {
+    #[prost(message, repeated, tag = "1")]
+    dimensions: Vec<Dimension>,
+}
+
+/// A fixed length, or the name of a free one.
+#[derive(Clone, PartialEq, Message)]
+struct Dimension {
+    #[prost(int64, optional, tag = "1")]
+    length: Option<i64>,
+    #[prost(string, optional, tag = "2")]
+    name: Option<String>,
+}
+
+/// A graph that grows node by node.
+#[derive(Default)]
+struct Draft {
+    nodes: Vec<Node>,
+    constants: Vec<Tensor>,
+    /// The name of the last node's output.
+    last: String,
+}
+
+impl Draft {
+    /// Applies an operator to the last value and some constants.
+    fn apply(&mut self, operator: &str, constants: &[&str], attributes: &[(&str, i64)], output: &str) {
+        let last = std::mem::replace(&mut self.last, output.to_owned());
+        let attribute = |(name, value): &(&str, i64)| Attribute { name: (*name).to_owned(), value: *value, kind: INT };
+        self.nodes.push(Node {
+            inputs: std::iter::once(last).chain(constants.iter().map(|name| (*name).to_owned())).collect(),
+            outputs: vec![output.to_owned()],
+            name: output.to_owned(),
+            operator: operator.to_owned(),
+            attributes: attributes.iter().map(attribute).collect(),
+        });
+    }
+
+    fn floats(&mut self, name: &str, shape: &[usize], values: impl Iterator<Item = f32>) {
+        self.constant(name, FLOAT, shape, values.flat_map(f32::to_le_bytes).collect());
+    }
+
+    fn doubles(&mut self, name: &str, shape: &[usize], values: impl Iterator<Item = f64>) {
+        self.constant(name, DOUBLE, shape, values.flat_map(f64::to_le_bytes).collect());
+    }
+
+    fn constant(&mut self, name: &str, element: i32, shape: &[usize], data: Vec<u8>) {
+        let shape = shape.iter().map(|&length| length as i64).collect();
+        self.constants.push(Tensor { shape, element, name: name.to_owned(), data });
+    }
+
+    /// Applies one affine map; its weights are column-major, those of the graph row-major.
+    fn layer(&mut self, number: usize, layer: &Layer, parameters: &[f32]) {
+        let name = |part: &str| format!("{part}.{number}");
+        let weight = &parameters[layer.weight.clone()];
+        let rows = (0..layer.outputs).flat_map(|row| weight.iter().skip(row).step_by(layer.outputs));
+        self.floats(&name("weight"), &[layer.outputs, layer.inputs], rows.copied());
+        self.floats(&name("bias"), &[layer.outputs], parameters[layer.bias.clone()].iter().copied());
+        self.apply("Gemm", &[&name("weight"), &name("bias")], &[("transB", 1)], &name("layer"));
+    }
+}
+
+impl ActorCritic {
+    /// Encodes the mean of the policy as an ONNX model, normalisation and bounds included.
+    ///
+    /// The model has one input, `state` (n × observation, double precision), and one output, `action` (n × action, single
+    /// precision), which is clipped to `bounds`. After training with `frame_stack` a state is the last observations in a row,
+    /// the oldest first, with zeros for those before the start of an episode. `metadata` becomes the model's properties.
+    ///
+    /// The same policy, bounds and metadata give the same bytes. Actions differ from [`ActorCritic::act`] by rounding, and
+    /// by up to a millionth in every hyperbolic tangent, since this crate computes an approximation of it.
+    ///
+    /// # Panics
+    /// When the number of bounds is not the number of components of an action.
+    pub fn to_onnx(&self, bounds: &[(f64, f64)], metadata: &BTreeMap<String, String>) -> Vec<u8> {
+        assert!(bounds.len() == self.action_dim(), "every component of an action has its bounds");
+        let mut draft = Draft { last: "state".to_owned(), ..Draft::default() };
+        if let Some(moments) = self.observation_moments() {
+            draft.doubles("mean", &[self.obs_dim()], moments.mean.iter().copied());
+            draft.doubles("deviation", &[self.obs_dim()], moments.deviations());
+            draft.doubles("least", &[], std::iter::once(-LIMIT));
+            draft.doubles("most", &[], std::iter::once(LIMIT));
+            draft.apply("Sub", &["mean"], &[], "centred");
+            draft.apply("Div", &["deviation"], &[], "scaled");
+            draft.apply("Clip", &["least", "most"], &[], "normalised");
+        }
+        draft.apply("Cast", &[], &[("to", i64::from(FLOAT))], "input");
+        let parameters = &self.parameters()[self.actor_range()];
+        let layers = self.actor().layers();
+        for (number, layer) in layers.iter().enumerate() {
+            draft.layer(number, layer, parameters);
+            if number + 1 < layers.len() {
+                draft.apply("Tanh", &[], &[], &format!("hidden.{number}"));
+            }
+        }
+        draft.floats("low", &[bounds.len()], bounds.iter().map(|bound| bound.0 as f32));
+        draft.floats("high", &[bounds.len()], bounds.iter().map(|bound| bound.1 as f32));
+        draft.apply("Max", &["low"], &[], "raised");
+        draft.apply("Min", &["high"], &[], "action");
+
+        let value = |name: &str, element: i32, components: usize| {
+            let batch = Dimension { length: None, name: Some("n".to_owned()) };
+            let width = Dimension { length: Some(components as i64), name: None };
+            let shape = Some(Shape { dimensions: vec![batch, width] });
+            Value { name: name.to_owned(), kind: Some(Kind { tensor: Some(TensorKind { element, shape }) }) }
+        };
+        let graph = Graph {
+            nodes: draft.nodes,
+            name: "policy".to_owned(),
+            constants: draft.constants,
+            inputs: vec![value("state", DOUBLE, self.obs_dim())],
+            outputs: vec![value("action", FLOAT, self.action_dim())],
+        };
+        let entry = |(key, value): (&String, &String)| Entry { key: key.clone(), value: value.clone() };
+        let model = Model {
+            ir_version: IR_VERSION,
+            producer_name: "falsify".to_owned(),
+            graph: Some(graph),
+            operators: vec![Operators { version: OPERATORS }],
+            metadata: metadata.iter().map(entry).collect(),
+        };
+        model.encode_to_vec()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::moments::RunningMoments;
+    use base::seed::Seed;
+
+    const BOUNDS: [(f64, f64); 2] = [(-0.5, 0.25), (0.0, 0.125)];
+
+    fn policy(normalising: bool) -> ActorCritic {
+        let mut policy = ActorCritic::new(3, 2, &[5, 4], 0.0, &mut Seed::root(8).stream());
+        // Actions of the first weights are small; these are not.
+        let head = policy.actor().layers()[2].weight.clone();
+        policy.parameters_mut()[head].iter_mut().for_each(|weight| *weight *= 60.0);
+        let mut moments = RunningMoments::new(3);
+        moments.update([[0.1, 20.0, -3.0], [0.2, 25.0, -3.5]].iter().map(|sample| &sample[..]));
+        *policy.observation_moments_mut() = normalising.then_some(moments);
+        policy
+    }
+
+    fn doubles(tensor: &Tensor) -> Vec<f64> {
+        match tensor.element {
+            FLOAT => tensor.data.as_chunks().0.iter().map(|bytes| f64::from(f32::from_le_bytes(*bytes))).collect(),
+            _ => tensor.data.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect(),
+        }
+    }
+
+    /// Evaluates a graph of these operators for one state.
+    fn run(graph: &Graph, state: &[f64]) -> Vec<f64> {
+        let mut values = BTreeMap::from([("state".to_owned(), state.to_vec())]);
+        values.extend(graph.constants.iter().map(|tensor| (tensor.name.clone(), doubles(tensor))));
+        for node in &graph.nodes {
+            let input = |i: usize| &values[&node.inputs[i]];
+            let pairs = || input(0).iter().zip(input(1));
+            let output: Vec<f64> = match node.operator.as_str() {
+                "Sub" => pairs().map(|(a, b)| a - b).collect(),
+                "Div" => pairs().map(|(a, b)| a / b).collect(),
+                "Clip" => input(0).iter().map(|x| x.clamp(input(1)[0], input(2)[0])).collect(),
+                "Cast" => input(0).iter().map(|x| f64::from(*x as f32)).collect(),
+                "Gemm" => {
+                    let rows = input(1).chunks(input(0).len()).zip(input(2));
+                    rows.map(|(row, b)| b + row.iter().zip(input(0)).map(|(w, x)| w * x).sum::<f64>()).collect()
+                }
+                "Tanh" => input(0).iter().map(|x| libm::tanh(*x)).collect(),
+                "Max" => pairs().map(|(a, b)| a.max(*b)).collect(),
+                "Min" => pairs().map(|(a, b)| a.min(*b)).collect(),
+                other => panic!("the operator {other} is not expected"),
+            };
+            values.insert(node.outputs[0].clone(), output);
+        }
+        values.remove("action").expect("the graph gives an action")
+    }
+
+    #[test]
+    fn the_graph_acts_as_the_policy_does() {
+        let (mut inside, mut outside) = (0, 0);
+        for normalising in [false, true] {
+            let policy = policy(normalising);
+            let model = Model::decode(policy.to_onnx(&BOUNDS, &BTreeMap::new()).as_slice()).unwrap();
+            let graph = model.graph.unwrap();
+            assert_eq!(graph.nodes.len(), if normalising { 11 } else { 8 });
+            for i in 0..50 {
+                let state = [0.004 * f64::from(i), 20.0 + 0.1 * f64::from(i), -3.0 - 0.01 * f64::from(i)];
+                let mut action = [0.0; 2];
+                policy.act(&state, &mut action, &mut policy.scratch(1));
+                for ((action, found), (low, high)) in action.iter().zip(run(&graph, &state)).zip(BOUNDS) {
+                    assert!((action.clamp(low, high) - found).abs() < 3e-6, "{action} against {found}");
+                    *if (low..high).contains(action) { &mut inside } else { &mut outside } += 1;
+                }
+            }
+        }
+        assert!(inside > 20 && outside > 20, "{inside} and {outside}");
+    }
+
+    #[test]
+    fn the_same_policy_gives_the_same_bytes_with_its_properties() {
+        let named = BTreeMap::from([("town".to_owned(), "harbour".to_owned())]);
+        let bytes = policy(true).to_onnx(&BOUNDS, &named);
+        assert_eq!(bytes, policy(true).to_onnx(&BOUNDS, &named));
+        assert_eq!(Model::decode(bytes.as_slice()).unwrap().metadata.len(), 1);
+    }
+}

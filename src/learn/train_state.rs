@@ -1,0 +1,174 @@
+//! Saving and continuing a training.
+
+use std::collections::BTreeMap;
+
+use rand::SeedableRng;
+use safetensors::SafeTensors;
+
+use super::actor_critic::ActorCritic;
+use super::archive::{Writer, read, read_vector};
+use super::checkpoint::{CheckpointError, read_moments, write_moments};
+use super::collector::observe;
+use super::config::PpoConfig;
+use super::curve::{read_curve, write_curve};
+use super::env::Env;
+use super::log::FinishedEpisode;
+use super::trainer::{Trainer, dimensions};
+use base::seed::{Seed, Stream};
+
+/// The entry of the header that holds the settings.
+const SETTINGS: &str = "settings";
+
+impl Trainer {
+    /// Encodes everything that the next updates depend on, and the learning curve.
+    ///
+    /// This is the policy and the critic, Adam's moments, the positions in the random streams, the statistics, the
+    /// current episodes, and what [`Env::save`] returns for each environment. The format is safetensors; policies can be
+    /// read from it, too. Its header holds in plain text the progress of the training and its settings, in addition to
+    /// `metadata`.
+    pub fn state<E: Env>(&self, envs: &[E], metadata: &BTreeMap<String, String>) -> Vec<u8> {
+        let mut writer = Writer::default();
+        self.learner.policy.write(&mut writer);
+        writer.vector("adam.first", &self.learner.adam.first);
+        writer.vector("adam.second", &self.learner.adam.second);
+        writer.vector("adam.powers", &self.learner.adam.powers);
+        writer.vector("minibatches", &position(&self.minibatches));
+        let recent = &self.collector.recent;
+        writer.add("recent.reward", &[recent.len()], recent.iter().map(|episode| episode.reward));
+        writer.add("recent.length", &[recent.len()], recent.iter().map(|episode| episode.length));
+        writer.add("recent.success", &[recent.len()], recent.iter().map(|episode| u8::from(episode.success)));
+        if let Some(moments) = &self.collector.return_moments {
+            write_moments(&mut writer, "ret_rms", moments);
+        }
+        for (i, lane) in self.collector.lanes.iter().enumerate() {
+            writer.vector(&format!("env.{i}.noise"), &position(&lane.noise));
+            writer.vector(&format!("env.{i}.obs"), lane.stack.as_slice());
+            writer.vector(&format!("env.{i}.episode"), &[lane.running.reward, lane.discounted]);
+            writer.vector(&format!("env.{i}.length"), &[lane.running.length, u64::from(lane.start)]);
+        }
+        for (i, env) in envs.iter().enumerate() {
+            if let Some(state) = env.save() {
+                writer.vector(&format!("env.{i}.state"), &state);
+            }
+        }
+        write_curve(&mut writer, &self.learning_curve);
+        let mut metadata = metadata.clone();
+        metadata.insert("update".to_owned(), self.updates().to_string());
+        metadata.insert("steps".to_owned(), self.steps.to_string());
+        metadata.insert(SETTINGS.to_owned(), self.config.to_json());
+        writer.finish(&metadata)
+    }
+
+    /// Continues from [`Trainer::state`] with the same number of environments, made as they were for [`Trainer::new`].
+    ///
+    /// With environments that save their state, the updates that follow are those of an uninterrupted training, bit for
+    /// bit. An environment without a saved state starts a new episode. The settings must be those of the state, except for
+    /// `total_steps`, so that a training can be prolonged, and `threads`, on which nothing depends.
+    ///
+    /// # Errors
+    /// The bytes are not the state of a training with these settings and environments, or the first observation of a new
+    /// episode is not finite.
+    ///
+    /// # Panics
+    /// As [`Trainer::new`] does.
+    pub fn from_state<E: Env>(bytes: &[u8], envs: &mut [E], config: &PpoConfig) -> Result<Self, CheckpointError> {
+        let (obs_dim, action_dim) = dimensions(envs, config);
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(CheckpointError::Format)?;
+        let settings = header.metadata().as_ref().and_then(|metadata| metadata.get(SETTINGS));
+        let settings = settings.ok_or_else(|| CheckpointError::Missing { name: SETTINGS.to_owned() })?;
+        if let Some(name) = config.difference(settings) {
+            return Err(CheckpointError::Settings { name });
+        }
+        let tensors = &SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
+        let policy = ActorCritic::read(tensors)?;
+        let widths: Vec<usize> = policy.actor().layers().iter().map(|layer| layer.outputs).collect();
+        let critic_widths = policy.critic().layers().iter().map(|layer| layer.outputs);
+        let expected = config.hidden.iter().copied();
+        if policy.obs_dim() != obs_dim
+            || policy.observation_moments().is_some() != config.normalize_obs
+            || !widths.iter().copied().eq(expected.clone().chain([action_dim]))
+            || !critic_widths.eq(expected.chain([1]))
+        {
+            let found = [&[policy.obs_dim()], widths.as_slice()].concat();
+            return Err(CheckpointError::Shape { name: "mlp_extractor".to_owned(), found });
+        }
+
+        // No stream of this seed is used: every stream continues from its saved position.
+        let mut this = Self::assemble(envs, policy, config, &Seed::root(0));
+        let parameters = this.learner.policy.parameters().len();
+        this.learner.adam.first = read_vector(tensors, "adam.first", parameters)?;
+        this.learner.adam.second = read_vector(tensors, "adam.second", parameters)?;
+        this.learner.adam.powers.copy_from_slice(&read_vector(tensors, "adam.powers", 2)?);
+        this.learning_curve = read_curve(tensors)?;
+        this.steps = this.updates() * (config.rollout_steps * envs.len()) as u64;
+        if this.learning_curve.last().is_some_and(|log| log.steps != this.steps) {
+            return Err(CheckpointError::Env { env: envs.len() });
+        }
+        this.minibatches = read_stream(tensors, "minibatches")?;
+        let rewards = read::<f64>(tensors, "recent.reward")?.values;
+        let lengths: Vec<u64> = read_vector(tensors, "recent.length", rewards.len())?;
+        let successes: Vec<u8> = read_vector(tensors, "recent.success", rewards.len())?;
+        let episodes = rewards.into_iter().zip(lengths).zip(successes);
+        let episodes =
+            episodes.map(|((reward, length), success)| FinishedEpisode { reward, length, success: success != 0 });
+        this.collector.recent.extend(episodes);
+        if config.normalize_reward {
+            let moments = read_moments(tensors, "ret_rms", 1)?;
+            let missing = || CheckpointError::Missing { name: "ret_rms.mean".to_owned() };
+            this.collector.return_moments = Some(moments.ok_or_else(missing)?);
+        }
+        let others = tensors.tensor(&format!("env.{}.noise", envs.len()));
+        if others.is_ok() {
+            return Err(CheckpointError::Env { env: envs.len() });
+        }
+        this.set_curriculum(envs);
+        let mut anew = false;
+        for (i, (env, lane)) in envs.iter_mut().zip(&mut this.collector.lanes).enumerate() {
+            lane.noise = read_stream(tensors, &format!("env.{i}.noise"))?;
+            let name = format!("env.{i}.state");
+            if tensors.tensor(&name).is_err() {
+                let name = format!("env.{i}.obs");
+                lane.begin(env).map_err(|_| CheckpointError::NonFinite { name })?;
+                anew = true;
+                continue;
+            }
+            if !env.load(&read::<u8>(tensors, &name)?.values) {
+                return Err(CheckpointError::Env { env: i });
+            }
+            lane.potential = env.potential();
+            lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
+            let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
+            let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;
+            lane.running = FinishedEpisode { reward: episode[0], length: length[0], success: false };
+            lane.discounted = episode[1];
+            lane.start = length[1] != 0;
+        }
+        if anew {
+            observe(&mut this.learner.policy, &this.collector.lanes);
+        }
+        Ok(this)
+    }
+}
+
+/// Returns a stream's seed and its position in 32-bit words, as four words and two.
+fn position(stream: &Stream) -> [u64; 6] {
+    let seed = stream.get_seed();
+    let (words, _) = seed.as_chunks::<8>();
+    let at = stream.get_word_pos();
+    let mut position = [0, 0, 0, 0, at as u64, (at >> 64) as u64];
+    for (slot, word) in position.iter_mut().zip(words) {
+        *slot = u64::from_le_bytes(*word);
+    }
+    position
+}
+
+fn read_stream(tensors: &SafeTensors<'_>, name: &str) -> Result<Stream, CheckpointError> {
+    let position: Vec<u64> = read_vector(tensors, name, 6)?;
+    let mut seed = [0; 32];
+    for (bytes, word) in seed.chunks_exact_mut(8).zip(&position) {
+        bytes.copy_from_slice(&word.to_le_bytes());
+    }
+    let mut stream = Stream::from_seed(seed);
+    stream.set_word_pos(u128::from(position[4]) | u128::from(position[5]) << 64);
+    Ok(stream)
+}

@@ -1,0 +1,223 @@
+//! Training step by step, with interruptions.
+
+use super::actor_critic::ActorCritic;
+use super::arithmetic::Path;
+use super::collector::Collector;
+use super::config::PpoConfig;
+use super::env::Env;
+use super::learner::{Learner, Rates};
+use super::log::{FinishedEpisode, UpdateLog};
+use super::minibatch::shuffle;
+use super::moments::RunningMoments;
+use super::ppo::Trained;
+use super::rollout::{Rollout, explained_variance};
+use super::train_error::TrainError;
+use base::seed::{Seed, Stream};
+
+/// A training between two updates.
+///
+/// The caller owns the environments and passes the same ones every time.
+///
+/// # Example
+/// ```
+/// use std::collections::BTreeMap;
+///
+/// use learn::{Env, PpoConfig, Trainer};
+/// use base::seed::Seed;
+///
+/// fn in_two_parts<E: Env + Send>(envs: &mut [E], config: &PpoConfig) -> Result<Trainer, Box<dyn std::error::Error>> {
+///     let mut trainer = Trainer::new(envs, config, &Seed::root(7))?;
+///     trainer.update(envs)?;
+///     let bytes = trainer.state(envs, &BTreeMap::new());
+///     let mut trainer = Trainer::from_state(&bytes, envs, config)?;
+///     trainer.update(envs)?;
+///     Ok(trainer)
+/// }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Trainer {
+    pub(super) config: PpoConfig,
+    pub(super) learner: Learner,
+    pub(super) collector: Collector,
+    /// Draws the order of the samples.
+    pub(super) minibatches: Stream,
+    pub(super) steps: u64,
+    /// One report for each update up to now.
+    pub(super) learning_curve: Vec<UpdateLog>,
+    rollouts: Vec<Rollout>,
+}
+
+impl Trainer {
+    /// Draws the first weights, or takes those of the settings, and starts an episode in every environment.
+    ///
+    /// First weights, the order of minibatches and the action noise of every environment have streams of their own.
+    ///
+    /// # Errors
+    /// [`TrainError::NonFinite`] when a first observation is not finite.
+    ///
+    /// # Panics
+    /// When there is no environment, when environments differ in their dimensions, or when `rollout_steps`,
+    /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero, or when its first networks are for other dimensions.
+    pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
+        let (obs_dim, action_dim) = dimensions(envs, config);
+        let drawn = || {
+            let stream = &mut seed.child("init").stream();
+            let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
+            *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
+            policy
+        };
+        let policy = config.initial.as_deref().cloned().unwrap_or_else(drawn);
+        assert!(
+            (policy.obs_dim(), policy.action_dim()) == (obs_dim, action_dim),
+            "the first networks fit the environments"
+        );
+        let mut this = Self::assemble(envs, policy, config, seed);
+        this.set_curriculum(envs);
+        let begun = this.collector.begin(envs, &mut this.learner.policy);
+        begun.map_err(|quantity| TrainError::NonFinite { update: 1, quantity })?;
+        Ok(this)
+    }
+
+    /// Assembles a trainer that precedes the first episodes.
+    pub(super) fn assemble<E: Env>(envs: &[E], policy: ActorCritic, config: &PpoConfig, seed: &Seed) -> Self {
+        let path = Path::of(config);
+        let rollout = Rollout::new(config.rollout_steps, policy.obs_dim(), policy.action_dim());
+        let samples = config.rollout_steps * envs.len();
+        Self {
+            collector: Collector::new(envs, &policy, config, &seed.child("action noise"), path),
+            learner: Learner::new(policy, config, samples, path),
+            minibatches: seed.child("minibatches").stream(),
+            config: config.clone(),
+            steps: 0,
+            learning_curve: Vec::new(),
+            rollouts: vec![rollout; envs.len()],
+        }
+    }
+
+    /// Collects a rollout and learns from it.
+    ///
+    /// The environments run in parallel on the threads of the current rayon pool, with the same bits on any number of
+    /// them.
+    ///
+    /// # Errors
+    /// [`TrainError::NonFinite`] at the first number that is not finite; the trainer is of no use after that.
+    pub fn update<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<&UpdateLog, TrainError> {
+        self.collect(envs)?.learn()
+    }
+
+    /// Does the first half of [`Trainer::update`]: collects a rollout with the present policy.
+    ///
+    /// # Errors
+    /// As [`Trainer::update`].
+    pub fn collect<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<Experience<'_>, TrainError> {
+        assert!(envs.len() == self.rollouts.len(), "a training keeps its environments");
+        self.set_curriculum(envs);
+        let update = self.updates() + 1;
+        let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts);
+        match finished {
+            Ok(finished) => Ok(Experience { trainer: self, finished }),
+            Err(quantity) => Err(TrainError::NonFinite { update, quantity }),
+        }
+    }
+
+    /// Passes the share of the curriculum to the environments, if there is one.
+    pub(super) fn set_curriculum<E: Env>(&self, envs: &mut [E]) {
+        if let Some(share) = self.config.widening(self.steps) {
+            envs.iter_mut().for_each(|env| env.set_curriculum(share));
+        }
+    }
+
+    /// Returns whether the number of steps in the settings has been reached.
+    pub fn is_done(&self) -> bool {
+        self.steps >= self.config.total_steps
+    }
+
+    /// Returns the number of updates up to now.
+    pub fn updates(&self) -> u64 {
+        self.learning_curve.len() as u64
+    }
+
+    /// Returns the number of environment steps up to now, over all environments.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Returns the present policy and critic.
+    pub fn actor_critic(&self) -> &ActorCritic {
+        &self.learner.policy
+    }
+
+    /// Returns the reports of all updates up to now, in order, including those before an interruption.
+    pub fn learning_curve(&self) -> &[UpdateLog] {
+        &self.learning_curve
+    }
+
+    /// Ends the training.
+    pub fn finish(self) -> Trained {
+        Trained { actor_critic: self.learner.policy, learning_curve: self.learning_curve }
+    }
+}
+
+/// The experience of a rollout from which the trainer has yet to learn. Dropping it discards the experience.
+#[derive(Debug)]
+pub struct Experience<'a> {
+    trainer: &'a mut Trainer,
+    finished: Vec<FinishedEpisode>,
+}
+
+impl<'a> Experience<'a> {
+    /// Does the second half of [`Trainer::update`]: takes the gradient steps.
+    ///
+    /// # Errors
+    /// As [`Trainer::update`].
+    pub fn learn(self) -> Result<&'a UpdateLog, TrainError> {
+        let Self { trainer, finished } = self;
+        let update = trainer.updates() + 1;
+        trainer.steps += (trainer.config.rollout_steps * trainer.rollouts.len()) as u64;
+        let rates = Rates::at(&trainer.config, trainer.steps);
+        let minibatches = &mut trainer.minibatches;
+        let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
+        let means = trainer.learner.learn(&trainer.rollouts, &trainer.config, rates, reorder);
+        let means = means.map_err(|quantity| TrainError::NonFinite { update, quantity })?;
+        let recent = trainer.collector.recent_means();
+        let log = UpdateLog {
+            update,
+            steps: trainer.steps,
+            episodes: finished.len(),
+            finished,
+            mean_reward: recent.map(|(reward, ..)| reward),
+            mean_length: recent.map(|(_, length, _)| length),
+            success_rate: recent.map(|(.., rate)| rate),
+            approx_kl: means.approx_kl,
+            clip_fraction: means.clip_fraction,
+            explained_variance: explained_variance(&trainer.rollouts),
+            entropy: means.entropy,
+            policy_loss: means.policy,
+            value_loss: means.value,
+            grad_norm: means.grad_norm,
+            gradient_steps: means.gradient_steps,
+            learning_rate: rates.learning_rate,
+            clip_coef: rates.clip_coef,
+            std: trainer.learner.mean_std(),
+        };
+        Ok(trainer.learning_curve.push_mut(log))
+    }
+}
+
+/// Returns the sizes of the networks' inputs and outputs: the components of stacked observations and of actions.
+pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> (usize, usize) {
+    assert!(!envs.is_empty(), "training needs an environment");
+    assert!(
+        config.rollout_steps > 0 && config.batch_size > 0 && config.epochs > 0 && config.frame_stack > 0,
+        "rollouts, minibatches, epochs and stacks must not be empty"
+    );
+    let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());
+    assert!(
+        envs.iter().all(|env| (env.obs_dim(), env.action_bounds().len()) == (obs_dim, action_dim)),
+        "environments must agree in their dimensions"
+    );
+    (obs_dim * config.frame_stack, action_dim)
+}
+
+#[cfg(test)]
+mod tests;

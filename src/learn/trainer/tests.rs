@@ -1,0 +1,236 @@
+use std::collections::BTreeMap;
+
+use rand::{Rng, SeedableRng};
+
+use super::*;
+use crate::checkpoint::CheckpointError;
+use crate::env::Step;
+use crate::schedule::Schedule;
+
+fn bytes(trainer: &Trainer, envs: &[Walk]) -> Vec<u8> {
+    trainer.state(envs, &BTreeMap::new())
+}
+
+/// A walk that ends at random; its whole state is a stream, a place and whether it can be saved.
+struct Walk {
+    stream: Stream,
+    place: [f64; 2],
+    saves: bool,
+    /// The shares that the curriculum has set, in order.
+    widths: Vec<f64>,
+}
+
+impl Walk {
+    fn new(number: u64) -> Self {
+        Self { stream: Seed::root(50).index(number).stream(), place: [0.0; 2], saves: true, widths: Vec::new() }
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.stream.next_u64() as f64 / u64::MAX as f64
+    }
+}
+
+impl Env for Walk {
+    fn obs_dim(&self) -> usize {
+        2
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(-1.0, 1.0), (-0.5, 2.0)]
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        self.place = [self.uniform(), self.uniform()];
+        obs.copy_from_slice(&self.place);
+    }
+
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+        let luck = self.uniform();
+        for (place, action) in self.place.iter_mut().zip(action) {
+            *place = 0.9 * *place + action * luck;
+        }
+        obs.copy_from_slice(&self.place);
+        let luck = self.uniform();
+        Step { reward: -self.place[0].abs() + self.place[1], terminated: luck < 0.05, truncated: luck > 0.9 }
+    }
+
+    fn potential(&self) -> f64 {
+        self.place[0]
+    }
+
+    fn set_curriculum(&mut self, share: f64) {
+        self.widths.push(share);
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        let at = self.stream.get_word_pos() as u64;
+        let numbers = [at, self.place[0].to_bits(), self.place[1].to_bits()];
+        let bytes = numbers.into_iter().flat_map(u64::to_le_bytes);
+        self.saves.then(|| bytes.chain(self.stream.get_seed()).collect())
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        let (numbers, seed) = state.split_at(24);
+        let (numbers, _) = numbers.as_chunks::<8>();
+        self.stream = Stream::from_seed(seed.try_into().unwrap());
+        self.stream.set_word_pos(u128::from(u64::from_le_bytes(numbers[0])));
+        self.place = [1, 2].map(|i| f64::from_bits(u64::from_le_bytes(numbers[i])));
+        true
+    }
+}
+
+fn configs() -> [PpoConfig; 2] {
+    let paper = PpoConfig { rollout_steps: 50, total_steps: 900, epochs: 3, hidden: vec![16], ..PpoConfig::paper() };
+    let all = PpoConfig {
+        learning_rate_schedule: Schedule::Linear,
+        clip_schedule: Schedule::Linear,
+        clip_range_vf: Some(0.2),
+        target_kl: Some(0.02),
+        normalize_obs: true,
+        normalize_reward: true,
+        frame_stack: 3,
+        curriculum: 0.5,
+        portable_bits: true,
+        ..paper.clone()
+    };
+    [paper, all]
+}
+
+fn walks() -> [Walk; 3] {
+    [0, 1, 2].map(Walk::new)
+}
+
+#[test]
+fn a_training_continues_as_if_it_had_not_been_interrupted() {
+    for config in configs() {
+        let mut envs = walks();
+        let mut whole = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+        let logs: Vec<UpdateLog> = (0..6).map(|_| whole.update(&mut envs).unwrap().clone()).collect();
+        assert!(whole.is_done());
+        let end = bytes(&whole, &envs);
+        for interruption in [0, 1, 4] {
+            let mut envs = walks();
+            let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+            for _ in 0..interruption {
+                trainer.update(&mut envs).unwrap();
+            }
+            let state = bytes(&trainer, &envs);
+            assert_eq!(state, bytes(&trainer, &envs));
+            let mut others = [7, 8, 9].map(Walk::new);
+            let mut resumed = Trainer::from_state(&state, &mut others, &config).unwrap();
+            assert_eq!(bytes(&resumed, &others), state);
+            for log in &logs[interruption..] {
+                assert_eq!(resumed.update(&mut others).unwrap(), log);
+            }
+            assert_eq!((resumed.updates(), resumed.steps()), (6, 900));
+            assert_eq!(resumed.learning_curve(), logs);
+            assert_eq!(bytes(&resumed, &others), end);
+        }
+    }
+}
+
+#[test]
+fn an_environment_that_cannot_be_saved_begins_anew() {
+    for config in configs() {
+        let mut envs = walks();
+        envs[1].saves = false;
+        let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+        trainer.update(&mut envs).unwrap();
+        let state = bytes(&trainer, &envs);
+        let mut others = walks();
+        let mut resumed = Trainer::from_state(&state, &mut others, &config).unwrap();
+        let starts: Vec<bool> = resumed.collector.lanes.iter().map(|lane| lane.start).collect();
+        assert!(starts[1]);
+        assert_eq!(resumed.collector.lanes[1].running.length, 0);
+        assert_eq!(others[0].place, envs[0].place);
+        assert_eq!(others[1].place, {
+            let mut place = [0.0; 2];
+            Walk::new(1).reset(&mut place);
+            place
+        });
+        resumed.update(&mut others).unwrap();
+    }
+}
+
+#[test]
+fn the_policy_can_be_read_from_a_state() {
+    for config in configs() {
+        let mut envs = walks();
+        let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+        trainer.update(&mut envs).unwrap();
+        let (policy, _) = ActorCritic::from_safetensors(&bytes(&trainer, &envs)).unwrap();
+        assert_eq!(&policy, trainer.actor_critic());
+    }
+}
+
+#[test]
+fn states_that_do_not_fit_are_errors_and_never_panics() {
+    let [config, all] = configs();
+    let mut envs = walks();
+    let trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+    let state = bytes(&trainer, &envs);
+    for (name, other) in [
+        ("clip_range_vf", &all),
+        ("hidden", &PpoConfig { hidden: vec![16, 16], ..config.clone() }),
+        ("frame_stack", &PpoConfig { frame_stack: 2, ..config.clone() }),
+        ("gamma", &PpoConfig { gamma: 0.9, ..config.clone() }),
+    ] {
+        let read = Trainer::from_state(&state, &mut walks(), other);
+        assert!(matches!(read, Err(CheckpointError::Settings { name: found }) if found == name), "{name}");
+    }
+    // A training can be prolonged, and threads change nothing.
+    let longer = PpoConfig { total_steps: 2_000, threads: Some(2), ..config.clone() };
+    assert!(Trainer::from_state(&state, &mut walks(), &longer).is_ok());
+    let read = Trainer::from_state(&state, &mut walks()[..2], &config);
+    assert!(matches!(read, Err(CheckpointError::Env { env: 2 })));
+    let mut four = [0, 1, 2, 3].map(Walk::new);
+    let read = Trainer::from_state(&state, &mut four, &config);
+    assert!(matches!(read, Err(CheckpointError::Missing { name }) if name == "env.3.noise"));
+    for end in (0..state.len()).step_by(17) {
+        assert!(Trainer::from_state(&state[..end], &mut walks(), &config).is_err());
+    }
+}
+
+#[test]
+fn any_part_of_a_damaged_state_may_be_refused_but_never_panics() {
+    let [config, _] = configs();
+    let mut envs = walks();
+    let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+    trainer.update(&mut envs).unwrap();
+    let state = bytes(&trainer, &envs);
+    for at in (0..state.len()).step_by(13) {
+        let mut broken = state.clone();
+        broken[at] ^= 0x90;
+        let _ = Trainer::from_state(&broken, &mut walks(), &config);
+    }
+}
+
+#[test]
+fn the_header_tells_how_far_a_training_has_come() {
+    let [config, _] = configs();
+    let mut envs = walks();
+    let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+    trainer.update(&mut envs).unwrap();
+    let named = BTreeMap::from([("town".to_owned(), "harbour".to_owned())]);
+    let (_, header) = ActorCritic::from_safetensors(&trainer.state(&envs, &named)).unwrap();
+    assert_eq!((header["update"].as_str(), header["steps"].as_str()), ("1", "150"));
+    assert_eq!(header["town"], "harbour");
+    assert!(header["settings"].contains("\"gamma\":0.98"), "{}", header["settings"]);
+}
+
+#[test]
+fn a_curriculum_widens_over_its_share_of_the_training() {
+    let config = PpoConfig { curriculum: 0.5, ..configs()[0].clone() };
+    let mut envs = walks();
+    let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+    while !trainer.is_done() {
+        trainer.update(&mut envs).unwrap();
+    }
+    // Before the first episode and before each of 6 rollouts of 150 of 900 steps.
+    let thirds = [0.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0, 1.0];
+    assert!(envs.iter().all(|env| env.widths == thirds), "{:?}", envs[0].widths);
+
+    let mut plain = walks();
+    Trainer::new(&mut plain, &configs()[0], &Seed::root(1)).unwrap().update(&mut plain).unwrap();
+    assert!(plain.iter().all(|env| env.widths.is_empty()));
+}

@@ -1,0 +1,158 @@
+use super::frame::EgoPoint;
+use world::av::Actor;
+use world::geometry::Pose;
+
+/// Walkers farther away are not on the map of hazards (m).
+const MAP_REACH: f64 = 15.0;
+/// The margin around a walker on that map, in addition to half of the ego's length (m).
+const MAP_MARGIN: f64 = 1.0;
+/// The margin behind a vehicle on that map, in addition to the ego's length (m).
+const BEHIND_VEHICLES: f64 = 4.0;
+/// The expert brakes for walkers with a smaller gap, half sizes subtracted (m).
+const EXPERT_GAP: f64 = 6.0;
+/// Walkers count within this distance of the lane point under the ego (m).
+const NEAR_LANE: f64 = 10.0;
+/// Least look-ahead of the expert (m); otherwise it is a third of the limit in km/h.
+const LEAST_LOOK_AHEAD: f64 = 12.0;
+/// Half of the expert's cone (rad).
+const EXPERT_CONE: f64 = 60.0 * std::f64::consts::PI / 180.0;
+
+/// A walker in the terms of the rules.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WalkerView {
+    /// Where it is.
+    pub place: EgoPoint,
+    /// Half of its width (m).
+    pub half: f64,
+    /// Whether the lane nearest to it is a sidewalk.
+    pub on_sidewalk: bool,
+    /// Whether the driving lane nearest to it is the ego's, now or a little further on.
+    pub in_lane: bool,
+    /// Its distance from the lane point under the ego (m).
+    pub from_lane_point: f64,
+}
+
+/// The rules that labelled LAV's training data with *brake*: a map of hazards, and the expert's full brake.
+///
+/// The classifier that learned these labels is LAV's only channel for pedestrians.
+///
+/// # Source
+/// `dotchen/LAV`, branch `data-collect`: the map's `brake_label`, and its cautious `BehaviorAgent`, which ignores lights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrakeRules {
+    /// Half of the ego's length (m).
+    pub ego_half_length: f64,
+    /// The ego's speed limit (m/s).
+    pub speed_limit: f64,
+    /// The factor of all distances: 1 in LAV.
+    pub scale: f64,
+}
+
+impl BrakeRules {
+    /// Whether either rule brakes for a walker.
+    pub fn brake(&self, walker: &WalkerView) -> bool {
+        self.on_map(walker) || self.by_expert(walker)
+    }
+
+    /// The map of hazards: the ego's centre is in the walker's disc, which is shifted back by half of the ego's length, and
+    /// the walker is within a wedge that narrows with the distance.
+    pub fn on_map(&self, walker: &WalkerView) -> bool {
+        let (distance, ahead) = (self.distance(walker), -walker.place.back / self.scale);
+        let wedge = (162.0 / (distance.clamp(1.5, 10.5) + 0.3)).to_radians();
+        let radius = walker.half + self.ego_half_length + MAP_MARGIN;
+        let centre = EgoPoint::new(walker.place.right / self.scale, self.ego_half_length - ahead);
+        !walker.on_sidewalk
+            && distance < MAP_REACH
+            && bearing(walker.place).abs() < wedge
+            && centre.distance(EgoPoint::default()) < radius
+    }
+
+    /// The expert's full brake: the walker is in the ego's lane, in the cone and near. One exactly dead ahead is missed.
+    pub fn by_expert(&self, walker: &WalkerView) -> bool {
+        let distance = self.distance(walker);
+        let bearing = bearing(walker.place).abs();
+        !walker.on_sidewalk
+            && walker.in_lane
+            && walker.from_lane_point / self.scale < NEAR_LANE
+            && distance < LEAST_LOOK_AHEAD.max(self.speed_limit * 3.6 / 3.0)
+            && bearing > 0.0
+            && bearing < EXPERT_CONE
+            && distance - walker.half - self.ego_half_length < EXPERT_GAP
+    }
+
+    /// The greatest distance of a walker for which a rule brakes (m).
+    pub fn reach(&self, half: f64) -> f64 {
+        let on_map = 2.0 * self.ego_half_length + half + MAP_MARGIN;
+        self.scale * on_map.max(half + self.ego_half_length + EXPERT_GAP)
+    }
+
+    /// Whether the ego's centre is in a vehicle's box, which reaches back by the ego's length and four metres.
+    pub fn behind_vehicle(&self, ego: &Pose, vehicle: &Actor) -> bool {
+        let local = vehicle.pose.to_local(ego.position());
+        let reach = vehicle.half.x + self.scale * (2.0 * self.ego_half_length + BEHIND_VEHICLES);
+        local.y.abs() < vehicle.half.y && local.x < vehicle.half.x && local.x > -reach
+    }
+
+    /// Whether a red light's line at this distance ahead of the ego's centre (m) is a hazard; the distance is that of a walker. LAV's
+    /// own distance is not known.
+    pub fn at_line(&self, ahead: f64) -> bool {
+        ahead > 0.0 && ahead < self.scale * (2.0 * self.ego_half_length + MAP_MARGIN)
+    }
+
+    fn distance(&self, walker: &WalkerView) -> f64 {
+        walker.place.distance(EgoPoint::default()) / self.scale
+    }
+}
+
+/// The bearing of a place (rad), positive to the right.
+pub(super) fn bearing(place: EgoPoint) -> f64 {
+    libm::atan2(place.right, -place.back)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RULES: BrakeRules = BrakeRules { ego_half_length: 2.450_842, speed_limit: 30.0 / 3.6, scale: 1.0 };
+
+    fn walker(ahead: f64, right: f64, in_lane: bool) -> WalkerView {
+        let place = EgoPoint::new(right, -ahead);
+        let from_lane_point = place.distance(EgoPoint::default());
+        WalkerView { place, half: 0.187_679, on_sidewalk: false, in_lane, from_lane_point }
+    }
+
+    /// The farthest place ahead at which a rule brakes (m), to a centimetre.
+    fn farthest(rule: impl Fn(f64) -> bool) -> f64 {
+        (0..2000).rev().map(|i| f64::from(i) * 0.01).find(|ahead| rule(*ahead)).unwrap()
+    }
+
+    #[test]
+    fn distances_are_the_documented_ones() {
+        let on_axis = farthest(|ahead| RULES.brake(&walker(ahead, 0.0, true)));
+        assert!((on_axis - 6.09).abs() < 0.015, "dead ahead only the map brakes: {on_axis}");
+        let in_lane = farthest(|ahead| RULES.brake(&walker(ahead, 0.1, true)));
+        assert!((in_lane - 8.64).abs() < 0.015, "{in_lane}");
+        assert!(!RULES.brake(&walker(-1.1, 0.0, true)), "behind the ego no wedge reaches");
+        let aside = farthest(|right| RULES.brake(&walker(5.0, right, false)));
+        assert!((2.5..2.6).contains(&aside), "{aside}");
+        assert!((RULES.reach(0.187_679) - 8.64).abs() < 0.015);
+    }
+
+    #[test]
+    fn the_wedge_narrows_with_the_distance() {
+        for (distance, degrees) in [(2.0_f64, 70.4_f64), (4.0, 37.7), (5.0, 30.6)] {
+            let at = |bearing: f64| {
+                let (sin, cos) = libm::sincos(bearing.to_radians());
+                RULES.on_map(&walker(distance * cos, distance * sin, false))
+            };
+            assert!(at(degrees - 0.3) && !at(degrees + 0.3), "{distance} m");
+        }
+    }
+
+    #[test]
+    fn a_scale_moves_every_distance() {
+        let wide = BrakeRules { scale: 1.3, ..RULES };
+        let in_lane = farthest(|ahead| wide.brake(&walker(ahead, 0.1, true)));
+        assert!((in_lane - 1.3 * 8.6385).abs() < 0.015, "{in_lane}");
+    }
+}

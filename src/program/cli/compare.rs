@@ -1,0 +1,239 @@
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::console;
+use super::episode::RepeatOptions;
+use super::exit_code::ExitCode;
+use super::failure;
+use super::input::session;
+use crate::session::{CompareOptions as Wanted, Session};
+use results::report::{self, Gate, GateError, Judged, ReportComparison};
+
+/// The number of failures in each list for people.
+pub const SHOWN: usize = 10;
+/// The number of changes that a page plays.
+const PLAYED: usize = 12;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify compare old/my new/my              two reports: rates, and which failures are new, fixed, the same
+  falsify compare reports/my --drivers v1 v2 two drivers of one report
+  falsify compare old/my new/my --page diff.html
+                                             a page with both episodes of a change side by side
+  falsify compare old/my new/my --fail-if 'fault_rate_p_holm < 0.05 and fault_rate_difference > 0'
+                                             block a regression; a driver that did not change fails in at most 2.5 %
+  falsify compare old/my new/my --fail-if 'found_p_holm < 0.05 and found_difference > 0'
+                                             the same for searches
+
+Exit codes: 0 done   2 no report, or nothing can be compared   7 a --fail-if condition is true   8 an episode for the page differs";
+
+/// Options of `falsify compare`.
+#[derive(Debug, Args)]
+pub struct CompareOptions {
+    /// The report before and the report after; one report with --drivers.
+    #[arg(required = true, num_args = 1..=2, value_name = "REPORT")]
+    pub reports: Vec<PathBuf>,
+    /// The driving policy before and the one after.
+    #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"])]
+    pub drivers: Option<Vec<String>>,
+    /// Form of the output; `json` is one object.
+    #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
+    pub format: Form,
+    /// Also write a page (HTML) with both episodes of the worst changes side by side.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// Fail (exit code 7) when this is true of a place, driver and controller, as 'fault_rate_p_holm < 0.05 and
+    /// fault_rate_difference > 0', or of a search, as 'found_p_holm < 0.05 and found_difference > 0'; may be given several times. Columns
+    /// `…_p_holm` and `…_simultaneous_low` are adjusted for all rows.
+    #[arg(long, value_name = "CONDITION")]
+    pub fail_if: Vec<String>,
+    /// Options of the repetition for the page.
+    #[command(flatten)]
+    pub repeat: RepeatOptions,
+}
+
+/// The form of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Form {
+    /// Tables for people.
+    Text,
+    /// One JSON object.
+    Json,
+}
+
+/// `falsify compare`
+pub fn compare(options: &CompareOptions) -> ExitCode {
+    let gates = match options.fail_if.iter().map(|text| parse(text)).collect::<Result<Vec<Condition>, _>>() {
+        Ok(gates) => gates,
+        Err(error) => return refused(&error, "comparison"),
+    };
+    let reports = match (options.reports.as_slice(), &options.drivers) {
+        ([before, after], _) => [before.clone(), after.clone()],
+        ([one], Some(_)) => [one.clone(), one.clone()],
+        _ => {
+            console::fail("name two reports, or one report and --drivers BEFORE AFTER");
+            return ExitCode::Usage;
+        }
+    };
+    let drivers = options.drivers.as_ref().and_then(|names| <[String; 2]>::try_from(names.clone()).ok());
+    let session = session(options.repeat.allow_external);
+    let comparison = match session.compare(&Wanted { reports, drivers }) {
+        Ok(comparison) => comparison,
+        Err(error) => return failure::failed(&error),
+    };
+    match options.format {
+        Form::Text => console::say(report::comparison_for_terminal(&comparison, SHOWN, console::width()).trim_end()),
+        Form::Json => console::say(&as_json(&comparison).to_string()),
+    }
+    if let Some(path) = &options.page
+        && let Err(code) = write_page(&session, &comparison, path, options)
+    {
+        return code;
+    }
+    judge(&gates, &comparison)
+}
+
+/// A condition on a comparison.
+#[derive(Debug)]
+pub struct Condition {
+    gate: Gate,
+    /// Whether it is about searches instead of places, drivers and controllers.
+    searches: bool,
+}
+
+/// Reads a condition on the columns of a comparison, or on those of its searches.
+///
+/// # Errors
+/// It has another form, or names no column of either.
+pub fn parse(text: &str) -> Result<Condition, GateError> {
+    match Gate::of_table(text, &report::comparison_reference()) {
+        Ok(gate) => Ok(Condition { gate, searches: false }),
+        Err(error) => match Gate::of_table(text, &report::compared_search_reference()) {
+            Ok(gate) => Ok(Condition { gate, searches: true }),
+            Err(_) => Err(error),
+        },
+    }
+}
+
+/// Reports why a condition on the columns of a comparison or a recheck is invalid.
+pub fn refused(error: &GateError, whole: &str) -> ExitCode {
+    match error {
+        GateError::Column { name, nearest, .. } => {
+            let near = nearest.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            console::fail(&format!(
+                "--fail-if: a {whole} has no column `{name}`{near} (`--format json` shows all of them)"
+            ));
+        }
+        other => console::fail(&format!("--fail-if: {other}")),
+    }
+    ExitCode::Usage
+}
+
+/// Judges a comparison and reports which conditions are true; returns the exit code.
+pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> ExitCode {
+    let mut code = ExitCode::Done;
+    let cells: Vec<String> = comparison.cells.iter().map(report::comparison_title).collect();
+    let searches: Vec<String> = comparison.searches.iter().map(report::compared_search_title).collect();
+    for Condition { gate, searches: about_searches } in conditions {
+        let (table, places, things) = if *about_searches {
+            (report::compared_search_table(&comparison.searches), &searches, "search")
+        } else {
+            (report::compared_cells(&comparison.cells), &cells, "place, driver and controller")
+        };
+        let judged = gate.judge(&table);
+        match told(gate, &judged, places, things, "comparison") {
+            ExitCode::Usage => return ExitCode::Usage,
+            ExitCode::GateFailed => code = ExitCode::GateFailed,
+            _ => {}
+        }
+    }
+    code
+}
+
+/// Reports what a gate says of each row of a table about `things` of a `whole`; returns the exit code.
+pub fn told(gate: &Gate, judged: &[Judged], places: &[String], things: &str, whole: &str) -> ExitCode {
+    if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
+        console::fail(&format!("--fail-if {}: it speaks of no {things} of the {whole}", gate.text()));
+        return ExitCode::Usage;
+    }
+    let mut code = ExitCode::Done;
+    for (place, judged) in places.iter().zip(judged) {
+        match judged {
+            Judged::Broken(values) => {
+                console::fail(&format!("--fail-if {}: {} in {place}", gate.text(), report::shown(values)));
+                code = ExitCode::GateFailed;
+            }
+            Judged::TooFewRuns(few) => {
+                console::fail(&format!("--fail-if {}: {few}, in {place}", gate.text()));
+                code = ExitCode::GateFailed;
+            }
+            Judged::Missing(column) => {
+                console::warn(&format!("--fail-if {}: there is no {column} in {place}", gate.text()));
+            }
+            Judged::Passed | Judged::Elsewhere => {}
+        }
+    }
+    code
+}
+
+fn write_page(
+    session: &Session,
+    comparison: &ReportComparison,
+    path: &std::path::Path,
+    options: &CompareOptions,
+) -> Result<(), ExitCode> {
+    let chosen = report::worst_changes(comparison, PLAYED);
+    let failed = |error| failure::failed(&error);
+    let pairs = session.play_changes(comparison, &chosen, &options.repeat.repeat()).map_err(failed)?;
+    report::write_file(path, report::comparison_page(comparison, &pairs).as_bytes()).map_err(|error| {
+        console::fail(&error.to_string());
+        ExitCode::WriteFailed
+    })?;
+    console::note(&path.display().to_string());
+    Ok(())
+}
+
+/// Makes an object of a comparison, for programs.
+fn as_json(comparison: &ReportComparison) -> serde_json::Value {
+    let [before, after] = comparison.folders.each_ref().map(|folder| folder.display().to_string());
+    let notes: Vec<String> = comparison.caveats.iter().map(ToString::to_string).collect();
+    let side = |side: &report::SideEpisode| {
+        let failure = side.failure.as_ref();
+        json!({
+            "name": side.name,
+            "collision": failure.is_some(),
+            "verdict": failure.and_then(|failure| failure.verdict).map(|verdict| verdict.name()),
+            "fault": failure.map(|failure| failure.fault),
+            "kind": failure.map(|failure| failure.kind()),
+            "impact_speed_mps": failure.map(|failure| failure.impact_speed),
+        })
+    };
+    let changes: Vec<_> = comparison
+        .changes
+        .iter()
+        .map(|change| {
+            let [before, after] = change.sides.each_ref().map(side);
+            json!({ "change": change.word(), "cell": change.cell, "before": before, "after": after })
+        })
+        .collect();
+    let cells = report::json_rows(&report::compared_cells(&comparison.cells));
+    let searches = report::json_rows(&report::compared_search_table(&comparison.searches));
+    let starts: Vec<_> = comparison
+        .searches
+        .iter()
+        .enumerate()
+        .flat_map(|(number, search)| search.changes.iter().map(move |change| (number, change)))
+        .map(|(search, change)| {
+            let [before, after] = change.sides.each_ref().map(|side| {
+                side.as_ref().map(|failure| {
+                    json!({ "name": failure.name(), "fault": failure.fault, "impact_speed_mps": failure.impact_speed })
+                })
+            });
+            json!({ "search": search, "run": change.run, "start": change.start, "before": before, "after": after })
+        })
+        .collect();
+    json!({ "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes, "searches": searches, "starts": starts })
+}

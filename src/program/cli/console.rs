@@ -1,0 +1,161 @@
+//! Output and error stream.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anstyle::{AnsiColor, Style};
+use serde::Serialize;
+use terminal_size::{Width, terminal_size_of};
+
+use base::diagnostic::{Colour, Diagnostic, Label, Sources, render};
+
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+
+/// The most diagnostics that are shown at once.
+const SHOWN: usize = 50;
+
+/// The width of text that goes to no terminal, such as a file (columns).
+const WIDTH: u16 = 80;
+
+/// Whether a line of the output could not be written.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// Whether the reader of the output has closed it.
+static CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// The width of the terminal that the output goes to (columns); 80 if it goes elsewhere.
+pub fn width() -> u16 {
+    let size = terminal_size_of(std::io::stdout());
+    // Some terminals state a width of 0.
+    size.map(|(Width(width), _)| width).filter(|width| *width > 0).unwrap_or(WIDTH)
+}
+
+/// Writes a line to the error stream. A failure of this cannot be reported, and does not end the command.
+pub fn note(line: &str) {
+    let _ = writeln!(anstream::stderr(), "{line}");
+}
+
+/// Reports an error, in the form of the diagnostics.
+pub fn fail(message: &str) {
+    note(&format!("{ERROR}error{ERROR:#}: {message}"));
+}
+
+/// Reports a notice.
+pub fn warn(message: &str) {
+    note(&format!("{WARNING}warning{WARNING:#}: {message}"));
+}
+
+/// Prints a line. A closed reader, as after `| head`, is not an error; [`lost`] reports other losses.
+pub fn say(line: &str) {
+    let mut output = anstream::stdout();
+    settle(writeln!(output, "{line}").and_then(|()| output.flush()));
+}
+
+/// Notes a failure to write to the output.
+fn settle(written: std::io::Result<()>) {
+    match written {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => CLOSED.store(true, Ordering::Relaxed),
+        Err(_) => LOST.store(true, Ordering::Relaxed),
+        Ok(()) => {}
+    }
+}
+
+/// Prints objects, one a line, in a single write, since there may be very many.
+pub fn say_objects(objects: &[impl Serialize]) {
+    let line = |object| serde_json::to_string(object).expect("texts and numbers have a form in JSON") + "\n";
+    let lines: Vec<String> = objects.iter().map(line).collect();
+    let mut output = std::io::stdout();
+    settle(output.write_all(lines.concat().as_bytes()).and_then(|()| output.flush()));
+}
+
+/// Whether the reader of the output has closed it, as after `| head`. Then further output is not needed.
+pub fn closed() -> bool {
+    CLOSED.load(Ordering::Relaxed)
+}
+
+/// Whether a line of the output could not be written, for example to a full disk.
+pub fn lost() -> bool {
+    LOST.load(Ordering::Relaxed)
+}
+
+/// Draws diagnostics on the error stream: the first 50. Names that one import would add are one.
+pub fn show(diagnostics: &[Diagnostic], sources: &Sources) {
+    let drawn = joined(diagnostics);
+    for diagnostic in drawn.iter().take(SHOWN) {
+        // The stream strips the colours if they are not wanted.
+        note(&format!("{}\n", render(diagnostic, sources, Colour::Always)));
+    }
+    if drawn.len() > SHOWN {
+        note(&format!("… and {} more\n", drawn.len() - SHOWN));
+    }
+}
+
+/// Joins diagnostics with the same repair at the same place: the first has the places of the others, too.
+fn joined(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
+    let mut joined: Vec<Diagnostic> = Vec::new();
+    // There may be as many diagnostics as lines, so those before are not searched for each.
+    let mut places = BTreeMap::new();
+    for each in diagnostics {
+        // Other repairs replace the text that is wrong.
+        if let [fix] = each.fixes.as_slice()
+            && fix.span != each.primary.span
+        {
+            let first = *places.entry((each.code, fix.span, fix.text.as_str())).or_insert(joined.len());
+            if let Some(first) = joined.get_mut(first) {
+                first.labels.push(Label { span: each.primary.span, text: "nor this".into() });
+                continue;
+            }
+        }
+        joined.push(each.clone());
+    }
+    joined
+}
+
+/// Breaks long lines between words, at 80 columns. Lines that continue one are indented as it is, and by two columns more.
+pub fn wrapped(text: &str) -> String {
+    let mut all = String::new();
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start().len();
+        let mut column = 0;
+        for word in line[indent..].split(' ') {
+            let width = word.chars().count();
+            if column == 0 {
+                all.push_str(&line[..indent]);
+                column = indent;
+            } else if column + 1 + width > usize::from(WIDTH) {
+                all.push('\n');
+                all.push_str(&" ".repeat(indent + 2));
+                column = indent + 2;
+            } else {
+                all.push(' ');
+                column += 1;
+            }
+            all.push_str(word);
+            column += width;
+        }
+        all.push('\n');
+    }
+    all
+}
+
+/// A number of things: `1 file`, `2 files`.
+pub fn count(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_broken_between_words_and_others_stay_as_they_are() {
+        let short = "key: a  b\n    its meaning\n\nend";
+        assert_eq!(wrapped(short), format!("{short}\n"));
+        let word = "1234567890";
+        let long = format!("    {}", [word; 12].join(" "));
+        let (first, second) = (format!("    {}", [word; 7].join(" ")), format!("      {}", [word; 5].join(" ")));
+        assert_eq!(wrapped(&long), format!("{first}\n{second}\n"));
+    }
+}

@@ -1,0 +1,76 @@
+//! A first result without a file: the scenario is inside the program.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Command, FromArgMatches};
+
+use super::console;
+use super::exit_code::ExitCode;
+use super::new::write_new;
+use super::run::{self, RunOptions};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify demo                               falsify-demo/demo/report.html
+  falsify demo --out /tmp/look";
+
+/// Options of `falsify demo`.
+#[derive(Debug, Args)]
+pub struct DemoOptions {
+    /// Folder for the scenario and its report.
+    #[arg(long, short, default_value = "falsify-demo", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Run only a quick check of the whole pipeline.
+    #[arg(long)]
+    pub smoke: bool,
+}
+
+const SCENARIO: &str = include_str!("templates/demo.scn");
+
+/// `falsify demo`
+pub fn demo(options: &DemoOptions) -> ExitCode {
+    let file = options.out.join("demo.scn");
+    if let Err(code) = place(&file) {
+        return code;
+    }
+    console::note(
+        "two pedestrians are trained to be hit by a car, and a search looks for faults of its driver: about ten seconds",
+    );
+    let code = run::run(&run_options(&file, options));
+    if code == ExitCode::Done {
+        let report = options.out.join(if options.smoke { "demo-smoke" } else { "demo" });
+        console::say(&format!("open {} in a browser", report.join("report.html").display()));
+        console::say(&format!("next: read {}, or write a scenario with: falsify new my.scn", file.display()));
+    }
+    code
+}
+
+/// Writes the scenario. A file with the same text stays.
+///
+/// # Errors
+/// The exit code, after the reason has been printed.
+fn place(file: &Path) -> Result<(), ExitCode> {
+    if base::files::text(file).is_ok_and(|text| text == SCENARIO) {
+        return Ok(());
+    }
+    if let Some(folder) = file.parent()
+        && let Err(error) = std::fs::create_dir_all(folder)
+    {
+        console::fail(&format!("cannot make the folder `{}`: {error}", folder.display()));
+        return Err(ExitCode::WriteFailed);
+    }
+    write_new(file, SCENARIO)
+}
+
+/// The options of `falsify run` for this file, with the settings of the environment.
+fn run_options(file: &Path, options: &DemoOptions) -> RunOptions {
+    let mut words = vec!["run".into(), file.as_os_str().to_owned(), "--out".into(), options.out.as_os_str().to_owned()];
+    // Its scenario never changes, so what is there is the same report of this or of another version of the program.
+    words.push("--replace".into());
+    if options.smoke {
+        words.push("--smoke".into());
+    }
+    let matches = RunOptions::augment_args(Command::new("run").disable_help_flag(true)).get_matches_from(words);
+    RunOptions::from_arg_matches(&matches).expect("the words are those of `falsify run`")
+}

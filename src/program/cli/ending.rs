@@ -1,0 +1,54 @@
+//! The end of a run on a terminal: the rates, the drivers, the worst failure, and the commands to look at it.
+
+use std::path::Path;
+
+use super::console;
+use crate::session::{CampaignReport, OverviewFiles};
+use results::report::{self, FoundFailure};
+
+/// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
+pub fn show(report: &CampaignReport) {
+    let CampaignReport { folder, manifest, cells, drivers, searches, protocol: (nominal, layers), .. } = report;
+    console::say(&format!("campaign {}", manifest.campaign));
+    let width = console::width();
+    let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches, width) };
+    let protocol = report::protocol_for_terminal(nominal, layers, width);
+    for text in [
+        report::results_for_terminal(cells, width),
+        protocol,
+        searched,
+        report::drivers_for_terminal(drivers, cells, width),
+    ] {
+        if !text.is_empty() {
+            console::say(&format!("{}\n", text.trim_end()));
+        }
+    }
+    // Drivers that see no pedestrians are last.
+    let mut found = drivers.iter().filter_map(|result| result.worst.as_ref());
+    match found.next() {
+        Some(worst) => console::say(&worst_failure(worst, folder, manifest.call.replay_options())),
+        None => console::say("no collision was found"),
+    }
+    console::say(&folder.join("report.html").display().to_string());
+}
+
+/// Prints the overview of several reports.
+pub fn show_overview(overview: &OverviewFiles) {
+    console::say(&format!("\n{}\n\n{}", overview.text.trim_end(), overview.page.display()));
+}
+
+/// A failure in a line, and the commands that show it.
+fn worst_failure(worst: &FoundFailure, folder: &Path, options: &str) -> String {
+    let (driver, town, class, speed) = (worst.driver(), worst.town(), worst.class.name(), worst.impact_speed);
+    let (name, folder) = (worst.name(), quoted(&folder.display().to_string()));
+    format!(
+        "worst: {driver} in {town}, {class}, {speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}",
+        worst.finder()
+    )
+}
+
+/// A word as a user would type it into a shell.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}

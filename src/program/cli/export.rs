@@ -1,0 +1,220 @@
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::episode::{Named, RepeatOptions, resolved};
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::{console, failure};
+use crate::session::{self, Animation, EpisodePath, Export, Strip};
+use export::{EXPORTERS, EgoDriver, Exporter, Variant, Walking};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify export 1a2b3c4d:17 --as xosc-1.3   1a2b3c4d-17.xosc and its map, both actors on their tracks
+  falsify export 1a2b3c4d:17 --as xosc-1.3 --ego user --pedestrians released
+                                             drive against the pedestrian with your own controller
+  falsify export 1a2b3c4d:17 5e6f7a8b:0 --as xodr --out maps
+                                             several episodes, into a folder
+  falsify failures reports/first_look --names --top 5 | falsify export - --as osi
+                                             the five worst failures of a report
+  falsify export 1a2b3c4d:17 --as svg        six frames in a picture, and the speeds of both
+  falsify failures --names --top 5 | falsify export - --as animation
+                                             the five worst failures of reports/, for a browser
+  falsify export 1a2b3c4d:17 --as carla --ego user
+                                             a script for CARLA in which its agent drives
+  falsify export --formats                   list the formats and what each approximates
+
+Exit codes: 0 done   2 no such episode, or the format cannot represent it   3 errors in a scenario
+  6 a file cannot be written, or its encoder is missing   8 an episode differs from its report, or a scenario file has changed";
+
+/// Options of `falsify export`.
+#[derive(Debug, Args)]
+pub struct ExportOptions {
+    /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
+    #[arg(value_name = "[PATH/]RUN:EPISODE", required_unless_present = "formats", value_parser = str::parse::<Named>)]
+    pub names: Vec<Named>,
+    /// The format: `xosc-1.3`, `xosc-1.0`, `xodr`, `osi`, `foxglove`, `commonroad`, `carla`, `gif`, or the pictures `svg` and `animation`.
+    #[arg(long = "as", value_name = "FORMAT", required_unless_present = "formats", value_parser = format)]
+    pub format: Option<Format>,
+    /// List the formats.
+    #[arg(long)]
+    pub formats: bool,
+    /// The driver of the ego.
+    #[arg(long, value_enum, default_value = "recorded")]
+    pub ego: Ego,
+    /// When the pedestrians walk.
+    #[arg(long, value_enum, default_value = "recorded")]
+    pub pedestrians: Pedestrians,
+    /// The folder for the files.
+    #[arg(long, short, default_value = ".", value_name = "DIR")]
+    pub out: PathBuf,
+    /// A report, or a folder of reports.
+    #[arg(long, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub report: PathBuf,
+    /// Options of the repetition.
+    #[command(flatten)]
+    pub repeat: RepeatOptions,
+}
+
+/// A format of the command line.
+#[derive(Clone, Copy)]
+pub enum Format {
+    /// One of another program.
+    Foreign(&'static dyn Exporter),
+    /// A picture of ours.
+    Drawing(Drawing),
+}
+
+/// A picture of an episode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drawing {
+    /// Six frames side by side.
+    Strip,
+    /// An animation.
+    Animation,
+}
+
+/// The pictures: what they are called, what they are, and what they are drawn as.
+const DRAWINGS: [(&str, &str, Drawing); 2] = [
+    ("svg", "six frames side by side, and the speeds of both actors", Drawing::Strip),
+    ("animation", "an animation as SVG, for a browser", Drawing::Animation),
+];
+
+impl std::fmt::Debug for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Foreign(exporter) => f.write_str(exporter.name()),
+            Self::Drawing(drawing) => drawing.fmt(f),
+        }
+    }
+}
+
+/// The names of all formats.
+fn format_names() -> String {
+    let drawings = DRAWINGS.iter().map(|(name, ..)| *name);
+    EXPORTERS.iter().map(|exporter| exporter.name()).chain(drawings).collect::<Vec<_>>().join(", ")
+}
+
+fn format(text: &str) -> Result<Format, String> {
+    let drawing = DRAWINGS.iter().find(|(name, ..)| *name == text).map(|(.., drawing)| Format::Drawing(*drawing));
+    let found = drawing.or_else(|| export::exporter(text).map(Format::Foreign));
+    found.ok_or_else(|| format!("the formats are {}", format_names()))
+}
+
+/// Who drives the ego (`--ego`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Ego {
+    /// The ego follows its recorded track
+    Recorded,
+    /// The ego starts as recorded, and your controller drives it
+    User,
+}
+
+/// When the pedestrians walk (`--pedestrians`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Pedestrians {
+    /// Pedestrians walk at the recorded times
+    Recorded,
+    /// Pedestrians start when the ego is as near as it was when they did
+    Released,
+}
+
+impl ExportOptions {
+    fn variant(&self) -> Variant {
+        let ego = match self.ego {
+            Ego::Recorded => EgoDriver::Recorded,
+            Ego::User => EgoDriver::User,
+        };
+        let walking = match self.pedestrians {
+            Pedestrians::Recorded => Walking::Recorded,
+            Pedestrians::Released => Walking::Released,
+        };
+        Variant { ego, walking }
+    }
+}
+
+/// `falsify export`
+pub fn export(options: &ExportOptions) -> ExitCode {
+    let Some(format) = options.format.filter(|_| !options.formats) else {
+        list();
+        return ExitCode::Done;
+    };
+    let episodes = match resolved(&options.names) {
+        Ok(episodes) => episodes,
+        Err(code) => return code,
+    };
+    let exporter = match format {
+        Format::Foreign(exporter) => exporter,
+        Format::Drawing(_) if options.variant() != Variant::default() => {
+            console::fail("a picture shows the recorded episode: leave out --ego and --pedestrians");
+            return ExitCode::Usage;
+        }
+        Format::Drawing(drawing) => return draw(drawing, episodes, options),
+    };
+    let call = session::ExportOptions {
+        episodes,
+        report: options.report.clone(),
+        repeat: options.repeat.repeat(),
+        exporter,
+        variant: options.variant(),
+        out: options.out.clone(),
+    };
+    let mut code = ExitCode::Done;
+    session(options.repeat.allow_external).export_files(&call, &mut |exported| match exported {
+        Ok(exported) => {
+            let files: Vec<String> = exported.files.iter().map(|file| file.display().to_string()).collect();
+            console::say(&format!("{}  {}", exported.name, files.join("  ")));
+        }
+        Err(error) => {
+            let failed = failure::failed(&error);
+            if code == ExitCode::Done {
+                code = failed;
+            }
+        }
+    });
+    code
+}
+
+/// Lists the formats.
+fn list() {
+    for exporter in EXPORTERS {
+        let (name, about) = (exporter.name(), exporter.about());
+        console::say(&format!("{name:12} {about}\n{:12} approximated: {}", "", exporter.approximates()));
+    }
+    for (name, about, _) in DRAWINGS {
+        console::say(&format!("{name:12} {about}"));
+    }
+}
+
+/// Draws episodes, each as `RUN-EPISODE.svg`.
+fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportOptions) -> ExitCode {
+    let session = session(options.repeat.allow_external);
+    let mut ended = ExitCode::Done;
+    for EpisodePath { report, name } in episodes {
+        let report = report.unwrap_or_else(|| options.report.clone());
+        let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat() };
+        let path = options.out.join(format!("{}-{}.svg", name.run, name.number));
+        let writer: Box<dyn Export> = match drawing {
+            Drawing::Strip => Box::new(Strip { path: path.clone() }),
+            Drawing::Animation => Box::new(Animation { path: path.clone() }),
+        };
+        let code = match session.export(&which, writer.as_ref()) {
+            Ok(replay) if replay.episode.differences.is_empty() => {
+                console::say(&format!("{name}  {}", path.display()));
+                ExitCode::Done
+            }
+            Ok(_) => {
+                console::say(&format!("{name}  {}", path.display()));
+                console::fail(&format!("{name} differs from its report; `falsify replay {name}` shows where"));
+                ExitCode::Differs
+            }
+            Err(error) => failure::failed(&error),
+        };
+        if ended == ExitCode::Done {
+            ended = code;
+        }
+    }
+    ended
+}

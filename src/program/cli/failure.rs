@@ -1,0 +1,111 @@
+//! Reports errors and notices of a session on the command line, with the options that help.
+
+use super::console;
+use super::exit_code::ExitCode;
+use crate::session::{Error, Notice};
+use export::ExportError;
+use results::store::StoreError;
+
+/// Reports why a command has no result; returns its exit code.
+pub fn failed(error: &Error) -> ExitCode {
+    match error {
+        Error::Unreadable { files } => files.iter().for_each(|file| console::fail(&file.to_string())),
+        Error::Scenario { .. } => console::fail(&format!("{error}; nothing was run")),
+        Error::UnusedMap { town } => console::fail(&format!("--map names the town `{town}`, which nothing uses")),
+        Error::NoReport { .. } | Error::NoRun { .. } => {
+            console::fail(&format!("{error}; name its folder with --report"));
+        }
+        Error::OtherReport(_) => {
+            console::fail(&format!(
+                "{error}\nnothing was run; --out DIR writes to another folder, --replace replaces that report"
+            ));
+        }
+        Error::NothingRun { out, cache } => console::fail(&match (out.display(), cache) {
+            (out, Some(cache)) => format!("no campaign was run for `{out}` with the cache `{}`", cache.display()),
+            (out, None) => {
+                format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here too")
+            }
+        }),
+        Error::NotHeld { .. } => {
+            console::fail(&format!(
+                "{error}; reports hold files of up to 4 MiB, --files DIR names the folder of larger ones"
+            ));
+        }
+        Error::Gate(reason) => console::fail(&format!("--fail-if: {reason}")),
+        Error::Changed { changes } => {
+            changes.iter().for_each(|change| console::fail(&change.to_string()));
+            console::fail("these are not the files that were run; --anyway continues all the same");
+        }
+        Error::Differs { name, .. } => {
+            console::fail(&format!(
+                "{error}; `falsify replay {name}` shows where, and --anyway exports it all the same"
+            ));
+        }
+        Error::NoSharedDriver { .. } => {
+            console::fail(&format!("{error}; `--driver OLD=NEW` pairs drivers of different names"));
+        }
+        other => console::fail(&other.to_string()),
+    }
+    code(error)
+}
+
+fn code(error: &Error) -> ExitCode {
+    match error {
+        Error::Scenario { .. } => ExitCode::Scenario,
+        Error::NoCampaign { .. } => ExitCode::Nothing,
+        Error::Store(error) => store_code(error),
+        Error::Keep { .. } | Error::Write(_) => ExitCode::WriteFailed,
+        Error::Changed { .. } | Error::CampaignGone { .. } | Error::RunGone { .. } | Error::CommandsDiffer { .. } => {
+            ExitCode::Differs
+        }
+        Error::Differs { .. } => ExitCode::Differs,
+        Error::Export { source: ExportError::NotRepresentable { .. }, .. } => ExitCode::Usage,
+        Error::Export { .. } => ExitCode::WriteFailed,
+        Error::Unreadable { .. }
+        | Error::UnusedMap { .. }
+        | Error::Recording { .. }
+        | Error::Gate(_)
+        | Error::Threads { .. }
+        | Error::Read(_)
+        | Error::NoFolder { .. }
+        | Error::OtherReport(_)
+        | Error::Compare(_)
+        | Error::NotHeld { .. }
+        | Error::NothingRun { .. }
+        | Error::NoReport { .. }
+        | Error::NoRun { .. }
+        | Error::NoEpisode { .. }
+        | Error::BadName { .. }
+        | Error::NoDriver { .. }
+        | Error::NoSharedDriver { .. }
+        | Error::Incomparable { .. } => ExitCode::Usage,
+    }
+}
+
+/// The exit code when there is no store.
+pub fn store_code(error: &StoreError) -> ExitCode {
+    if error.is_misuse() { ExitCode::Usage } else { ExitCode::WriteFailed }
+}
+
+/// Reports a notice, which does not end a command.
+pub fn notice(notice: &Notice) {
+    match notice {
+        Notice::Unpaid { .. } | Notice::EpisodesInError { .. } | Notice::Incomplete(_) => {
+            console::fail(&notice.to_string());
+        }
+        Notice::NoTasks { .. } => {
+            console::warn(&format!("{notice}; where a shard was given --cache, name that folder"));
+        }
+        Notice::ProgramsNotAllowed => {
+            console::warn("scenarios might start programs in that run; give --allow-external if they may again");
+        }
+        Notice::Store { .. }
+        | Notice::LearningCurve { .. }
+        | Notice::DoubtfulTraining { .. }
+        | Notice::UnreadableReport(_)
+        | Notice::OtherVersion { .. }
+        | Notice::Changed(_) => {
+            console::warn(&notice.to_string());
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Ctrl-C: the first one asks for a clean end, the second one ends the program at once.
+
+use std::sync::{Arc, LazyLock};
+
+use super::console;
+use super::exit_code::ExitCode;
+use crate::session::Stop;
+
+static STOP: LazyLock<Arc<Stop>> = LazyLock::new(Arc::default);
+
+/// The flag that the first Ctrl-C raises.
+pub fn stop() -> Arc<Stop> {
+    STOP.clone()
+}
+
+/// Installs the handler.
+pub fn listen() {
+    // Without the handler Ctrl-C ends the program at once. That loses only unsaved work of the campaign.
+    let _ = ctrlc::set_handler(|| {
+        if STOP.ask() {
+            // A second one waits while a report is moved to its place.
+            if STOP.is_placing() {
+                return;
+            }
+            end_at_once();
+        }
+        console::note("\nstopping after the work in progress; press Ctrl-C again to stop at once");
+    });
+}
+
+/// Installs the handler for commands without unsaved work: the first Ctrl-C ends the program.
+pub fn end_when_asked() {
+    let _ = ctrlc::set_handler(|| end_at_once());
+}
+
+#[expect(clippy::exit, reason = "the handler of a signal has nothing to return to")]
+fn end_at_once() -> ! {
+    process::end_all();
+    std::process::exit(ExitCode::Interrupted as i32)
+}

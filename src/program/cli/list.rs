@@ -1,0 +1,51 @@
+use super::console;
+use crate::session::Listing;
+use results::campaign::Task;
+use results::record::RunKey;
+use results::store::Known;
+
+/// Prints what a run would do for a campaign and why, and what is stored already.
+pub fn list(listing: &Listing) {
+    let Listing { name, campaign, tasks } = listing;
+    let known = |task| tasks[&task].clone();
+    console::say(&format!("campaign {name}"));
+    for (number, training) in campaign.trainings.iter().enumerate() {
+        let decisions = training.config.total_steps;
+        let state = told(&known(Task::Training(number)), "updates");
+        console::say(&format!("  train    {}: {decisions} decisions [{state}]", training.key));
+    }
+    for (number, evaluation) in campaign.evaluations.iter().enumerate() {
+        let chunks = (0..evaluation.chunks()).map(|chunk| known(Task::Chunk { evaluation: number, chunk }));
+        console::say(&format!(
+            "  evaluate {}: {} episodes [{}]",
+            RunKey::of(evaluation),
+            evaluation.episodes,
+            together(&chunks.collect::<Vec<_>>())
+        ));
+    }
+    for (number, search) in campaign.searches.iter().enumerate() {
+        let state = told(&known(Task::Search(number)), "episodes");
+        console::say(&format!("  search   {}: {} ticks [{state}]", search.key, search.budget));
+    }
+    let all = tasks.len();
+    let there = tasks.values().filter(|known| **known == Known::Finished).count();
+    console::say(&format!("  {} of {all} tasks to run, {there} to reuse", all - there));
+}
+
+fn told(known: &Known, unit: &str) -> String {
+    match known {
+        Known::Finished => "reuse".into(),
+        Known::Begun(done, all) => format!("run: unfinished, {done} of {all} {unit}"),
+        Known::Missing(why) => format!("run: {why}"),
+    }
+}
+
+/// The chunks of an evaluation in one line: the first chunk that is not stored represents the others.
+fn together(chunks: &[Known]) -> String {
+    let there = chunks.iter().filter(|known| **known == Known::Finished).count();
+    match chunks.iter().find(|known| **known != Known::Finished) {
+        None => told(&Known::Finished, ""),
+        Some(first) if chunks.len() == 1 => told(first, "episodes"),
+        Some(first) => format!("{}; {there} of {} parts are there", told(first, "episodes"), chunks.len()),
+    }
+}

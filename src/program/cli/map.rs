@@ -1,0 +1,103 @@
+use std::path::Path;
+
+use super::console;
+use super::exit_code::ExitCode;
+use super::preview::PreviewOptions;
+use lang::reason;
+use results::report;
+use world::road::{LaneKind, Town, opendrive};
+
+/// The distance between two waypoints (m).
+///
+/// # Errors
+/// A text that is no number, or one that is out of bounds.
+pub fn spacing(text: &str) -> Result<f64, String> {
+    let spacing: f64 = text.parse().map_err(|_| "not a number".to_string())?;
+    if (0.01..=1000.0).contains(&spacing) { Ok(spacing) } else { Err("must be from 0.01 to 1000".into()) }
+}
+
+/// `falsify preview` of an OpenDRIVE map: its picture, its page, and what it holds.
+pub fn map(options: &PreviewOptions) -> ExitCode {
+    let town = match read(&options.file) {
+        Ok(town) => town,
+        Err(code) => return code,
+    };
+    describe(&town);
+    match write(&town, options) {
+        Ok(()) => ExitCode::Done,
+        Err(error) => {
+            console::fail(&error.to_string());
+            ExitCode::WriteFailed
+        }
+    }
+}
+
+fn read(file: &Path) -> Result<Town, ExitCode> {
+    let text = base::files::text(file).map_err(|error| {
+        console::fail(&format!("cannot read `{}`: {}", file.display(), reason(&error)));
+        ExitCode::Usage
+    })?;
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    opendrive::read(&text, &name).map(Town::new).map_err(|error| {
+        console::fail(&format!("cannot use the map `{}`: {error}", file.display()));
+        ExitCode::Scenario
+    })
+}
+
+/// Reports what a town holds and what was skipped of its file.
+fn describe(town: &Town) {
+    let (low, high) = town.bounds();
+    let kilometres = |kind: LaneKind| {
+        let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| {
+            let length = section.end - section.start;
+            section.lanes.iter().filter(move |lane| lane.id != 0 && lane.kind == kind).map(move |_| length)
+        });
+        // The sum of no numbers is -0.0.
+        lanes.sum::<f64>() / 1000.0 + 0.0
+    };
+    let inside = town.roads.iter().filter(|road| road.junction.is_some()).count();
+    console::say(&format!("town {}", town.name));
+    console::say(&format!("  extent          {:.0} m × {:.0} m", high.x - low.x, high.y - low.y));
+    let junctions = console::count(town.junctions.len(), "junction");
+    console::say(&format!("  roads           {} ({inside} inside {junctions})", town.roads.len()));
+    console::say(&format!("  driving lanes   {:.2} km", kilometres(LaneKind::Driving)));
+    console::say(&format!("  sidewalks       {:.2} km", kilometres(LaneKind::Sidewalk)));
+    console::say(&format!("  traffic lights  {}", town.traffic_lights.len()));
+    console::say(&format!("  speed signs     {}", town.speed_signs.len()));
+    console::say(&format!("  crosswalks      {}", town.crosswalks.len()));
+    console::say(&format!("  obstacles       {}", town.obstacles.len()));
+    console::say(&format!("  warnings        {}", town.warnings.len()));
+    for warning in &town.warnings {
+        console::say(&format!("    {warning}"));
+    }
+}
+
+fn write(town: &Town, options: &PreviewOptions) -> Result<(), report::WriteError> {
+    let picture = options.out.join(format!("{}.svg", town.name));
+    report::write_file(&picture, report::labelled_map(town).as_bytes())?;
+    console::say(&format!("  {}", picture.display()));
+    let page = options.out.join(format!("{}.html", town.name));
+    report::write_file(&page, report::map_page(&page_of(town)).as_bytes())?;
+    console::say(&format!("  {}", page.display()));
+    if let Some(spacing) = options.waypoints {
+        let table = options.out.join(format!("{}_waypoints.csv", town.name));
+        report::write_csv(&table, &report::waypoints(town, spacing))?;
+        console::say(&format!("  {}", table.display()));
+    }
+    Ok(())
+}
+
+/// The page of a town.
+fn page_of(town: &Town) -> report::MapPage<'_> {
+    let (low, high) = town.bounds();
+    let note =
+        format!("{}, {:.0} m × {:.0} m", console::count(town.roads.len(), "road"), high.x - low.x, high.y - low.y);
+    report::MapPage {
+        title: town.name.clone(),
+        kind: "map",
+        note,
+        problems: Vec::new(),
+        towns: vec![report::TownView { town, starts: Vec::new() }],
+        follows: None,
+    }
+}

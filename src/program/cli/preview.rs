@@ -1,0 +1,138 @@
+//! `falsify preview`: a page of the towns of a scenario that follows the file while it is edited, or of an OpenDRIVE map.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use clap::Args;
+
+use super::exit_code::ExitCode;
+use super::input::{GivenOptions, session};
+use super::map::{map, spacing};
+use super::{console, interrupt};
+use crate::session::{Preview, PreviewOptions as Wanted};
+use results::report::{self, WriteError};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify preview my.scn                     write my.preview.html and follow my.scn until Ctrl-C
+  falsify preview my.scn --once              write the page and end
+  falsify preview Town02.xodr                Town02.svg and Town02.html, and what the map holds
+
+Exit codes: 0 the page is written   3 --once, and the scenario has errors   6 the page cannot be written   130 Ctrl-C";
+
+/// Between two looks at the files.
+const PAUSE: Duration = Duration::from_millis(250);
+
+/// Options of `falsify preview`.
+#[derive(Debug, Args)]
+pub struct PreviewOptions {
+    /// A scenario file, or an OpenDRIVE map.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Replacements of parts of the file.
+    #[command(flatten)]
+    pub given: GivenOptions,
+    /// Folder for the page, `NAME.preview.html`, and the script that tells it of a new version, `NAME.preview.js`; of a map for `NAME.svg` and
+    /// `NAME.html`.
+    #[arg(long, short, default_value = ".", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Write the page once and end.
+    #[arg(long)]
+    pub once: bool,
+    /// The number of starts that are drawn of every spawn in every town.
+    #[arg(long, default_value_t = 300, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub sample: u32,
+    /// Seed of the starts.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Of a map: also write the waypoints of all driving lanes at this distance (m), as CARLA would: `NAME_waypoints.csv`.
+    #[arg(long, value_name = "METRES", value_parser = spacing)]
+    pub waypoints: Option<f64>,
+}
+
+/// `falsify preview`
+pub fn preview(options: &PreviewOptions) -> ExitCode {
+    if options.file.extension().is_none_or(|extension| extension != "scn") {
+        return map(options);
+    }
+    let session = session(options.given.allow_external);
+    let files = [options.file.clone()];
+    let wanted = Wanted { input: options.given.input(&files), starts: options.sample, seed: options.seed };
+    if options.once {
+        let preview = session.preview(&wanted, &Preview::default());
+        return match write(&preview, options, None) {
+            Ok(page) => {
+                preview.problems.iter().for_each(|problem| console::note(problem));
+                console::say(&page.display().to_string());
+                if preview.errors == 0 { ExitCode::Done } else { ExitCode::Scenario }
+            }
+            Err(code) => code,
+        };
+    }
+    interrupt::end_when_asked();
+    let mut preview = Preview::default();
+    for version in 1u64.. {
+        // Changes while the files are read count as later ones.
+        let mut known = stamps(&preview.files);
+        preview = session.preview(&wanted, &preview);
+        if known.len() != preview.files.len() {
+            known = stamps(&preview.files);
+        }
+        // A page of an earlier call has another number.
+        let stamp = format!("{}-{version}", std::process::id());
+        match write(&preview, options, Some(stamp)) {
+            Ok(page) if version == 1 => {
+                console::say(&format!("open {} in a browser; Ctrl-C ends", page.display()));
+            }
+            Ok(_) => {}
+            Err(code) => return code,
+        }
+        console::say(&match preview.errors {
+            0 => "no errors".to_string(),
+            errors => console::count(errors, "error"),
+        });
+        while stamps(&preview.files) == known {
+            std::thread::sleep(PAUSE);
+        }
+    }
+    ExitCode::Done
+}
+
+/// When each file was last changed, and its length; nothing of a file that is not there.
+fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
+    let stamp = |file: &PathBuf| {
+        let data = std::fs::metadata(file).ok()?;
+        Some((data.modified().ok()?, data.len()))
+    };
+    files.iter().map(stamp).collect()
+}
+
+/// Writes the page and, if it has a version, the script that names it; the error is the exit code, after the reason has been printed.
+fn write(preview: &Preview, options: &PreviewOptions, version: Option<String>) -> Result<PathBuf, ExitCode> {
+    let place = |ending: &str| {
+        let mut name = OsString::from(options.file.file_stem().unwrap_or_default());
+        name.push(ending);
+        options.out.join(name)
+    };
+    let (page, script) = (place(".preview.html"), place(".preview.js"));
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let follows = version.as_ref().map(|version| (address(&name(&script)), version.clone()));
+    let text = preview.page(&name(&options.file), follows);
+    let written = report::write_file(&page, text.as_bytes()).and_then(|()| match version {
+        // The page is there before the script names it.
+        Some(version) => report::write_file(&script, format!("falsifyVersion(\"{version}\");\n").as_bytes()),
+        None => Ok(()),
+    });
+    written.map(|()| page).map_err(|error: WriteError| {
+        console::fail(&error.to_string());
+        ExitCode::WriteFailed
+    })
+}
+
+/// A file name in a relative address.
+fn address(name: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
+    name.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
+}

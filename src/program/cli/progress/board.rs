@@ -1,0 +1,57 @@
+use std::time::{Duration, Instant};
+
+use super::job::{Job, Kind};
+use compile::Campaign;
+use results::campaign::Task;
+
+/// All jobs of a campaign that are done here: trainings, evaluations, searches.
+#[derive(Debug)]
+pub struct Board<'a> {
+    /// The campaign.
+    pub campaign: &'a Campaign,
+    /// The time of its start.
+    pub began: Instant,
+    /// The jobs, in the plan's order.
+    pub jobs: Vec<Job>,
+    threads: usize,
+}
+
+impl<'a> Board<'a> {
+    /// Makes the pieces of some tasks of a campaign, for this number of threads.
+    pub fn new(campaign: &'a Campaign, wanted: &[Task], threads: usize) -> Self {
+        Self { campaign, began: Instant::now(), jobs: Job::all(campaign, wanted), threads }
+    }
+
+    /// The job of a task.
+    pub fn job(&self, task: Task) -> &Job {
+        let place = self.jobs.binary_search_by_key(&Job::of(task), |job| (job.kind, job.place));
+        &self.jobs[place.expect("only what is wanted is done")]
+    }
+
+    /// How many jobs have ended.
+    pub fn ended(&self) -> usize {
+        self.jobs.iter().filter(|job| job.is_ended()).count()
+    }
+
+    /// Estimated time until all is done, from the average time of a unit of each kind. None while a kind with remaining work has no
+    /// measurement.
+    pub fn left(&self) -> Option<Duration> {
+        let mut seconds = 0.0;
+        for kind in [Kind::Training, Kind::Evaluation, Kind::Search] {
+            let of_kind = || self.jobs.iter().filter(move |job| job.kind == kind);
+            let units: u64 = of_kind().filter(|job| !job.is_ended()).map(|job| job.total - job.done()).sum();
+            if units == 0 {
+                continue;
+            }
+            let done: u64 = of_kind().map(|job| job.done().saturating_sub(job.before())).sum();
+            let busy: f64 = of_kind().map(|job| job.time().as_secs_f64()).sum();
+            if done == 0 {
+                return None;
+            }
+            seconds += busy / done as f64 * units as f64;
+        }
+        // A job is worked on by one thread: the last ones may leave others idle.
+        let last = self.jobs.iter().filter(|job| job.is_under_way()).filter_map(Job::left).max();
+        Some(Duration::from_secs_f64(seconds / self.threads.max(1) as f64).max(last.unwrap_or_default()))
+    }
+}

@@ -1,0 +1,238 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::learnt::Learnt;
+use compile::{Campaign, ControllerKind, Evaluation, NO_REWARD};
+use learn::UpdateLog;
+use results::campaign::Task;
+
+/// What a job of work is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A training.
+    Training,
+    /// An evaluation.
+    Evaluation,
+    /// A search.
+    Search,
+}
+
+impl Kind {
+    /// The verb for a piece under way.
+    pub fn doing(self) -> &'static str {
+        match self {
+            Self::Training => "training",
+            Self::Evaluation => "trying",
+            Self::Search => "searching",
+        }
+    }
+
+    /// The verb for a finished piece.
+    pub fn done(self) -> &'static str {
+        match self {
+            Self::Training => "trained",
+            Self::Evaluation => "tried",
+            Self::Search => "searched",
+        }
+    }
+
+    /// The unit that is counted.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Training => "decisions",
+            Self::Evaluation => "episodes",
+            Self::Search => "ticks",
+        }
+    }
+}
+
+/// A job of a campaign's work: a training, an evaluation or a search.
+#[derive(Debug)]
+pub struct Job {
+    /// What it is.
+    pub kind: Kind,
+    /// Its place among those of its kind.
+    pub place: usize,
+    /// Controller, town and driver.
+    pub name: String,
+    /// The amount to do in this run, in units of its kind.
+    pub total: u64,
+    done: AtomicU64,
+    before: AtomicU64,
+    state: Mutex<State>,
+    /// What a training has learnt up to now.
+    learnt: Mutex<Learnt>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// Tasks that have not ended.
+    open: usize,
+    begun: Option<Instant>,
+    took: Option<Duration>,
+    error: Option<String>,
+}
+
+impl Job {
+    /// Makes the jobs of a campaign, in the plan's order, of which only some tasks are done here; those without any are left out.
+    pub fn all(campaign: &Campaign, wanted: &[Task]) -> Vec<Self> {
+        let mut jobs: Vec<Self> = Vec::new();
+        for task in wanted {
+            let (kind, place) = Self::of(*task);
+            if jobs.last().is_none_or(|last| (last.kind, last.place) != (kind, place)) {
+                jobs.push(Self::new(campaign, kind, place));
+            }
+            let job = jobs.last_mut().expect("one was put there");
+            job.total += amount(campaign, *task);
+            job.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
+        }
+        jobs
+    }
+
+    /// The job that a task belongs to.
+    pub fn of(task: Task) -> (Kind, usize) {
+        match task {
+            Task::Training(place) => (Kind::Training, place),
+            Task::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
+            Task::Search(place) => (Kind::Search, place),
+        }
+    }
+
+    fn new(campaign: &Campaign, kind: Kind, place: usize) -> Self {
+        let name = match kind {
+            Kind::Training => campaign.trainings[place].key.to_string(),
+            Kind::Evaluation => evaluation(&campaign.evaluations[place]),
+            Kind::Search => campaign.searches[place].key.to_string(),
+        };
+        let (done, before, state) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
+        Self { kind, place, name, total: 0, done, before, state, learnt: Mutex::default() }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Starts it, if it has not started; returns whether it starts now.
+    pub fn begin(&self) -> bool {
+        let mut state = self.state();
+        let first = state.begun.is_none();
+        state.begun.get_or_insert_with(Instant::now);
+        first
+    }
+
+    /// Counts units that were done before it started.
+    pub fn found(&self, units: u64) {
+        self.before.fetch_add(units, Ordering::Relaxed);
+        self.done.fetch_add(units, Ordering::Relaxed);
+    }
+
+    /// Counts units.
+    pub fn advance(&self, units: u64) {
+        self.done.fetch_add(units, Ordering::Relaxed);
+    }
+
+    /// Sets the number of units that are done.
+    pub fn reach(&self, units: u64) {
+        self.done.store(units, Ordering::Relaxed);
+    }
+
+    /// Raises the number of units that are done. Several parts of a search report their ticks in any order.
+    pub fn rise(&self, units: u64) {
+        self.done.fetch_max(units, Ordering::Relaxed);
+    }
+
+    /// Notes the learning curve of a training up to now.
+    pub fn learn(&self, curve: &[UpdateLog]) {
+        self.learnt.lock().unwrap_or_else(PoisonError::into_inner).follow(curve);
+    }
+
+    /// What a training has learnt up to now; none for other jobs and before the first update.
+    pub fn learnt(&self) -> Option<Learnt> {
+        let learnt = *self.learnt.lock().unwrap_or_else(PoisonError::into_inner);
+        (learnt.updates > 0).then_some(learnt)
+    }
+
+    /// Ends one of its tasks; returns whether that was the last.
+    pub fn end_task(&self, error: Option<String>) -> bool {
+        let mut state = self.state();
+        state.open = state.open.saturating_sub(1);
+        state.error = state.error.take().or(error);
+        let last = state.open == 0 && state.took.is_none();
+        if last {
+            state.took = Some(state.begun.map_or(Duration::ZERO, |begun| begun.elapsed()));
+        }
+        last
+    }
+
+    /// The first error, if there is one.
+    pub fn error(&self) -> Option<String> {
+        self.state().error.clone()
+    }
+
+    /// The number of units that are done.
+    pub fn done(&self) -> u64 {
+        self.done.load(Ordering::Relaxed).min(self.total)
+    }
+
+    /// The number of units that were done before this run of the program.
+    pub fn before(&self) -> u64 {
+        self.before.load(Ordering::Relaxed).min(self.total)
+    }
+
+    /// Whether it has started and not ended.
+    pub fn is_under_way(&self) -> bool {
+        let state = self.state();
+        state.begun.is_some() && state.took.is_none()
+    }
+
+    /// Whether it has ended.
+    pub fn is_ended(&self) -> bool {
+        self.state().took.is_some()
+    }
+
+    /// Its time, up to now or to its end.
+    pub fn time(&self) -> Duration {
+        let state = self.state();
+        state.took.or_else(|| state.begun.map(|begun| begun.elapsed())).unwrap_or_default()
+    }
+
+    /// Whether all of it was done before this run of the program.
+    pub fn is_old(&self) -> bool {
+        self.before() >= self.total
+    }
+
+    /// Units per second; none before the first measurement.
+    pub fn rate(&self) -> Option<f64> {
+        let (units, time) = (self.done().saturating_sub(self.before()) as f64, self.time().as_secs_f64());
+        (units > 0.0 && time > 0.0).then(|| units / time)
+    }
+
+    /// Estimated time until it ends at this rate.
+    pub fn left(&self) -> Option<Duration> {
+        self.rate().map(|rate| Duration::from_secs_f64((self.total - self.done()) as f64 / rate))
+    }
+}
+
+/// Controller, town and driver of an evaluation.
+fn evaluation(evaluation: &Evaluation) -> String {
+    let (key, here) = (&evaluation.trained, (&*evaluation.town, &*evaluation.policy));
+    let who = match &evaluation.controller {
+        ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
+        ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
+        ControllerKind::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
+        other if key.reward == NO_REWARD => other.name().to_string(),
+        other => format!("{} ({})", other.name(), key.reward),
+    };
+    format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
+}
+
+/// The size of a task, in units of its kind.
+pub fn amount(campaign: &Campaign, task: Task) -> u64 {
+    match task {
+        Task::Training(place) => campaign.trainings[place].config.total_steps,
+        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
+        Task::Search(place) => campaign.searches[place].budget,
+    }
+}

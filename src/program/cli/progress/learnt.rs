@@ -1,0 +1,75 @@
+use indicatif::HumanCount;
+use serde::Serialize;
+
+use crate::session::NewestUpdate;
+use learn::UpdateLog;
+
+/// What a training has learnt up to now, in the newest row of its learning curve.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Learnt {
+    /// The number of updates.
+    pub updates: u64,
+    /// The number of episodes that have ended.
+    pub episodes: u64,
+    /// The mean reward of the last episodes, up to `statistics_window` of them; none before the first has ended.
+    pub mean_reward: Option<f64>,
+    /// Their mean length in decisions.
+    pub mean_length_decisions: Option<f64>,
+    /// The share of them that ended in a collision.
+    pub collision_rate: Option<f64>,
+}
+
+impl Learnt {
+    /// The end of a learning curve.
+    pub fn of(curve: &[UpdateLog]) -> Self {
+        let mut learnt = Self::default();
+        learnt.follow(curve);
+        learnt
+    }
+
+    /// Follows a learning curve that has grown.
+    pub fn follow(&mut self, curve: &[UpdateLog]) {
+        let known = curve.iter().position(|log| log.update > self.updates).unwrap_or(curve.len());
+        self.episodes += curve[known..].iter().map(|log| log.episodes as u64).sum::<u64>();
+        if let Some(last) = curve.last() {
+            self.updates = last.update;
+            (self.mean_reward, self.mean_length_decisions) = (last.mean_reward, last.mean_length);
+            self.collision_rate = last.success_rate;
+        }
+    }
+
+    /// Its reward and collisions, for people; none before the first episode has ended.
+    pub fn told(&self) -> Option<String> {
+        let (reward, rate) = (self.mean_reward?, self.collision_rate?);
+        Some(format!("mean reward {reward:.3}, {:.0} % hit, {} episodes", 100.0 * rate, HumanCount(self.episodes)))
+    }
+}
+
+impl From<&NewestUpdate> for Learnt {
+    fn from(newest: &NewestUpdate) -> Self {
+        let &NewestUpdate { updates, episodes, mean_reward, collision_rate, .. } = newest;
+        Self { updates, episodes, mean_reward, mean_length_decisions: None, collision_rate }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log(update: u64, episodes: usize) -> UpdateLog {
+        UpdateLog { update, episodes, mean_reward: Some(0.5), success_rate: Some(0.25), ..UpdateLog::default() }
+    }
+
+    #[test]
+    fn episodes_of_every_update_count_once() {
+        let curve = [log(1, 3), log(2, 4), log(3, 1000)];
+        let mut learnt = Learnt::of(&curve[..1]);
+        learnt.follow(&curve[..2]);
+        learnt.follow(&curve[..2]);
+        assert_eq!((learnt.updates, learnt.episodes), (2, 7));
+        learnt.follow(&curve);
+        assert_eq!(learnt, Learnt::of(&curve));
+        assert_eq!(learnt.told().unwrap(), "mean reward 0.500, 25 % hit, 1,007 episodes");
+        assert_eq!(Learnt::of(&[]).told(), None);
+    }
+}

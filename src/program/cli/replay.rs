@@ -1,0 +1,152 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::episode::NameOptions;
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::{console, failure};
+use crate::session::{self, Replay, Session, TickTable, reasons};
+use results::report::{self, Narrative};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify replay 1a2b3c4d:17                 repeat an episode of a report in reports/, describe it
+  falsify replay nightly/first_look/1a2b3c4d:17
+                                             of that report, as `--report nightly/first_look` does
+  falsify failures --names --top 5 | falsify replay -
+                                             the five worst failures of reports/
+  falsify replay 1a2b3c4d:17 --ticks way.csv
+                                             also write every tick as a table, .csv or .parquet
+
+`falsify failures` lists the names of failures; they are also in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and
+search_failures.csv (`run_id`, `failure`).
+
+Exit codes: 0 it is as in the report   2 no such episode, or a file is missing   3 errors in a scenario
+  6 a file cannot be written   8 it differs from the report, or a scenario file has changed";
+
+/// Options of `falsify replay`.
+#[derive(Debug, Args)]
+pub struct ReplayOptions {
+    /// The episodes.
+    #[command(flatten)]
+    pub which: NameOptions,
+    /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
+    #[arg(long, value_name = "FILE", value_parser = table_file)]
+    pub ticks: Option<PathBuf>,
+    /// Print one JSON object, for programs.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn table_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let known = path.extension().is_some_and(|extension| extension == "csv" || extension == "parquet");
+    if known { Ok(path) } else { Err("the name must end in .csv or .parquet".into()) }
+}
+
+/// `falsify replay`
+pub fn replay(options: &ReplayOptions) -> ExitCode {
+    let episodes = match options.which.replays() {
+        Ok(episodes) if episodes.len() > 1 && options.ticks.is_some() => {
+            console::fail("--ticks writes one file, so it takes one episode");
+            return ExitCode::Usage;
+        }
+        Ok(episodes) => episodes,
+        Err(code) => return code,
+    };
+    let session = session(options.which.repeat.allow_external);
+    let mut ended = ExitCode::Done;
+    for (number, episode) in episodes.iter().enumerate().take_while(|_| !console::closed()) {
+        if number > 0 && !options.json {
+            console::say("");
+        }
+        let code = replay_one(&session, episode, options);
+        ended = if ended == ExitCode::Done { code } else { ended };
+    }
+    ended
+}
+
+fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayOptions) -> ExitCode {
+    let replay = match &options.ticks {
+        Some(path) => session.export(which, &TickTable { path: path.clone() }),
+        None => session.replay(which),
+    };
+    let replay = match replay {
+        Ok(replay) => replay,
+        Err(error) => return failure::failed(&error),
+    };
+    let episode = &replay.episode;
+    let narrative = report::narrative(&episode.scenario, &episode.outcome, &episode.trace, episode.verdict.as_ref());
+    if options.json {
+        console::say(&as_json(&replay, &narrative).to_string());
+    } else {
+        tell(&replay, &narrative);
+    }
+    if episode.differences.is_empty() { ExitCode::Done } else { ExitCode::Differs }
+}
+
+/// Prints the result for people.
+fn tell(replay: &Replay, narrative: &Narrative) {
+    let Replay { report, episode: repeated } = replay;
+    let manifest = report.manifest();
+    let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
+    console::say(&format!("{}  {}", repeated.name, repeated.title));
+    console::say(&format!("of {}, seed {}{smoke}\n", report.folder().display(), manifest.seed));
+    for (time, text) in &narrative.events {
+        console::say(console::wrapped(&format!("{time:7.2} s  {text}")).trim_end());
+    }
+    if !narrative.verdict.is_empty() {
+        console::say("");
+        narrative.verdict.iter().for_each(|line| console::say(console::wrapped(line).trim_end()));
+    }
+    console::say("");
+    if repeated.differences.is_empty() {
+        console::say(&format!("digest {:016x}: as in the report, in every column", repeated.outcome.digest));
+        return;
+    }
+    console::fail(&format!("{} differs from the report", repeated.name));
+    for difference in &repeated.differences {
+        console::say(&format!("  {} was {}, and is {}", difference.column, difference.stored, difference.again));
+    }
+    match &repeated.divergence {
+        Some(divergence) => console::say(&format!("it diverges {divergence}")),
+        None => console::say(
+            "where it starts to differ is not known; `falsify run --ticks failures` stores the ticks that show it",
+        ),
+    }
+    reasons(manifest).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
+}
+
+/// Makes an object of the result, for programs.
+fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
+    let Replay { report, episode: repeated } = replay;
+    let outcome = &repeated.outcome;
+    let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
+    let differences = repeated.differences.iter().map(
+        |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
+    );
+    let commands = repeated.trace.decisions(0).iter();
+    let commands = commands.map(|command| json!({ "heading_rad": command.heading, "speed_mps": command.speed }));
+    json!({
+        "name": repeated.name.to_string(),
+        "what": repeated.title,
+        "report": report.folder().display().to_string(),
+        "seed": report.manifest().seed,
+        "equal": repeated.differences.is_empty(),
+        "differences": differences.collect::<Vec<_>>(),
+        "divergence": repeated.divergence,
+        "collision": outcome.is_collision(),
+        "impact_speed_mps": outcome.impact_speed(),
+        "episode_length_s": outcome.duration,
+        "ticks": outcome.ticks,
+        "least_gap_m": outcome.least_gap,
+        "verdict": repeated.verdict.map(|verdict| verdict.label.name()),
+        "warning_s": repeated.verdict.map(|verdict| verdict.warning),
+        "digest": format!("{:016x}", outcome.digest),
+        "events": events.collect::<Vec<_>>(),
+        "commands": commands.collect::<Vec<_>>(),
+    })
+}

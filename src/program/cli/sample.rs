@@ -1,0 +1,106 @@
+//! `falsify check --sample`: where episodes would start, and which starts are rejected.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::console;
+use super::exit_code::ExitCode;
+use crate::session::{SampledStarts, sampled_starts};
+use compile::{Campaign, Plan};
+use results::report::{self, WriteError};
+
+/// The most starts in a picture; more would hide each other.
+const DRAWN: usize = 500;
+
+/// The starts that were drawn from one spawn rule in one town.
+#[derive(Serialize)]
+struct Sample<'a> {
+    campaign: &'a str,
+    spawn: String,
+    town: String,
+    tried: u32,
+    accepted: u32,
+    constraints: Vec<Share>,
+    picture: String,
+}
+
+/// The number of starts that satisfy a constraint.
+#[derive(Serialize)]
+struct Share {
+    constraint: String,
+    passed: u32,
+}
+
+/// Which starts are drawn, and the reader of the result.
+pub struct Wanted<'a> {
+    /// The number for each spawn in each town.
+    pub count: u32,
+    /// The seed of the starts.
+    pub seed: u64,
+    /// Folder for the pictures.
+    pub out: &'a Path,
+    /// Whether the result is for programs.
+    pub json: bool,
+}
+
+/// Draws starts of all campaigns.
+pub fn sample(plan: &Plan, wanted: &Wanted<'_>) -> ExitCode {
+    if plan.campaigns.is_empty() {
+        console::fail("the files hold no campaign, so there is nothing to sample");
+        return ExitCode::Nothing;
+    }
+    for campaign in &plan.campaigns {
+        let samples = match survey(campaign, wanted) {
+            Ok(samples) => samples,
+            Err(error) => {
+                console::fail(&error.to_string());
+                return ExitCode::WriteFailed;
+            }
+        };
+        if wanted.json {
+            console::say_objects(&samples);
+        } else {
+            show(campaign, &samples);
+        }
+    }
+    ExitCode::Done
+}
+
+fn survey<'a>(campaign: &'a Campaign, wanted: &Wanted<'_>) -> Result<Vec<Sample<'a>>, WriteError> {
+    let mut samples = Vec::new();
+    for SampledStarts { town, scenario, survey } in sampled_starts(campaign, wanted.count, wanted.seed) {
+        let spawn = scenario.spawn.name.clone();
+        let picture = wanted.out.join(format!("spawn-{}-{spawn}-{town}.svg", campaign.name));
+        let shown = &survey.spawns[..survey.spawns.len().min(DRAWN)];
+        report::write_file(&picture, report::spawn_map(&scenario.town, shown).as_bytes())?;
+        let constraints = survey.constraints.into_iter().map(|(constraint, passed)| Share { constraint, passed });
+        samples.push(Sample {
+            campaign: &campaign.name,
+            spawn,
+            town,
+            tried: survey.tried,
+            accepted: survey.accepted,
+            constraints: constraints.collect(),
+            picture: picture.display().to_string(),
+        });
+    }
+    Ok(samples)
+}
+
+fn show(campaign: &Campaign, samples: &[Sample]) {
+    console::say(&format!("campaign {}", campaign.name));
+    for sample in samples {
+        let Sample { spawn, town, tried, accepted, .. } = sample;
+        let share = |passed: u32| 100.0 * f64::from(passed) / f64::from(*tried);
+        let tries = console::count(*tried as usize, "start");
+        console::say(&format!("  {spawn} in {town}: {accepted} of {tries} accepted ({:.2} %)", share(*accepted)));
+        if !sample.constraints.is_empty() {
+            console::say("    share of the starts that satisfy each constraint:");
+        }
+        for Share { constraint, passed } in &sample.constraints {
+            console::say(&format!("    {:>6.2} %  {constraint}", share(*passed)));
+        }
+        console::say(&format!("    {}", sample.picture));
+    }
+}

@@ -1,0 +1,142 @@
+use std::path::PathBuf;
+use std::time::{Duration, SystemTime};
+
+use clap::Args;
+use indicatif::FormattedDuration;
+
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::output::Output;
+use super::progress::Learnt;
+use super::stored::{Stored, stored};
+use super::{console, failure};
+use crate::session::{self, CampaignProgress, CampaignState};
+use results::store::TaskStatus;
+
+/// The most tasks under way that are named.
+const SHOWN: usize = 8;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify status                             the campaigns of reports/
+  falsify status --format json shared        one JSON object for each campaign, for programs
+  falsify status --stored                    what is stored in reports/.falsify, by campaign
+  falsify status --prune                     remove what no campaign needed in its last run
+  falsify status --cache /scratch/cache --prune --gone
+                                             in a shared folder; also what belongs to deleted reports
+
+Exit codes: 0 finished or running   2 nothing was run there   9 something is missing and no process works on it";
+
+/// Options of `falsify status`.
+#[derive(Debug, Args)]
+pub struct StatusOptions {
+    /// The folder for the reports, or one of its reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// The same, named as other commands name a report.
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub report: Option<PathBuf>,
+    /// The folder that `run` was given as --cache.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Form of the output; `json` is one object for each campaign.
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    pub format: Output,
+    /// Show how much finished work is stored for each campaign instead.
+    #[arg(long)]
+    pub stored: bool,
+    /// Remove stored tasks that no campaign needed in its last run, for any folder for reports.
+    #[arg(long)]
+    pub prune: bool,
+    /// Also remove tasks of folders for reports that do not exist, or cannot be seen from here.
+    #[arg(long, requires = "prune")]
+    pub gone: bool,
+}
+
+/// `falsify status`
+pub fn status(options: &StatusOptions) -> ExitCode {
+    let folder = options.report.as_ref().unwrap_or(&options.out);
+    if options.stored || options.prune {
+        let cache = options.cache.as_deref();
+        return stored(&Stored { out: folder, cache, prune: options.prune, gone: options.gone });
+    }
+    let wanted = session::StatusOptions { out: folder.clone(), cache: options.cache.clone() };
+    let campaigns = match session(false).status(&wanted) {
+        Ok(campaigns) => campaigns,
+        Err(error) => return failure::failed(&error),
+    };
+    for campaign in &campaigns {
+        match options.format {
+            Output::Json => {
+                console::say(&serde_json::to_string(campaign).expect("texts and numbers have a form in JSON"));
+            }
+            Output::Human => tell(campaign),
+        }
+    }
+    let stopped = campaigns.iter().any(|campaign| campaign.state == CampaignState::Stopped);
+    if stopped { ExitCode::Incomplete } else { ExitCode::Done }
+}
+
+fn tell(campaign: &CampaignProgress) {
+    let processes = match campaign.processes {
+        0 => String::new(),
+        1 => ", one process works on the folder".into(),
+        several => format!(", {several} processes work on the folder"),
+    };
+    console::say(&format!("{}: {}{processes}", campaign.campaign, campaign.state.name()));
+    for kind in &campaign.kinds {
+        console::say(&format!(
+            "  {:11} {:>width$} of {} tasks, {:.0} % of the work",
+            kind.kind,
+            kind.finished,
+            kind.all,
+            (100.0 * kind.share).floor(),
+            width = kind.all.to_string().len()
+        ));
+    }
+    for task in campaign.under_way.iter().take(SHOWN) {
+        let newest = campaign.learning.iter().find(|newest| task.what.strip_prefix("train ") == Some(&newest.training));
+        let learnt = newest.and_then(|newest| Learnt::from(newest).told()).map(|learnt| format!(", {learnt}"));
+        console::say(&format!("  under way: {}{}{}", task.what, saved(task), learnt.unwrap_or_default()));
+    }
+    if campaign.in_hand.len() > SHOWN {
+        console::say(&format!("  … and {} more under way", campaign.in_hand.len() - SHOWN));
+    }
+    if let Some(error) = &campaign.last_error {
+        console::say(&format!("  last error: {error}"));
+    }
+    if campaign.state == CampaignState::Finished {
+        return;
+    }
+    match (campaign.left_s, campaign.left_thread_s) {
+        (Some(left), _) => {
+            console::say(&format!("  about {} left with {} tasks under way", clock(left), campaign.in_hand.len()));
+        }
+        (None, Some(left)) => console::say(&format!("  about {} left for one thread", clock(left))),
+        (None, None) if campaign.measured_s > 0.0 => {
+            let (known, unknown) = (clock(campaign.measured_s), campaign.unmeasured.join(" and "));
+            console::say(&format!("  about {known} left for one thread, and the {unknown}, of which none is done yet"));
+        }
+        (None, None) => console::say("  too little is done to say how long the rest will take"),
+    }
+    if campaign.state == CampaignState::Stopped && !campaign.command.is_empty() {
+        console::say(&format!("  go on with: {}", campaign.command));
+    }
+}
+
+/// What is stored of a task, and how long ago it was saved.
+fn saved(task: &TaskStatus) -> String {
+    let ago = task.written.and_then(|written| SystemTime::now().duration_since(written).ok());
+    match ago {
+        Some(ago) => {
+            let share = (100 * task.done()).checked_div(task.amount).unwrap_or(0);
+            format!(", {share} % of it saved {} s ago", ago.as_secs())
+        }
+        None => ", nothing saved yet".into(),
+    }
+}
+
+fn clock(seconds: f64) -> FormattedDuration {
+    FormattedDuration(Duration::from_secs_f64(seconds.max(0.0).ceil()))
+}

@@ -1,0 +1,1 @@
+../../../../scenarios/external/my_av.py

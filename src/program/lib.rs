@@ -1,0 +1,7 @@
+//! The command `falsify`: sessions, the command line and the language server.
+
+pub mod session;
+pub mod lsp;
+pub mod cli;
+#[cfg(any(fuzzing, test))]
+pub mod fuzzing;

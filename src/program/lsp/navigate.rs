@@ -1,0 +1,77 @@
+//! From a name to its declaration, and the declarations of a file.
+
+use std::sync::Arc;
+
+use lsp_types::{DocumentSymbol, Location, SymbolKind};
+
+use super::cursor::{Cursor, Place};
+use super::documents::{Documents, range};
+use super::hover::referred;
+use super::visible::Visible;
+use base::diagnostic::{Lines, Sources, Span};
+use lang::{Loaded, ast};
+
+/// Where the word at a byte is declared, or the file that an import names.
+pub fn definition(
+    cursor: &Cursor,
+    byte: usize,
+    loaded: &Loaded,
+    sources: &Sources,
+    documents: &Documents,
+) -> Option<Location> {
+    let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
+    let import = root.imports.iter().find(|import| (import.span.start..=import.span.end).contains(&byte));
+    let visible = Visible { loaded, sources };
+    let word = cursor.word;
+    let declared = |form: Option<&str>| Some(visible.declaration(form, word)?.name.as_ref()?.span);
+    let param = || Some(visible.param(word)?.name.span);
+    let target = match (import, cursor.place) {
+        (Some(import), _) => Span { source: import.source?, start: 0, end: 0 },
+        (None, Place::Value(wanted)) => match referred(&wanted.ty) {
+            Some(form) => declared(Some(form)).or_else(param),
+            None => param(),
+        }?,
+        (None, Place::Imported(_) | Place::ParamValue { .. } | Place::AxisValue(_)) => declared(None).or_else(param)?,
+        (None, Place::Formula | Place::Param | Place::Axis) => param()?,
+        _ => return None,
+    };
+    let source = sources.get(target.source);
+    Some(Location { uri: documents.uri_to_show(&source.path)?, range: range(&Lines::new(&source.text), target) })
+}
+
+/// The declarations and parameters of a file, in order.
+#[expect(deprecated, reason = "the protocol's type has a field that is not to be used and cannot be left out")]
+pub fn symbols(file: &ast::File, text: &str) -> Vec<DocumentSymbol> {
+    let lines = Lines::new(text);
+    let symbol = |declaration: &Arc<ast::Declaration>| {
+        let (place, head) = (range(&lines, declaration.span), range(&lines, declaration.head));
+        let name = declaration.name.as_ref().unwrap_or(&declaration.form);
+        DocumentSymbol {
+            name: name.text.clone(),
+            detail: Some(declaration.form.text.clone()),
+            kind: SymbolKind::CLASS,
+            tags: None,
+            deprecated: None,
+            range: place,
+            selection_range: head,
+            children: None,
+        }
+    };
+    let param = |param: &ast::Param| {
+        let place = range(&lines, param.name.span.to(param.value.span));
+        DocumentSymbol {
+            name: param.name.text.clone(),
+            detail: Some(format!("param {}", param.ty.text)),
+            kind: SymbolKind::CONSTANT,
+            tags: None,
+            deprecated: None,
+            range: place,
+            selection_range: range(&lines, param.name.span),
+            children: None,
+        }
+    };
+    let mut all: Vec<DocumentSymbol> =
+        file.params.iter().map(param).chain(file.declarations.iter().map(symbol)).collect();
+    all.sort_by_key(|symbol| symbol.range.start);
+    all
+}

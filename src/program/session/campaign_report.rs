@@ -1,0 +1,88 @@
+use std::path::PathBuf;
+
+use super::OverviewFiles;
+use results::campaign::Shard;
+use results::report::{Cell, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell};
+
+/// The result of a run of campaigns.
+#[derive(Debug)]
+pub struct RunReport {
+    /// The campaigns that were run, in order.
+    pub campaigns: Vec<CampaignOutcome>,
+    /// Whether the run was stopped. Then later campaigns are missing.
+    pub interrupted: bool,
+    /// The overview; none for a single report.
+    pub overview: Option<OverviewFiles>,
+}
+
+impl RunReport {
+    /// The reports that were written.
+    pub fn reports(&self) -> impl Iterator<Item = &CampaignReport> {
+        self.campaigns.iter().filter_map(|outcome| match outcome {
+            CampaignOutcome::Reported(report) => Some(report.as_ref()),
+            CampaignOutcome::Empty { .. } => None,
+        })
+    }
+}
+
+/// The result of a run of one campaign.
+#[derive(Debug)]
+pub enum CampaignOutcome {
+    Reported(Box<CampaignReport>),
+    /// No task was finished, so there is no report.
+    Empty {
+        /// The name that the report would have.
+        name: String,
+        /// Whether it was stopped.
+        interrupted: bool,
+    },
+}
+
+/// A report, with its main results.
+#[derive(Debug)]
+pub struct CampaignReport {
+    /// The name of the report.
+    pub name: String,
+    pub folder: PathBuf,
+    /// How it was made.
+    pub manifest: Manifest,
+    /// Means and intervals of each cell of the grid, in the order of the table `cells`.
+    pub cells: Vec<Cell>,
+    /// What was found about each driver, the worst first.
+    pub drivers: Vec<DriverResult>,
+    /// Means of the searches, in the order of the table `search_cells`.
+    pub searches: Vec<SearchCell>,
+    /// The results in the tests of a protocol, nominal and within the layers.
+    pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
+    /// The doubts about its trainings.
+    pub doubts: Vec<Doubt>,
+    /// The gates, each with its judgement of each row of the table that it is about.
+    pub gates: Vec<(Gate, Vec<Judged>)>,
+    /// Whether a training or a search failed.
+    pub failed: bool,
+}
+
+impl CampaignReport {
+    /// Whether nothing failed, and the report is complete or the run was stopped.
+    pub fn is_sound(&self) -> bool {
+        let whole = self.manifest.complete || self.manifest.stopped;
+        !self.failed && whole && self.manifest.errors == 0
+    }
+
+    /// Whether no gate is broken, and none wants an interval over too few runs.
+    pub fn passes(&self) -> bool {
+        !self.gates.iter().flat_map(|(_, judged)| judged).any(Judged::fails)
+    }
+}
+
+/// The result of one shard of a campaign.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShardReport {
+    pub shard: Shard,
+    /// The name that the campaign's report will have.
+    pub name: String,
+    /// The number of its finished tasks.
+    pub finished: usize,
+    /// The number of all its tasks.
+    pub all: usize,
+}

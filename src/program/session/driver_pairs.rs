@@ -1,0 +1,129 @@
+use std::str::FromStr;
+use std::sync::Arc;
+
+use super::Error;
+use compile::Campaign;
+use results::report::RecheckNote;
+use world::env::{Scenario, VehicleRole};
+
+/// A driver of an old report and its new version.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DriverPair {
+    /// The name of the old one.
+    pub before: String,
+    pub after: String,
+}
+
+impl FromStr for DriverPair {
+    type Err = String;
+
+    /// Reads `OLD=NEW`, or `NAME` for a driver that has kept its name.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (before, after) = text.split_once('=').unwrap_or((text, text));
+        let (before, after) = (before.trim().to_owned(), after.trim().to_owned());
+        if before.is_empty() || after.is_empty() {
+            return Err("write OLD=NEW, or NAME for a driver that has kept its name".into());
+        }
+        Ok(Self { before, after })
+    }
+}
+
+/// A driver in a scenario of a campaign.
+struct Place<'a> {
+    policy: &'a str,
+    town: &'a str,
+    /// The vehicle; none in a search.
+    vehicle: Option<&'a str>,
+    scenario: &'a Arc<Scenario>,
+}
+
+fn places(campaign: &Campaign) -> impl Iterator<Item = Place<'_>> {
+    let evaluations = campaign.evaluations.iter().map(|evaluation| Place {
+        policy: &evaluation.policy,
+        town: &evaluation.town,
+        vehicle: Some(&evaluation.vehicle),
+        scenario: &evaluation.scenario,
+    });
+    let searches = campaign.searches.iter().map(|search| Place {
+        policy: &search.key.policy,
+        town: &search.key.town,
+        vehicle: None,
+        scenario: &search.scenario,
+    });
+    evaluations.chain(searches)
+}
+
+/// The drivers that are evaluated or searched in campaigns, each once.
+fn drivers(campaigns: &[Campaign]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for place in campaigns.iter().flat_map(places) {
+        if names.iter().all(|name| name != place.policy) {
+            names.push(place.policy.to_owned());
+        }
+    }
+    names
+}
+
+/// The pairs that are rechecked: those given, or else drivers of equal names, or else the only driver of each side. Drivers without a
+/// partner are notes.
+pub(super) fn driver_pairs(
+    old: &Campaign,
+    new: &[Campaign],
+    given: &[DriverPair],
+) -> Result<(Vec<DriverPair>, Vec<RecheckNote>), Error> {
+    let (before, after) = (drivers(std::slice::from_ref(old)), drivers(new));
+    for pair in given {
+        let sides = [(&pair.before, "the runs of the report", &before), (&pair.after, "the new campaigns", &after)];
+        if let Some((driver, place, known)) = sides.into_iter().find(|(driver, _, known)| !known.contains(driver)) {
+            return Err(Error::NoDriver { driver: driver.clone(), place, known: known.clone() });
+        }
+    }
+    if !given.is_empty() {
+        return Ok((given.to_vec(), Vec::new()));
+    }
+    if let ([before], [after]) = (before.as_slice(), after.as_slice()) {
+        return Ok((vec![DriverPair { before: before.clone(), after: after.clone() }], Vec::new()));
+    }
+    let (shared, alone): (Vec<String>, Vec<String>) = before.iter().cloned().partition(|name| after.contains(name));
+    if shared.is_empty() {
+        return Err(Error::NoSharedDriver { before, after });
+    }
+    let pairs = shared.into_iter().map(|name| DriverPair { before: name.clone(), after: name });
+    Ok((pairs.collect(), alone.into_iter().map(|driver| RecheckNote::NoPartner { driver }).collect()))
+}
+
+/// The car and the driver of this name, in the scenario that is most like a town and a vehicle.
+pub(super) fn new_role<'a>(
+    campaigns: &'a [Campaign],
+    policy: &str,
+    town: &str,
+    vehicle: Option<&str>,
+) -> Option<&'a VehicleRole> {
+    let of_driver = campaigns.iter().flat_map(places).filter(|place| place.policy == policy);
+    let unlike = |place: &Place<'_>| (place.town != town, place.vehicle != vehicle);
+    of_driver.min_by_key(unlike).map(|place| &place.scenario.cast.ego)
+}
+
+/// The old scenario with the car and the driver of another. The grip of the road stays.
+pub(super) fn with_driver(scenario: &Arc<Scenario>, role: &VehicleRole) -> Arc<Scenario> {
+    let mut scenario = Scenario::clone(scenario);
+    let grip = scenario.cast.ego.blueprint.grip;
+    scenario.cast.ego = role.clone();
+    scenario.cast.ego.blueprint.grip = grip;
+    Arc::new(scenario)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_is_two_names_or_one() {
+        let pair = |before: &str, after: &str| Ok(DriverPair { before: before.into(), after: after.into() });
+        assert_eq!("v1=v2".parse(), pair("v1", "v2"));
+        assert_eq!(" mine ".parse(), pair("mine", "mine"));
+        for wrong in ["", "=", "a=", "=b"] {
+            assert!(wrong.parse::<DriverPair>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Runs the encounters of a recheck.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::driver_pairs::with_driver;
+use super::stored::Source;
+use super::{EpisodeName, Error};
+use base::seed::Seed;
+use compile::{Evaluation, Search, episodes_seed};
+use learn::ActorCritic;
+use results::campaign::watch;
+use results::report::{self, Encounter, ListedFailure, Met, WalkedBy};
+use world::env::{Outcome, Scenario, Trace, VehicleRole};
+use world::falsifier::{Goal, evaluate_crossings, evaluate_noting, recorded_commands, walk_again};
+use world::judge::judge;
+
+/// What became of a failure.
+#[derive(Debug, Default)]
+pub(super) struct MetAgain {
+    /// Its encounters with the new driver.
+    pub encounters: Vec<(WalkedBy, Encounter)>,
+    /// Whether the old driver does not end it as in the report.
+    pub is_other_now: bool,
+    /// Whether the new driver has another start.
+    pub has_other_start: bool,
+    /// Whether its commands cannot be read.
+    pub is_damaged: bool,
+    /// Whether its controller cannot be repeated.
+    pub has_no_controller: bool,
+}
+
+type Played = (Outcome, Trace);
+
+impl Source {
+    /// Meets a failure of an evaluation again. `old` says whether the old driver can be run.
+    pub(super) fn meet_episode(
+        &self,
+        failure: &ListedFailure,
+        (evaluation, trained): (&Evaluation, Option<&ActorCritic>),
+        role: &VehicleRole,
+        old: bool,
+    ) -> MetAgain {
+        let number = failure.number as u32;
+        let play = |evaluation: &Evaluation| -> Option<Played> {
+            let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
+            let go_on = &mut |_| ControlFlow::Continue(());
+            watch(evaluation, trained, number..number + 1, &self.seed, note, go_on).into_iter().next()
+        };
+        let before = old.then(|| play(evaluation)).flatten();
+        let after = Evaluation { scenario: with_driver(&evaluation.scenario, role), ..evaluation.clone() };
+        let commands = before.as_ref().map(|(_, trace)| recorded_commands(trace));
+        let again = commands.and_then(|commands| {
+            let starts = episodes_seed(&self.seed, &evaluation.town);
+            walk_again(&after.scenario, starts, number.into(), &commands)
+        });
+        let ends = [(WalkedBy::Controller, play(&after)), (WalkedBy::Commands, again)];
+        met_again(failure, &evaluation.scenario, before, ends)
+    }
+
+    /// Meets a failure of a search again. `old` says whether the old driver can be run.
+    pub(super) fn meet_failure(
+        &self,
+        failure: &ListedFailure,
+        search: &Search,
+        role: &VehicleRole,
+        old: bool,
+    ) -> Result<MetAgain, Error> {
+        let name = failure.name();
+        let EpisodeName { run, number } = name.parse().map_err(|_| Error::BadName { name })?;
+        let stored = self.report.search_failure(run, number)?.as_ref().and_then(report::failure);
+        let Some(stored) = stored.filter(|stored| !stored.commands.is_empty()) else {
+            return Ok(MetAgain { is_damaged: true, ..MetAgain::default() });
+        };
+        let (seed, after) = (search.starts(&self.seed), with_driver(&search.scenario, role));
+        let follow = |scenario| walk_again(scenario, seed, stored.start, &stored.commands);
+        let walker = search.falsifier.walk_policy().zip(u32::try_from(stored.start).ok());
+        let has_no_controller = walker.is_none();
+        let walked = walker.and_then(|(mut walker, start)| {
+            let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
+            let (drawn, go_on) = (search.drawn(&self.seed), &mut |_| ControlFlow::Continue(()));
+            let played = evaluate_noting(walker.as_mut(), &after, start..start + 1, &seed, &drawn, note, go_on);
+            played.into_iter().next()
+        });
+        let before = old.then(|| follow(&search.scenario)).flatten();
+        let ends = [(WalkedBy::Controller, walked), (WalkedBy::Commands, follow(&after))];
+        Ok(MetAgain { has_no_controller, ..met_again(failure, &search.scenario, before, ends) })
+    }
+}
+
+fn end(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> Met {
+    let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(scenario))).flatten();
+    Met::new(outcome, verdict.as_ref(), scenario.episode.moving_above)
+}
+
+fn met_again(
+    failure: &ListedFailure,
+    scenario: &Scenario,
+    before: Option<Played>,
+    ends: [(WalkedBy, Option<Played>); 2],
+) -> MetAgain {
+    let stored = Met::stored(failure);
+    let old = before.as_ref().map(|(outcome, trace)| (outcome.start, end(scenario, outcome, trace)));
+    let is_other_now =
+        old.is_some_and(|(_, old)| (old.fault, old.is_collision()) != (stored.fault, stored.is_collision()));
+    let mut met = MetAgain { is_other_now, ..MetAgain::default() };
+    for (walked_by, played) in ends {
+        let Some((outcome, trace)) = played else { continue };
+        if old.is_some_and(|(start, _)| start != outcome.start) {
+            met.has_other_start = true;
+            continue;
+        }
+        let encounter = Encounter {
+            name: failure.name(),
+            start: failure.start,
+            crossing: 0,
+            before: Some(old.map_or(stored, |(_, old)| old)),
+            after: end(scenario, &outcome, &trace),
+        };
+        met.encounters.push((walked_by, encounter));
+    }
+    met
+}
+
+/// Both drivers in all of these crossings from the first starts; without `before` the new driver alone.
+pub(super) fn cross(
+    goals: &[Goal],
+    before: Option<&Arc<Scenario>>,
+    after: &Arc<Scenario>,
+    starts: u32,
+    seed: Seed,
+) -> Vec<Encounter> {
+    let parts = starts.min(rayon::current_num_threads() as u32);
+    let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, Met)> {
+        // Products of starts and parts may exceed 32 bits.
+        let edge = |part: u32| (u64::from(part) * u64::from(starts) / u64::from(parts)) as u32;
+        let note = &mut |outcome: &Outcome, trace: &Trace| (outcome.start, end(scenario, outcome, trace));
+        let ends = evaluate_crossings(goals, scenario, edge(part)..edge(part + 1), seed, note);
+        ends.into_iter().map(|end| end.unwrap_or((0, Met::error()))).collect()
+    };
+    let all = |scenario: &Arc<Scenario>| -> Vec<(u64, Met)> {
+        let parts: Vec<Vec<(u64, Met)>> = (0..parts).into_par_iter().map(|part| of_part(scenario, part)).collect();
+        parts.concat()
+    };
+    let old = before.map(all);
+    let encounter = |(place, (start, after)): (usize, (u64, Met))| {
+        let before = old.as_ref().map(|old| old[place]);
+        // An error has no start.
+        let is_same = before.is_none_or(|(other, before)| other == start || before.error || after.error);
+        is_same.then(|| Encounter {
+            name: String::new(),
+            start: (place / goals.len()) as u64,
+            crossing: (place % goals.len()) as u64,
+            before: before.map(|(_, before)| before),
+            after,
+        })
+    };
+    all(after).into_iter().enumerate().filter_map(encounter).collect()
+}

@@ -1,0 +1,79 @@
+//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `judge`, `compare`, `recheck`,
+//! `export`, `preview`.
+//!
+//! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
+//! takes a struct of plain options, returns a value or an [`Error`], and reports events to the observer meanwhile. No call prints, reads
+//! the arguments or the environment of the process, installs a signal handler or starts a program that the catalogue does not allow.
+
+mod disk;
+mod error;
+mod stop;
+mod observer;
+mod input;
+mod setup;
+mod check;
+mod starts;
+mod preview;
+mod options;
+mod campaign_report;
+mod manifest;
+mod other_report;
+mod growing_curves;
+mod event_files;
+mod run;
+mod overview;
+mod shard;
+mod list;
+mod incomplete;
+mod merge;
+mod status;
+mod episode_name;
+mod held_files;
+mod stored;
+mod repeat;
+mod reasons;
+mod replay;
+mod export;
+mod export_files;
+mod verify;
+mod failures;
+mod judge;
+mod compare;
+mod driver_pairs;
+mod encounters;
+mod recheck;
+
+pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
+pub use check::{Checked, Planned};
+pub use compare::CompareOptions;
+pub use disk::Disk;
+pub use driver_pairs::DriverPair;
+pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
+pub use error::{Change, Error, KeepError};
+pub use export::{Animation, Export, Strip, TickTable};
+pub use export_files::{ExportOptions, Exported};
+pub use failures::{FailuresOptions, FoundFailure};
+pub use growing_curves::NewestUpdate;
+pub use incomplete::{Incomplete, Missing};
+pub use input::Input;
+pub use judge::JudgeOptions;
+pub use list::Listing;
+pub use merge::MergeOptions;
+pub use observer::{Notice, Observer, Silent};
+pub use options::{RunOptions, Ticks};
+pub use other_report::{OtherInput, OtherReport};
+pub use overview::OverviewFiles;
+pub use preview::{Preview, PreviewOptions};
+pub use reasons::{Reason, reasons};
+pub use recheck::RecheckOptions;
+pub use repeat::Repeated;
+pub use replay::{Replay, ReplayOptions};
+pub use setup::Session;
+pub use shard::ShardOptions;
+pub use starts::{SampledStarts, sampled_starts};
+pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
+pub use stop::Stop;
+pub use stored::RepeatOptions;
+pub use verify::{Retrained, VerifyOptions, VerifyReport};
+
+pub use world::judge::{Encountered, Reference, Sizes, Verdict};

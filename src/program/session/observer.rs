@@ -1,0 +1,119 @@
+use std::io;
+use std::path::PathBuf;
+
+use super::{CampaignOutcome, Change, Incomplete, ShardReport};
+use base::diagnostic::{Diagnostic, Sources};
+use compile::Campaign;
+use results::campaign::{self, Task};
+use results::report::{Doubt, ReadError};
+
+/// Observes a call of a session. All methods do nothing by default. They may be called from several threads.
+pub trait Observer: Send + Sync {
+    /// The files were checked, with these diagnostics. [`Session::check`](super::Session::check) does not call this when all files could
+    /// be read: its result has the diagnostics.
+    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
+        let _ = (diagnostics, sources);
+    }
+
+    /// A notice that does not end the call.
+    fn notice(&self, notice: &Notice) {
+        let _ = notice;
+    }
+
+    /// The options and files are valid, and work starts now.
+    fn begun(&self) {}
+
+    /// These tasks of a campaign start now. The result observes each of them, and is dropped when the last one has ended.
+    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
+        let _ = (campaign, tasks);
+        Box::new(campaign::Silent)
+    }
+
+    /// A shard of a campaign was run.
+    fn shard_ended(&self, report: &ShardReport) {
+        let _ = report;
+    }
+
+    /// A campaign was run, and its report is in its place.
+    fn ended(&self, outcome: &CampaignOutcome) {
+        let _ = outcome;
+    }
+}
+
+/// Ignores everything.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}
+
+/// A fact that does not end a call.
+#[derive(Debug, thiserror::Error)]
+pub enum Notice {
+    /// A file of the store is damaged or cannot be read.
+    #[error("{text}")]
+    Store {
+        /// The error of the store.
+        text: String,
+    },
+    /// A learning curve cannot be written while it grows. The report will have it.
+    #[error("the learning curve `{}` cannot be written while it grows: {source}", path.display())]
+    LearningCurve {
+        /// Its file.
+        path: PathBuf,
+        source: io::Error,
+    },
+    /// Rewards of a campaign are not numbers.
+    #[error("a reward was no number in {episodes} episodes; the first: {first}")]
+    Unpaid {
+        /// The name of the report.
+        campaign: String,
+        episodes: u64,
+        /// The first of them, with its reward.
+        first: String,
+    },
+    /// Episodes of a campaign are in error. No rate counts them.
+    #[error(
+        "{errors} of {episodes} episodes are in error{} and count for nothing; the first is {first}",
+        if *untried > 0 { format!(", {untried} of them not run") } else { String::new() }
+    )]
+    EpisodesInError {
+        /// The name of the report.
+        campaign: String,
+        /// Episodes in error.
+        errors: u64,
+        episodes: u64,
+        /// Those in error that were not simulated.
+        untried: u64,
+        /// The first of them, with its error.
+        first: String,
+    },
+    /// Trainings of a campaign may have learnt nothing, or disagree.
+    #[error("{doubt}")]
+    DoubtfulTraining {
+        /// The name of the report.
+        campaign: String,
+        /// The reason, and what to try.
+        doubt: Box<Doubt>,
+    },
+    /// A folder to merge from holds no tasks.
+    #[error("there are no tasks in `{folder}`", folder = folder.display())]
+    NoTasks { folder: PathBuf },
+    /// Tasks of a campaign are missing.
+    #[error("{} of the {} tasks of `{}` are not there as they should be", .0.tasks.len(), .0.all, .0.campaign.name)]
+    Incomplete(Box<Incomplete>),
+    /// One of several reports cannot be read.
+    #[error(transparent)]
+    UnreadableReport(ReadError),
+    /// A report is of another version of the program.
+    #[error("the report is of version {version}, this is {}; episodes may come out differently", env!("CARGO_PKG_VERSION"))]
+    OtherVersion {
+        /// The version of the report.
+        version: String,
+    },
+    /// Scenarios could start programs in the run of the report, and cannot now.
+    #[error("scenarios might start programs in that run, and may not now")]
+    ProgramsNotAllowed,
+    /// A file is not what it was when the report was made.
+    #[error(transparent)]
+    Changed(Change),
+}

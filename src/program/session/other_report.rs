@@ -1,0 +1,125 @@
+//! Whether the place of a report holds a finished report of something else.
+
+use std::path::PathBuf;
+
+use super::manifest::runs;
+use super::{Error, RunOptions};
+use compile::Campaign;
+use results::report::{FileRecord, Manifest, ReadError, StoredReport, TrainingRecord};
+use results::store::CODE;
+
+/// A finished report that is not replaced, since it has results that the new one would not have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OtherReport {
+    pub folder: PathBuf,
+    /// What differs; at least one.
+    pub differences: Vec<OtherInput>,
+}
+
+/// A difference between what a report is of and what would be run.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum OtherInput {
+    /// Another seed.
+    #[error("its seed is {then}, this one is {now}")]
+    Seed {
+        /// The seed of the report.
+        then: u64,
+        /// The seed now.
+        now: u64,
+    },
+    /// Other values from outside of the files.
+    #[error("its settings are {}, these are {}", settings(then), settings(now))]
+    Settings {
+        /// The settings of the report, as `name = value`.
+        then: Vec<String>,
+        /// The settings now.
+        now: Vec<String>,
+    },
+    /// A file with other contents.
+    #[error("`{path}` has changed since then")]
+    File {
+        /// The file.
+        path: String,
+    },
+    /// A build of the program with other code, which may give other numbers.
+    #[error("it was made by another build of the program (code {}…, this is {}…)", then.get(..8).unwrap_or(then), &CODE[..8])]
+    Code {
+        /// The digest of its code.
+        then: String,
+    },
+    /// Runs that are no part of what would be run, or are shorter there.
+    #[error("{missing} of its {all} runs and trainings would be lost or shortened; the first is {first}")]
+    Runs {
+        missing: usize,
+        /// The number of its runs and trainings.
+        all: usize,
+        /// The first of them.
+        first: String,
+    },
+    /// The manifest does not say what was run.
+    #[error("its manifest cannot be read, or is of a version that does not say what was run")]
+    Unknown,
+}
+
+fn settings(all: &[String]) -> String {
+    if all.is_empty() {
+        "none".into()
+    } else {
+        all.iter().map(|each| format!("`{each}`")).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Checks that a finished report at the place of a campaign's report loses nothing when it is replaced: each of its runs is part of the
+/// campaign, with at least as many episodes. So the same campaign again is no replacement of something else, nor is one with further
+/// drivers or more episodes.
+///
+/// # Errors
+/// [`Error::OtherReport`].
+pub(super) fn check_place(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) -> Result<(), Error> {
+    if options.replace || options.smoke {
+        return Ok(());
+    }
+    let folder = options.out.join(options.report_name(campaign));
+    let differences = match StoredReport::open(&folder) {
+        Ok(report) => differences(report.manifest(), campaign, options, files),
+        // No report, or another file: the writer of reports refuses the latter.
+        Err(ReadError::File { .. }) => Vec::new(),
+        Err(_) => vec![OtherInput::Unknown],
+    };
+    if differences.is_empty() { Ok(()) } else { Err(Error::OtherReport(Box::new(OtherReport { folder, differences }))) }
+}
+
+fn differences(then: &Manifest, campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) -> Vec<OtherInput> {
+    let now = runs(campaign);
+    let lost_runs = then.runs.iter().filter(|run| !now.iter().any(|new| new.id == run.id && new.amount >= run.amount));
+    let is_planned = |fingerprint: &str, run: u32| {
+        campaign.trainings.iter().any(|new| new.key.run == run && new.fingerprint.to_string() == *fingerprint)
+    };
+    let lost_trainings = then.trainings.iter().filter(|training| !is_planned(&training.fingerprint, training.run));
+    let named = |training: &TrainingRecord| {
+        format!(
+            "training of {} in {} against {}, run {}",
+            training.reward, training.town, training.policy, training.run
+        )
+    };
+    let lost: Vec<String> = lost_runs.map(|run| run.what.clone()).chain(lost_trainings.map(named)).collect();
+    let mut found = Vec::new();
+    if then.runs.is_empty() && then.trainings.is_empty() {
+        found.push(OtherInput::Unknown);
+    }
+    if then.code != CODE {
+        found.push(OtherInput::Code { then: then.code.clone() });
+    }
+    let Some(first) = lost.first() else { return found };
+    if then.seed != options.seed {
+        found.push(OtherInput::Seed { then: then.seed, now: options.seed });
+    }
+    if then.settings != campaign.settings {
+        found.push(OtherInput::Settings { then: then.settings.clone(), now: campaign.settings.clone() });
+    }
+    let changed = |file: &&FileRecord| then.files.iter().any(|old| old.path == file.path && old.blake3 != file.blake3);
+    found.extend(files.iter().filter(changed).map(|file| OtherInput::File { path: file.path.clone() }));
+    let all = then.runs.len() + then.trainings.len();
+    found.push(OtherInput::Runs { missing: lost.len(), all, first: first.clone() });
+    found
+}

@@ -1,0 +1,43 @@
+use std::path::PathBuf;
+
+use super::{CampaignReport, Error, RunOptions, RunReport};
+use results::report::{self, Overview, Variant, WriteError};
+
+/// The stem of the files of an overview.
+const OVERVIEW: &str = "overview";
+
+/// The overview of the reports of a call: the variants of a matrix, the campaigns of several files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OverviewFiles {
+    /// Its page. The table `overview.csv` is beside it.
+    pub page: PathBuf,
+    /// Its table for a terminal.
+    pub text: String,
+}
+
+/// Writes the overview of a call with several reports; none for a single report.
+pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Option<OverviewFiles>, Error> {
+    let reports: Vec<&CampaignReport> = run.reports().collect();
+    if reports.len() < 2 {
+        return Ok(None);
+    }
+    let folder = |report: &CampaignReport| report.folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let variants: Vec<Variant<'_>> = reports
+        .iter()
+        .map(|report| Variant {
+            report: folder(report),
+            settings: &report.manifest.settings,
+            cells: &report.cells,
+            drivers: &report.drivers,
+            searches: &report.searches,
+        })
+        .collect();
+    let overview = Overview::new(&variants);
+    let (page, table) = (options.out.join(format!("{OVERVIEW}.html")), options.out.join(format!("{OVERVIEW}.csv")));
+    let failed = |source| options.keep(WriteError::Table { name: OVERVIEW.into(), source });
+    let frame = overview.table().map_err(failed)?;
+    report::write_csv(&table, &frame).map_err(|error| options.keep(error))?;
+    let html = report::overview_page(&overview, &reports[0].manifest.version);
+    report::write_file(&page, html.as_bytes()).map_err(|error| options.keep(error))?;
+    Ok(Some(OverviewFiles { page, text: report::overview_for_terminal(&overview) }))
+}

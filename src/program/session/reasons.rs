@@ -1,0 +1,49 @@
+use results::report::Manifest;
+use results::store::{CODE, vector_instructions};
+
+/// A possible reason why an episode differs from its report.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Reason {
+    /// The program has another version.
+    #[error("another version: {then} then, {} now", env!("CARGO_PKG_VERSION"))]
+    Version {
+        /// The version of the report.
+        then: String,
+    },
+    /// The processor has other vector instructions.
+    #[error("another processor: `{then}` then, `{}` now; it changes trainings alone", vector_instructions())]
+    Processor {
+        /// The vector instructions of the report.
+        then: String,
+    },
+    /// Scenarios could start programs as drivers.
+    #[error("a driver from outside that does not drive the same way twice; try `falsify check -- DRIVER`")]
+    External,
+    /// The version is the same, but the code is different.
+    #[error("the program was built from other sources")]
+    Sources,
+    /// None of the others.
+    #[error("this is a bug; the files, the program and the processor are the same")]
+    Bug,
+}
+
+/// All possible reasons for differences from a report; at least one.
+pub fn reasons(manifest: &Manifest) -> Vec<Reason> {
+    let mut reasons = Vec::new();
+    if manifest.version != env!("CARGO_PKG_VERSION") {
+        reasons.push(Reason::Version { then: manifest.version.clone() });
+    }
+    if manifest.vector_instructions != vector_instructions() {
+        reasons.push(Reason::Processor { then: manifest.vector_instructions.clone() });
+    }
+    if manifest.call.allow_external {
+        reasons.push(Reason::External);
+    }
+    if manifest.code != CODE {
+        reasons.push(Reason::Sources);
+    }
+    if reasons.is_empty() {
+        reasons.push(Reason::Bug);
+    }
+    reasons
+}

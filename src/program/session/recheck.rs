@@ -1,0 +1,246 @@
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::driver_pairs::{driver_pairs, new_role, with_driver};
+use super::encounters::{MetAgain, cross};
+use super::stored::Source;
+use super::{DriverPair, EpisodeName, Error, Input, RepeatOptions, Session};
+use compile::{Campaign, RunId};
+use results::report::{
+    CrossedStarts, Encounter, FailureFilter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures,
+    StoredReport, WalkedBy,
+};
+use world::env::Scenario;
+use world::falsifier::{Goal, crossings};
+
+/// Values of a component of a crossing on the fixed list.
+const LEVELS: u32 = 2;
+
+/// Options of [`Session::recheck`].
+#[derive(Debug, Clone)]
+pub struct RecheckOptions {
+    /// The old report.
+    pub report: PathBuf,
+    /// Scenario files whose campaigns have the new drivers; without any, those of the report.
+    pub files: Vec<PathBuf>,
+    /// Settings of the new drivers, as `NAME=VALUE`.
+    pub settings: Vec<String>,
+    /// The drivers; without any, those of equal names.
+    pub drivers: Vec<DriverPair>,
+    /// The number of starts of the fixed list in each town; 0 leaves the list out.
+    pub starts: u32,
+    /// Options of the repetition of the old report.
+    pub repeat: RepeatOptions,
+}
+
+/// What a recheck works with.
+struct Sides {
+    old: Source,
+    /// Whether the scenario of the report can be compiled as it was.
+    is_old_there: bool,
+    new: Vec<Campaign>,
+}
+
+impl Session {
+    /// Lets new drivers meet the failures of an old report again, and old and new ones a fixed list of crossings.
+    ///
+    /// The start of an encounter and its pedestrian are those of the report. Of the new files, only the car and its driver count.
+    ///
+    /// # Errors
+    /// The report cannot be read or compiled, the new files have errors, or a driver is not there.
+    pub fn recheck(&self, options: &RecheckOptions) -> Result<Recheck, Error> {
+        let (sides, mut notes) = self.sides(options)?;
+        let (pairs, alone) = driver_pairs(&sides.old.campaign, &sides.new, &options.drivers)?;
+        notes.extend(alone);
+        let changed = pairs.iter().filter(|pair| sides.is_old_there && sides.old.has_other_program(&pair.before));
+        let reason = |pair: &DriverPair| format!("the program of `{}` has changed since the report", pair.before);
+        notes.extend(changed.map(|pair| RecheckNote::OldDriverGone { reason: reason(pair) }));
+        let failures = sides.meet_failures(&pairs, &mut notes)?;
+        let crossings = sides.cross_all(&pairs, options.starts, &mut notes);
+        let (report, files) = (options.report.clone(), options.files.clone());
+        let mut recheck = Recheck { report, files, notes, failures, crossings };
+        recheck.adjust();
+        Ok(recheck)
+    }
+
+    fn sides(&self, options: &RecheckOptions) -> Result<(Sides, Vec<RecheckNote>), Error> {
+        let report = StoredReport::open(&options.report)?;
+        report.check_tables()?;
+        self.announce(report.manifest());
+        let given = if options.files.is_empty() { None } else { Some(self.new_campaigns(options, &report)?) };
+        let (old, reason) = match (self.compile_again(report.clone(), &options.repeat, &[]), &given) {
+            (Ok((old, changes)), _) => {
+                (old, changes.first().filter(|_| !options.repeat.anyway).map(ToString::to_string))
+            }
+            // The runs of the report may still be known by their keys.
+            (Err(error), Some(new)) => {
+                let campaign = new.iter().find(|campaign| campaign.name == report.manifest().campaign);
+                let Some(campaign) = campaign else { return Err(error) };
+                (Source::new(report.clone(), campaign.clone()), Some(error.to_string()))
+            }
+            (Err(error), None) => return Err(error),
+        };
+        let new = match given {
+            Some(new) => new,
+            None if options.settings.is_empty() => vec![old.campaign.clone()],
+            None => vec![self.compile_again(report, &options.repeat, &options.settings)?.0.campaign],
+        };
+        let is_old_there = reason.is_none();
+        let notes = reason.map(|reason| RecheckNote::OldDriverGone { reason }).into_iter().collect();
+        Ok((Sides { old, is_old_there, new }, notes))
+    }
+
+    /// The campaigns of the new files: that of the report's name, or else all.
+    fn new_campaigns(&self, options: &RecheckOptions, report: &StoredReport) -> Result<Vec<Campaign>, Error> {
+        let (files, settings) = (options.files.clone(), options.settings.clone());
+        let plan = self.plan(&Input { files, maps: Vec::new(), settings })?.plan;
+        if plan.campaigns.is_empty() {
+            return Err(Error::NoCampaign { advice: plan.without_campaigns() });
+        }
+        let named = plan.campaigns.iter().find(|campaign| campaign.name == report.manifest().campaign);
+        Ok(named.map_or_else(|| plan.campaigns.clone(), |campaign| vec![campaign.clone()]))
+    }
+}
+
+/// The rows that encounters with a pair of drivers belong to.
+type Sets = BTreeMap<(String, FoundIn, WalkedBy), Vec<Encounter>>;
+
+impl Sides {
+    /// Whether an old driver can be run as it was.
+    fn is_there(&self, driver: &str) -> bool {
+        self.is_old_there && !self.old.has_other_program(driver)
+    }
+
+    fn meet_failures(
+        &self,
+        pairs: &[DriverPair],
+        notes: &mut Vec<RecheckNote>,
+    ) -> Result<Vec<RecheckedFailures>, Error> {
+        let mut rows = Vec::new();
+        let [mut other_now, mut other_start, mut damaged, mut commands_alone] = [0; 4];
+        for pair in pairs {
+            let mut sets = Sets::new();
+            let filter = FailureFilter { drivers: vec![pair.before.clone()], ..FailureFilter::default() };
+            let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
+            // A touch of a standing car is no failure.
+            for failure in self.old.report.failures(&filter)?.into_iter().filter(|failure| failure.moving) {
+                let name = failure.name();
+                let name: EpisodeName = name.parse().map_err(|_| Error::BadName { name })?;
+                runs.entry(name.run).or_default().push(failure);
+            }
+            for (run, failures) in runs {
+                let found_in = if failures[0].searched { FoundIn::Search } else { FoundIn::Evaluation };
+                for (failure, met) in failures.iter().zip(self.meet_run(run, &failures, pair)?) {
+                    other_now += u64::from(met.is_other_now);
+                    other_start += u64::from(met.has_other_start);
+                    damaged += u64::from(met.is_damaged);
+                    commands_alone += u64::from(met.has_no_controller);
+                    for (walked_by, encounter) in met.encounters {
+                        sets.entry((failure.town.clone(), found_in, walked_by)).or_default().push(encounter);
+                    }
+                }
+            }
+            let policies = [pair.before.clone(), pair.after.clone()];
+            rows.extend(sets.into_iter().map(|((town, found_in, walked_by), encounters)| RecheckedFailures {
+                policies: policies.clone(),
+                town,
+                found_in,
+                walked_by,
+                encounters,
+            }));
+        }
+        let counted = [
+            (commands_alone, RecheckNote::CommandsAlone { failures: commands_alone }),
+            (other_now, RecheckNote::OtherNow { failures: other_now }),
+            (other_start, RecheckNote::OtherStart { encounters: other_start }),
+            (damaged, RecheckNote::Damaged { failures: damaged }),
+        ];
+        notes.extend(counted.into_iter().filter(|(count, _)| *count > 0).map(|(_, note)| note));
+        Ok(rows)
+    }
+
+    /// Meets failures of a run or a search again.
+    fn meet_run(&self, run: RunId, failures: &[ListedFailure], pair: &DriverPair) -> Result<Vec<MetAgain>, Error> {
+        let run = EpisodeName { run, number: failures.first().map_or(0, |failure| failure.number as u32) };
+        let gone = || Error::RunGone { campaign: self.old.campaign.name.clone(), name: run };
+        let is_old_there = self.is_there(&pair.before);
+        if let Some((_, evaluation)) = self.old.evaluation(run) {
+            let trained = self.old.trained(evaluation)?;
+            let role =
+                new_role(&self.new, &pair.after, &evaluation.town, Some(&evaluation.vehicle)).ok_or_else(gone)?;
+            let of_run = (evaluation, trained.as_ref());
+            let meet = |failure: &ListedFailure| self.old.meet_episode(failure, of_run, role, is_old_there);
+            return Ok(failures.par_iter().map(meet).collect());
+        }
+        let search = self.old.search(run).ok_or_else(gone)?;
+        let role = new_role(&self.new, &pair.after, &search.key.town, None).ok_or_else(gone)?;
+        failures.par_iter().map(|failure| self.old.meet_failure(failure, search, role, is_old_there)).collect()
+    }
+
+    fn cross_all(&self, pairs: &[DriverPair], starts: u32, notes: &mut Vec<RecheckNote>) -> Vec<CrossedStarts> {
+        if starts == 0 {
+            return Vec::new();
+        }
+        let (goals, mut rows, mut other_start) = (crossings(LEVELS), Vec::new(), 0);
+        for pair in pairs {
+            for (town, setup, scenario) in self.setups(&pair.before) {
+                let row = self.cross(pair, (town, setup, &scenario), &goals, starts);
+                other_start += u64::from(starts) * goals.len() as u64 - row.encounters.len() as u64;
+                rows.push(row);
+            }
+        }
+        if other_start > 0 {
+            notes.push(RecheckNote::OtherStart { encounters: other_start });
+        }
+        rows
+    }
+
+    fn cross(
+        &self,
+        pair: &DriverPair,
+        (town, setup, scenario): (&str, u64, &Arc<Scenario>),
+        goals: &[Goal],
+        starts: u32,
+    ) -> CrossedStarts {
+        let role = new_role(&self.new, &pair.after, town, None).expect("the new driver is in a campaign");
+        let before = self.is_there(&pair.before).then_some(scenario);
+        let seed = self.old.seed.child("recheck").child(town);
+        CrossedStarts {
+            policies: [pair.before.clone(), pair.after.clone()],
+            town: town.to_owned(),
+            setup,
+            crossings: goals.len() as u64,
+            encounters: cross(goals, before, &with_driver(scenario, role), starts, seed),
+            holm: None,
+        }
+    }
+
+    /// The different setups in which the report has a driver, numbered in each town.
+    fn setups(&self, driver: &str) -> Vec<(&str, u64, Arc<Scenario>)> {
+        let Campaign { evaluations, searches, .. } = &self.old.campaign;
+        let evaluated = evaluations.iter().map(|each| (&*each.policy, &*each.town, &each.scenario));
+        let searched = searches.iter().map(|each| (&*each.key.policy, &*each.key.town, &each.scenario));
+        let mut setups: Vec<(&str, u64, Arc<Scenario>)> = Vec::new();
+        for (_, town, scenario) in evaluated.chain(searched).filter(|(policy, _, _)| *policy == driver) {
+            let of_town = || setups.iter().filter(|(other, _, _)| *other == town);
+            if !of_town().any(|(_, _, other)| is_alike(other, scenario)) {
+                let number = of_town().count() as u64;
+                // Rewards are not of interest here.
+                setups.push((town, number, Arc::new(Scenario { oracle: None, ..Scenario::clone(scenario) })));
+            }
+        }
+        setups
+    }
+}
+
+/// Whether encounters in two scenarios of a town are the same.
+fn is_alike(one: &Scenario, other: &Scenario) -> bool {
+    let pedestrians = |scenario: &Scenario| -> Vec<_> { scenario.cast.pedestrians().cloned().collect() };
+    one.spawn == other.spawn
+        && one.episode == other.episode
+        && pedestrians(one) == pedestrians(other)
+        && one.cast.ego.blueprint == other.cast.ego.blueprint
+}

@@ -1,0 +1,123 @@
+use std::sync::Arc;
+
+use super::stored::Source;
+use super::{EpisodeName, Error};
+use compile::{Evaluation, Search};
+use results::campaign::{repeat_episodes, repeat_failure};
+use results::record::{self, EpisodeRow, RunKey};
+use results::report::{self, Difference};
+use world::env::{FailureCell, Outcome, Scenario, Trace};
+use world::falsifier::Failure;
+use world::judge::{Verdict, judge};
+
+/// An episode that was repeated.
+#[derive(Debug, Clone)]
+pub struct Repeated {
+    pub name: EpisodeName,
+    /// The controller, the place and the driver, in words.
+    pub title: String,
+    /// The scenario it belongs to.
+    pub scenario: Arc<Scenario>,
+    /// Its outcome now.
+    pub outcome: Outcome,
+    /// Its trace now.
+    pub trace: Trace,
+    /// The verdict of the reference drivers; none without a collision.
+    pub verdict: Option<Verdict>,
+    /// The values of its row that differ from the report.
+    pub differences: Vec<Difference>,
+    /// Where it starts to differ from the stored one, in words, when that is known.
+    pub divergence: Option<String>,
+}
+
+impl Source {
+    /// Repeats an episode and compares it with the report.
+    ///
+    /// # Errors
+    /// The report or the campaign does not have it, or a file of the report is damaged.
+    pub fn repeat(&self, name: EpisodeName) -> Result<Repeated, Error> {
+        if let Some((place, evaluation)) = self.evaluation(name) {
+            return self.repeat_episode(name, place, evaluation);
+        }
+        match self.search(name) {
+            Some(search) => self.repeat_failure(name, search),
+            None => Err(Error::RunGone { campaign: self.campaign.name.clone(), name }),
+        }
+    }
+
+    fn repeat_episode(&self, name: EpisodeName, place: usize, evaluation: &Evaluation) -> Result<Repeated, Error> {
+        let before: usize = self.campaign.evaluations[..place].iter().map(|other| other.episodes as usize).sum();
+        let guess = before + name.number as usize;
+        let stored = self.report.episode(name.run, name.number, guess)?;
+        let Some(stored) = stored else { return Err(self.missing(name, "episode")) };
+        let trained = self.trained(evaluation)?;
+        let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
+        let seen = repeat_episodes(evaluation, trained.as_ref(), &[name.number], &self.seed, note);
+        let (_, (outcome, trace)) = seen.into_iter().next().expect("an episode that is tried comes to an end");
+        let pair = trace.main_pair(&evaluation.scenario);
+        let key = Arc::new(RunKey::of(evaluation));
+        let row = EpisodeRow::new(&key, name.number, &outcome, &pair);
+        let (verdict, again) = (row.verdict, record::episodes(&[row]));
+        let scenario = &evaluation.scenario;
+        self.compared(name, key.to_string(), scenario, (outcome, trace, verdict), &stored, &again)
+    }
+
+    fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
+        let stored = self.report.search_failure(name.run, name.number)?;
+        let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
+        let followed = report::failure(&stored).and_then(|failure| {
+            let (outcome, trace) = repeat_failure(search, failure.start, &failure.commands, &self.seed)?;
+            Some((failure, outcome, trace))
+        });
+        let Some((failure, outcome, trace)) = followed else {
+            return Err(Error::CommandsDiffer { name });
+        };
+        let pair = trace.main_pair(&search.scenario);
+        let verdict = judge(&pair);
+        // If it is no collision now, there is no row to compare.
+        let again = match FailureCell::of_pair(&pair, outcome.last_mode) {
+            Some(cell) => {
+                let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
+                let failure = Failure { start, ticks, commands, outcome, cell };
+                report::search_failure(&search.key, name.number.into(), &failure, verdict)
+            }
+            None => Default::default(),
+        };
+        let key = &search.key;
+        let title = format!("found by {key}");
+        self.compared(name, title, &search.scenario, (outcome, trace, verdict), &stored, &again)
+    }
+
+    fn missing(&self, name: EpisodeName, what: &'static str) -> Error {
+        Error::NoEpisode { report: self.report.folder().to_path_buf(), what, name }
+    }
+
+    fn compared(
+        &self,
+        name: EpisodeName,
+        title: String,
+        scenario: &Arc<Scenario>,
+        (outcome, trace, verdict): (Outcome, Trace, Option<Verdict>),
+        stored: &report::Row,
+        again: &report::Row,
+    ) -> Result<Repeated, Error> {
+        let mut differences: Vec<Difference> = report::differences(stored, again)
+            .map_err(|error| Error::Incomparable { name, reason: error.to_string() })?
+            .into_iter()
+            .map(|each| each.1)
+            .collect();
+        if !outcome.is_collision() && self.search(name).is_some() {
+            let (column, stored, again) = ("outcome".into(), "collision".into(), "none".into());
+            differences.push(Difference { column, stored, again });
+        }
+        let divergence = if differences.is_empty() {
+            None
+        } else {
+            let ticks = self.report.ticks(name.run, name.number)?;
+            let now = report::ticks(name.run, name.number, scenario, &trace);
+            report::divergence(stored, &outcome, scenario, ticks.as_ref().map(|then| (then, &now)))
+        };
+        let scenario = scenario.clone();
+        Ok(Repeated { name, title, scenario, outcome, trace, verdict, differences, divergence })
+    }
+}

@@ -1,0 +1,43 @@
+use std::sync::Arc;
+
+use super::{Disk, Observer, Silent, Stop};
+use compile::Catalog;
+use lang::Reader;
+
+/// What all calls share: the language, the reader of files, the observer and the stop flag.
+pub struct Session {
+    pub(super) catalog: Catalog,
+    pub(super) reader: Box<dyn Reader + Send + Sync>,
+    pub(super) observer: Arc<dyn Observer>,
+    pub(super) stop: Arc<Stop>,
+}
+
+impl Default for Session {
+    /// A session with the built-in language. Scenarios may not start programs.
+    fn default() -> Self {
+        Self::new(Catalog::builtin())
+    }
+}
+
+impl Session {
+    /// Reads files from the disk, without observer and stop flag, and with this language. The catalogue may have policies of the caller,
+    /// and an opener that lets scenarios start programs.
+    pub fn new(catalog: Catalog) -> Self {
+        Self { catalog, reader: Box::new(Disk), observer: Arc::new(Silent), stop: Arc::default() }
+    }
+
+    /// The same with another reader of files.
+    pub fn with_reader(self, reader: impl Reader + Send + Sync + 'static) -> Self {
+        Self { reader: Box::new(reader), ..self }
+    }
+
+    /// The same with an observer.
+    pub fn with_observer(self, observer: Arc<dyn Observer>) -> Self {
+        Self { observer, ..self }
+    }
+
+    /// The same with a flag that stops it.
+    pub fn with_stop(self, stop: Arc<Stop>) -> Self {
+        Self { stop, ..self }
+    }
+}

@@ -1,0 +1,202 @@
+//! Finds and reads a report, and compiles its campaign again.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::held_files::HeldFiles;
+use super::{Change, EpisodeName, Error, Input, Notice, Session};
+use base::seed::Seed;
+use compile::{Campaign, ControllerKind, Evaluation, Search};
+use learn::ActorCritic;
+use results::campaign;
+use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
+
+/// Options for repeating a report.
+#[derive(Debug, Clone, Default)]
+pub struct RepeatOptions {
+    /// Folder whose scenario files are read instead of those that the report holds; paths are relative to it.
+    pub files: Option<PathBuf>,
+    /// Whether to continue although a scenario file has changed since the run.
+    pub anyway: bool,
+}
+
+/// A report with its campaign.
+pub(super) struct Source {
+    pub report: StoredReport,
+    pub campaign: Campaign,
+    /// The user's seed.
+    pub seed: Seed,
+}
+
+impl Session {
+    /// Finds the report that holds an episode. Complete reports precede partial ones and smoke runs.
+    pub(super) fn find(&self, folder: &Path, name: EpisodeName) -> Result<StoredReport, Error> {
+        let mut holding = Vec::new();
+        for report in self.open_all(folder)? {
+            if report.holds(name.run)? {
+                holding.push(report);
+            }
+        }
+        holding.sort_by_key(|report| (report.manifest().smoke, !report.manifest().complete));
+        holding.into_iter().next().ok_or_else(|| Error::NoRun { folder: folder.to_path_buf(), name })
+    }
+
+    /// Opens the report in a folder, or all reports of its subfolders. Of several, those that cannot be read are noticed and left out.
+    pub(super) fn open_all(&self, folder: &Path) -> Result<Vec<StoredReport>, Error> {
+        let folders = StoredReport::find(folder);
+        if folders.is_empty() {
+            return Err(Error::NoReport { folder: folder.to_path_buf() });
+        }
+        let mut reports = Vec::new();
+        for each in &folders {
+            match StoredReport::open(each) {
+                Ok(report) => reports.push(report),
+                Err(error) if folders.len() == 1 => return Err(error.into()),
+                Err(error) => self.observer.notice(&Notice::UnreadableReport(error)),
+            }
+        }
+        Ok(reports)
+    }
+
+    /// Compiles the campaign of a report again, from the files that it holds and the settings of its manifest.
+    pub(super) fn reopen(&self, report: StoredReport, options: &RepeatOptions) -> Result<Source, Error> {
+        self.announce(report.manifest());
+        let (source, changes) = self.compile_again(report, options, &[])?;
+        if !changes.is_empty() && !options.anyway {
+            return Err(Error::Changed { changes });
+        }
+        changes.into_iter().for_each(|change| self.observer.notice(&Notice::Changed(change)));
+        Ok(source)
+    }
+
+    /// Reports what may make a repetition differ from a report with this manifest.
+    pub(super) fn announce(&self, manifest: &Manifest) {
+        if manifest.version != env!("CARGO_PKG_VERSION") {
+            self.observer.notice(&Notice::OtherVersion { version: manifest.version.clone() });
+        }
+        if manifest.call.allow_external && !self.catalog.starts_programs() {
+            self.observer.notice(&Notice::ProgramsNotAllowed);
+        }
+    }
+
+    /// The campaign of a report with these settings after its own, and the files that have changed since the report was made.
+    pub(super) fn compile_again(
+        &self,
+        report: StoredReport,
+        options: &RepeatOptions,
+        settings: &[String],
+    ) -> Result<(Source, Vec<Change>), Error> {
+        let manifest = report.manifest();
+        let call = &manifest.call;
+        let root = options.root(Path::new(&call.folder));
+        let place = |path: &str| root.as_ref().map_or_else(|| PathBuf::from(path), |root| root.join(path));
+        let maps = call.maps.iter().filter_map(|map| map.split_once('='));
+        let input = Input {
+            files: call.scenarios.iter().map(|path| place(path)).collect(),
+            maps: maps.map(|(town, file)| (town.to_string(), place(file))).collect(),
+            settings: call.set.iter().chain(settings).cloned().collect(),
+        };
+        let held = HeldFiles::new(&report, &place, self.reader.as_ref(), options.files.is_some());
+        if let Some(file) = held.missing() {
+            let (path, report) = (file.path.clone(), report.folder().to_path_buf());
+            return Err(Error::NotHeld { path, report, blake3: file.blake3.clone() });
+        }
+        let planned = self.plan_from(&held, &input)?;
+        let changes = changes(manifest, &planned.records, root.as_deref());
+        let mut campaigns = planned.plan.campaigns.into_iter();
+        let campaign = campaigns.find(|campaign| campaign.name == manifest.campaign);
+        let campaign = campaign.ok_or_else(|| Error::CampaignGone { campaign: manifest.campaign.clone() })?;
+        Ok((Source::new(report, campaign), changes))
+    }
+}
+
+/// Gives the runs of a campaign the names that the report has for them, also when files have changed since.
+fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
+    campaign.name_runs(manifest.seed);
+    let names: BTreeMap<&str, &str> = manifest.runs.iter().map(|run| (run.what.as_str(), run.id.as_str())).collect();
+    let name = |now: &RunRecord| names.get(now.what.as_str()).and_then(|id| id.parse().ok());
+    for evaluation in &mut campaign.evaluations {
+        evaluation.id = name(&RunRecord::of_evaluation(evaluation)).unwrap_or(evaluation.id);
+    }
+    for search in &mut campaign.searches {
+        search.key.id = name(&RunRecord::of_search(search)).unwrap_or(search.key.id);
+    }
+}
+
+impl RepeatOptions {
+    /// The folder that paths are relative to; none for the current one.
+    fn root(&self, recorded: &Path) -> Option<PathBuf> {
+        match &self.files {
+            Some(folder) => Some(folder.clone()),
+            None if std::env::current_dir().is_ok_and(|here| here == recorded) => None,
+            None => Some(recorded.to_path_buf()).filter(|folder| folder.is_dir()),
+        }
+    }
+}
+
+/// The files that have changed since the report was made.
+fn changes(manifest: &Manifest, now: &[FileRecord], root: Option<&Path>) -> Vec<Change> {
+    let mut changes = Vec::new();
+    let place = |path: &str| root.map_or_else(|| path.to_string(), |root| root.join(path).display().to_string());
+    let known = |path: &str| manifest.files.iter().any(|file| file.path == path || place(&file.path) == path);
+    for file in &manifest.files {
+        let path = place(&file.path);
+        match now.iter().find(|record| record.path == path || record.path == file.path) {
+            None => changes.push(Change::Gone { path }),
+            Some(record) if record.blake3 != file.blake3 => {
+                changes.push(Change::Contents { path, then: file.blake3.clone(), now: record.blake3.clone() });
+            }
+            Some(_) => {}
+        }
+    }
+    let new = now.iter().filter(|file| !known(&file.path));
+    changes.extend(new.map(|file| Change::New { path: file.path.clone() }));
+    changes
+}
+
+impl Source {
+    /// A report with a campaign, whose runs get the names that they have in the report.
+    pub fn new(report: StoredReport, mut campaign: Campaign) -> Self {
+        let manifest = report.manifest();
+        if manifest.smoke {
+            campaign::smoke(&mut campaign);
+        }
+        name_as_in(manifest, &mut campaign);
+        let seed = Seed::root(manifest.seed);
+        Self { report, campaign, seed }
+    }
+
+    /// Whether the program of an external driver is not the one that the report was made with. A report holds no programs, but the
+    /// fingerprints of its runs depend on them.
+    pub fn has_other_program(&self, driver: &str) -> bool {
+        let Campaign { drivers, evaluations, searches, .. } = &self.campaign;
+        let evaluated = evaluations.iter().filter(|each| *each.policy == *driver).map(RunRecord::of_evaluation);
+        let searched = searches.iter().filter(|each| each.key.policy == driver).map(RunRecord::of_search);
+        let then = &self.report.manifest().runs;
+        let differs =
+            |now: RunRecord| then.iter().any(|then| then.what == now.what && then.fingerprint != now.fingerprint);
+        drivers.iter().any(|each| each.name == driver && each.is_external()) && evaluated.chain(searched).any(differs)
+    }
+
+    /// The evaluation of this name, and its place.
+    pub fn evaluation(&self, name: EpisodeName) -> Option<(usize, &Evaluation)> {
+        self.campaign.evaluations.iter().enumerate().find(|(_, evaluation)| evaluation.id == name.run)
+    }
+
+    pub fn search(&self, name: EpisodeName) -> Option<&Search> {
+        self.campaign.searches.iter().find(|search| search.key.id == name.run)
+    }
+
+    /// The networks of an evaluation's pedestrian, as the report has them; none for untrained ones.
+    ///
+    /// # Errors
+    /// Their file cannot be read.
+    pub fn trained(&self, evaluation: &Evaluation) -> Result<Option<ActorCritic>, ReadError> {
+        match evaluation.controller {
+            ControllerKind::Trained(_) | ControllerKind::Sampled(_) => {
+                self.report.pedestrian(&evaluation.trained).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Runs a campaign: trainings, evaluations and searches as tasks, side by side on rayon's threads.
+//!
+//! A [`ResultStore`] stores finished tasks and returns them in a later run. An [`Observer`] gets the progress. An evaluation starts when
+//! its pedestrian is trained. Results are in the order of the plan and do not depend on the threads.
+
+mod task;
+mod observer;
+mod result_store;
+mod watch;
+mod repeat;
+mod chunk;
+mod search_result;
+mod search;
+mod queue;
+mod run;
+mod shard;
+mod smoke;
+
+pub use observer::{Observer, Silent};
+pub use repeat::{networks, repeat_episodes, repeat_failure};
+pub use result_store::{Claim, InMemory, Progress, ResultStore};
+pub use run::{Finished, TrainingResult, collect, complete, run, run_tasks};
+pub use search_result::{Evaluated, SearchResult};
+pub use shard::{Shard, deal, shard};
+pub use smoke::smoke;
+pub use task::{Task, TaskError, tasks};
+pub use watch::watch;

@@ -1,0 +1,283 @@
+use std::collections::VecDeque;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::Yield;
+
+use super::chunk::try_chunk;
+use super::queue::{Next, Queue};
+use super::search::search;
+use super::{Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks};
+use base::seed::Seed;
+use compile::{Campaign, Training, TrainingKey};
+use learn::Trained;
+use world::falsifier::TrainingRun;
+
+/// Number of decisions of a training between two reports to the observer.
+const GLANCE: u64 = 16;
+
+/// The result of a training.
+#[derive(Debug, Clone)]
+pub struct TrainingResult {
+    pub key: TrainingKey,
+    /// The trained networks, or the error that ended the training.
+    pub result: Result<Trained, TaskError>,
+}
+
+/// The results of a campaign, except the episodes, which the result store has.
+#[derive(Debug, Clone)]
+pub struct Finished {
+    /// The trainings, in the plan's order. Trainings that never started are missing.
+    pub trainings: Vec<TrainingResult>,
+    /// The searches, in the plan's order. Searches that never started are missing.
+    pub searches: Vec<SearchResult>,
+    /// Whether the user asked to stop.
+    pub interrupted: bool,
+}
+
+/// Runs a campaign on the present rayon pool.
+///
+/// Every training and every evaluation has its own seed. The seed depends only on the names of its town, policy, reward and run, so other
+/// entries of the campaign do not change it. Results that the store already has are not computed again; this does not change any number.
+pub fn run(campaign: &Campaign, seed: &Seed, results: &dyn ResultStore, observer: &dyn Observer) -> Finished {
+    run_tasks(campaign, &tasks(campaign).collect::<Vec<_>>(), seed, results, observer)
+}
+
+/// Runs some tasks of a campaign as [`run`] runs all. A chunk that needs a training brings that training with it.
+pub fn run_tasks(
+    campaign: &Campaign,
+    wanted: &[Task],
+    seed: &Seed,
+    results: &dyn ResultStore,
+    observer: &dyn Observer,
+) -> Finished {
+    let mut ready = VecDeque::new();
+    let mut waiting = vec![Vec::new(); campaign.trainings.len()];
+    for task in wanted.iter().copied() {
+        match training_of(campaign, task) {
+            Some(training) => waiting[training].push(task),
+            None => ready.push_back(task),
+        }
+    }
+    let later = waiting.iter().map(Vec::len).sum();
+    let work = Work {
+        campaign,
+        seed,
+        results,
+        observer,
+        queue: Queue::new(ready, later),
+        waiting,
+        trainings: campaign.trainings.iter().map(|_| OnceLock::new()).collect(),
+        searches: campaign.searches.iter().map(|_| OnceLock::new()).collect(),
+    };
+    rayon::broadcast(|_| work.carry_on());
+    Finished {
+        trainings: work.trainings.into_iter().filter_map(OnceLock::into_inner).collect(),
+        searches: work.searches.into_iter().filter_map(OnceLock::into_inner).collect(),
+        interrupted: observer.stop(),
+    }
+}
+
+/// Collects what a result store has of a campaign, without running anything.
+pub fn collect(campaign: &Campaign, results: &dyn ResultStore) -> Finished {
+    let training = |(index, training): (usize, &Training)| {
+        let trained = results.training(index)?;
+        Some(TrainingResult { key: training.key.clone(), result: Ok(trained) })
+    };
+    Finished {
+        trainings: campaign.trainings.iter().enumerate().filter_map(training).collect(),
+        searches: (0..campaign.searches.len()).filter_map(|index| results.search(index)).collect(),
+        interrupted: false,
+    }
+}
+
+/// Adds the trainings that the store has by now: while this process stopped, another one may have finished them.
+pub fn complete(finished: Finished, campaign: &Campaign, results: &dyn ResultStore) -> Finished {
+    let mut trainings = finished.trainings;
+    for (index, training) in campaign.trainings.iter().enumerate() {
+        let place = trainings.iter().position(|result| result.key == training.key);
+        if place.is_some_and(|place| trainings[place].result.is_ok()) {
+            continue;
+        }
+        let Some(trained) = results.training(index) else { continue };
+        let result = TrainingResult { key: training.key.clone(), result: Ok(trained) };
+        match place {
+            Some(place) => trainings[place] = result,
+            None => trainings.push(result),
+        }
+    }
+    trainings.sort_by_key(|result| campaign.trainings.iter().position(|training| training.key == result.key));
+    Finished { trainings, ..finished }
+}
+
+/// The training that a task waits for.
+pub(super) fn training_of(campaign: &Campaign, task: Task) -> Option<usize> {
+    match task {
+        Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].training(),
+        _ => None,
+    }
+}
+
+/// The shared state of the workers.
+struct Work<'a> {
+    campaign: &'a Campaign,
+    seed: &'a Seed,
+    results: &'a dyn ResultStore,
+    observer: &'a dyn Observer,
+    queue: Queue,
+    /// The tasks that wait for each training.
+    waiting: Vec<Vec<Task>>,
+    trainings: Vec<OnceLock<TrainingResult>>,
+    searches: Vec<OnceLock<SearchResult>>,
+}
+
+/// Ends all workers when one of them panics, so that none waits for it.
+struct Alarm<'a>(&'a Queue);
+
+impl Drop for Alarm<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.end();
+        }
+    }
+}
+
+impl Work<'_> {
+    /// Works until no task is left or the user asks to stop. A worker without work helps with the trainings of others.
+    fn carry_on(&self) {
+        let _alarm = Alarm(&self.queue);
+        loop {
+            if self.stop() {
+                self.queue.end();
+            }
+            match self.queue.next() {
+                Next::Work(task) => match self.results.claim(task) {
+                    Some(_claim) => {
+                        self.work_on(task);
+                        let released =
+                            if let Task::Training(index) = task { self.waiting[index].as_slice() } else { &[] };
+                        self.queue.done(released);
+                    }
+                    None => self.queue.put_aside(task),
+                },
+                Next::Wait => {
+                    if rayon::yield_now() != Some(Yield::Executed) {
+                        self.queue.wait();
+                    }
+                }
+                Next::End => return,
+            }
+        }
+    }
+
+    fn stop(&self) -> bool {
+        self.observer.stop() || self.results.stop()
+    }
+
+    fn work_on(&self, task: Task) {
+        match task {
+            Task::Training(index) => drop(self.trainings[index].set(self.train(index))),
+            Task::Chunk { evaluation, chunk } => self.evaluate(evaluation, chunk),
+            Task::Search(index) => {
+                if let Some(result) = self.search(index) {
+                    let _ = self.searches[index].set(result);
+                }
+            }
+        }
+    }
+
+    fn train(&self, index: usize) -> TrainingResult {
+        let training = &self.campaign.trainings[index];
+        let key = training.key.clone();
+        if let Some(trained) = self.results.training(index) {
+            self.observer.curve_before(index, training, &trained.learning_curve);
+            self.observer.reused(Task::Training(index));
+            return TrainingResult { key, result: Ok(trained) };
+        }
+        self.observer.training_begun(index);
+        let result = self.carry_out(index, training);
+        let result = TrainingResult { key, result };
+        self.observer.training_ended(index, &result);
+        result
+    }
+
+    fn carry_out(&self, index: usize, training: &Training) -> Result<Trained, TaskError> {
+        let (key, scenario, scenarios) = (&training.key, &training.scenario, training.scenarios());
+        let seed =
+            self.seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
+        let begin = || TrainingRun::begin_among(&scenarios, training.environments, &training.config, &seed);
+        let resume = |state: Vec<u8>| {
+            TrainingRun::resume_among(&state, &scenarios, training.environments, &training.config, &seed).ok()
+        };
+        // A state that does not fit counts as missing: the training restarts.
+        let mut run = match self.results.begun(index).and_then(resume) {
+            Some(run) => run,
+            None => begin()?,
+        };
+        let before = run.learning_curve().last().map_or(0, |log| log.steps);
+        self.observer.continued(Task::Training(index), before);
+        self.observer.curve_before(index, training, run.learning_curve());
+        let decisions = AtomicU64::new(0);
+        while !run.is_done() {
+            // A slow driver may need minutes for an update. Then the work of the update is lost.
+            let overdue = || {
+                let taken = decisions.fetch_add(1, Ordering::Relaxed);
+                if taken.is_multiple_of(GLANCE) {
+                    self.observer.deciding(index, taken);
+                }
+                self.results.is_overdue(Task::Training(index), self.stop())
+            };
+            match run.update_unless(&overdue) {
+                Err(error) if error.is_stopped() => {
+                    let limit = self.results.limit(Task::Training(index), 0).filter(|_| !self.stop());
+                    return Err(limit.unwrap_or(TaskError::Training(error)));
+                }
+                Err(error) => return Err(error.into()),
+                Ok(_) => {}
+            }
+            let log = run.learning_curve().last().expect("an update has just ended");
+            self.observer.trained(index, training, run.learning_curve());
+            let (update, ticks) = (log.update, log.steps * u64::from(scenario.episode.hold));
+            if let Some(limit) = self.results.limit(Task::Training(index), ticks).filter(|_| !run.is_done()) {
+                self.results.checkpoint(index, &run, true);
+                return Err(limit);
+            }
+            let stop = self.stop() && !run.is_done();
+            self.results.checkpoint(index, &run, stop);
+            if stop {
+                return Err(TaskError::Training(learn::TrainError::Stopped { update }.into()));
+            }
+        }
+        self.results.keep_training(index, &run);
+        Ok(run.finish())
+    }
+
+    fn evaluate(&self, index: usize, chunk: u32) {
+        let evaluation = &self.campaign.evaluations[index];
+        let trained = match evaluation.training().and_then(|training| self.trainings[training].get()) {
+            Some(TrainingResult { result: Ok(trained), .. }) => Some(&trained.actor_critic),
+            // A training that was stopped continues in a later run.
+            Some(TrainingResult { result: Err(TaskError::Training(error)), .. }) if error.is_stopped() => return,
+            Some(TrainingResult { result: Err(error), .. }) => {
+                let error = TaskError::Untrained(Box::new(error.clone()));
+                self.results.keep_episodes(index, chunk, &[], Progress::Failed(&error));
+                return self.observer.chunk_ended(index, chunk, Some(&error));
+            }
+            None => None,
+        };
+        try_chunk(self.campaign, (index, chunk), trained, self.seed, self.results, self.observer);
+    }
+
+    fn search(&self, index: usize) -> Option<SearchResult> {
+        if let Some(result) = self.results.search(index) {
+            self.observer.reused(Task::Search(index));
+            return Some(result);
+        }
+        let result = search(index, &self.campaign.searches[index], self.seed, self.results, self.observer)?;
+        if result.error.is_none() && !result.spent.stopped {
+            self.results.keep_search(index, &result);
+        }
+        self.observer.searched(index, &result);
+        Some(result)
+    }
+}

@@ -1,0 +1,73 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::repeat::repeat_failure;
+use super::watch::flow;
+use super::{Evaluated, Observer, ResultStore, SearchResult, Task, TaskError};
+use base::seed::Seed;
+use compile::{Search, episodes_seed};
+use world::env::{Outcome, Trace};
+use world::falsifier::{Failure, SearchOutcome, Simulator, StartSet, evaluate_noting};
+use world::judge::{Verdict, judge};
+
+/// Runs a search; none when the user asks to stop before it has started.
+pub fn search(
+    index: usize,
+    search: &Search,
+    seed: &Seed,
+    results: &dyn ResultStore,
+    observer: &dyn Observer,
+) -> Option<SearchResult> {
+    let (key, task) = (&search.key, Task::Search(index));
+    let stop = || observer.stop() || results.stop();
+    if stop() {
+        return None;
+    }
+    // The budget of a search is in ticks, so whether it exceeds the limit is known in advance.
+    if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, search.budget) {
+        let spent = SearchOutcome {
+            ticks: 0,
+            episodes: 0,
+            starts: StartSet::default(),
+            first_start: None,
+            failures: Vec::new(),
+            stopped: false,
+        };
+        let (budget, verdicts, evaluated) = (search.budget, Vec::new(), Vec::new());
+        return Some(SearchResult { key: key.clone(), budget, spent, verdicts, evaluated, error: Some(limit) });
+    }
+    let late = || stop() || results.limit(task, 0).is_some();
+    observer.search_begun(index);
+    let used = AtomicU64::new(0);
+    let progress = |ticks: u64| observer.searching(index, used.fetch_add(ticks, Ordering::Relaxed) + ticks);
+    let mut simulator =
+        Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late).with_progress(&progress);
+    let (walker, error) = match search.falsifier.search(&mut simulator, &search.drawn(seed)) {
+        Ok(walker) => (walker, None),
+        Err(error) => (None, Some(TaskError::Training(error))),
+    };
+    let mut spent = simulator.into_spent();
+    let evaluated = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {
+        let (fresh, drawn) = (episodes_seed(seed, &key.town), search.own(seed).child("tries"));
+        let mut go_on = |done: u32| {
+            let stopped = done < search.tries && late();
+            spent.stopped |= stopped;
+            flow(stopped)
+        };
+        let mut note = |_: u32, outcome: &Outcome, trace: &Trace| {
+            let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(&search.scenario))).flatten();
+            Evaluated { outcome: *outcome, verdict }
+        };
+        let episodes = 0..search.tries;
+        evaluate_noting(walker.as_mut(), &search.scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
+    });
+    let verdicts = spent.failures.iter().map(|failure| verdict(search, failure, seed)).collect();
+    let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !stop()));
+    Some(SearchResult { key: key.clone(), budget: search.budget, spent, verdicts, evaluated, error })
+}
+
+/// Repeats a failure outside of the budget and judges it; none when it ends otherwise.
+fn verdict(search: &Search, failure: &Failure, seed: &Seed) -> Option<Verdict> {
+    let (outcome, trace) = repeat_failure(search, failure.start, &failure.commands, seed)?;
+    let same = outcome.digest == failure.outcome.digest;
+    judge(&trace.main_pair(&search.scenario)).filter(|_| same)
+}

@@ -1,0 +1,25 @@
+use compile::{Campaign, ControllerKind};
+
+/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes.
+pub fn smoke(campaign: &mut Campaign) {
+    let kept: Vec<usize> =
+        (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
+    campaign.trainings.retain(|training| training.key.run == 0);
+    for training in &mut campaign.trainings {
+        let update = (training.config.rollout_steps * training.environments) as u64;
+        training.config.total_steps = training.config.total_steps.min(2 * update);
+    }
+    campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);
+    for evaluation in &mut campaign.evaluations {
+        evaluation.episodes = evaluation.episodes.min(5);
+        if let ControllerKind::Trained(training) | ControllerKind::Sampled(training) = &mut evaluation.controller {
+            *training = kept.iter().position(|index| index == training).expect("run 0 is kept");
+        }
+    }
+    campaign.searches.retain(|search| search.key.run == 0);
+    for search in &mut campaign.searches {
+        search.budget =
+            search.budget.min(10 * u64::from(search.scenario.episode.ticks + search.scenario.most_run_up()));
+        search.tries = search.tries.min(5);
+    }
+}

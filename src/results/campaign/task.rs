@@ -1,0 +1,52 @@
+use compile::{Campaign, Evaluation};
+use world::falsifier::TrainError;
+
+/// A task of a campaign, by its place in the plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Task {
+    Training(usize),
+    /// Some episodes of an evaluation.
+    Chunk {
+        evaluation: usize,
+        /// Which of its chunks, from 0.
+        chunk: u32,
+    },
+    Search(usize),
+}
+
+/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches.
+pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
+    let chunks = |(evaluation, planned): (usize, &Evaluation)| {
+        (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
+    };
+    (0..campaign.trainings.len())
+        .map(Task::Training)
+        .chain(campaign.evaluations.iter().enumerate().flat_map(chunks))
+        .chain((0..campaign.searches.len()).map(Task::Search))
+}
+
+/// Why a task failed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TaskError {
+    /// A training could not continue.
+    #[error(transparent)]
+    Training(#[from] TrainError),
+    /// The training of the pedestrian that was to be evaluated failed.
+    #[error("its training failed: {0}")]
+    Untrained(Box<TaskError>),
+    /// The driver or the controller failed in this number of episodes in a row, so no more were run.
+    #[error("not run, since the driver or the controller had failed in ten episodes in a row")]
+    Hopeless,
+    /// It reached its time limit.
+    #[error("not finished within the {seconds} s that a task may take")]
+    Time {
+        /// The limit (s).
+        seconds: u64,
+    },
+    /// It needs more simulator ticks than its limit.
+    #[error("not finished within the {ticks} ticks that a task may use")]
+    Ticks {
+        /// The limit.
+        ticks: u64,
+    },
+}

@@ -1,0 +1,7 @@
+//! What a campaign leaves behind: tasks, rows of episodes, stored results, analyses, reports and their pages.
+
+pub mod record;
+pub mod campaign;
+pub mod analysis;
+pub mod report;
+pub mod store;

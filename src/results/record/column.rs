@@ -1,0 +1,302 @@
+use std::borrow::Cow;
+use std::marker::PhantomData;
+
+use polars::prelude::{
+    BooleanChunked, Column as Values, DataFrame, DataType, Float64Chunked, NamedFrom, PlSmallStr, PolarsResult, Scalar,
+    Series, StringChunked, UInt32Chunked, UInt64Chunked,
+};
+
+/// The kind of a column's values: text, counts, numbers or truth values.
+pub trait Kind: 'static {
+    /// The values of such a column in memory.
+    type Array;
+
+    /// The type in a table.
+    const TYPE: DataType;
+
+    /// The values of a column.
+    ///
+    /// # Errors
+    /// The column holds something else.
+    fn array(column: &Values) -> PolarsResult<&Self::Array>;
+}
+
+/// A value of a row in a column of a kind, present or possibly missing.
+pub trait Cell<K>: Sized {
+    /// The column.
+    fn series(name: PlSmallStr, values: Vec<Self>) -> Series;
+}
+
+macro_rules! kind {
+    ($kind:ty, $array:ty, $type:expr, $method:ident, $($cell:ty),+) => {
+        impl Kind for $kind {
+            type Array = $array;
+            const TYPE: DataType = $type;
+
+            fn array(column: &Values) -> PolarsResult<&$array> {
+                column.$method()
+            }
+        }
+        $(impl Cell<$kind> for $cell {
+            fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
+                Series::new(name, values)
+            }
+        })+
+    };
+}
+
+kind!(String, StringChunked, DataType::String, str, String, Option<String>, &'static str, Option<&'static str>);
+kind!(u32, UInt32Chunked, DataType::UInt32, u32, u32, Option<u32>);
+kind!(u64, UInt64Chunked, DataType::UInt64, u64, u64, Option<u64>);
+kind!(f64, Float64Chunked, DataType::Float64, f64, f64, Option<f64>);
+kind!(bool, BooleanChunked, DataType::Boolean, bool, bool, Option<bool>);
+
+/// A column of a table: its name, its unit and its meaning. The only place where its name is spelt.
+#[derive(Debug)]
+pub struct Column<K> {
+    /// The name, with the unit at its end.
+    pub name: &'static str,
+    /// The unit, as people write it; empty without one.
+    pub unit: &'static str,
+    /// What it means, for `reports/README.md`.
+    pub doc: &'static str,
+    kind: PhantomData<fn() -> K>,
+}
+
+impl<K: Kind> Column<K> {
+    /// A column of this name, unit and meaning.
+    pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
+        Self { name, unit, doc, kind: PhantomData }
+    }
+
+    /// Its values in a table.
+    ///
+    /// # Errors
+    /// The table has no such column, or it holds something else.
+    pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a K::Array> {
+        K::array(table.column(self.name)?)
+    }
+
+    pub fn reference(&self) -> ColumnReference {
+        ColumnReference { name: self.name.into(), unit: self.unit.into(), doc: self.doc.into(), holds: K::TYPE }
+    }
+
+    /// The column of a table whose rows give these values.
+    pub fn of<'t, R, V: Cell<K>>(&self, value: impl Fn(&R) -> V + 't) -> Entry<'t, R> {
+        Entry::new::<K, V>(self.name.into(), self.unit.into(), self.doc.into(), value)
+    }
+}
+
+/// Columns of the same meaning for several things: `cc_avoids`, `rss_avoids` and so on. The name of the thing comes first.
+#[derive(Debug)]
+pub struct Family<K> {
+    suffix: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+    kind: PhantomData<fn() -> K>,
+}
+
+impl<K: Kind> Family<K> {
+    /// The family of columns whose names end with this suffix.
+    pub const fn new(suffix: &'static str, unit: &'static str, doc: &'static str) -> Self {
+        Self { suffix, unit, doc, kind: PhantomData }
+    }
+
+    /// What it means.
+    pub const fn doc(&self) -> &'static str {
+        self.doc
+    }
+
+    pub fn name(&self, member: &str) -> String {
+        format!("{member}{}", self.suffix)
+    }
+
+    /// The values of a member in a table.
+    ///
+    /// # Errors
+    /// The table has no such column, or it holds something else.
+    pub fn read<'a>(&self, member: &str, table: &'a DataFrame) -> PolarsResult<&'a K::Array> {
+        K::array(table.column(&self.name(member))?)
+    }
+
+    /// A member of a table whose rows give these values.
+    pub fn of<'t, R, V: Cell<K>>(&self, member: &str, value: impl Fn(&R) -> V + 't) -> Entry<'t, R> {
+        Entry::new::<K, V>(self.name(member).into(), self.unit.into(), self.doc.into(), value)
+    }
+
+    pub fn reference(&self, member: &str) -> ColumnReference {
+        let (unit, doc) = (self.unit.into(), self.doc.into());
+        ColumnReference { name: self.name(member).into(), unit, doc, holds: K::TYPE }
+    }
+}
+
+/// The two columns of an interval, `…_low` and `…_high`.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// The prefix of both names.
+    pub name: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+}
+
+impl Interval {
+    /// The interval of this name, unit and meaning.
+    pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
+        Self { name, unit, doc }
+    }
+
+    /// The names of both columns.
+    pub fn names(&self) -> [String; 2] {
+        [format!("{}_low", self.name), format!("{}_high", self.name)]
+    }
+
+    /// The columns of a table whose rows give these ends.
+    pub fn of<'t, R>(&self, ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 't) -> [Entry<'t, R>; 2] {
+        self.of_ends(move |row| ends(row).map(|(low, _)| low), move |row| ends(row).map(|(_, high)| high))
+    }
+
+    /// The columns of a table whose rows give each end on its own.
+    pub fn of_ends<'t, R>(
+        &self,
+        low: impl Fn(&R) -> Option<f64> + 't,
+        high: impl Fn(&R) -> Option<f64> + 't,
+    ) -> [Entry<'t, R>; 2] {
+        let [low_name, high_name] = self.names();
+        let (unit, doc) = (self.unit.into(), self.doc.into());
+        let low = Entry::new::<f64, _>(low_name.into(), unit, doc, low);
+        [low, Entry::new::<f64, _>(high_name.into(), self.unit.into(), self.doc.into(), high)]
+    }
+}
+
+/// Makes a column of this name from rows.
+type WriteRows<'t, R> = dyn Fn(PlSmallStr, &[R]) -> Series + 't;
+
+/// A column of a table whose rows are of type `R`, and the function that reads it from a row.
+pub struct Entry<'t, R> {
+    reference: ColumnReference,
+    write: Box<WriteRows<'t, R>>,
+    pub(super) metrics: Vec<super::Metric>,
+}
+
+/// The documentation of a column, for people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnReference {
+    pub name: Cow<'static, str>,
+    /// The unit; empty without one.
+    pub unit: Cow<'static, str>,
+    /// What it means.
+    pub doc: Cow<'static, str>,
+    /// The kind of its values.
+    pub holds: DataType,
+}
+
+impl<'t, R> Entry<'t, R> {
+    /// A column of kind `K` whose name is computed, since it belongs to a family, for example one column for each reference driver.
+    pub fn new<K: Kind, V: Cell<K>>(
+        name: Cow<'static, str>,
+        unit: Cow<'static, str>,
+        doc: Cow<'static, str>,
+        value: impl Fn(&R) -> V + 't,
+    ) -> Self {
+        let write = move |name: PlSmallStr, rows: &[R]| V::series(name, rows.iter().map(&value).collect());
+        let reference = ColumnReference { name, unit, doc, holds: K::TYPE };
+        Self { reference, write: Box::new(write), metrics: Vec::new() }
+    }
+
+    /// The same values under another name.
+    pub fn named(mut self, name: impl Into<Cow<'static, str>>) -> Self {
+        self.reference.name = name.into();
+        self
+    }
+
+    /// The same with another meaning.
+    pub fn meaning(mut self, doc: impl Into<Cow<'static, str>>) -> Self {
+        self.reference.doc = doc.into();
+        self
+    }
+
+    /// Adds its aggregation over runs and cells.
+    pub fn aggregated(mut self, metrics: impl IntoIterator<Item = super::Metric>) -> Self {
+        self.metrics.extend(metrics);
+        self
+    }
+
+    pub fn reference(&self) -> &ColumnReference {
+        &self.reference
+    }
+
+    /// The values of some rows.
+    pub fn values(&self, rows: &[R]) -> Values {
+        (self.write)(self.reference.name.as_ref().into(), rows).into()
+    }
+
+    /// The value of one row, `count` times.
+    pub(super) fn repeated(&self, row: &R, count: usize) -> Values {
+        let one = (self.write)(self.reference.name.as_ref().into(), std::slice::from_ref(row));
+        let value = one.get(0).expect("there is one row").into_static();
+        Values::new_scalar(self.reference.name.as_ref().into(), Scalar::new(one.dtype().clone(), value), count)
+    }
+}
+
+/// The columns of a table in their order.
+pub struct Table<'t, R> {
+    /// The stem of its files.
+    pub name: &'static str,
+    /// What a row is, and further documentation of the table.
+    pub doc: &'static str,
+    pub(super) entries: Vec<Entry<'t, R>>,
+}
+
+/// The documentation of a table, for people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableReference {
+    /// The stem of its files.
+    pub name: &'static str,
+    /// What a row is.
+    pub doc: &'static str,
+    /// Its columns in their order.
+    pub columns: Vec<ColumnReference>,
+}
+
+impl<'t, R> Table<'t, R> {
+    /// A table without columns.
+    pub fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc, entries: Vec::new() }
+    }
+
+    /// Adds a column.
+    #[must_use]
+    pub fn column(mut self, entry: Entry<'t, R>) -> Self {
+        self.entries.push(entry);
+        self
+    }
+
+    /// Adds several columns.
+    #[must_use]
+    pub fn columns(mut self, entries: impl IntoIterator<Item = Entry<'t, R>>) -> Self {
+        self.entries.extend(entries);
+        self
+    }
+
+    /// The columns of some rows.
+    pub fn values(&self, rows: &[R]) -> Vec<Values> {
+        self.entries.iter().map(|entry| entry.values(rows)).collect()
+    }
+
+    /// The table of some rows, in their order.
+    pub fn frame(&self, rows: &[R]) -> DataFrame {
+        DataFrame::new(rows.len(), self.values(rows)).expect("the columns of a table have different names")
+    }
+
+    /// The metrics that runs and cells have of its columns, in the order of their tables.
+    pub fn metrics(&self) -> Vec<super::Metric> {
+        let mut all: Vec<super::Metric> = self.entries.iter().flat_map(|entry| entry.metrics.clone()).collect();
+        all.sort_by_key(|metric| metric.place);
+        all
+    }
+
+    pub fn reference(&self) -> TableReference {
+        let columns = self.entries.iter().map(|entry| entry.reference().clone()).collect();
+        TableReference { name: self.name, doc: self.doc, columns }
+    }
+}

@@ -1,0 +1,240 @@
+//! The columns that several tables share, and those that are read back. Each is named only here.
+
+use super::{Column, Family};
+
+pub const RUN_ID: Column<String> = Column::new(
+    "run_id",
+    "",
+    "short name of the run or of the search: 32 bits of BLAKE3 over its names, the campaign's included, the seed and what the files \
+     and settings say about it. Episode 17 of run `1a2b3c4d` is called `1a2b3c4d:17`",
+);
+pub const REWARD: Column<String> = Column::new(
+    "reward",
+    "",
+    "reward of the training; of an untrained pedestrian, the reward that is counted here; `none` in a campaign without training",
+);
+pub const TRAIN_TOWN: Column<String> =
+    Column::new("train_town", "", "town of the training; empty for untrained pedestrians");
+pub const TRAIN_POLICY: Column<String> =
+    Column::new("train_policy", "", "driving policy of the training; empty for untrained pedestrians");
+pub const RUN: Column<u32> = Column::new("run", "", "number of the run, that is of the training, from 0");
+pub const CONTROLLER: Column<String> = Column::new(
+    "controller",
+    "",
+    "what controls the pedestrian: `trained` (the mean of its policy), `sampled` (draws from its policy), `random` (each command \
+     uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
+     velocity)",
+);
+pub const TOWN: Column<String> = Column::new("town", "", "town of the episodes");
+pub const POLICY: Column<String> = Column::new("policy", "", "driving policy of the car");
+pub const VEHICLE: Column<String> = Column::new("vehicle", "", "model of the car");
+pub const ADVERSARY: Column<String> = Column::new("adversary", "", "body of the pedestrian");
+pub const BLOCK: Column<u32> = Column::new("block", "", "number of the `evaluate` block in its campaign, from 0");
+pub const EPISODE: Column<u32> =
+    Column::new("episode", "", "number of the episode, from 0; equal numbers of a place have equal starts");
+
+pub const WEIGHT: Column<f64> = Column::new(
+    "weight",
+    "",
+    "how much the episode counts in rates and intervals; 1 unless its start was drawn otherwise than the scenario says",
+);
+
+pub const OUTCOME: Column<String> = Column::new(
+    "outcome",
+    "",
+    "`collision`, `timeout`, `lost` (the scenario's `end_when` was true, or the test of a protocol was over), or `error` (an external driver or controller failed as a program)",
+);
+pub const ERROR: Column<String> =
+    Column::new("error", "", "why the driver, or `the controller`, failed; empty otherwise");
+pub const COLLISION: Column<bool> = Column::new("collision", "", "whether car and pedestrian touched");
+pub const FRONT: Column<bool> =
+    Column::new("front", "", "whether they touched within the front sector, by the bearing from the car's middle");
+pub const MOVING: Column<bool> =
+    Column::new("moving", "", "whether they touched while the car was faster than `moving_above`");
+pub const IMPACT_SPEED: Column<f64> = Column::new("impact_speed_mps", "m/s", "speed of the car at the touch");
+pub const IMPACT_BEARING: Column<f64> = Column::new(
+    "impact_bearing_deg",
+    "deg",
+    "bearing of the pedestrian from the car's middle at the touch, positive to the left",
+);
+pub const EPISODE_REWARD: Column<f64> = Column::new("episode_reward", "", "sum of the rewards");
+pub const EPISODE_LENGTH: Column<f64> = Column::new("episode_length_s", "s", "time until the touch or the end");
+pub const TICKS: Column<u32> = Column::new("ticks", "", "simulator ticks");
+pub const LEAST_GAP: Column<f64> =
+    Column::new("least_gap_m", "m", "least distance from the pedestrian's disc to the car's box; 0 at a collision");
+pub const ON_CROSSWALK: Column<bool> =
+    Column::new("on_crosswalk", "", "whether the pedestrian was on a crosswalk at the collision; missing without one");
+pub const MIN_TTC: Column<f64> = Column::new(
+    "min_ttc_s",
+    "s",
+    "least time to collision of disc and box at constant velocities, over all ticks at which the car moves (more than 0.1 m/s); 0 \
+     after a touch of a moving car, missing if they never were on course to touch within 10 s",
+);
+pub const PET: Column<f64> = Column::new(
+    "pet_s",
+    "s",
+    "post-encroachment time, to a tick: the least time between one leaving a place and the other reaching it, over all places that \
+     disc and box both sweep; missing without such a place and at a collision",
+);
+pub const DRIVING_MODE: Column<String> =
+    Column::new("driving_mode", "", "what the driver did at the pedestrian's last decision");
+pub const IMPACT: Column<String> = Column::new("impact", "", "side of the impact: `front`, `left`, `right` or `rear`");
+pub const MOTION: Column<String> = Column::new("motion", "", "`moving` or `standing`: the car at the touch");
+pub const EGO_X: Column<f64> = Column::new("ego_x_m", "m", "start of the car, in the world frame");
+pub const EGO_Y: Column<f64> = Column::new("ego_y_m", "m", EGO_X.doc);
+pub const EGO_YAW: Column<f64> = Column::new("ego_yaw_deg", "deg", "heading of the car at the start");
+pub const EGO_SPEED: Column<f64> = Column::new("ego_speed_mps", "m/s", "speed of the car at the start");
+pub const RUN_UP: Column<u32> = Column::new(
+    "run_up_ticks",
+    "",
+    "ticks for which the driver drove alone before the start; 0 where the scenario sets `ego_speed`",
+);
+pub const PLACED: Column<bool> = Column::new(
+    "placed",
+    "",
+    "whether the driver did not reach the start within the time of a run-up, so that it starts there at rest; missing without a run-up",
+);
+pub const START: Column<String> = Column::new(
+    "start",
+    "",
+    "hash of the start as it was drawn, before the driver had any influence: rows with the same number and hash have the same start",
+);
+pub const PEDESTRIAN_X: Column<f64> = Column::new("pedestrian_x_m", "m", "start of the pedestrian, in the world frame");
+pub const PEDESTRIAN_Y: Column<f64> = Column::new("pedestrian_y_m", "m", PEDESTRIAN_X.doc);
+pub const PEDESTRIAN_YAW: Column<f64> =
+    Column::new("pedestrian_yaw_deg", "deg", "heading of the pedestrian at the start");
+pub const DIGEST: Column<String> =
+    Column::new("digest", "", "hash of every state of the episode; equal digests mean equal episodes");
+pub const STATE_HASHES: Column<String> = Column::new(
+    "state_hashes",
+    "",
+    "of a collision: the number of decisions from mark to mark, a colon, and a byte of the digest at each mark; it shows where a \
+     repetition diverges",
+);
+
+pub const VERDICT: Column<String> = Column::new(
+    "verdict",
+    "",
+    "what the reference drivers say of a collision, see [Was it avoidable?](#was-it-avoidable); this and all columns below are missing \
+     without a collision",
+);
+pub const FORESEEABLE: Column<bool> = Column::new(
+    "foreseeable",
+    "",
+    "whether the pedestrian moved as people do up to the touch: never faster than 8 km/h, never accelerated by more than 2.12 m/s² within a \
+     tick, and its velocity changed by at most 1.65 m/s within any second (Euro NCAP's running adult, and recorded walking). Turning and \
+     stopping are acceleration. A pedestrian that obeys at once is foreseeable only if it stands",
+);
+pub const FAULT: Column<bool> = Column::new(
+    "fault",
+    "",
+    "whether it counts against the driver: both careful humans avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car hit \
+     it with the front or drove into it at 1 m/s or more",
+);
+pub const COUNTS_AS: Column<String> = Column::new(
+    "counts_as",
+    "",
+    "`fault`, or the first reason why it is none: `bump` (the car stood), `not_preventable`, `unforeseeable`, `flank` (the pedestrian walked \
+     into the flank or the rear), `slow` (below 1 m/s), `narrow` (a careful human has less than 0.1 m to spare)",
+);
+pub const PANEL: Column<u32> = Column::new(
+    "panel",
+    "",
+    "number of the five models of a human that avoid it: `cc`, `cc_attentive`, `nieon_like`, `cc_swerve`, `fsm_swerve`",
+);
+pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
+    "avoidable_injury",
+    "",
+    "of a fault its `severe_injury_risk`, which a careful human would have spared the pedestrian; otherwise 0",
+);
+pub const FAULT_IF: Family<bool> = Family::new(
+    "_fault",
+    "",
+    "whether it is a fault if both careful humans react 0.25 s sooner (`sooner`) or later (`later`), or if their gate opens at 2 s at any speed \
+     (`short_gate`) or 0.5 s earlier (`long_gate`)",
+);
+pub const PEAK_SPEED: Column<f64> = Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian");
+pub const PEAK_ACCELERATION: Column<f64> = Column::new(
+    "peak_acceleration_mps2",
+    "m/s²",
+    "greatest change of the pedestrian's velocity within a tick, divided by its length; turns count",
+);
+pub const VELOCITY_CHANGE: Column<f64> = Column::new(
+    "velocity_change_1s_mps",
+    "m/s",
+    "greatest difference of two velocities of the pedestrian that are at most a second apart; turns count",
+);
+pub const WARNING: Column<f64> = Column::new("warning_s", "s", "time from the start of the danger to the touch");
+pub const HIDDEN_SHARE: Column<f64> = Column::new(
+    "hidden_share",
+    "",
+    "share of the last 3 s before the touch in which obstacles hid the middle and both edges of the pedestrian from the driver's eye, \
+     whatever the driver's sensors are",
+);
+pub const IN_SIGHT: Column<f64> = Column::new(
+    "in_sight_s",
+    "s",
+    "time in sight without a break before the touch, 3 s at most; before its start, a shorter episode counts as in sight",
+);
+pub const CONTACT_SIDE: Column<String> = Column::new(
+    "contact_side",
+    "",
+    "part of the car that touched the pedestrian, by the place of the pedestrian's middle: `front` of the line of the bumper, `side`, or \
+     `rear`. `front` (a column) is the paper's sector and reaches along the flanks",
+);
+pub const WALKED_INTO: Column<bool> = Column::new(
+    "walked_into_car",
+    "",
+    "whether the pedestrian walked into the flank at more than 0.1 m/s, or ran into the rear, after the front had passed it",
+);
+pub const DANGER_SPEED: Column<f64> =
+    Column::new("danger_speed_mps", "m/s", "speed of the car when the danger started; up to 0.1 m/s it stood");
+pub const HARD: Column<bool> = Column::new("hard", "", "whether the car was at least 2 m/s fast at the touch");
+pub const FATALITY_RISK: Column<f64> = Column::new(
+    "fatality_risk",
+    "",
+    "probability that a grown-up pedestrian dies who is struck by the front of a car at that speed: 1/(1 + exp(6.9 − 0.090 v)), v in km/h \
+     (Rosén and Sander 2009)",
+);
+pub const SEVERE_INJURY_RISK: Column<f64> = Column::new(
+    "severe_injury_risk",
+    "",
+    "probability of an injury of AIS 4 or more or of death: 1/(1 + exp(4.68 − 0.0881 v)), v in km/h, through the figures of Tefft 2013",
+);
+pub const LATEST_REACTION: Column<f64> = Column::new(
+    "latest_reaction_s",
+    "s",
+    "longest reaction time, counted from the gate, with which a driver who brakes like `cc` avoids the collision, 5 s at most; missing when \
+     it hits even without any, and for a standing car",
+);
+pub const PREVENTABLE_PROBABILITY: Column<f64> = Column::new(
+    "preventable_probability",
+    "",
+    "share of drivers who react within that time (lognormal, mean 1.21 s, standard deviation 0.63 s), 0 without such a time; missing for a \
+     standing car",
+);
+pub const AVOIDS: Family<bool> =
+    Family::new("_avoids", "", "whether that reference driver touches no pedestrian while it moves");
+pub const FALSE_BRAKE: Family<bool> = Family::new(
+    "_false_brake",
+    "",
+    "whether that reference driver would have braked for nothing: in an approach in which a car that keeps its pace does not touch the \
+     pedestrian either; missing with a collision and in error",
+);
+pub const FALSE_STOP: Family<bool> =
+    Family::new("_false_stop", "", "whether it would have braked to a stop for nothing");
+pub const MOVED: Family<bool> = Family::new(
+    "_moved",
+    "",
+    "whether that reference driver's car was ever faster than 0.1 m/s; one that never drives off hits nothing",
+);
+pub const MARGIN: Family<f64> = Family::new(
+    "_margin_m",
+    "m",
+    "least gap until the reference driver's car stood or had passed, if it avoids the collision",
+);
+pub const SPEED_REDUCTION: Family<f64> = Family::new(
+    "_impact_speed_reduction_mps",
+    "m/s",
+    "recorded impact speed less that of the reference driver; all of it if it avoids the collision, negative if it hits harder",
+);

@@ -1,0 +1,260 @@
+use polars::prelude::{Column as Values, DataFrame};
+
+use super::columns::{
+    ADVERSARY, AVOIDABLE_INJURY, BLOCK, COLLISION, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X,
+    EGO_Y, EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FALSE_STOP, FATALITY_RISK, FAULT,
+    FAULT_IF, FORESEEABLE, FRONT, HARD, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, ON_CROSSWALK,
+    OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY,
+    PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, RUN_UP, SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN,
+    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WALKED_INTO,
+};
+use super::metric::{self, Metric};
+use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, verdict_columns};
+use world::env::{Ending, Outcome};
+use world::judge::{Class, FalseAlarms, Label, NearMiss, PedestrianMotion, Reference, Sensitivity};
+
+/// The stem of the files of the table of episodes.
+pub const EPISODES: &str = "episodes";
+
+/// The columns of a cell's key, for a table whose rows have one.
+pub fn cell_key<'t, R>(key: impl Fn(&R) -> &CellKey + Copy + 't) -> [Entry<'t, R>; 9] {
+    [
+        REWARD.of(move |row| key(row).reward.clone()),
+        TRAIN_TOWN.of(move |row| key(row).train_town.clone()),
+        TRAIN_POLICY.of(move |row| key(row).train_policy.clone()),
+        CONTROLLER.of(move |row| key(row).controller.clone()),
+        TOWN.of(move |row| key(row).town.clone()),
+        POLICY.of(move |row| key(row).policy.clone()),
+        VEHICLE.of(move |row| key(row).vehicle.clone()),
+        ADVERSARY.of(move |row| key(row).adversary.clone()),
+        BLOCK.of(move |row| key(row).block),
+    ]
+}
+
+/// The columns of a run's key in the table of episodes.
+fn run_key<'t, R>(key: impl Fn(&R) -> &RunKey + Copy + 't) -> Vec<Entry<'t, R>> {
+    let mut entries = vec![RUN_ID.of(move |row: &R| key(row).id.to_string())];
+    entries.extend(cell_key(move |row| &key(row).cell));
+    entries.insert(4, RUN.of(move |row| key(row).run));
+    entries
+}
+
+/// The key of a run, `rows` times.
+pub(super) fn repeated_key(key: &RunKey, rows: usize) -> Vec<Values> {
+    run_key(|key: &RunKey| key).iter().map(|entry| entry.repeated(key, rows)).collect()
+}
+
+/// The table of episodes: a row for each, first the key of its run.
+pub fn episode_table() -> Table<'static, EpisodeRow> {
+    let table = Table::new(
+        EPISODES,
+        "One row for each episode. Episodes with equal numbers in one town have equal starts for all controllers and driving policies (equal `start`), so rows can be paired.",
+    );
+    table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
+}
+
+/// The metrics that runs and cells have of episodes, in the order of their tables.
+pub fn metrics() -> Vec<Metric> {
+    episode_table().metrics()
+}
+
+/// The names of the columns of a cell's key.
+pub fn cell_key_names() -> impl Iterator<Item = String> {
+    cell_key_references().into_iter().map(|column| column.name.into_owned())
+}
+
+/// The names of the columns of a run's key, as the table of runs has them: the number of the run comes last.
+pub fn run_key_names() -> impl Iterator<Item = String> {
+    run_key_references().into_iter().map(|column| column.name.into_owned())
+}
+
+/// The references of the columns of a cell's key.
+pub fn cell_key_references() -> Vec<ColumnReference> {
+    cell_key(|key: &CellKey| key).iter().map(|entry| entry.reference().clone()).collect()
+}
+
+/// The references of the columns of a run's key, in the order of [`run_key_names`].
+pub fn run_key_references() -> Vec<ColumnReference> {
+    [vec![RUN_ID.reference()], cell_key_references(), vec![RUN.reference()]].concat()
+}
+
+/// Episodes as a table, one row each, in the order given.
+pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
+    episode_table().frame(rows)
+}
+
+/// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan has.
+///
+/// A new quantity of an episode is one entry here; [`Entry::aggregated`] states its aggregation over runs and cells.
+pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
+    let table = Table::new(EPISODES, "The episodes of one run.");
+    let table = table
+        .column(EPISODE.of(|row: &EpisodeRow| row.episode))
+        .column(
+            OUTCOME
+                .of(|row: &EpisodeRow| ending(&row.outcome.ending))
+                .aggregated([metric::EPISODES.at(0), metric::ERRORS.at(1)]),
+        )
+        .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.outcome)))
+        .column(COLLISION.of(|row| hit(row).is_some()).aggregated([
+            metric::COLLISIONS.at(2),
+            metric::COLLISION_RATE.at(5),
+            metric::PASSED.at(31),
+        ]))
+        .column(
+            FRONT
+                .of(|row| hit(row).is_some_and(|hit| hit.front))
+                .aggregated([metric::FRONT_COLLISIONS.at(3), metric::FRONT_RATE.at(6)]),
+        )
+        .column(
+            MOVING
+                .of(|row| hit(row).is_some_and(|hit| hit.moving))
+                .aggregated([metric::MOVING_COLLISIONS.at(4), metric::MOVING_RATE.at(7)]),
+        )
+        .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)).aggregated([metric::IMPACT_SPEED.at(10)]))
+        .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
+        .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward).aggregated([metric::EPISODE_REWARD.at(8)]))
+        .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration).aggregated([metric::EPISODE_LENGTH.at(9)]))
+        .column(TICKS.of(|row: &EpisodeRow| row.outcome.ticks))
+        .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap).aggregated([metric::LEAST_GAP.at(11)]))
+        .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.outcome.on_crosswalk)))
+        .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
+        .column(PET.of(|row| near_miss(row).pet))
+        .column(PEAK_SPEED.of(|row| motion(row).map(|motion| motion.peak_speed)))
+        .column(PEAK_ACCELERATION.of(|row| motion(row).map(|motion| motion.peak_acceleration)))
+        .column(VELOCITY_CHANGE.of(|row| motion(row).map(|motion| motion.velocity_change)))
+        .column(DRIVING_MODE.of(|row: &EpisodeRow| row.outcome.last_mode.name()))
+        .column(EGO_X.of(|row: &EpisodeRow| row.outcome.spawn.ego.x))
+        .column(EGO_Y.of(|row: &EpisodeRow| row.outcome.spawn.ego.y))
+        .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
+        .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
+        .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
+        .column(PLACED.of(placed).aggregated([metric::PLACED_STARTS.at(68), metric::PLACED_RATE.at(69)]))
+        .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
+        .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
+        .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
+        .column(START.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.start)))
+        .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
+        .column(
+            STATE_HASHES
+                .of(|row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.state_hashes.to_string())),
+        );
+    table.columns(verdicts())
+}
+
+/// The results of the reference drivers: the verdict on a collision, and the false alarms in an episode without one.
+fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
+    let judged = verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().map(|entry| {
+        let metrics = verdict_metrics(entry.reference().name.as_ref());
+        entry.aggregated(metrics)
+    });
+    let mut entries: Vec<_> = judged.collect();
+    for (place, reference) in (0_u8..).zip(Reference::ALL) {
+        let name = reference.name();
+        let alarm = move |row: &EpisodeRow, alarmed: fn(&FalseAlarms, Reference) -> bool| {
+            row.false_alarms.map(|alarms| alarmed(&alarms, reference))
+        };
+        let metrics = |stops: bool| {
+            let place = 32 + 4 * place + u8::from(stops);
+            let (count, rate) = (metric::false_alarms(reference, stops), metric::false_alarm_rate(reference, stops));
+            [count.at(place), rate.at(place + 2)]
+        };
+        entries.push(FALSE_BRAKE.of(name, move |row| alarm(row, FalseAlarms::braked)).aggregated(metrics(false)));
+        entries.push(FALSE_STOP.of(name, move |row| alarm(row, FalseAlarms::stopped)).aggregated(metrics(true)));
+    }
+    entries
+}
+
+/// What runs and cells make of a column of the verdict.
+fn verdict_metrics(column: &str) -> Vec<Metric> {
+    match column {
+        name if name == VERDICT.name => {
+            let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
+            labels.chain([metric::PREVENTABLE_RATE.at(21), metric::PREVENTABLE_SHARE.at(22)]).collect()
+        }
+        name if name == FORESEEABLE.name => {
+            vec![metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(29)]
+        }
+        name if name == FAULT.name => {
+            vec![metric::FAULT_COLLISIONS.at(18), metric::FAULT_RATE.at(23), metric::FAULT_SHARE.at(30)]
+        }
+        name if name == COUNTS_AS.name => (0_u8..)
+            .zip([Class::Flank, Class::Slow, Class::Narrow])
+            .map(|(place, class)| metric::counting(class).at(70 + place))
+            .collect(),
+        name if name == AVOIDABLE_INJURY.name => vec![metric::AVOIDABLE_INJURY.at(73)],
+        name if name == FAULT_IF.name(Sensitivity::NAMES[0]) => {
+            (0_u8..).zip(metric::FAULTS_IF).map(|(place, count)| count.at(74 + place)).collect()
+        }
+        name if name == PREVENTABLE_PROBABILITY.name => {
+            vec![metric::PREVENTABLE_PROBABILITY.at(25), metric::EXPECTED_PREVENTABLE.at(26)]
+        }
+        name if name == WALKED_INTO.name => vec![metric::WALKED_INTO_COLLISIONS.at(20)],
+        name if name == HARD.name => vec![metric::HARD_COLLISIONS.at(19), metric::HARD_RATE.at(24)],
+        name if name == FATALITY_RISK.name => vec![metric::FATALITY_RISK.at(27)],
+        name if name == SEVERE_INJURY_RISK.name => vec![metric::SEVERE_INJURY_RISK.at(28)],
+        _ => Vec::new(),
+    }
+}
+
+/// Whether the driver did not arrive at its start; none without a run-up.
+fn placed(row: &EpisodeRow) -> Option<bool> {
+    (row.outcome.run_up > 0).then_some(row.outcome.spawn.ego_speed == 0.0)
+}
+
+/// A touch.
+struct Hit {
+    front: bool,
+    moving: bool,
+    speed: f64,
+    bearing: f64,
+}
+
+fn hit(row: &EpisodeRow) -> Option<Hit> {
+    match row.outcome.ending {
+        Ending::Collision { front, moving, impact_speed, bearing } => {
+            Some(Hit { front, moving, speed: impact_speed, bearing })
+        }
+        _ => None,
+    }
+}
+
+/// The near-miss figures of an episode; none for one in error, whose driver did not reach the end.
+fn near_miss(row: &EpisodeRow) -> NearMiss {
+    if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
+}
+
+/// What the pedestrian did with its body; none for an episode in error.
+fn motion(row: &EpisodeRow) -> Option<PedestrianMotion> {
+    row.outcome.fault().is_none().then_some(row.motion)
+}
+
+/// The value of `outcome` for an episode in error.
+pub const IN_ERROR: &str = named::ERROR;
+
+/// The names of endings in tables.
+pub(super) mod named {
+    pub const COLLISION: &str = "collision";
+    pub const OTHER_CONTACT: &str = "other_contact";
+    pub const LOST: &str = "lost";
+    pub const TIMEOUT: &str = "timeout";
+    pub const ERROR: &str = "error";
+}
+
+/// The cause of an episode in error; empty for others. A driver's has no subject, a controller's names the controller.
+fn why_in_error(outcome: &Outcome) -> String {
+    match outcome.ending {
+        Ending::ControllerError(_) => outcome.error().unwrap_or_default(),
+        _ => outcome.fault().map_or(String::new(), |fault| fault.to_string()),
+    }
+}
+
+fn ending(ending: &Ending) -> &'static str {
+    match ending {
+        Ending::Collision { .. } => named::COLLISION,
+        Ending::OtherContact => named::OTHER_CONTACT,
+        Ending::Lost => named::LOST,
+        Ending::Timeout => named::TIMEOUT,
+        Ending::Error(_) | Ending::ControllerError(_) => named::ERROR,
+    }
+}

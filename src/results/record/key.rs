@@ -1,0 +1,107 @@
+use std::fmt;
+
+use compile::{Evaluation, NO_REWARD, RunId};
+
+/// The key of a cell of results: a controller and its training, the place of the episodes, and the driver under test.
+///
+/// The runs of a cell differ only in their number.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct CellKey {
+    /// Number of the `evaluate` block, from 0.
+    pub block: u32,
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    pub vehicle: String,
+    /// Name of the adversary, for its body.
+    pub adversary: String,
+    /// The controller: `trained`, `sampled`, `random`, `homing`, `intercept`, `scripted`, or the name of a declared one.
+    pub controller: String,
+    pub reward: String,
+    /// Town of the training; empty for an untrained controller.
+    pub train_town: String,
+    /// Driving policy of the training; empty for an untrained controller.
+    pub train_policy: String,
+}
+
+impl CellKey {
+    /// The key of an evaluation's cell.
+    pub fn of(evaluation: &Evaluation) -> Self {
+        let trained = &evaluation.trained;
+        Self {
+            block: evaluation.block,
+            town: evaluation.town.to_string(),
+            policy: evaluation.policy.to_string(),
+            vehicle: evaluation.vehicle.to_string(),
+            adversary: evaluation.adversary.to_string(),
+            controller: evaluation.controller.name().to_string(),
+            reward: trained.reward.clone(),
+            train_town: trained.town.clone(),
+            train_policy: trained.policy.clone(),
+        }
+    }
+
+    /// Whether the controller comes from a training.
+    pub fn is_trained(&self) -> bool {
+        !self.train_town.is_empty()
+    }
+
+    /// Whether another cell has the same place: the same block, town, vehicle and adversary. Cells of one place share their starts,
+    /// whatever their driving policies and controllers are.
+    pub fn is_beside(&self, other: &Self) -> bool {
+        (self.block, &self.town, &self.vehicle, &self.adversary)
+            == (other.block, &other.town, &other.vehicle, &other.adversary)
+    }
+
+    /// Whether another cell has the same controller: with the same reward and training.
+    pub fn has_controller_of(&self, other: &Self) -> bool {
+        (&self.controller, &self.reward, &self.train_town, &self.train_policy)
+            == (&other.controller, &other.reward, &other.train_town, &other.train_policy)
+    }
+
+    /// The controller with its reward and its training, as `trained r1 (harbour, idm)`; the controller alone where no reward is paid.
+    pub fn who(&self) -> String {
+        let Self { controller, reward, train_town, train_policy, .. } = self;
+        match reward.as_str() {
+            _ if self.is_trained() => format!("{controller} {reward} ({train_town}, {train_policy})"),
+            NO_REWARD => controller.clone(),
+            _ => format!("{controller} {reward}"),
+        }
+    }
+
+    /// The full key in words: [`Display`](fmt::Display), then vehicle, adversary and block.
+    pub fn in_full(&self) -> String {
+        format!("{self}, {}, {}, block {}", self.vehicle, self.adversary, self.block)
+    }
+}
+
+/// `trained r1 (harbour, idm) in village against idm`.
+impl fmt::Display for CellKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} in {} against {}", self.who(), self.town, self.policy)
+    }
+}
+
+/// The key of a run: its cell and its number.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct RunKey {
+    /// The short name.
+    pub id: RunId,
+    pub cell: CellKey,
+    /// Number of the run, from 0.
+    pub run: u32,
+}
+
+impl RunKey {
+    /// The key of an evaluation.
+    pub fn of(evaluation: &Evaluation) -> Self {
+        Self { id: evaluation.id, cell: CellKey::of(evaluation), run: evaluation.trained.run }
+    }
+}
+
+/// The cell, and `, run 0`.
+impl fmt::Display for RunKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, run {}", self.cell, self.run)
+    }
+}

@@ -1,0 +1,346 @@
+//! The metrics that runs and cells have of the columns of episodes.
+
+use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32Chunked};
+
+use super::{Column, ColumnReference, Family, Kind, columns};
+use world::judge::{Class, Label, Reference};
+
+/// A number that is calculated from the episodes of a run and from the runs of a cell. It is a column of the table of runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Metric {
+    /// Its calculation.
+    pub how: How,
+    /// Its place among the metrics, which fixes the order of the columns in tables.
+    pub place: u8,
+}
+
+/// The calculation of a metric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum How {
+    /// A number of episodes; a cell has the sum over its runs.
+    Count(Count),
+    /// A mean over episodes; a cell has mean and standard deviation over its runs.
+    Mean(Mean),
+    /// A ratio of two counts; a cell has mean and standard deviation over its runs, and the interval of the sums.
+    Rate(Rate),
+}
+
+/// A number of episodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Count {
+    stem: &'static str,
+    suffix: &'static str,
+    doc: &'static str,
+    /// Which episodes count.
+    pub which: Which,
+}
+
+/// Which episodes count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Which {
+    /// Those without error.
+    Valid,
+    InError,
+    /// Those for which a column is true.
+    True(&'static str),
+    /// Those with this verdict.
+    Labelled(Label),
+    /// Those that count as this.
+    Counts(Class),
+    /// Those without error and without a collision.
+    Passed,
+}
+
+/// A mean over episodes. Over all episodes without error, a missing value counts as 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mean {
+    /// The column.
+    pub name: &'static str,
+    /// The column of the table of episodes.
+    pub column: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+    /// Whether it is over the episodes without error; otherwise over those with a value.
+    pub of_valid: bool,
+    /// Whether the table of cells has it too.
+    pub in_cells: bool,
+}
+
+/// A ratio of two counts, missing where the denominator is 0, with Wilson's 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rate {
+    /// The column.
+    pub name: &'static str,
+    /// The numerator.
+    pub part: Count,
+    /// The denominator.
+    pub whole: Count,
+    doc: &'static str,
+}
+
+impl Count {
+    /// The number of these episodes, in a column of this name.
+    pub const fn new(name: &'static str, which: Which, doc: &'static str) -> Self {
+        Self { stem: name, suffix: "", doc, which }
+    }
+
+    /// Its column.
+    pub fn name(&self) -> String {
+        format!("{}{}", self.stem, self.suffix)
+    }
+
+    /// Its values in a table of runs or cells.
+    ///
+    /// # Errors
+    /// The table has no such column, or it holds something else.
+    pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a UInt32Chunked> {
+        u32::array(table.column(&self.name())?)
+    }
+
+    pub const fn at(self, place: u8) -> Metric {
+        Metric { how: How::Count(self), place }
+    }
+}
+
+impl Mean {
+    /// The mean of a column over the episodes without error.
+    pub const fn new(column: &Column<f64>, doc: &'static str) -> Self {
+        Self { name: column.name, column: column.name, unit: column.unit, doc, of_valid: true, in_cells: true }
+    }
+
+    /// The mean of a column over the episodes in which it has a value.
+    pub const fn of_present(column: &Column<f64>, doc: &'static str) -> Self {
+        Self { of_valid: false, ..Self::new(column, doc) }
+    }
+
+    /// The same mean, in a column of this name.
+    pub const fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+
+    pub const fn at(self, place: u8) -> Metric {
+        Metric { how: How::Mean(self), place }
+    }
+}
+
+impl Rate {
+    /// A ratio of two counts, in a column of this name.
+    pub const fn new(name: &'static str, part: Count, whole: Count, doc: &'static str) -> Self {
+        Self { name, part, whole, doc }
+    }
+
+    pub const fn at(self, place: u8) -> Metric {
+        Metric { how: How::Rate(self), place }
+    }
+
+    /// The ends of its interval in a table of runs or cells.
+    ///
+    /// # Errors
+    /// The table has no such columns, or they hold something else.
+    pub fn interval<'a>(&self, table: &'a DataFrame) -> PolarsResult<(&'a Float64Chunked, &'a Float64Chunked)> {
+        Ok((WILSON_LOW.read(self.name, table)?, WILSON_HIGH.read(self.name, table)?))
+    }
+}
+
+impl Metric {
+    /// Its column in the table of runs.
+    pub fn name(&self) -> String {
+        match self.how {
+            How::Count(count) => count.name(),
+            How::Mean(mean) => mean.name.to_string(),
+            How::Rate(rate) => rate.name.to_string(),
+        }
+    }
+
+    /// Whether a cell has its mean and standard deviation over the runs.
+    pub fn is_averaged(&self) -> bool {
+        match self.how {
+            How::Count(_) => false,
+            How::Mean(mean) => mean.in_cells,
+            How::Rate(_) => true,
+        }
+    }
+
+    pub fn reference(&self) -> ColumnReference {
+        let (unit, doc, holds) = match self.how {
+            How::Count(count) => ("", count.doc, DataType::UInt32),
+            How::Mean(mean) => (mean.unit, mean.doc, DataType::Float64),
+            How::Rate(rate) => ("", rate.doc, DataType::Float64),
+        };
+        ColumnReference { name: self.name().into(), unit: unit.into(), doc: doc.into(), holds }
+    }
+}
+
+pub const RUNS: Count = Count::new("runs", Which::Valid, "number of runs");
+pub const EPISODES: Count = Count::new(
+    "episodes",
+    Which::Valid,
+    "number of episodes; episodes in error are left out here and in every rate and mean",
+);
+pub const ERRORS: Count = Count::new("errors", Which::InError, "number of episodes in error");
+pub const COLLISIONS: Count = Count::new("collisions", Which::True(columns::COLLISION.name), "number of collisions");
+pub const FRONT_COLLISIONS: Count =
+    Count::new("front_collisions", Which::True(columns::FRONT.name), "number of frontal collisions");
+pub const MOVING_COLLISIONS: Count =
+    Count::new("moving_collisions", Which::True(columns::MOVING.name), "number of collisions with a moving car");
+pub const FORESEEABLE_COLLISIONS: Count = Count::new(
+    "foreseeable_collisions",
+    Which::True(columns::FORESEEABLE.name),
+    "number of collisions with a foreseeable pedestrian",
+);
+
+pub const FAULT_COLLISIONS: Count =
+    Count::new("fault_collisions", Which::True(columns::FAULT.name), "number of faults");
+/// Number of collisions that would be faults but for one thing: where the car was touched, its speed, or the humans' margin.
+pub const fn counting(class: Class) -> Count {
+    let doc = "number of collisions whose `counts_as` is that";
+    Count { stem: class.name(), suffix: "_touches", doc, which: Which::Counts(class) }
+}
+/// Number of faults with other figures of the careful humans.
+pub const FAULTS_IF: [Count; 4] = {
+    let doc = "number of faults with that change of the careful humans: see `sooner_fault` and the like";
+    [
+        Count::new("sooner_faults", Which::True("sooner_fault"), doc),
+        Count::new("later_faults", Which::True("later_fault"), doc),
+        Count::new("short_gate_faults", Which::True("short_gate_fault"), doc),
+        Count::new("long_gate_faults", Which::True("long_gate_fault"), doc),
+    ]
+};
+pub const AVOIDABLE_INJURY: Mean = Mean::new(
+    &columns::AVOIDABLE_INJURY,
+    "mean over episodes of the risk of a severe injury that a careful human would have spared; times 1,000 it is per 1,000 episodes",
+);
+pub const HARD_COLLISIONS: Count =
+    Count::new("hard_collisions", Which::True(columns::HARD.name), "number of collisions at 2 m/s or more");
+pub const WALKED_INTO_COLLISIONS: Count = Count::new(
+    "walked_into_collisions",
+    Which::True(columns::WALKED_INTO.name),
+    "number of collisions in which the pedestrian walked into the side or the rear",
+);
+
+pub const PLACED_STARTS: Count = Count::new(
+    "placed_starts",
+    Which::True(columns::PLACED.name),
+    "number of starts that the driver did not reach in its run-up",
+);
+pub const PASSED: Count =
+    Count::new("passed_episodes", Which::Passed, "number of episodes without a collision and without error");
+
+/// Number of episodes in which a reference driver brakes (`stops` false) or stops for nothing.
+pub const fn false_alarms(reference: Reference, stops: bool) -> Count {
+    let column = false_alarm_names(reference)[stops as usize];
+    let (suffix, doc) = if stops {
+        ("_false_stops", "number of episodes in which that reference driver would have braked to a stop for nothing")
+    } else {
+        ("_false_brakes", "number of episodes in which that reference driver would have braked for nothing")
+    };
+    Count { stem: reference.name(), suffix, doc, which: Which::True(column) }
+}
+
+/// The share of the episodes that ended well in which it does so.
+pub const fn false_alarm_rate(reference: Reference, stops: bool) -> Rate {
+    let name = false_alarm_names(reference)[2 + stops as usize];
+    let doc = if stops {
+        "false stops of all episodes that *ended well*; missing without any"
+    } else {
+        "false brakes of all episodes that *ended well*; missing without any"
+    };
+    Rate::new(name, false_alarms(reference, stops), PASSED, doc)
+}
+
+/// The columns of episodes and the rates: brakes and stops, brakes and stops.
+const fn false_alarm_names(reference: Reference) -> [&'static str; 4] {
+    macro_rules! names {
+        ($name:literal) => {
+            [
+                concat!($name, "_false_brake"),
+                concat!($name, "_false_stop"),
+                concat!($name, "_false_brake_rate"),
+                concat!($name, "_false_stop_rate"),
+            ]
+        };
+    }
+    match reference {
+        Reference::CarefulHuman => names!("cc"),
+        Reference::AttentiveHuman => names!("cc_attentive"),
+        Reference::Surprised => names!("nieon_like"),
+        Reference::SwervingHuman => names!("cc_swerve"),
+        Reference::FuzzySafety => names!("fsm"),
+        Reference::SwervingFuzzy => names!("fsm_swerve"),
+        Reference::Rss => names!("rss"),
+        Reference::IdealBrake => names!("ideal"),
+        Reference::Bound => names!("bound"),
+    }
+}
+
+/// Number of collisions with a verdict.
+pub const fn labelled(label: Label) -> Count {
+    let doc = "number of collisions with that verdict";
+    Count { stem: label.name(), suffix: "_collisions", doc, which: Which::Labelled(label) }
+}
+
+pub const COLLISION_RATE: Rate =
+    Rate::new("collision_rate", COLLISIONS, EPISODES, "collisions of all episodes (the paper's CR)");
+pub const FRONT_RATE: Rate = Rate::new(
+    "front_rate",
+    FRONT_COLLISIONS,
+    COLLISIONS,
+    "frontal collisions of all *collisions* (the paper's front CR); missing without any collision",
+);
+pub const MOVING_RATE: Rate = Rate::new(
+    "moving_rate",
+    MOVING_COLLISIONS,
+    EPISODES,
+    "collisions with a moving car of all *episodes* (the paper's moving CR)",
+);
+pub const PREVENTABLE_RATE: Rate =
+    Rate::new("preventable_rate", labelled(Label::Preventable), EPISODES, "preventable collisions of all *episodes*");
+pub const PREVENTABLE_SHARE: Rate = Rate::new(
+    "preventable_share",
+    labelled(Label::Preventable),
+    COLLISIONS,
+    "preventable collisions of all *collisions*; missing without any collision",
+);
+pub const FORESEEABLE_RATE: Rate = Rate::new(
+    "foreseeable_rate",
+    FORESEEABLE_COLLISIONS,
+    EPISODES,
+    "collisions with a foreseeable pedestrian of all *episodes*",
+);
+pub const FAULT_RATE: Rate = Rate::new("fault_rate", FAULT_COLLISIONS, EPISODES, "faults of all *episodes*");
+pub const FAULT_SHARE: Rate =
+    Rate::new("fault_share", FAULT_COLLISIONS, COLLISIONS, "faults of all *collisions*; missing without any collision");
+pub const HARD_RATE: Rate =
+    Rate::new("hard_rate", HARD_COLLISIONS, EPISODES, "collisions at 2 m/s or more of all *episodes*");
+pub const PLACED_RATE: Rate = Rate::new(
+    "placed_rate",
+    PLACED_STARTS,
+    EPISODES,
+    "starts that the driver did not reach of all episodes: near 1 it never drives to where the encounter is",
+);
+pub const PREVENTABLE_PROBABILITY: Mean = Mean::of_present(
+    &columns::PREVENTABLE_PROBABILITY,
+    "mean share of drivers who would have avoided a collision, over the collisions with a car that moved",
+);
+pub const EXPECTED_PREVENTABLE: Mean = Mean::new(
+    &columns::PREVENTABLE_PROBABILITY,
+    "the same of all *episodes*: the expected rate of collisions that a driver drawn at random would have avoided",
+)
+.named("expected_preventable");
+pub const FATALITY_RISK: Mean =
+    Mean::of_present(&columns::FATALITY_RISK, "mean probability of death at a collision, by its speed");
+pub const SEVERE_INJURY_RISK: Mean =
+    Mean::of_present(&columns::SEVERE_INJURY_RISK, "mean probability of severe injury at a collision, by its speed");
+pub const EPISODE_REWARD: Mean = Mean::new(&columns::EPISODE_REWARD, "mean reward of an episode");
+pub const EPISODE_LENGTH: Mean = Mean::new(&columns::EPISODE_LENGTH, "mean length of an episode");
+pub const IMPACT_SPEED: Mean = Mean::of_present(&columns::IMPACT_SPEED, "mean speed of the car at a collision");
+pub const LEAST_GAP: Mean = Mean { in_cells: false, ..Mean::new(&columns::LEAST_GAP, "mean of the least gaps") };
+
+pub const MEAN: Family<f64> = Family::new("_mean", "", "mean over the runs of the cell");
+pub const SD: Family<f64> = Family::new("_sd", "", "sample standard deviation over the runs of the cell");
+pub const WILSON_LOW: Family<f64> = Family::new(
+    "_wilson_low",
+    "",
+    "Wilson's 95 % interval of that rate, over all episodes (of a share or `front_rate`: over all collisions) of the run or of the cell",
+);
+pub const WILSON_HIGH: Family<f64> = Family::new("_wilson_high", "", WILSON_LOW.doc());

@@ -1,0 +1,323 @@
+//! Reads tables back by type, without the names of their columns at the caller.
+
+use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
+
+use super::columns::{
+    ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MARGIN,
+    MIN_TTC, MOVING, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN,
+    RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+};
+use super::episodes::named;
+use super::{CellKey, RunKey};
+use world::av::DrivingMode;
+use world::env::{Ending, Outcome, Spawn};
+use world::geometry::Pose;
+use world::judge::{CLEAR, Label, Reference};
+
+impl CellKey {
+    /// The key in a row of a table.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn read(table: &DataFrame, row: usize) -> PolarsResult<Self> {
+        let text = |column: &super::Column<String>| -> PolarsResult<String> {
+            Ok(column.read(table)?.get(row).unwrap_or_default().to_string())
+        };
+        Ok(Self {
+            block: BLOCK.read(table)?.get(row).unwrap_or_default(),
+            town: text(&TOWN)?,
+            policy: text(&POLICY)?,
+            vehicle: text(&VEHICLE)?,
+            adversary: text(&ADVERSARY)?,
+            controller: text(&CONTROLLER)?,
+            reward: text(&REWARD)?,
+            train_town: text(&TRAIN_TOWN)?,
+            train_policy: text(&TRAIN_POLICY)?,
+        })
+    }
+}
+
+impl RunKey {
+    /// The key in a row of a table.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn read(table: &DataFrame, row: usize) -> PolarsResult<Self> {
+        let id = RUN_ID.read(table)?.get(row).and_then(|id| id.parse().ok());
+        let run = RUN.read(table)?.get(row).unwrap_or_default();
+        Ok(Self { id: id.unwrap_or_default(), cell: CellKey::read(table, row)?, run })
+    }
+}
+
+/// The weights of a table of episodes; 1 for all where it has none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weights<'a>(Option<&'a Float64Chunked>);
+
+impl<'a> Weights<'a> {
+    pub(super) fn read(table: &'a DataFrame) -> PolarsResult<Self> {
+        let has = table.get_column_index(WEIGHT.name).is_some();
+        Ok(Self(has.then(|| WEIGHT.read(table)).transpose()?))
+    }
+
+    pub(super) fn get(&self, row: usize) -> f64 {
+        self.0.map_or(1.0, |weights| weights.get(row).unwrap_or_default())
+    }
+}
+
+/// The room with which the two careful humans avoid collisions, in a table with verdicts.
+#[derive(Debug, Clone, Copy)]
+pub struct HumanMargins<'a>([&'a Float64Chunked; 2]);
+
+impl<'a> HumanMargins<'a> {
+    /// Reads it.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn read(table: &'a DataFrame) -> PolarsResult<Self> {
+        let [a, b] = Label::humans().map(|human| MARGIN.read(human.name(), table));
+        Ok(Self([a?, b?]))
+    }
+
+    /// Whether one of them has less than [`CLEAR`] to spare.
+    pub fn is_narrow(&self, row: usize) -> bool {
+        self.0.iter().any(|margin| margin.get(row).is_some_and(|margin| margin < CLEAR))
+    }
+}
+
+/// A table of episodes, read row by row.
+///
+/// Missing numbers are `None` if the type allows it, else 0.
+#[derive(Debug, Clone, Copy)]
+pub struct EpisodeTable<'a> {
+    table: &'a DataFrame,
+    weights: Weights<'a>,
+    episode: &'a UInt32Chunked,
+    outcome: &'a StringChunked,
+    error: &'a StringChunked,
+    front: &'a BooleanChunked,
+    /// Missing in reports of earlier versions.
+    on_crosswalk: Option<&'a BooleanChunked>,
+    moving: &'a BooleanChunked,
+    fault: &'a BooleanChunked,
+    impact_speed: &'a Float64Chunked,
+    impact_bearing: &'a Float64Chunked,
+    reward: &'a Float64Chunked,
+    length: &'a Float64Chunked,
+    ticks: &'a UInt32Chunked,
+    least_gap: &'a Float64Chunked,
+    min_ttc: &'a Float64Chunked,
+    pet: &'a Float64Chunked,
+    driving_mode: &'a StringChunked,
+    ego_x: &'a Float64Chunked,
+    ego_y: &'a Float64Chunked,
+    ego_yaw: &'a Float64Chunked,
+    ego_speed: &'a Float64Chunked,
+    run_up: &'a UInt32Chunked,
+    start: &'a StringChunked,
+    pedestrian_x: &'a Float64Chunked,
+    pedestrian_y: &'a Float64Chunked,
+    pedestrian_yaw: &'a Float64Chunked,
+    digest: &'a StringChunked,
+    trail: &'a StringChunked,
+    verdict: &'a StringChunked,
+    human_margins: HumanMargins<'a>,
+    in_sight: &'a Float64Chunked,
+}
+
+impl<'a> EpisodeTable<'a> {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
+        Ok(Self {
+            table,
+            weights: Weights::read(table)?,
+            episode: EPISODE.read(table)?,
+            outcome: OUTCOME.read(table)?,
+            error: ERROR.read(table)?,
+            front: FRONT.read(table)?,
+            on_crosswalk: ON_CROSSWALK.read(table).ok(),
+            moving: MOVING.read(table)?,
+            fault: FAULT.read(table)?,
+            impact_speed: IMPACT_SPEED.read(table)?,
+            impact_bearing: IMPACT_BEARING.read(table)?,
+            reward: EPISODE_REWARD.read(table)?,
+            length: EPISODE_LENGTH.read(table)?,
+            ticks: TICKS.read(table)?,
+            least_gap: LEAST_GAP.read(table)?,
+            min_ttc: MIN_TTC.read(table)?,
+            pet: PET.read(table)?,
+            driving_mode: DRIVING_MODE.read(table)?,
+            ego_x: EGO_X.read(table)?,
+            ego_y: EGO_Y.read(table)?,
+            ego_yaw: EGO_YAW.read(table)?,
+            ego_speed: EGO_SPEED.read(table)?,
+            run_up: RUN_UP.read(table)?,
+            start: START.read(table)?,
+            pedestrian_x: PEDESTRIAN_X.read(table)?,
+            pedestrian_y: PEDESTRIAN_Y.read(table)?,
+            pedestrian_yaw: PEDESTRIAN_YAW.read(table)?,
+            digest: DIGEST.read(table)?,
+            trail: STATE_HASHES.read(table)?,
+            verdict: VERDICT.read(table)?,
+            human_margins: HumanMargins::read(table)?,
+            in_sight: IN_SIGHT.read(table)?,
+        })
+    }
+
+    pub fn rows(&self) -> std::ops::Range<usize> {
+        0..self.table.height()
+    }
+
+    /// The key of the run of the first row; an empty one without rows.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn key(&self) -> PolarsResult<RunKey> {
+        RunKey::read(self.table, 0)
+    }
+
+    pub fn episode(&self, row: usize) -> u32 {
+        self.episode.get(row).unwrap_or_default()
+    }
+
+    pub fn weight(&self, row: usize) -> f64 {
+        self.weights.get(row)
+    }
+
+    /// Its error; none if it has none.
+    pub fn error(&self, row: usize) -> Option<&'a str> {
+        (self.outcome.get(row) == Some(named::ERROR)).then(|| self.error.get(row).unwrap_or_default())
+    }
+
+    /// Whether it is a collision.
+    pub fn is_collision(&self, row: usize) -> bool {
+        self.outcome.get(row) == Some(named::COLLISION)
+    }
+
+    /// Whether it is a collision within the front sector.
+    pub fn is_front(&self, row: usize) -> bool {
+        self.front.get(row).unwrap_or_default()
+    }
+
+    /// Whether it is a collision with a moving car.
+    pub fn is_moving(&self, row: usize) -> bool {
+        self.moving.get(row).unwrap_or_default()
+    }
+
+    /// Whether it counts against the driver: preventable, with a foreseeable pedestrian.
+    pub fn is_fault(&self, row: usize) -> bool {
+        self.fault.get(row).unwrap_or_default()
+    }
+
+    /// Whether one of the two careful humans avoids it with less than [`CLEAR`] to spare.
+    pub fn is_narrow(&self, row: usize) -> bool {
+        self.human_margins.is_narrow(row)
+    }
+
+    /// Speed of the car at the touch (m/s).
+    pub fn impact_speed(&self, row: usize) -> Option<f64> {
+        self.impact_speed.get(row)
+    }
+
+    /// Bearing of the pedestrian at the touch (rad), positive to the left.
+    pub fn impact_bearing(&self, row: usize) -> Option<f64> {
+        self.impact_bearing.get(row).map(f64::to_radians)
+    }
+
+    /// Sum of the rewards.
+    pub fn reward(&self, row: usize) -> Option<f64> {
+        self.reward.get(row)
+    }
+
+    /// Length (s).
+    pub fn length(&self, row: usize) -> Option<f64> {
+        self.length.get(row)
+    }
+
+    /// Simulator ticks; none if it was not run.
+    pub fn ticks(&self, row: usize) -> Option<u32> {
+        self.ticks.get(row)
+    }
+
+    /// Least time to collision (s).
+    pub fn min_ttc(&self, row: usize) -> Option<f64> {
+        self.min_ttc.get(row)
+    }
+
+    /// Post-encroachment time (s).
+    pub fn pet(&self, row: usize) -> Option<f64> {
+        self.pet.get(row)
+    }
+
+    /// The driver's action at the last decision.
+    pub fn driving_mode(&self, row: usize) -> Option<DrivingMode> {
+        self.driving_mode.get(row).and_then(DrivingMode::named)
+    }
+
+    /// Digest, as 16 hexadecimal digits.
+    pub fn digest(&self, row: usize) -> &'a str {
+        self.digest.get(row).unwrap_or_default()
+    }
+
+    /// The verdict.
+    pub fn label(&self, row: usize) -> Option<Label> {
+        self.verdict.get(row).and_then(Label::named)
+    }
+
+    /// Time in sight before the touch (s).
+    pub fn in_sight(&self, row: usize) -> Option<f64> {
+        self.in_sight.get(row)
+    }
+
+    /// The rows of collisions that a reference driver avoids.
+    ///
+    /// # Errors
+    /// The column is missing or holds something else.
+    pub fn avoided(&self, reference: Reference) -> PolarsResult<impl Iterator<Item = usize>> {
+        let avoids = AVOIDS.read(reference.name(), self.table)?;
+        Ok(self.rows().filter(|row| avoids.get(*row) == Some(true)))
+    }
+
+    /// The start.
+    pub fn spawn(&self, row: usize) -> Spawn {
+        let of = |column: &Float64Chunked| column.get(row).unwrap_or_default();
+        Spawn {
+            ego: Pose::new(of(self.ego_x), of(self.ego_y), of(self.ego_yaw).to_radians()),
+            ego_speed: of(self.ego_speed),
+            pedestrian: Pose::new(of(self.pedestrian_x), of(self.pedestrian_y), of(self.pedestrian_yaw).to_radians()),
+        }
+    }
+
+    /// The outcome; none if the episode is in error.
+    pub fn outcome(&self, row: usize) -> Option<Outcome> {
+        let ending = match self.outcome.get(row)? {
+            named::COLLISION => Ending::Collision {
+                front: self.front.get(row)?,
+                moving: self.moving.get(row)?,
+                impact_speed: self.impact_speed(row).unwrap_or_default(),
+                bearing: self.impact_bearing(row).unwrap_or_default(),
+            },
+            named::OTHER_CONTACT => Ending::OtherContact,
+            named::LOST => Ending::Lost,
+            named::TIMEOUT => Ending::Timeout,
+            _ => return None,
+        };
+        Some(Outcome {
+            spawn: self.spawn(row),
+            start: u64::from_str_radix(self.start.get(row)?, 16).ok()?,
+            run_up: self.run_up.get(row)?,
+            ending,
+            reward: self.reward(row).unwrap_or_default(),
+            ticks: self.ticks(row)?,
+            duration: self.length(row).unwrap_or_default(),
+            least_gap: self.least_gap.get(row).unwrap_or_default(),
+            on_crosswalk: self.on_crosswalk.and_then(|column| column.get(row)).unwrap_or(false),
+            last_mode: self.driving_mode(row)?,
+            digest: u64::from_str_radix(self.digest(row), 16).ok()?,
+            state_hashes: self.trail.get(row).and_then(|hashes| hashes.parse().ok()).unwrap_or_default(),
+        })
+    }
+}

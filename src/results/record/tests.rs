@@ -1,0 +1,149 @@
+use std::io::Cursor;
+
+use polars::prelude::{Column as Values, DataFrame, NamedFrom, Series};
+use polars_io::SerReader;
+use polars_io::parquet::read::ParquetReader;
+use polars_io::parquet::write::ParquetWriter;
+
+use super::*;
+use world::av::{DrivingMode, Fault};
+use world::env::{Ending, Outcome, Spawn};
+use world::geometry::Pose;
+use world::judge::{CLEAR, ContactSide, FalseAlarms, Label, NearMiss, Reference, Sensitivity, Sight, Trial, Verdict};
+
+fn key() -> RunKey {
+    let cell = CellKey {
+        block: 2,
+        town: "harbour".into(),
+        policy: "idm".into(),
+        vehicle: "v".into(),
+        adversary: "w".into(),
+        controller: "trained".into(),
+        reward: "r1".into(),
+        train_town: "village".into(),
+        train_policy: "blind".into(),
+    };
+    RunKey { id: "1a2b3c4d".parse().unwrap(), cell, run: 3 }
+}
+
+fn row(episode: u32, ending: Ending) -> EpisodeRow {
+    let hit = matches!(ending, Ending::Collision { .. });
+    let spawn = Spawn { ego: Pose::new(1.0, -2.0, 0.0), ego_speed: 7.0, pedestrian: Pose::new(5.0, 6.5, 0.0) };
+    let trial = Trial { impact_speed: None, time: 1.0, least_gap: 0.5, moved: true, braked: true, stopped: true };
+    EpisodeRow {
+        key: key().into(),
+        episode,
+        outcome: Outcome {
+            spawn,
+            start: 0xABCD,
+            run_up: 12,
+            ending,
+            reward: 0.25,
+            ticks: 90,
+            duration: 4.5,
+            least_gap: if hit { 0.0 } else { 1.5 },
+            on_crosswalk: false,
+            last_mode: DrivingMode::Cruise,
+            digest: 0xfeed_0000_0000_0001,
+            state_hashes: Default::default(),
+        },
+        verdict: hit.then_some(Verdict {
+            label: Label::Contested,
+            side: ContactSide::Side,
+            walked_into: true,
+            danger_speed: 3.0,
+            latest_reaction: Some(0.9),
+            warning: 2.0,
+            foreseeable: true,
+            sight: Sight { hidden: 0.5, seen: 1.0 },
+            impact_speed: 4.0,
+            trials: [trial; Reference::COUNT],
+            sensitivity: Sensitivity::default(),
+        }),
+        false_alarms: (!hit).then(FalseAlarms::default),
+        near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
+        motion: Default::default(),
+        weight: 1.0,
+    }
+}
+
+fn rows() -> Vec<EpisodeRow> {
+    let hit = Ending::Collision { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
+    vec![row(0, hit), row(1, Ending::Timeout), row(2, Ending::Lost), row(3, Ending::Error(Fault::Ended))]
+}
+
+#[test]
+fn a_collision_is_narrow_when_a_careful_human_barely_passes() {
+    let with = |label, margin: f64| {
+        let mut row = row(0, Ending::Collision { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 });
+        let verdict = row.verdict.as_mut().unwrap();
+        verdict.label = label;
+        verdict.trials[Reference::AttentiveHuman as usize].least_gap = margin;
+        row
+    };
+    let rows = [with(Label::Preventable, CLEAR - 1e-6), with(Label::Preventable, CLEAR), row(1, Ending::Timeout)];
+    let table = episodes(&rows);
+    let table = EpisodeTable::new(&table).unwrap();
+    let read: Vec<bool> = table.rows().map(|row| table.is_narrow(row)).collect();
+    let judged: Vec<bool> = rows.iter().map(|row| row.verdict.is_some_and(|verdict| verdict.is_narrow())).collect();
+    assert_eq!((&read, &judged), (&vec![true, false, false], &vec![true, false, false]));
+}
+
+#[test]
+fn rows_that_are_read_back_are_those_that_were_written() {
+    let (rows, table) = (rows(), episodes(&rows()));
+    let read = EpisodeTable::new(&table).unwrap();
+    assert_eq!(read.rows(), 0..4);
+    assert_eq!(read.key().unwrap(), key());
+    for (place, row) in rows.iter().enumerate().take(3) {
+        assert_eq!(read.outcome(place).as_ref(), Some(&row.outcome));
+        assert_eq!((read.episode(place), read.error(place)), (row.episode, None));
+        assert_eq!(read.label(place), row.verdict.map(|verdict| verdict.label));
+        assert_eq!(read.min_ttc(place), Some(0.75));
+    }
+    assert_eq!(read.outcome(3), None);
+    assert!(read.error(3).is_some_and(|error| !error.is_empty()) && read.min_ttc(3).is_none());
+    assert_eq!(read.avoided(Reference::ALL[0]).unwrap().count(), 1);
+}
+
+#[test]
+fn stored_episodes_get_the_key_of_their_run_and_missing_ones_are_in_error() {
+    let rows = rows();
+    let (first, done) = encode(None, &rows[..2]).unwrap();
+    let (all, more) = encode(Some(&first), &rows[2..3]).unwrap();
+    assert_eq!((done, more), (2, 3));
+    let whole = Chunk { outcomes: decode(&all).unwrap(), error: String::new() };
+    assert!(whole.clone().into_episodes(&key(), 0..3).unwrap().equals_missing(&episodes(&rows[..3])));
+    let cut = Chunk { error: "too slow".into(), ..whole };
+    let table = cut.into_episodes(&key(), 0..5).unwrap();
+    let read = EpisodeTable::new(&table).unwrap();
+    assert_eq!((read.rows(), read.error(3), read.error(4)), (0..5, Some("too slow"), Some("too slow")));
+    assert_eq!((read.episode(4), read.ticks(4), read.is_collision(4)), (4, None, false));
+    let tally = Tally::of(&table).unwrap();
+    assert_eq!((tally.episodes, tally.valid, tally.collisions), (5, 3.into(), 1.into()));
+    assert_eq!(super::tally(&all).unwrap().valid, 3.into());
+    assert!(decode(b"no table").is_err());
+}
+
+#[test]
+fn tables_that_are_much_larger_than_their_file_are_refused() {
+    let file = |rows: usize| {
+        let column = Values::from(Series::new("number".into(), vec![7_i64; rows]));
+        let mut bytes = Vec::new();
+        ParquetWriter::new(&mut bytes).finish(&mut DataFrame::new(rows, vec![column]).unwrap()).unwrap();
+        let length = bytes.len() as u64;
+        read_parquet(ParquetReader::new(Cursor::new(bytes)), length)
+    };
+    assert_eq!(file(8_000).unwrap().height(), 8_000);
+    let refused = file(1_000_000).unwrap_err().to_string();
+    assert!(refused.contains("it says that it has 1000000 rows"), "{refused}");
+}
+
+#[test]
+fn a_key_is_told_in_words() {
+    let mut key = key();
+    assert_eq!(key.to_string(), "trained r1 (village, blind) in harbour against idm, run 3");
+    assert_eq!(key.cell.in_full(), "trained r1 (village, blind) in harbour against idm, v, w, block 2");
+    (key.cell.train_town, key.cell.train_policy) = Default::default();
+    assert_eq!(key.cell.to_string(), "trained r1 in harbour against idm");
+}

@@ -1,0 +1,47 @@
+use super::Entry;
+use super::columns::{
+    AVOIDABLE_INJURY, AVOIDS, CONTACT_SIDE, COUNTS_AS, DANGER_SPEED, FATALITY_RISK, FAULT, FAULT_IF, FORESEEABLE, HARD,
+    HIDDEN_SHARE, IN_SIGHT, LATEST_REACTION, MARGIN, MOVED, PANEL, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK,
+    SPEED_REDUCTION, VERDICT, WALKED_INTO, WARNING,
+};
+use world::judge::{Reference, Sensitivity, Trial, Verdict, fatality_risk, severe_injury_risk};
+
+/// The columns of the verdict on a collision, for a table whose rows may have one: the same in evaluations and in searches.
+pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + 't) -> Vec<Entry<'t, R>> {
+    let struck = move |row: &R| verdict(row).filter(|verdict| !verdict.is_standing());
+    let mut entries = vec![
+        VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())),
+        FORESEEABLE.of(move |row| verdict(row).map(|verdict| verdict.foreseeable)),
+        FAULT.of(move |row| verdict(row).map(|verdict| verdict.is_fault())),
+        COUNTS_AS.of(move |row| verdict(row).map(|verdict| verdict.class().name())),
+        PANEL.of(move |row| struck(row).map(|verdict| verdict.panel() as u32)),
+        AVOIDABLE_INJURY.of(move |row| verdict(row).map(|verdict| verdict.avoidable_injury())),
+        LATEST_REACTION.of(move |row| verdict(row).and_then(|verdict| verdict.latest_reaction)),
+        PREVENTABLE_PROBABILITY.of(move |row| struck(row).map(|verdict| verdict.preventable_probability())),
+        CONTACT_SIDE.of(move |row| verdict(row).map(|verdict| verdict.side.name())),
+        WALKED_INTO.of(move |row| verdict(row).map(|verdict| verdict.walked_into)),
+        HARD.of(move |row| verdict(row).map(|verdict| verdict.is_hard())),
+        FATALITY_RISK.of(move |row| verdict(row).map(|verdict| fatality_risk(verdict.impact_speed))),
+        SEVERE_INJURY_RISK.of(move |row| verdict(row).map(|verdict| severe_injury_risk(verdict.impact_speed))),
+        DANGER_SPEED.of(move |row| verdict(row).map(|verdict| verdict.danger_speed)),
+        WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
+        HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
+        IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
+    ];
+    for (place, change) in Sensitivity::NAMES.into_iter().enumerate() {
+        entries.push(FAULT_IF.of(change, move |row| verdict(row).map(|verdict| verdict.sensitivity.values()[place])));
+    }
+    for reference in Reference::ALL {
+        let name = reference.name();
+        let trial = move |verdict: &Verdict| *verdict.trial(reference);
+        let margin =
+            move |verdict: &Verdict| Some(trial(verdict)).filter(Trial::is_avoided).map(|trial| trial.least_gap);
+        entries.extend([
+            AVOIDS.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).is_avoided())),
+            MOVED.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).moved)),
+            MARGIN.of(name, move |row| verdict(row).and_then(|verdict| margin(&verdict))),
+            SPEED_REDUCTION.of(name, move |row| verdict(row).map(|verdict| verdict.reduction(reference))),
+        ]);
+    }
+    entries
+}

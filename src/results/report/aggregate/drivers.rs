@@ -1,0 +1,149 @@
+use std::cmp::Ordering;
+
+use super::{Cell, Failures, FoundFailure};
+use crate::campaign::SearchResult;
+use compile::Driver;
+use world::judge::Verdict;
+
+/// The failures of a driver that searches found.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SearchFailures {
+    /// All of them.
+    pub all: usize,
+    /// Those that a careful human would have avoided.
+    pub preventable: usize,
+    /// Those that count against the driver.
+    pub fault: usize,
+    /// Faults with other figures of the careful humans, in the order of [`Sensitivity::NAMES`](world::judge::Sensitivity::NAMES).
+    pub fault_if: [usize; 4],
+    /// The avoidable injury of all of them.
+    pub injury: f64,
+    pub episodes: u64,
+}
+
+impl SearchFailures {
+    /// The avoidable injury of a thousand episodes; 0 without any.
+    pub fn injury_per_thousand(&self) -> f64 {
+        self.injury * 1000.0 / self.episodes.max(1) as f64
+    }
+}
+
+/// What a campaign found about a driver, over all towns, controllers and searches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriverResult {
+    pub driver: Driver,
+    /// Its worst failure; none if there was no collision.
+    pub worst: Option<FoundFailure>,
+    /// The place of the cell with the highest rates in the list of cells; none if it was not evaluated.
+    pub cell: Option<usize>,
+    /// The failures that searches found; none without a search.
+    pub searched: Option<SearchFailures>,
+}
+
+/// The results of the drivers: the worst first, by the avoidable injury and the rates in the worst cell, then by what searches found. Drivers that see no
+/// pedestrians follow, since they show only what can be hit.
+pub fn driver_results(
+    drivers: &[Driver],
+    cells: &[Cell],
+    failures: &Failures,
+    searches: &[SearchResult],
+) -> Vec<DriverResult> {
+    let result = |driver: &Driver| DriverResult {
+        driver: driver.clone(),
+        worst: failures.of(&driver.name).first().cloned(),
+        cell: worst_cell(cells, &driver.name),
+        searched: searched(searches, &driver.name),
+    };
+    let mut results: Vec<DriverResult> = drivers.iter().map(result).collect();
+    results.retain(|result| result.cell.is_some() || result.searched.is_some());
+    results.sort_by(|a, b| {
+        let (first, second) = (a.cell.map(|cell| &cells[cell]), b.cell.map(|cell| &cells[cell]));
+        let rates = match (first, second) {
+            (Some(first), Some(second)) => worse_cell_first(first, second),
+            (first, second) => second.is_some().cmp(&first.is_some()),
+        };
+        let failures = || match (&a.worst, &b.worst) {
+            (Some(first), Some(second)) => first.worse_first(second),
+            (first, second) => second.is_some().cmp(&first.is_some()),
+        };
+        let searched = |result: &DriverResult| result.searched.map_or(0.0, |found| found.injury_per_thousand());
+        let blindness = a.driver.sees_no_pedestrians().cmp(&b.driver.sees_no_pedestrians());
+        blindness.then(rates).then_with(|| searched(b).total_cmp(&searched(a))).then_with(failures)
+    });
+    results
+}
+
+/// The place of the cell of a driver with the highest rates, the first of equal ones.
+fn worst_cell(cells: &[Cell], driver: &str) -> Option<usize> {
+    let of_driver = cells.iter().enumerate().filter(|(_, cell)| cell.key.policy == driver);
+    of_driver.min_by(|a, b| worse_cell_first(a.1, b.1)).map(|(place, _)| place)
+}
+
+/// The cell with more avoidable injury first; then by the fault rate, the preventable rate, the rate with a moving car, the rate of collisions.
+fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
+    let rates = |cell: &Cell| {
+        [cell.injury, cell.fault, cell.preventable, cell.moving, cell.collision].map(|rate| rate.mean.unwrap_or(-1.0))
+    };
+    let pairs = rates(b).into_iter().zip(rates(a));
+    pairs.map(|(b, a)| b.total_cmp(&a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+}
+
+fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
+    let mut of_driver = searches.iter().filter(|search| search.key.policy == driver).peekable();
+    of_driver.peek()?;
+    Some(of_driver.fold(SearchFailures::default(), |sum, search| {
+        let count =
+            |counts: fn(&Verdict) -> bool| search.verdicts.iter().flatten().filter(|verdict| counts(verdict)).count();
+        SearchFailures {
+            all: sum.all + search.spent.failures.len(),
+            preventable: sum.preventable + count(Verdict::is_preventable),
+            fault: sum.fault + count(Verdict::is_fault),
+            fault_if: std::array::from_fn(|place| {
+                let changed = search.verdicts.iter().flatten().filter(|verdict| verdict.sensitivity.values()[place]);
+                sum.fault_if[place] + changed.count()
+            }),
+            injury: sum.injury + search.verdicts.iter().flatten().map(Verdict::avoidable_injury).sum::<f64>(),
+            episodes: sum.episodes + search.spent.episodes,
+        }
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::CellKey;
+    use crate::report::Spread;
+    use base::signature::Arguments;
+
+    fn driver(name: &str, kind: &'static str) -> Driver {
+        Driver {
+            name: name.into(),
+            kind,
+            settings: Arguments::default(),
+            sensors: None,
+            sensor_model: None,
+            surrogate: "",
+        }
+    }
+
+    fn cell(policy: &str, fault: f64, moving: f64) -> Cell {
+        let rate = |mean| Spread { mean: Some(mean), sd: None };
+        let key = CellKey { policy: policy.into(), ..CellKey::default() };
+        Cell { key, fault: rate(fault), moving: rate(moving), ..Cell::default() }
+    }
+
+    #[test]
+    fn drivers_are_ordered_by_their_worst_cell_and_those_that_see_no_pedestrians_are_last() {
+        let drivers = [driver("blind", "cruise"), driver("good", "idm"), driver("bad", "idm"), driver("unused", "idm")];
+        let cells = [
+            cell("blind", 0.9, 0.9),
+            cell("good", 0.0, 0.4),
+            cell("bad", 0.1, 0.2),
+            cell("bad", 0.1, 0.3),
+            cell("bad", 0.0, 0.8),
+        ];
+        let results = driver_results(&drivers, &cells, &Failures::default(), &[]);
+        let found: Vec<_> = results.iter().map(|result| (result.driver.name.as_str(), result.cell)).collect();
+        assert_eq!(found, [("bad", Some(3)), ("good", Some(1)), ("blind", Some(0))]);
+    }
+}

@@ -1,0 +1,161 @@
+use std::collections::BTreeMap;
+
+use polars::prelude::{DataFrame, PolarsResult};
+
+use super::protocol::{ProtocolCell, ProtocolRun};
+use super::run_totals::RunTotals;
+use super::{Episodes, Failures, Run};
+use crate::record::{self, EPISODES, EpisodeTable};
+use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
+use base::seed::Seed;
+use compile::{ControllerKind, Evaluation};
+
+/// The results of one pass over all episodes: small tables, counts, and a bounded sample.
+#[derive(Debug, Clone)]
+pub struct Gathered {
+    /// One row for each run.
+    pub runs: DataFrame,
+    /// Episodes, those in error included.
+    pub episodes: u64,
+    /// Their simulator ticks.
+    pub ticks: u64,
+    /// Whether every evaluation has all its episodes, or as many as its stopping rule asks for.
+    pub all_tried: bool,
+    /// Episodes in error.
+    pub errors: u64,
+    /// The number of these that were not run, because of a limit or of an earlier error.
+    pub untried: u64,
+    /// The place of the first error, and the error.
+    pub first_error: Option<String>,
+    /// Episodes whose reward is not a number.
+    pub unpaid: u64,
+    /// The place of the first of these.
+    pub first_unpaid: Option<String>,
+    /// Whether every driver reached the end of at least one episode in every town.
+    pub every_driver_drove: bool,
+    /// Intervals over trainings, comparisons on common starts, transfer gaps.
+    pub evidence: Evidence,
+    /// The starts of trained pedestrians, by town.
+    pub starts: BTreeMap<String, Starts>,
+    /// The data of the page on the episodes.
+    pub tally: Tally,
+    /// The worst failures of each driver in evaluations.
+    pub failures: Failures,
+    /// The results in the tests of a protocol.
+    pub protocol: Vec<ProtocolCell>,
+}
+
+/// Reads all episodes once: writes the table `episodes` and gathers the data of all other outputs.
+///
+/// # Errors
+/// A table that cannot be made or a file that cannot be written.
+pub fn gather(
+    folder: &ReportFolder,
+    episodes: &Episodes<'_>,
+    kinds: &mut FailureModes<'_>,
+    seed: &Seed,
+) -> Result<Gathered, WriteError> {
+    let failed = |source| WriteError::Table { name: EPISODES.into(), source };
+    let mut gathered = Gathered {
+        runs: RunTotals::new().table().map_err(failed)?,
+        episodes: 0,
+        ticks: 0,
+        all_tried: true,
+        errors: 0,
+        untried: 0,
+        first_error: None,
+        unpaid: 0,
+        first_unpaid: None,
+        every_driver_drove: true,
+        evidence: Evidence::default(),
+        starts: BTreeMap::new(),
+        tally: Tally::default(),
+        failures: Failures::default(),
+        protocol: Vec::new(),
+    };
+    let mut evidence = Gathering::new(seed.child("report"));
+    let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
+    let mut file = folder.stream(EPISODES, record::episodes(&[]).schema())?;
+    for run in episodes.runs() {
+        let evaluation = run.evaluation;
+        let (mut totals, mut tally) = (RunTotals::new(), record::Tally::default());
+        let mut protocol = ProtocolRun::new(evaluation);
+        for part in run.parts() {
+            let part = part.map_err(failed)?;
+            file.add(&part)?;
+            gathered.tally.add(&part).map_err(failed)?;
+            let drives = gathered.count(&run, &part).map_err(failed)?;
+            *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
+            totals.add(&part).map_err(failed)?;
+            tally.add_all(&part).map_err(failed)?;
+            if matches!(evaluation.controller, ControllerKind::Trained(_)) {
+                gathered.note_starts(evaluation, &part).map_err(failed)?;
+            }
+            gathered.failures.add(&part).map_err(failed)?;
+            if let Some(protocol) = &mut protocol {
+                protocol.add(&part).map_err(failed)?;
+            }
+            kinds.add(&part).map_err(failed)?;
+            evidence.add(&part).map_err(failed)?;
+        }
+        gathered.all_tried &=
+            tally.episodes > 0 && evaluation.is_finished_with(tally.episodes, tally.valid, tally.collisions);
+        gathered.runs.vstack_mut(&totals.table().map_err(failed)?).map_err(failed)?;
+        if tally.episodes > 0 {
+            for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
+                // A target walks alike for every reward of the campaign; its cells are shown once.
+                if !gathered.protocol.iter().any(|known| known.repeats(&cell)) {
+                    gathered.protocol.push(cell);
+                }
+            }
+        }
+    }
+    gathered.runs.rechunk_mut();
+    gathered.every_driver_drove = drove.values().all(|drove| *drove);
+    file.finish()?;
+    gathered.evidence = evidence.finish();
+    Ok(gathered)
+}
+
+impl Gathered {
+    /// Counts the rows of a table of episodes; returns whether the driver reached the end of any.
+    fn count(&mut self, run: &Run<'_>, part: &DataFrame) -> PolarsResult<bool> {
+        let Evaluation { town, policy, trained, .. } = run.evaluation;
+        let table = EpisodeTable::new(part)?;
+        let mut drives = false;
+        for row in table.rows() {
+            let (episode, ticks) = (table.episode(row), table.ticks(row));
+            self.ticks += u64::from(ticks.unwrap_or_default());
+            if let Some(error) = table.error(row) {
+                self.errors += 1;
+                self.untried += u64::from(ticks.is_none());
+                self.first_error.get_or_insert_with(|| match error.strip_prefix("the controller ") {
+                    Some(error) => format!("episode {episode} in {town}: {} {error}", run.evaluation.controller.name()),
+                    None => format!("episode {episode} in {town}: {policy} {error}"),
+                });
+                continue;
+            }
+            drives = true;
+            if let Some(reward) = table.reward(row).filter(|reward| !reward.is_finite()) {
+                self.unpaid += 1;
+                self.first_unpaid.get_or_insert_with(|| {
+                    format!("`{}` was {reward} in episode {episode} in {town} against {policy}", trained.reward)
+                });
+            }
+        }
+        self.episodes += part.height() as u64;
+        Ok(drives)
+    }
+
+    /// Records the starts of episodes of a run.
+    fn note_starts(&mut self, evaluation: &Evaluation, part: &DataFrame) -> PolarsResult<()> {
+        let table = EpisodeTable::new(part)?;
+        let starts = self.starts.entry(evaluation.town.to_string()).or_default();
+        for row in table.rows() {
+            if let Some(outcome) = table.outcome(row) {
+                starts.add((&evaluation.policy, evaluation.block, table.episode(row)), &outcome);
+            }
+        }
+        Ok(())
+    }
+}

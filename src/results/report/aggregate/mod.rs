@@ -1,0 +1,45 @@
+//! Aggregates episodes to runs, runs to cells, and searches to cells of searches; defines their tables.
+//!
+//! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over runs, that is
+//! over trainings. An interval is Wilson's over the episodes of all runs together and says nothing about further trainings;
+//! [`infer`](super::infer) has intervals that do.
+
+mod episodes;
+mod failures;
+mod drivers;
+mod groups;
+mod metrics;
+mod results;
+mod gathered;
+mod run_totals;
+mod learning_curve;
+mod survival;
+mod searches;
+mod search_kinds;
+mod search_comparisons;
+mod published;
+mod protocol;
+mod ticks;
+mod tick_file;
+
+pub use drivers::{DriverResult, SearchFailures, driver_results};
+pub use episodes::{Episodes, Run};
+pub use failures::{FailureClass, Failures, FoundBy, FoundFailure};
+pub use gathered::{Gathered, gather};
+pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_table};
+pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
+pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
+pub use published::{Agreement, PublishedComparison, beside, published, published_table};
+pub use results::{RESULTS, results, results_table};
+pub use search_comparisons::{
+    SEARCH_COMPARISONS, search_comparison_columns, search_comparison_table, search_comparisons,
+};
+pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
+pub use searches::{
+    Average, BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_FAILURE, FIRST_START, FOUND_AFTER, SEARCH_BLOCK,
+    SEARCH_RUN, SEARCHES, START, SearchCell, TRIED, failure_table, search_cell_columns, search_cell_table,
+    search_cells, search_failure, search_failures, search_key, search_table, searches,
+};
+pub use survival::MedianTime;
+pub use tick_file::{Wanted, write_ticks};
+pub use ticks::{TICKS, tick_table, ticks};

@@ -1,0 +1,365 @@
+use polars::prelude::{DataFrame, PolarsResult};
+
+use crate::campaign::SearchResult;
+use crate::record::columns::{POLICY, RUN_ID, TOWN};
+use crate::record::{Column, EpisodeTable, Table};
+use compile::{Campaign, Evaluation};
+use world::env::{TargetWalk, TestCriterion};
+
+/// The result of a driver in one case of a protocol's test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProtocolCell {
+    /// The run: the evaluation, or empty for the searches within a layer.
+    pub run_id: String,
+    pub town: String,
+    /// Name of the driver.
+    pub policy: String,
+    pub test: String,
+    /// Name of the search that looked for the worst result; none for the nominal test.
+    pub falsifier: Option<String>,
+    /// The test speed (m/s).
+    pub test_speed: f64,
+    /// The overlap as a share of the car's width.
+    pub overlap: f64,
+    /// The speed at the start of the worst episode (m/s); none for searches.
+    pub driven_speed: Option<f64>,
+    /// Number of episodes, or of searches.
+    pub episodes: u32,
+    /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. None when no episode ended.
+    pub impact_speed: Option<f64>,
+    /// Whether an episode ended with an error, of its driver for example.
+    pub failed: bool,
+    /// How the protocol judges.
+    pub criterion: TestCriterion,
+    /// The name of the worst collision, for `replay`; none without one.
+    pub worst: Option<String>,
+    /// Where it is tested, to compare the nominal test with its layer.
+    meeting: [i64; 5],
+}
+
+/// The colour of a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Colour {
+    /// Avoided.
+    Green,
+    /// At most a sixth of the test speed.
+    Yellow,
+    /// At most a third.
+    Orange,
+    /// At most half.
+    Brown,
+    /// More.
+    Red,
+}
+
+/// The tolerance of the test speed (m/s): 1 km/h.
+const HELD: f64 = 1.0 / 3.6;
+
+impl Colour {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Green => "green",
+            Self::Yellow => "yellow",
+            Self::Orange => "orange",
+            Self::Brown => "brown",
+            Self::Red => "red",
+        }
+    }
+
+    /// The share of the points of a cell.
+    pub fn score(self) -> f64 {
+        match self {
+            Self::Green => 1.0,
+            Self::Yellow => 0.75,
+            Self::Orange => 0.5,
+            Self::Brown => 0.25,
+            Self::Red => 0.0,
+        }
+    }
+}
+
+impl ProtocolCell {
+    /// The colour of Euro NCAP; none for other protocols.
+    ///
+    /// # Source
+    /// Crash Avoidance Frontal Collisions 1.1, 5.2: at 60 km/h green is 0, yellow up to 10, orange up to 20, brown up to 30 km/h. The same
+    /// shares are taken at other test speeds, which is an assumption.
+    pub fn colour(&self) -> Option<Colour> {
+        let impact = self.impact_speed.filter(|_| self.criterion == TestCriterion::EuroNcap)?;
+        Some(match impact / self.test_speed {
+            share if share <= 0.0 => Colour::Green,
+            share if share <= 1.0 / 6.0 => Colour::Yellow,
+            share if share <= 1.0 / 3.0 => Colour::Orange,
+            share if share <= 0.5 => Colour::Brown,
+            _ => Colour::Red,
+        })
+    }
+
+    /// Whether the driver held the test speed within 1 km/h; none for searches.
+    pub fn is_held(&self) -> Option<bool> {
+        self.driven_speed.map(|driven| (driven - self.test_speed).abs() <= HELD)
+    }
+
+    /// The greatest impact speed that passes (m/s).
+    pub fn limit(&self) -> f64 {
+        self.criterion.limit(self.test_speed)
+    }
+
+    /// Whether the protocol passes the result.
+    pub fn passes(&self) -> Option<bool> {
+        self.impact_speed.map(|impact| impact <= self.limit())
+    }
+
+    /// Whether two results belong to the same cell of the same test.
+    pub fn is_same_case(&self, other: &Self) -> bool {
+        (&self.policy, self.meeting) == (&other.policy, other.meeting)
+            && (self.test_speed, self.overlap) == (other.test_speed, other.overlap)
+    }
+
+    /// Whether another result is the same one under the name of another run.
+    pub(super) fn repeats(&self, other: &Self) -> bool {
+        let named = Self { run_id: self.run_id.clone(), worst: self.worst.clone(), ..other.clone() };
+        *self == named
+    }
+
+    fn new(names: (&str, &str, &str, &str), walk: &TargetWalk, case: usize) -> Self {
+        let (run_id, town, policy, test) = names;
+        let case = &walk.cases[case];
+        let millimetres = |metres: f64| (metres * 1e3).round() as i64;
+        let meeting = &walk.meeting;
+        Self {
+            run_id: run_id.into(),
+            town: town.into(),
+            policy: policy.into(),
+            test: test.into(),
+            falsifier: None,
+            test_speed: case.test_speed,
+            overlap: case.overlap,
+            driven_speed: None,
+            episodes: 0,
+            impact_speed: None,
+            failed: false,
+            criterion: walk.criterion,
+            worst: None,
+            meeting: [
+                millimetres(meeting.x),
+                millimetres(meeting.y),
+                walk.from as i64,
+                millimetres(walk.target.half_length),
+                millimetres(walk.speed),
+            ],
+        }
+    }
+
+    /// Takes the result of an episode, or of a search.
+    fn note(&mut self, impact: f64, driven: Option<f64>, name: impl FnOnce() -> Option<String>) {
+        self.episodes += 1;
+        if self.impact_speed.is_none_or(|worst| impact > worst) {
+            (self.impact_speed, self.driven_speed) = (Some(impact), driven);
+            self.worst = name().filter(|_| impact > 0.0);
+        }
+    }
+}
+
+/// The results of an evaluation of scripted targets, a cell for each case of its test, while its episodes are added.
+pub(super) struct ProtocolRun<'a> {
+    id: String,
+    walk: &'a TargetWalk,
+    cells: Vec<ProtocolCell>,
+}
+
+impl<'a> ProtocolRun<'a> {
+    /// Starts without any episode; none for other evaluations.
+    pub fn new(evaluation: &'a Evaluation) -> Option<Self> {
+        let spawn = &evaluation.scenario.spawn;
+        let walk = spawn.target_walk.as_ref().filter(|_| evaluation.controller.name() == "scripted")?;
+        let id = evaluation.id.to_string();
+        let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
+        let cells = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
+        Some(Self { id, walk, cells })
+    }
+
+    /// Adds episodes: a part of the table of the run.
+    pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
+        let table = EpisodeTable::new(part)?;
+        for row in table.rows() {
+            let episode = table.episode(row);
+            let case = episode as usize % self.cells.len();
+            if table.error(row).is_some() {
+                self.cells[case].failed = true;
+                continue;
+            }
+            let impact =
+                table.impact_speed(row).map_or(0.0, |speed| self.walk.judged_speed(speed, self.walk.command()));
+            let name = || Some(format!("{}:{episode}", self.id));
+            self.cells[case].note(impact, Some(table.spawn(row).ego_speed), name);
+        }
+        Ok(())
+    }
+
+    pub fn cells(self) -> Vec<ProtocolCell> {
+        self.cells
+    }
+}
+
+/// The worst results that searches found within the layers of tests: a cell for each driver, search and case.
+pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<ProtocolCell> {
+    let mut all: Vec<ProtocolCell> = Vec::new();
+    for result in searches {
+        let Some(search) = campaign.searches.iter().find(|search| search.key == result.key) else { continue };
+        let spawn = &search.scenario.spawn;
+        let Some(walk) = &spawn.target_walk else { continue };
+        let names = ("", search.key.town.as_str(), search.key.policy.as_str(), spawn.name.as_str());
+        for case in 0..walk.cases.len() {
+            let mut cell = ProtocolCell::new(names, walk, case);
+            cell.falsifier = Some(search.key.falsifier.clone());
+            let here = |start: u64| (start % walk.cases.len() as u64) as usize == case;
+            let failures = result.spent.failures.iter().enumerate().filter(|(_, failure)| here(failure.start));
+            let judged = failures.filter_map(|(number, failure)| {
+                let target = failure.commands.first().copied().unwrap_or_default();
+                Some((walk.judged_speed(failure.outcome.impact_speed()?, target), Some(number)))
+            });
+            let (worst, number) = judged.fold((0.0, None), |worst, each| if each.0 > worst.0 { each } else { worst });
+            let name = || number.map(|number| format!("{}:{number}", search.key.id));
+            if !result.spent.starts.iter().any(here) {
+                continue;
+            }
+            match all.iter_mut().find(|known| known.falsifier == cell.falsifier && known.is_same_case(&cell)) {
+                Some(known) => known.note(worst, None, name),
+                None => {
+                    cell.note(worst, None, name);
+                    all.push(cell);
+                }
+            }
+        }
+    }
+    all
+}
+
+/// The name of the table of protocols.
+pub const PROTOCOL: &str = "protocol";
+
+/// The cells as a table, one row each.
+pub fn protocol_table(cells: &[ProtocolCell]) -> DataFrame {
+    protocol_columns().frame(cells)
+}
+
+/// The columns of [`protocol_table`].
+pub fn protocol_columns() -> Table<'static, ProtocolCell> {
+    type Row = ProtocolCell;
+    let doc = "One row for each case of a test protocol and driver: the worst result of the nominal test, and the worst that each search found within its layers.";
+    Table::new(PROTOCOL, doc)
+        .column(RUN_ID.of(|row: &Row| row.run_id.clone()))
+        .column(TOWN.of(|row: &Row| row.town.clone()))
+        .column(POLICY.of(|row: &Row| row.policy.clone()))
+        .column(Column::<String>::new("test", "", "name of the spawn rule").of(|row: &Row| row.test.clone()))
+        .column(
+            Column::<String>::new("falsifier", "", "name of the search within the layers; empty for the nominal test")
+                .of(|row: &Row| row.falsifier.clone().unwrap_or_default()),
+        )
+        .column(
+            Column::<f64>::new("test_speed", "m/s", "speed that the driver is to hold").of(|row: &Row| row.test_speed),
+        )
+        .column(
+            Column::<f64>::new("overlap", "", "share of the car's width that meets the target's impact point")
+                .of(|row: &Row| row.overlap),
+        )
+        .column(
+            Column::<f64>::new("driven_speed", "m/s", "speed at the start; empty for searches")
+                .of(|row: &Row| row.driven_speed),
+        )
+        .column(Column::<u32>::new("tested", "", "number of episodes, or of searches").of(|row: &Row| row.episodes))
+        .column(
+            Column::<f64>::new(
+                "worst_impact_speed",
+                "m/s",
+                "greatest impact speed, along the path without the target's own speed; 0 without contact",
+            )
+            .of(|row: &Row| row.impact_speed),
+        )
+        .column(
+            Column::<String>::new("colour", "", "Euro NCAP's colour of that speed; empty for other protocols")
+                .of(|row: &Row| row.colour().map_or("", Colour::name).to_string()),
+        )
+        .column(
+            Column::<String>::new(
+                "worst_failure",
+                "",
+                "name of the worst collision, for `falsify replay`; empty without contact",
+            )
+            .of(|row: &Row| row.worst.clone().unwrap_or_default()),
+        )
+        .column(
+            Column::<bool>::new("passes", "", "whether the protocol passes it; for Euro NCAP, whether it has points")
+                .of(|row: &Row| row.passes()),
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::signature::Distribution;
+    use world::env::{TargetBox, TargetSide, TestCase};
+    use world::geometry::Pose;
+
+    fn cell(test: f64, impact: f64, criterion: TestCriterion) -> ProtocolCell {
+        let walk = TargetWalk {
+            meeting: Pose::default(),
+            from: TargetSide::Right,
+            cases: vec![TestCase { test_speed: test / 3.6, overlap: 0.5 }],
+            speed: 1.0,
+            distance: 4.0,
+            approach: Distribution::Constant(1.0),
+            reach: 1.0,
+            headway: 6.0,
+            target: TargetBox::ADULT,
+            criterion,
+        };
+        let mut cell = ProtocolCell::new(("", "", "", ""), &walk, 0);
+        cell.note(walk.judged_speed(impact / 3.6, walk.command()), Some((test + 0.5) / 3.6), || None);
+        cell
+    }
+
+    #[test]
+    fn colours_follow_the_bands_of_60_km_h() {
+        let of = |impact| cell(60.0, impact, TestCriterion::EuroNcap).colour().unwrap();
+        use Colour::{Brown, Green, Orange, Red, Yellow};
+        let impacts = [0.0, 0.3, 9.9, 10.1, 19.9, 20.1, 29.9, 30.1, 60.0];
+        assert_eq!(impacts.map(of), [Green, Green, Yellow, Orange, Orange, Brown, Brown, Red, Red]);
+        assert_eq!(
+            cell(10.0, 9.0, TestCriterion::EuroNcap).colour(),
+            Some(Red),
+            "a tenth of the speed is no avoidance"
+        );
+    }
+
+    #[test]
+    fn a_cell_of_another_run_is_the_same_only_with_the_same_result() {
+        let one = cell(60.0, 12.0, TestCriterion::EuroNcap);
+        let again = ProtocolCell { run_id: "1a2b3c4d".into(), worst: Some("1a2b3c4d:0".into()), ..one.clone() };
+        assert!(one.repeats(&again));
+        assert!(!one.repeats(&cell(60.0, 13.0, TestCriterion::EuroNcap)));
+        assert!(!one.repeats(&ProtocolCell { policy: "other".into(), ..again }));
+    }
+
+    #[test]
+    fn limits_of_un_r152_depend_on_the_test_speed() {
+        let passes = |test, impact| cell(test, impact, TestCriterion::UnR152).passes().unwrap();
+        assert!(passes(42.0, 0.0) && !passes(42.0, 1.0));
+        assert!(passes(45.0, 14.9) && !passes(45.0, 15.1));
+        assert!(passes(60.0, 34.9) && !passes(60.0, 35.1));
+        assert!(!cell(50.0, 1.0, TestCriterion::NoContact).passes().unwrap());
+        assert_eq!(cell(50.0, 1.0, TestCriterion::NoContact).colour(), None, "colours are those of Euro NCAP");
+    }
+
+    #[test]
+    fn a_cell_keeps_its_worst_result_and_reports_a_speed_that_was_not_held() {
+        let mut cell = cell(50.0, 10.0, TestCriterion::EuroNcap);
+        assert_eq!(cell.is_held(), Some(true));
+        cell.note(5.0, Some(40.0 / 3.6), || Some("a:1".into()));
+        cell.note(3.0, Some(50.0 / 3.6), || Some("a:2".into()));
+        assert_eq!(cell.worst.as_deref(), Some("a:1"));
+        assert_eq!((cell.impact_speed, cell.episodes, cell.is_held()), (Some(5.0), 3, Some(false)));
+    }
+}

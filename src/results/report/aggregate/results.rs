@@ -1,0 +1,74 @@
+use polars::prelude::DataFrame;
+
+use super::{Cell, Failures, FoundFailure, Spread};
+use crate::record::columns::{CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN};
+use crate::record::{Column, Entry, Interval, Table};
+
+/// The stem of the files of the table of results.
+pub const RESULTS: &str = "results";
+
+/// A cell with the worst of its failures.
+type Row<'a> = (&'a Cell, Option<&'a FoundFailure>);
+
+/// The table to open first: one row for each pedestrian, town and driver.
+pub fn results(cells: &[Cell], failures: &Failures) -> DataFrame {
+    let rows: Vec<Row<'_>> = cells.iter().map(|cell| (cell, failures.worst_of(&cell.key))).collect();
+    results_table().frame(&rows)
+}
+
+/// The columns of [`results`].
+pub fn results_table<'a>() -> Table<'a, Row<'a>> {
+    let count = Column::<u32>::new;
+    let number = Column::<f64>::new;
+    let mut table = Table::new(
+        RESULTS,
+        "One row for each pedestrian, town and driver. Open this table first; `cells` has all that is known.",
+    )
+    .column(CONTROLLER.of(|row: &Row<'_>| row.0.key.controller.clone()))
+    .column(REWARD.of(|row: &Row<'_>| row.0.key.reward.clone()))
+    .column(TRAIN_TOWN.of(|row: &Row<'_>| row.0.key.train_town.clone()))
+    .column(TRAIN_POLICY.of(|row: &Row<'_>| row.0.key.train_policy.clone()))
+    .column(TOWN.of(|row: &Row<'_>| row.0.key.town.clone()))
+    .column(POLICY.of(|row: &Row<'_>| row.0.key.policy.clone()))
+    .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs))
+    .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes));
+    let collision = "collisions, standing cars included, of all episodes, with Wilson's 95 % interval over episodes";
+    table = rate(table, "collision_rate", collision, |cell| (cell.collision, cell.interval));
+    let moving = "collisions with the moving car of all episodes, as above";
+    table = rate(table, "moving_rate", moving, |cell| (cell.moving, cell.moving_interval));
+    let preventable = "collisions that a careful human would have avoided, of all episodes, as above";
+    table = rate(table, "preventable_rate", preventable, |cell| (cell.preventable, cell.preventable_interval));
+    let fault = "faults of the driver, of all episodes, as above";
+    table = rate(table, "fault_rate", fault, |cell| (cell.fault, cell.fault_interval));
+    table
+        .column(
+            number("avoidable_injury_per_thousand", "", "expected severe injuries in faults, for 1,000 episodes")
+                .of(|row: &Row<'_>| row.0.injury.mean.map(|injury| 1000.0 * injury)),
+        )
+        .column(
+            Column::<String>::new(
+                "worst",
+                "",
+                "name of the failure that counts most against the driver, `RUN:EPISODE`",
+            )
+            .of(|row: &Row<'_>| row.1.map(FoundFailure::name)),
+        )
+        .column(
+            Column::<String>::new("worst_class", "", "how much it counts, as lists of failures say it")
+                .of(|row: &Row<'_>| row.1.map(|found| found.class.name())),
+        )
+        .column(
+            number("worst_speed_mps", "m/s", "speed of the car at its touch")
+                .of(|row: &Row<'_>| row.1.map(|found| found.impact_speed)),
+        )
+}
+
+fn rate<'a>(
+    table: Table<'a, Row<'a>>,
+    name: &'static str,
+    doc: &'static str,
+    of: fn(&Cell) -> (Spread, (f64, f64)),
+) -> Table<'a, Row<'a>> {
+    let mean: Entry<'a, Row<'a>> = Column::<f64>::new(name, "", doc).of(move |row: &Row<'a>| of(row.0).0.mean);
+    table.column(mean).columns(Interval::new(name, "", doc).of(move |row: &Row<'a>| Some(of(row.0).1)))
+}

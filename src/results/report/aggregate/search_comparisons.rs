@@ -1,0 +1,236 @@
+use std::collections::BTreeMap;
+
+use polars::prelude::DataFrame;
+
+use super::searches::Figures;
+use crate::campaign::SearchResult;
+use crate::record::columns::TOWN;
+use crate::record::{Column, Interval, Table};
+use base::statistics::{holm, mean_interval, mean_p};
+use compile::SearchKey;
+
+/// Two falsifiers against one driver, or one falsifier against two drivers, compared run by run: equal runs have equal starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchComparison {
+    town: String,
+    /// Falsifier and driver of either side.
+    one: (String, String),
+    other: (String, String),
+    /// The number of the block in the campaign.
+    block: u32,
+    figure: &'static str,
+    /// Runs with the figure on both sides.
+    runs: u64,
+    /// Means over these.
+    values: [f64; 2],
+    difference: f64,
+    student: Option<(f64, f64)>,
+    p: Option<f64>,
+    p_holm: Option<f64>,
+}
+
+/// The stem of the files of the table.
+pub const SEARCH_COMPARISONS: &str = "search_comparisons";
+
+/// All comparisons of the searches of a campaign, in the order of their first side.
+///
+/// Holm's correction covers all rows that are read together: those of a figure for all pairs of falsifiers, or for all pairs of drivers, in all
+/// towns and blocks.
+pub fn search_comparisons(results: &[SearchResult]) -> Vec<SearchComparison> {
+    compared(results.iter().map(|result| (&result.key, Figures::new(result).compared())))
+}
+
+/// The figures of a search, with their names.
+type Named = [(&'static str, Option<f64>); 5];
+
+/// Compares searches by their figures.
+fn compared<'a>(searches: impl Iterator<Item = (&'a SearchKey, Named)>) -> Vec<SearchComparison> {
+    let mut cells: Vec<Vec<(&SearchKey, Named)>> = Vec::new();
+    for entry in searches {
+        match cells.iter_mut().find(|cell| cell[0].0.is_of_same_cell(entry.0)) {
+            Some(cell) => cell.push(entry),
+            None => cells.push(vec![entry]),
+        }
+    }
+    let mut all = Vec::new();
+    for (place, one) in cells.iter().enumerate() {
+        for other in &cells[place + 1..] {
+            let (a, b) = (one[0].0, other[0].0);
+            let one_differs = (a.falsifier == b.falsifier) != (a.policy == b.policy);
+            if a.town == b.town && a.block == b.block && one_differs {
+                all.extend(compare(one, other));
+            }
+        }
+    }
+    let mut families: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    for (place, each) in all.iter().enumerate().filter(|(_, each)| each.p.is_some()) {
+        let of_falsifiers = each.one.1 == each.other.1;
+        families.entry((each.figure, of_falsifiers)).or_default().push(place);
+    }
+    for family in families.values() {
+        let p: Vec<f64> = family.iter().filter_map(|place| all[*place].p).collect();
+        for (place, adjusted) in family.iter().zip(holm(&p)) {
+            all[*place].p_holm = Some(adjusted);
+        }
+    }
+    all
+}
+
+/// The comparisons of two cells, one for each figure that both have.
+fn compare(one: &[(&SearchKey, Named)], other: &[(&SearchKey, Named)]) -> Vec<SearchComparison> {
+    let (a, names) = &one[0];
+    let b = other[0].0;
+    let comparison = |figure: usize| {
+        let pairs: Vec<(f64, f64)> = one
+            .iter()
+            .filter_map(|(key, figures)| {
+                let same = other.iter().find(|(each, _)| each.run == key.run)?;
+                figures[figure].1.zip(same.1[figure].1)
+            })
+            .collect();
+        let n = pairs.len() as f64;
+        let differences: Vec<f64> = pairs.iter().map(|(one, other)| one - other).collect();
+        (!pairs.is_empty()).then(|| SearchComparison {
+            town: a.town.clone(),
+            one: (a.falsifier.clone(), a.policy.clone()),
+            other: (b.falsifier.clone(), b.policy.clone()),
+            block: a.block,
+            figure: names[figure].0,
+            runs: pairs.len() as u64,
+            values: [
+                pairs.iter().map(|pair| pair.0).sum::<f64>() / n,
+                pairs.iter().map(|pair| pair.1).sum::<f64>() / n,
+            ],
+            difference: differences.iter().sum::<f64>() / n,
+            student: mean_interval(&differences).1.map(|ends| cut(ends, names[figure].0)),
+            p: mean_p(&differences),
+            p_holm: None,
+        })
+    };
+    (0..names.len()).filter_map(comparison).collect()
+}
+
+/// Cuts the interval of a difference of shares at -1 and 1.
+fn cut((low, high): (f64, f64), figure: &str) -> (f64, f64) {
+    if figure.ends_with("_rate") { (low.max(-1.0), high.min(1.0)) } else { (low, high) }
+}
+
+/// The comparisons as a table, one row each.
+pub fn search_comparison_table(all: &[SearchComparison]) -> DataFrame {
+    search_comparison_columns().frame(all)
+}
+
+/// The columns of [`search_comparison_table`].
+pub fn search_comparison_columns() -> Table<'static, SearchComparison> {
+    let text = Column::<String>::new;
+    let number = Column::<f64>::new;
+    Table::new(
+        SEARCH_COMPARISONS,
+        "One row for each figure, town, and two falsifiers against one driver or one falsifier against two drivers. Equal runs have equal \
+         starts, so runs are pairs.",
+    )
+    .column(TOWN.of(|row: &SearchComparison| row.town.clone()))
+    .column(text("falsifier", "", "name of the falsifier").of(|row: &SearchComparison| row.one.0.clone()))
+    .column(text("policy", "", "driving policy").of(|row: &SearchComparison| row.one.1.clone()))
+    .column(text("other_falsifier", "", "falsifier that is subtracted").of(|row: &SearchComparison| row.other.0.clone()))
+    .column(text("other_policy", "", "its driving policy").of(|row: &SearchComparison| row.other.1.clone()))
+    .column(
+        Column::<u64>::new("block", "", "number of the `search` block in its campaign, from 0")
+            .of(|row: &SearchComparison| u64::from(row.block)),
+    )
+    .column(text("figure", "", "column of `searches` that is compared").of(|row: &SearchComparison| row.figure.to_string()))
+    .column(Column::<u64>::new("runs", "", "runs on both sides").of(|row: &SearchComparison| row.runs))
+    .column(number("value", "", "mean over these runs").of(|row: &SearchComparison| row.values[0]))
+    .column(number("other_value", "", "mean of the other side").of(|row: &SearchComparison| row.values[1]))
+    .column(number("difference", "", "`value` less `other_value`").of(|row: &SearchComparison| row.difference))
+    .columns(
+        Interval::new("difference", "", "Student's 95 % interval of this row alone, over the pairs of runs and about further runs in this town; missing for fewer than four")
+            .of(|row: &SearchComparison| row.student),
+    )
+    .column(
+        number("p", "", "two-sided p-value of Student's paired test; missing for a single run and where all pairs are equal; where all \
+                 differences are one number, that of the sign test")
+            .of(|row: &SearchComparison| row.p),
+    )
+    .column(
+        number(
+            "p_holm",
+            "",
+            "`p` adjusted by Holm's method for all rows of the figure that compare falsifiers, or for all that compare drivers, in all towns: in \
+             95 % of campaigns none of these rows below 0.05 is a false finding",
+        )
+        .of(|row: &SearchComparison| row.p_holm),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::Rng;
+
+    use super::*;
+    use base::seed::{Seed, Stream};
+
+    /// Drivers, towns and runs of the audited ranking.
+    const CAMPAIGN: [u32; 3] = [11, 3, 10];
+
+    /// A search with this figure `a`, and no other.
+    fn search(driver: u32, town: u32, run: u32, figure: f64) -> (SearchKey, Named) {
+        let key = SearchKey {
+            id: format!("{run:08x}").parse().unwrap(),
+            falsifier: "f".into(),
+            method: "archive",
+            reward: String::new(),
+            town: format!("town_{town}"),
+            policy: format!("driver_{driver}"),
+            block: 0,
+            run,
+        };
+        (key, ["a", "b", "c", "d", "e"].map(|name| (name, (name == "a").then_some(figure))))
+    }
+
+    /// A campaign whose drivers do not differ: each run of a town has its own difficulty, and each driver finds faults from 60 starts of it by
+    /// chance alone. With `better`, the first driver finds none.
+    fn campaign(stream: &mut Stream, better: bool) -> Vec<(SearchKey, Named)> {
+        let [drivers, towns, runs] = CAMPAIGN;
+        let mut uniform = || f64::from(stream.next_u32()) / 2_f64.powi(32);
+        let mut all = Vec::new();
+        for town in 0..towns {
+            for run in 0..runs {
+                let difficulty = 0.1 + 0.1 * f64::from(town) + 0.1 * uniform();
+                for driver in 0..drivers {
+                    let found = (0..60).filter(|_| uniform() < difficulty).count() as f64 / 60.0;
+                    all.push(search(driver, town, run, if better && driver == 0 { 0.0 } else { found }));
+                }
+            }
+        }
+        all
+    }
+
+    /// The number of rows with a p below 0.05.
+    fn findings(searches: &[(SearchKey, Named)], p: fn(&SearchComparison) -> Option<f64>) -> usize {
+        let all = compared(searches.iter().map(|(key, figures)| (key, *figures)));
+        assert_eq!(all.len(), 165, "55 pairs of drivers in 3 towns");
+        all.iter().filter(|each| p(each).is_some_and(|p| p < 0.05)).count()
+    }
+
+    #[test]
+    fn in_95_of_100_campaigns_without_a_difference_no_finding_is_false() {
+        const CAMPAIGNS: u64 = 200;
+        let (mut raw, mut adjusted) = (0, 0);
+        for number in 0..CAMPAIGNS {
+            let searches = campaign(&mut Seed::root(41).index(number).stream(), false);
+            raw += u64::from(findings(&searches, |each| each.p) > 0);
+            adjusted += u64::from(findings(&searches, |each| each.p_holm) > 0);
+        }
+        // Of 200 campaigns at 0.05 the share has a standard deviation of 0.015.
+        let share = |number: u64| number as f64 / CAMPAIGNS as f64;
+        assert!(share(adjusted) <= 0.09, "{}", share(adjusted));
+        assert!(share(raw) > 0.9, "without the correction hardly a campaign is free of one: {}", share(raw));
+    }
+
+    #[test]
+    fn a_driver_that_is_better_is_found_in_every_town() {
+        let searches = campaign(&mut Seed::root(43).stream(), true);
+        assert!(findings(&searches, |each| each.p_holm) >= 28, "of 30 rows with it");
+    }
+}

@@ -1,0 +1,101 @@
+//! All tables of a report with their columns.
+
+use std::fmt::Write;
+
+use super::{aggregate, failure_modes, infer};
+use crate::record::{TableReference, episode_table, metrics};
+
+/// The tables of a report with their columns, in the order of `reports/README.md`.
+pub fn catalogue() -> Vec<TableReference> {
+    let [runs, mut cells] = aggregate::references(&metrics());
+    cells.columns.extend(infer::cell_table().reference().columns);
+    let mut all = vec![
+        aggregate::results_table().reference(),
+        episode_table().reference(),
+        runs,
+        cells,
+        infer::comparison_columns().reference(),
+        infer::transfer_columns().reference(),
+        aggregate::published_table().reference(),
+    ];
+    all.extend(failure_modes::references());
+    all.extend([
+        aggregate::learning_curve_table().reference(),
+        aggregate::search_table().reference(),
+        aggregate::search_cell_columns().reference(),
+        aggregate::search_comparison_columns().reference(),
+        aggregate::failure_table().reference(),
+        aggregate::search_kind_columns().reference(),
+        aggregate::protocol_columns().reference(),
+        aggregate::tick_table().reference(),
+    ]);
+    all
+}
+
+/// The reference of all columns as Markdown: a heading and a table for each table. Consecutive columns of one meaning share a row.
+pub fn column_reference() -> String {
+    let mut text = String::new();
+    for table in catalogue() {
+        let _ = write!(text, "### `{}`\n\n{}\n\n| column | unit | meaning |\n|---|---|---|\n", table.name, table.doc);
+        for group in table.columns.chunk_by(|one, next| (&one.unit, &one.doc) == (&next.unit, &next.doc)) {
+            let names: Vec<String> = group.iter().map(|column| format!("`{}`", column.name)).collect();
+            let _ = writeln!(text, "| {} | {} | {} |", names.join(", "), group[0].unit, group[0].doc);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    use super::*;
+
+    /// The part of `reports/README.md` that is generated here.
+    const MARKS: (&str, &str) = ("<!-- columns: written by a test -->\n", "<!-- end of columns -->\n");
+
+    #[test]
+    fn the_page_about_reports_has_the_reference_of_all_columns() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reports/README.md");
+        let page = std::fs::read_to_string(&path).unwrap();
+        let (before, rest) = page.split_once(MARKS.0).expect("the page has the mark of the columns");
+        let (written, after) = rest.split_once(MARKS.1).expect("the page has the mark of their end");
+        let wanted = column_reference();
+        if std::env::var_os("UPDATE_REFERENCE").is_some() {
+            std::fs::write(&path, format!("{before}{}{wanted}{}{after}", MARKS.0, MARKS.1)).unwrap();
+        } else {
+            assert_eq!(written, wanted, "run the test again with UPDATE_REFERENCE=1");
+        }
+    }
+
+    #[test]
+    fn a_table_has_no_column_twice_and_every_column_is_explained() {
+        for table in catalogue() {
+            let mut names = BTreeSet::new();
+            for column in &table.columns {
+                assert!(names.insert(column.name.clone()), "{} twice in {}", column.name, table.name);
+                assert!(!column.doc.is_empty() && !column.doc.contains('|'), "{} of {}", column.name, table.name);
+            }
+        }
+    }
+
+    #[test]
+    fn tables_of_metrics_have_the_columns_that_are_said() {
+        let [runs, cells] = aggregate::references(&metrics());
+        let made = aggregate::metrics(&crate::record::episodes(&[])).unwrap();
+        for (said, made) in [(runs, made.runs), (cells, made.cells)] {
+            let said: Vec<(&str, _)> = said.columns.iter().map(|column| (&*column.name, &column.holds)).collect();
+            let made: Vec<(&str, _)> =
+                made.columns().iter().map(|column| (column.name().as_str(), column.dtype())).collect();
+            assert_eq!(said, made);
+        }
+    }
+
+    #[test]
+    fn metrics_have_places_of_their_own() {
+        let places: Vec<u8> = metrics().iter().map(|metric| metric.place).collect();
+        assert_eq!(places, (0..places.len() as u8).collect::<Vec<_>>());
+    }
+}

@@ -1,0 +1,254 @@
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use polars::prelude::{BooleanChunked, DataFrame, PolarsResult};
+
+use super::caveat::{Caveat, caveats};
+use super::matching::{Incomparable, Matched, Side, matched};
+use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
+use crate::record::columns::START;
+use crate::record::{CellKey, EPISODES, EpisodeTable};
+use crate::report::infer::{Comparison, Figure, adjust, sides};
+use crate::report::read::{StoredRun, listed};
+use crate::report::{ListedFailure, ReadError};
+use base::seed::Seed;
+use world::judge::Label;
+
+/// Two sides, compared over the starts that they share.
+#[derive(Debug, Clone)]
+pub struct ReportComparison {
+    /// The folders of the reports.
+    pub folders: [PathBuf; 2],
+    /// What differs besides the drivers.
+    pub caveats: Vec<Caveat>,
+    /// One for each place, driver and controller, in the order of the first report.
+    pub cells: Vec<ComparedCell>,
+    /// The common starts from which at least one side has a collision. Cell by cell, in the order of the first report.
+    pub changes: Vec<FailureChange>,
+    /// One for each falsifier, town and driver, in the order of the first report.
+    pub searches: Vec<ComparedSearch>,
+}
+
+/// A place, a driver and a controller on both sides.
+#[derive(Debug, Clone)]
+pub struct ComparedCell {
+    /// The key on the first side and on the second.
+    pub keys: [CellKey; 2],
+    /// The number of matched runs.
+    pub runs: u64,
+    /// Pairs of episodes with equal starts, over all runs.
+    pub starts: u64,
+    /// Figures as second less first; none without a common start.
+    pub figures: Vec<Comparison>,
+    /// Collisions of the first side only, of the second only, and of both.
+    pub collisions: Changed,
+    /// The same for preventable collisions.
+    pub preventable: Changed,
+    /// The same for faults.
+    pub fault: Changed,
+}
+
+/// The number of common starts with a failure on one side or on both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Changed {
+    /// On the first side only.
+    pub fixed: u64,
+    /// On the second side only.
+    pub new: u64,
+    /// On both sides.
+    pub same: u64,
+}
+
+impl Changed {
+    /// Counts a start.
+    pub fn count(&mut self, before: bool, after: bool) {
+        match (before, after) {
+            (true, true) => self.same += 1,
+            (true, false) => self.fixed += 1,
+            (false, true) => self.new += 1,
+            (false, false) => {}
+        }
+    }
+}
+
+/// A common start from which at least one side has a collision.
+#[derive(Debug, Clone)]
+pub struct FailureChange {
+    /// The index of its cell.
+    pub cell: usize,
+    /// The episode on the first side and on the second.
+    pub sides: [SideEpisode; 2],
+}
+
+/// An episode of one side.
+#[derive(Debug, Clone)]
+pub struct SideEpisode {
+    /// Its name in its report, `RUN:EPISODE`.
+    pub name: String,
+    /// Its collision, if it ends in one.
+    pub failure: Option<ListedFailure>,
+}
+
+impl FailureChange {
+    /// `fixed`, `new` or `same`.
+    pub fn word(&self) -> &'static str {
+        match [&self.sides[0].failure, &self.sides[1].failure] {
+            [Some(_), None] => "fixed",
+            [None, Some(_)] => "new",
+            _ => "same",
+        }
+    }
+
+    /// The collision that describes it: that of the second side, or of the first where it is fixed.
+    pub fn failure(&self) -> &ListedFailure {
+        let [before, after] = &self.sides;
+        after.failure.as_ref().or(before.failure.as_ref()).expect("one side has a collision")
+    }
+}
+
+impl ReportComparison {
+    /// The number of changes of each word and, for each, whether a collision is of this kind: counted on the side that has it.
+    pub fn counts(&self, of: impl Fn(&ListedFailure) -> String) -> BTreeMap<String, Changed> {
+        let mut counts: BTreeMap<String, Changed> = BTreeMap::new();
+        for change in &self.changes {
+            let [before, after] = change.sides.each_ref().map(|side| side.failure.as_ref().map(&of));
+            match (before, after) {
+                (Some(before), Some(after)) if before == after => counts.entry(before).or_default().same += 1,
+                (before, after) => {
+                    before.into_iter().for_each(|kind| counts.entry(kind).or_default().fixed += 1);
+                    after.into_iter().for_each(|kind| counts.entry(kind).or_default().new += 1);
+                }
+            }
+        }
+        counts
+    }
+}
+
+/// Compares two sides.
+///
+/// # Errors
+/// Nothing can be compared, or a table cannot be read.
+pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportComparison, Incomparable> {
+    let MatchedSearches { searches, apart } = compared_searches(before, after)?;
+    let Matched { pairs, unmatched } = match matched(before, after) {
+        Err(Incomparable::NoRun { .. } | Incomparable::NoDriver { .. }) if !searches.is_empty() => Matched::default(),
+        other => other?,
+    };
+    let mut notes = caveats(before.report.manifest(), after.report.manifest());
+    let mut cells: Vec<Vec<(StoredRun, StoredRun)>> = Vec::new();
+    for pair in pairs {
+        match cells.iter_mut().find(|cell| cell[0].0.key.cell == pair.0.key.cell) {
+            Some(cell) => cell.push(pair),
+            None => cells.push(vec![pair]),
+        }
+    }
+    let (mut compared, mut changes) = (Vec::new(), Vec::new());
+    let (mut unpaired, mut all) = (0, 0);
+    for (number, cell) in cells.iter().enumerate() {
+        let mut frames = [Vec::new(), Vec::new()];
+        let mut found = ComparedCell {
+            keys: [cell[0].0.key.cell.clone(), cell[0].1.key.cell.clone()],
+            runs: cell.len() as u64,
+            starts: 0,
+            figures: Vec::new(),
+            collisions: Changed::default(),
+            preventable: Changed::default(),
+            fault: Changed::default(),
+        };
+        for (first, second) in cell {
+            let (a, b) = (before.report.rows_of(first)?, after.report.rows_of(second)?);
+            let broken = |side: &Side<'_>| {
+                let path = side.report.folder().join(format!("{EPISODES}.parquet"));
+                move |source| Incomparable::Read(ReadError::Table { path: path.clone(), source })
+            };
+            let rows = common(&a, &b).map_err(broken(&before))?;
+            all += (a.height() + b.height()) as u64;
+            unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
+            found.starts += rows.len() as u64;
+            let one = listed(&a).map_err(broken(&before))?;
+            let other = listed(&b).map_err(broken(&after))?;
+            let names = [episodes(&a).map_err(broken(&before))?, episodes(&b).map_err(broken(&after))?];
+            for (row, partner) in &rows {
+                let sides = [(0, *row, &one, first), (1, *partner, &other, second)].map(|(side, row, listed, run)| {
+                    let name = format!("{}:{}", run.key.id, names[side][row]);
+                    SideEpisode { name, failure: listed.get(&row).cloned() }
+                });
+                let is = |what: fn(&ListedFailure) -> bool| {
+                    sides.each_ref().map(|side| side.failure.as_ref().is_some_and(what))
+                };
+                let [before, after] = is(|_| true);
+                found.collisions.count(before, after);
+                let [was, now] = is(|failure| failure.verdict == Some(Label::Preventable));
+                found.preventable.count(was, now);
+                let [was, now] = is(|failure| failure.fault);
+                found.fault.count(was, now);
+                if before || after {
+                    changes.push(FailureChange { cell: number, sides });
+                }
+            }
+            let kept = |frame: &DataFrame, rows: &mut dyn Iterator<Item = usize>| {
+                let mut mask = vec![false; frame.height()];
+                rows.for_each(|row| mask[row] = true);
+                frame.filter(&mask.into_iter().collect::<BooleanChunked>())
+            };
+            frames[0].push(kept(&a, &mut rows.iter().map(|pair| pair.0)).map_err(broken(&before))?);
+            frames[1].push(kept(&b, &mut rows.iter().map(|pair| pair.1)).map_err(broken(&after))?);
+        }
+        if found.starts > 0 {
+            let path = before.report.folder().join(format!("{EPISODES}.parquet"));
+            let seed = Seed::root(1).child("compare");
+            let figures = sides(&frames[0], &frames[1], &seed);
+            found.figures = figures.map_err(|source| ReadError::Table { path, source })?;
+        }
+        compared.push(found);
+    }
+    if compared.iter().all(|cell| cell.starts == 0) && searches.iter().all(|search| search.starts == 0) {
+        let because = notes.iter().find(|note| !matches!(note, Caveat::Trainings { .. })).map(ToString::to_string);
+        return Err(Incomparable::NoStart { because });
+    }
+    // All comparisons of both sides are one family of tests.
+    let mut family: Vec<Comparison> = compared.iter().flat_map(|cell| cell.figures.iter().cloned()).collect();
+    adjust(&mut family);
+    let mut family = family.into_iter();
+    for cell in &mut compared {
+        cell.figures.iter_mut().zip(&mut family).for_each(|(figure, adjusted)| *figure = adjusted);
+    }
+    if unmatched != [0, 0] {
+        notes.push(Caveat::Unmatched { before: unmatched[0], after: unmatched[1] });
+    }
+    if unpaired > 0 {
+        notes.push(Caveat::Unpaired { episodes: unpaired, all });
+    }
+    if apart > 0 {
+        notes.push(Caveat::SearchStarts { searches: apart });
+    }
+    let folders = [before, after].map(|side| side.report.folder().to_path_buf());
+    Ok(ReportComparison { folders, caveats: notes, cells: compared, changes, searches })
+}
+
+impl ComparedCell {
+    /// A figure, if both sides have it.
+    pub fn figure(&self, figure: Figure) -> Option<&Comparison> {
+        self.figures.iter().find(|each| each.figure == figure)
+    }
+}
+
+/// The rows of episodes with the same number and the same start in two runs. Episodes in error are left out.
+fn common(before: &DataFrame, after: &DataFrame) -> PolarsResult<Vec<(usize, usize)>> {
+    let (a, b) = (EpisodeTable::new(before)?, EpisodeTable::new(after)?);
+    let (starts, others) = (START.read(before)?, START.read(after)?);
+    let numbered: BTreeMap<u32, usize> =
+        b.rows().filter(|row| b.error(*row).is_none()).map(|row| (b.episode(row), row)).collect();
+    let partner = |row: usize| {
+        let other = *numbered.get(&a.episode(row))?;
+        let start = starts.get(row).filter(|start| !start.is_empty())?;
+        (others.get(other) == Some(start)).then_some((row, other))
+    };
+    Ok(a.rows().filter(|row| a.error(*row).is_none()).filter_map(partner).collect())
+}
+
+/// The numbers of the episodes of a run, row by row.
+fn episodes(rows: &DataFrame) -> PolarsResult<Vec<u32>> {
+    let table = EpisodeTable::new(rows)?;
+    Ok(table.rows().map(|row| table.episode(row)).collect())
+}

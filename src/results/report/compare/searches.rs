@@ -1,0 +1,425 @@
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+
+use polars::prelude::DataFrame;
+
+use super::comparison::Changed;
+use super::matching::Side;
+use crate::record::columns::{POLICY, TOWN};
+use crate::record::{Column, Entry, Interval, Table, TableReference};
+use crate::report::aggregate::{BUDGET, FALSIFIER, SEARCH_BLOCK};
+use crate::report::read::StoredSearch;
+use crate::report::{FailureOrder, ListedFailure, ReadError};
+use base::statistics::{disagreement, holm, mcnemar, mean_interval_at, mean_p};
+use world::falsifier::StartSet;
+use world::judge::Label;
+
+/// A falsifier in a town on both sides: what its searches found from the starts that both tried.
+#[derive(Debug, Clone)]
+pub struct ComparedSearch {
+    pub falsifier: String,
+    pub town: String,
+    /// The driving policy of either side.
+    pub policies: [String; 2],
+    /// Number of its block in the campaign, from 0.
+    pub block: u64,
+    /// Simulator ticks that each run might use.
+    pub budget: u64,
+    /// Matched runs.
+    pub runs: u64,
+    /// Starts that both sides tried, over all runs.
+    pub starts: u64,
+    /// Of these, those with a failure on the first side only, on the second only, and on both.
+    pub collisions: Changed,
+    /// The same for preventable failures.
+    pub preventable: Changed,
+    /// The same for faults.
+    pub fault: Changed,
+    /// Share of the common starts with a fault on either side, mean over runs.
+    pub shares: [f64; 2],
+    /// Second less first, of each run.
+    pub differences: Vec<f64>,
+    /// 95 % interval of second less first: Student's over four or more runs; Clopper and Pearson's for a single run, and where no start differs.
+    /// None for two and three runs.
+    pub interval: Option<(f64, f64)>,
+    /// An interval of the same such that, in 95 % of comparisons, those of all searches hold the truth (Bonferroni).
+    pub simultaneous: Option<(f64, f64)>,
+    /// Probability of such a difference by chance: McNemar's exact test for one run, Student's paired test over several.
+    pub p: Option<f64>,
+    /// The same, adjusted by Holm's method for all searches.
+    pub holm: Option<f64>,
+    /// The common starts from which at least one side found a failure.
+    pub changes: Vec<StartChange>,
+}
+
+/// A common start from which at least one side found a failure.
+#[derive(Debug, Clone)]
+pub struct StartChange {
+    pub run: u64,
+    pub start: u64,
+    /// What counts most against the driver of what either side found.
+    pub sides: [Option<ListedFailure>; 2],
+}
+
+impl StartChange {
+    /// `fixed`, `new` or `same`, by the failures that a test lets through.
+    pub fn word(&self, is: impl Fn(&ListedFailure) -> bool) -> Option<&'static str> {
+        match self.sides.each_ref().map(|side| side.as_ref().is_some_and(&is)) {
+            [true, true] => Some("same"),
+            [true, false] => Some("fixed"),
+            [false, true] => Some("new"),
+            [false, false] => None,
+        }
+    }
+}
+
+impl ComparedSearch {
+    /// Second less first.
+    pub fn difference(&self) -> f64 {
+        self.shares[1] - self.shares[0]
+    }
+
+    /// An interval that misses the difference with a probability of at most `alpha`.
+    fn interval_at(&self, alpha: f64) -> Option<(f64, f64)> {
+        let Changed { fixed, new, .. } = self.fault;
+        match self.differences.len() {
+            0 => None,
+            // Without a start that differs the runs show no spread, but not that there is no difference.
+            n if n == 1 || new + fixed == 0 => Some(disagreement(fixed, new, self.starts, alpha)),
+            _ => mean_interval_at(&self.differences, alpha).map(|(low, high)| (low.max(-1.0), high.min(1.0))),
+        }
+    }
+}
+
+/// The searches of both sides, and the number of those that are left out because their starts differ.
+pub(super) struct MatchedSearches {
+    pub searches: Vec<ComparedSearch>,
+    pub apart: u64,
+}
+
+/// Compares the searches of both sides: the same falsifier in the same town with the same budget and the same starts.
+///
+/// # Errors
+/// A table cannot be read.
+pub(super) fn compared_searches(before: Side<'_>, after: Side<'_>) -> Result<MatchedSearches, ReadError> {
+    let (first, second) = (of_side(before)?, of_side(after)?);
+    let drivers = |all: &[StoredSearch]| all.iter().map(|each| each.policy.clone()).collect::<BTreeSet<_>>();
+    let (named, other) = (drivers(&first), drivers(&second));
+    let renamed = named != other && named.len() == 1 && other.len() == 1;
+    let key = |search: &StoredSearch| {
+        let policy = if renamed { String::new() } else { search.policy.clone() };
+        let words = [&search.falsifier, &search.reward, &search.town, &policy].map(String::as_str).join("\0");
+        (words, search.block, search.budget, search.run)
+    };
+    let mut partners: BTreeMap<_, StoredSearch> = BTreeMap::new();
+    for search in second {
+        partners.entry(key(&search)).or_insert(search);
+    }
+    let (mut cells, mut apart) = (Vec::<Vec<[StoredSearch; 2]>>::new(), 0);
+    for search in first {
+        let Some(partner) = partners.remove(&key(&search)) else { continue };
+        if search.first_start.is_none() || search.first_start != partner.first_start {
+            apart += 1;
+            continue;
+        }
+        let is_of = |cell: &&mut Vec<[StoredSearch; 2]>| {
+            let (words, block, budget, _) = key(&cell[0][0]);
+            let (own, own_block, own_budget, _) = key(&search);
+            (words, block, budget) == (own, own_block, own_budget)
+        };
+        match cells.iter_mut().find(is_of) {
+            Some(cell) => cell.push([search, partner]),
+            None => cells.push(vec![[search, partner]]),
+        }
+    }
+    let mut searches: Vec<ComparedSearch> = cells.iter().map(|cell| compared(cell)).collect();
+    adjust(&mut searches);
+    Ok(MatchedSearches { searches, apart })
+}
+
+/// Adjusts p and the intervals for the number of searches.
+fn adjust(searches: &mut [ComparedSearch]) {
+    let raw: Vec<f64> = searches.iter().filter_map(|search| search.p).collect();
+    for (search, adjusted) in searches.iter_mut().filter(|search| search.p.is_some()).zip(holm(&raw)) {
+        search.holm = Some(adjusted);
+    }
+    let alpha = 0.05 / searches.len().max(1) as f64;
+    for search in searches {
+        search.simultaneous = search.interval_at(alpha);
+    }
+}
+
+fn of_side(side: Side<'_>) -> Result<Vec<StoredSearch>, ReadError> {
+    let mut searches = side.report.searches()?;
+    searches.retain(|search| side.driver.is_none_or(|driver| search.policy == driver));
+    Ok(searches)
+}
+
+/// Compares the runs of a falsifier in a town.
+fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
+    let [one, other] = &runs[0];
+    let mut found = ComparedSearch {
+        falsifier: one.falsifier.clone(),
+        town: one.town.clone(),
+        policies: [one.policy.clone(), other.policy.clone()],
+        block: one.block,
+        budget: one.budget,
+        runs: runs.len() as u64,
+        starts: 0,
+        collisions: Changed::default(),
+        preventable: Changed::default(),
+        fault: Changed::default(),
+        shares: [0.0; 2],
+        differences: Vec::new(),
+        interval: None,
+        simultaneous: None,
+        p: None,
+        holm: None,
+        changes: Vec::new(),
+    };
+    for run in runs {
+        let tried = run[0].starts.common(&run[1].starts);
+        let common = tried.count();
+        found.starts += common;
+        let worst = run.each_ref().map(|side| worst_of_starts(side, &tried));
+        let numbers: BTreeSet<u64> = worst.iter().flat_map(|side| side.keys().copied()).collect();
+        let mut here = Changed::default();
+        for start in numbers {
+            let sides = worst.each_ref().map(|side| side.get(&start).copied().cloned());
+            let is = |what: fn(&ListedFailure) -> bool| sides.each_ref().map(|side| side.as_ref().is_some_and(what));
+            let [before, after] = is(|_| true);
+            found.collisions.count(before, after);
+            let [before, after] = is(|failure| failure.fault || failure.verdict == Some(Label::Preventable));
+            found.preventable.count(before, after);
+            let [before, after] = is(|failure| failure.fault);
+            found.fault.count(before, after);
+            here.count(before, after);
+            found.changes.push(StartChange { run: run[0].run, start, sides });
+        }
+        if common > 0 {
+            let share = |count: u64| count as f64 / common as f64;
+            found.shares[0] += share(here.fixed + here.same);
+            found.shares[1] += share(here.new + here.same);
+            found.differences.push(share(here.new) - share(here.fixed));
+        }
+    }
+    let n = found.differences.len().max(1) as f64;
+    found.shares = found.shares.map(|sum| sum / n);
+    found.interval = found.interval_at(0.05);
+    found.p = match (found.differences.len(), found.fault) {
+        (0, _) | (_, Changed { fixed: 0, new: 0, .. }) => None,
+        (1, Changed { fixed, new, .. }) => Some(mcnemar(fixed, new)),
+        _ => mean_p(&found.differences),
+    };
+    found
+}
+
+/// The failure of each of these starts that counts most against the driver.
+fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u64, &'a ListedFailure> {
+    let mut worst: BTreeMap<u64, &ListedFailure> = BTreeMap::new();
+    for failure in search.failures.iter().filter(|failure| tried.contains(failure.start)) {
+        let kept = worst.entry(failure.start).or_insert(failure);
+        if FailureOrder::Severity.compare(failure, kept) == Ordering::Less {
+            *kept = failure;
+        }
+    }
+    worst
+}
+
+/// The searches of a comparison as a table, one row each.
+pub fn compared_search_table(searches: &[ComparedSearch]) -> DataFrame {
+    table().frame(searches)
+}
+
+/// The columns of [`compared_search_table`].
+pub fn compared_search_reference() -> TableReference {
+    table().reference()
+}
+
+fn table() -> Table<'static, ComparedSearch> {
+    type Row = ComparedSearch;
+    let (text, count, number) = (Column::<String>::new, Column::<u64>::new, Column::<f64>::new);
+    Table::new("compared_searches", "One row for each falsifier, town and driver that both sides have.")
+        .column(FALSIFIER.of(|row: &Row| row.falsifier.clone()))
+        .column(TOWN.of(|row: &Row| row.town.clone()))
+        .column(POLICY.of(|row: &Row| row.policies[0].clone()))
+        .column(
+            text("other_policy", "", "name of the driving policy on the second side")
+                .of(|row: &Row| row.policies[1].clone()),
+        )
+        .column(SEARCH_BLOCK.of(|row: &Row| row.block))
+        .column(BUDGET.of(|row: &Row| row.budget))
+        .column(count("runs", "", "matched runs").of(|row: &Row| row.runs))
+        .column(count("tried_starts", "", "starts that both sides tried, over all runs").of(|row: &Row| row.starts))
+        .column(
+            number("found_before", "", "share of these from which the first side found a fault, mean over runs")
+                .of(|row: &Row| row.shares[0]),
+        )
+        .column(number("found_after", "", "the same of the second side").of(|row: &Row| row.shares[1]))
+        .column(number("found_difference", "", "second less first").of(ComparedSearch::difference))
+        .columns(
+            Interval::new(
+                "found_difference",
+                "",
+                "95 % interval of this row alone: Student's over runs, about further runs in this town; Clopper and Pearson's for a single run (given \
+                 the number of starts that differ) and where no start differs; missing for two and three runs",
+            )
+            .of(|row: &Row| row.interval),
+        )
+        .columns(
+            Interval::new(
+                "found_simultaneous",
+                "",
+                "the same, wider, so that in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): the one for a gate",
+            )
+            .of(|row: &Row| row.simultaneous),
+        )
+        .column(
+            number("found_p", "", "probability of such a difference by chance: McNemar's exact test for one run, Student's paired test over several")
+                .of(|row: &Row| row.p),
+        )
+        .column(number("found_p_holm", "", "the same, adjusted by Holm's method for all rows, so that in 95 % of comparisons no finding below 0.05 is false").of(|row: &Row| row.holm))
+        .columns(changed("failed_starts", "failure", |row| row.collisions))
+        .columns(changed("preventable_starts", "preventable failure", |row| row.preventable))
+        .columns(changed("fault_starts", "fault", |row| row.fault))
+}
+
+/// Three columns: the starts with such a failure on the second side only, on the first side only, and on both.
+fn changed(name: &str, of: &str, changed: fn(&ComparedSearch) -> Changed) -> Vec<Entry<'static, ComparedSearch>> {
+    type Part = (&'static str, &'static str, fn(Changed) -> u64);
+    let parts: [Part; 3] = [
+        ("new", "on the second side only", |all| all.new),
+        ("fixed", "on the first side only", |all| all.fixed),
+        ("same", "on both sides", |all| all.same),
+    ];
+    let entry = |(word, sides, part): Part| {
+        let doc = format!("tried starts with a found {of} {sides}");
+        Entry::new::<u64, _>(format!("{name}_{word}").into(), "".into(), doc.into(), move |row: &ComparedSearch| {
+            part(changed(row))
+        })
+    };
+    parts.map(entry).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::Rng;
+
+    use super::*;
+    use base::seed::{Seed, Stream};
+
+    fn failure(start: u64, fault: bool, speed: f64) -> ListedFailure {
+        ListedFailure {
+            run: "1a2b3c4d".into(),
+            number: 0,
+            start,
+            controller: "walks".into(),
+            searched: true,
+            reward: String::new(),
+            train_town: String::new(),
+            train_policy: String::new(),
+            town: "harbour".into(),
+            policy: "behavior".into(),
+            verdict: Some(if fault { Label::Preventable } else { Label::Standing }),
+            foreseeable: fault,
+            fault,
+            narrow: false,
+            impact: "front".into(),
+            moving: fault,
+            occluded: false,
+            driving_mode: "cruise".into(),
+            impact_speed: speed,
+            length: 1.0,
+        }
+    }
+
+    fn search(run: u64, starts: std::ops::Range<u64>, failures: Vec<ListedFailure>) -> StoredSearch {
+        StoredSearch {
+            falsifier: "walks".into(),
+            reward: String::new(),
+            town: "harbour".into(),
+            policy: "behavior".into(),
+            block: 0,
+            run,
+            budget: 1_000,
+            starts: starts.collect(),
+            first_start: Some("0:1".into()),
+            failures,
+        }
+    }
+
+    #[test]
+    fn starts_that_one_side_did_not_reach_are_left_out_and_the_worst_of_a_start_counts() {
+        let before = vec![failure(0, true, 3.0), failure(1, false, 0.0), failure(7, true, 9.0)];
+        let after = vec![failure(0, true, 2.0), failure(0, true, 5.0), failure(2, true, 4.0)];
+        let found = compared(&[[search(0, 0..8, before), search(0, 0..4, after)]]);
+        assert_eq!(found.starts, 4);
+        assert_eq!(found.fault, Changed { fixed: 0, new: 1, same: 1 });
+        assert_eq!(found.collisions, Changed { fixed: 1, new: 1, same: 1 });
+        assert_eq!(found.shares, [0.25, 0.5]);
+        assert_eq!(found.p, Some(1.0), "one pair of starts differs: exact p is 1");
+        // The share of one pair that is new lies between 0.025 and 1, and one start of four differs.
+        let (low, high) = found.interval.unwrap();
+        assert!((low + 0.95 / 4.0).abs() < 1e-12 && (high - 0.25).abs() < 1e-12, "{low}..{high}");
+        let worst = found.changes.iter().find(|change| change.start == 0).unwrap();
+        assert_eq!(worst.sides[1].as_ref().unwrap().impact_speed, 5.0);
+        assert_eq!(worst.word(|failure| failure.fault), Some("same"));
+    }
+
+    /// A comparison of two sides that do not differ: 12 searches with these runs of 60 starts. Each start has its own chance of a fault.
+    fn same_driver(stream: &mut Stream, runs: u64) -> Vec<ComparedSearch> {
+        let mut uniform = || f64::from(stream.next_u32()) / 2_f64.powi(32);
+        let mut side = |run, chances: &[f64]| {
+            let failed = (0..60).filter(|start| uniform() < chances[*start as usize]);
+            search(run, 0..60, failed.map(|start| failure(start, true, 3.0)).collect())
+        };
+        let chances: Vec<f64> = (0..60).map(|start| if start % 3 == 0 { 0.5 } else { 0.1 }).collect();
+        let mut one = || compared(&(0..runs).map(|run| [side(run, &chances), side(run, &chances)]).collect::<Vec<_>>());
+        let mut searches: Vec<ComparedSearch> = (0..12).map(|_| one()).collect();
+        adjust(&mut searches);
+        searches
+    }
+
+    #[test]
+    fn a_gate_on_an_adjusted_column_seldom_fires_on_the_same_driver() {
+        const COMPARISONS: u64 = 200;
+        for runs in [1, 3, 5] {
+            let mut fired = [0_u64; 4];
+            for number in 0..COMPARISONS {
+                let searches = same_driver(&mut Seed::root(47).index(runs).index(number).stream(), runs);
+                let any = |is: fn(&ComparedSearch) -> bool| u64::from(searches.iter().any(is));
+                let gates: [u64; 4] = [
+                    any(|each| each.holm.is_some_and(|p| p < 0.05) && each.difference() > 0.0),
+                    any(|each| each.simultaneous.is_some_and(|(low, _)| low > 0.0)),
+                    any(|each| each.p.is_some_and(|p| p < 0.05) && each.difference() > 0.0),
+                    any(|each| each.fault.new > 0),
+                ];
+                fired.iter_mut().zip(gates).for_each(|(sum, fired)| *sum += fired);
+            }
+            let [holm, simultaneous, raw, new] = fired.map(|fired| fired as f64 / COMPARISONS as f64);
+            // At most 0.025 is said, since one side of 0.05 counts; of 200 comparisons the share has a standard deviation of 0.011.
+            assert!(holm <= 0.06 && simultaneous <= 0.06, "{runs}: {holm} {simultaneous}");
+            assert!(raw > 2.0 * holm && new == 1.0, "what is not adjusted fires often: {raw} {new}");
+        }
+    }
+
+    #[test]
+    fn several_runs_are_the_sample() {
+        let pair = |run, new: u64| {
+            let after = (0..new).map(|start| failure(start, true, 3.0)).collect();
+            [search(run, 0..10, Vec::new()), search(run, 0..10, after)]
+        };
+        let found = compared(&[pair(0, 1), pair(1, 2), pair(2, 3)]);
+        assert_eq!((found.runs, found.starts, found.fault.new, found.interval), (3, 30, 6, None));
+        assert!(found.p.is_some_and(|p| (p - 0.074_18).abs() < 1e-4), "{:?}", found.p);
+        let found = compared(&[pair(0, 1), pair(1, 2), pair(2, 2), pair(3, 3)]);
+        // By hand: mean 0.2, variance 0.02 / 3, t = 3.182446.
+        let half = 3.182_446_305_284 * (0.02_f64 / 12.0).sqrt();
+        let (low, high) = found.interval.unwrap();
+        assert!(
+            (found.difference() - 0.2).abs() < 1e-12
+                && (low - 0.2 + half).abs() < 1e-9
+                && (high - 0.2 - half).abs() < 1e-9
+        );
+    }
+}

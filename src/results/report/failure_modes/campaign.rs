@@ -1,0 +1,101 @@
+use polars::prelude::{DataFrame, PolarsResult};
+
+use super::cell::CellModes;
+use super::sample::RunSample;
+use crate::campaign::TrainingResult;
+use crate::record::RunKey;
+use base::seed::Seed;
+use compile::{Campaign, ControllerKind, Evaluation};
+use learn::ActorCritic;
+
+/// The failure modes of a campaign, and the starts that lead to failures.
+#[derive(Debug, Clone)]
+pub struct FailureModes<'a> {
+    campaign: &'a Campaign,
+    trainings: &'a [TrainingResult],
+    seed: Seed,
+    /// The keys of the evaluations, in the plan's order.
+    keys: Vec<RunKey>,
+    /// The run of the last rows, of which more may follow, and the number of runs of its cell.
+    last: Option<(RunSample<'a>, usize)>,
+    /// The runs of cells of which more runs are expected.
+    open: Vec<Vec<RunSample<'a>>>,
+    cells: Vec<CellModes<'a>>,
+}
+
+impl<'a> FailureModes<'a> {
+    /// For a campaign that has been run from this seed, before its first episode is added.
+    pub fn new(campaign: &'a Campaign, trainings: &'a [TrainingResult], seed: &Seed) -> Self {
+        let keys = campaign.evaluations.iter().map(RunKey::of).collect();
+        Self { campaign, trainings, seed: *seed, keys, last: None, open: Vec::new(), cells: Vec::new() }
+    }
+
+    /// Adds a table of the episodes of one run or of a part of it, as [`episodes`](crate::record::episodes) makes it. Runs may come in any
+    /// order, each once; the parts of a run follow each other. A run that was not planned, or has no episodes, is ignored.
+    ///
+    /// # Errors
+    /// Those of polars, when a column is missing or of another type.
+    pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
+        if run.height() == 0 {
+            return Ok(());
+        }
+        let wanted = RunKey::read(run, 0)?;
+        let is_it = |key: &RunKey| (&key.cell, key.run) == (&wanted.cell, wanted.run);
+        let Some(place) = self.keys.iter().position(is_it) else { return Ok(()) };
+        let planned = self.keys.iter().filter(|key| key.cell == wanted.cell).count();
+        if !self.last.as_ref().is_some_and(|(last, _)| is_it(&last.key)) {
+            self.close();
+            let sample = RunSample::new(&self.campaign.evaluations[place], self.keys[place].clone());
+            self.last = Some((sample, planned));
+        }
+        let (sample, _) = self.last.as_mut().expect("it was opened above");
+        sample.add(run, planned)
+    }
+
+    /// Ends the run of the last rows. A cell that has all its runs is analysed.
+    fn close(&mut self) {
+        let Some((sample, planned)) = self.last.take() else { return };
+        let place = self.open.iter().position(|cell| cell[0].key.cell == sample.key.cell);
+        let place = place.unwrap_or_else(|| {
+            self.open.push(Vec::new());
+            self.open.len() - 1
+        });
+        self.open[place].push(sample);
+        if self.open[place].len() == planned {
+            let runs = self.open.remove(place);
+            self.analyse(runs);
+        }
+    }
+
+    fn analyse(&mut self, mut runs: Vec<RunSample<'a>>) {
+        runs.sort_by_key(|run| run.evaluation.trained.run);
+        let trained: Vec<Option<&ActorCritic>> =
+            runs.iter().map(|run| networks(self.campaign, self.trainings, run.evaluation)).collect();
+        self.cells.push(CellModes::new(runs, &trained, &self.seed));
+    }
+
+    /// The cells of all added runs, in the plan's order, for any order of the runs.
+    pub fn finish(mut self) -> Vec<CellModes<'a>> {
+        self.close();
+        for runs in std::mem::take(&mut self.open) {
+            self.analyse(runs);
+        }
+        let place = |cell: &CellModes<'_>| self.keys.iter().position(|key| key.cell == cell.key);
+        self.cells.sort_by_key(place);
+        self.cells
+    }
+}
+
+/// The networks of an evaluation's controller, if it has any.
+fn networks<'a>(
+    campaign: &Campaign,
+    trainings: &'a [TrainingResult],
+    evaluation: &Evaluation,
+) -> Option<&'a ActorCritic> {
+    let (ControllerKind::Trained(training) | ControllerKind::Sampled(training)) = evaluation.controller else {
+        return None;
+    };
+    let key = &campaign.trainings[training].key;
+    let result = trainings.iter().find(|result| result.key == *key)?;
+    Some(&result.result.as_ref().ok()?.actor_critic)
+}

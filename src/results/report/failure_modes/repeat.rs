@@ -1,0 +1,51 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+
+use super::sample::RunSample;
+use crate::analysis::{Approach, Kind};
+use crate::campaign::repeat_episodes;
+use base::seed::Seed;
+use learn::ActorCritic;
+use world::env::{Outcome, Trace};
+
+/// Most collisions of a kind that are repeated.
+pub const MOST: usize = 60;
+
+/// Repeats collisions and stores their approaches: the first of each kind, evenly over the runs. A collision that is not the same again,
+/// since its driver is not deterministic, has no approach; neither has one whose pedestrian was trained and whose networks are missing.
+pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed: &Seed) {
+    let wanted = wanted(runs);
+    runs.par_iter_mut().zip(trained).zip(wanted).for_each(|((run, trained), wanted)| {
+        let scenario = &run.evaluation.scenario;
+        let numbers: Vec<u32> = wanted.iter().copied().collect();
+        let note = &mut |outcome: &Outcome, trace: &Trace| {
+            Some((format!("{:016x}", outcome.digest), Approach::new(&trace.main_pair(scenario))?))
+        };
+        let noted = repeat_episodes(run.evaluation, *trained, &numbers, seed, note);
+        let seen: BTreeMap<u32, (String, Approach)> =
+            noted.into_iter().filter_map(|(episode, noted)| Some((episode, noted?))).collect();
+        for sampled in run.failures.iter_mut().filter(|sampled| wanted.contains(&sampled.failure.episode)) {
+            let again = seen.get(&sampled.failure.episode).filter(|(digest, _)| *digest == sampled.digest);
+            sampled.failure.approach = again.map(|(_, approach)| approach.clone());
+        }
+    });
+}
+
+/// The numbers of the episodes of each run that are to be repeated.
+fn wanted(runs: &[RunSample<'_>]) -> Vec<BTreeSet<u32>> {
+    let mut kinds: BTreeMap<Kind, Vec<(u32, usize)>> = BTreeMap::new();
+    for (run, sample) in runs.iter().enumerate() {
+        for sampled in &sample.failures {
+            kinds.entry(sampled.failure.kind).or_default().push((sampled.failure.episode, run));
+        }
+    }
+    let mut wanted = vec![BTreeSet::new(); runs.len()];
+    for failures in kinds.values_mut() {
+        failures.sort_unstable();
+        failures.iter().take(MOST).for_each(|(episode, run)| {
+            wanted[*run].insert(*episode);
+        });
+    }
+    wanted
+}

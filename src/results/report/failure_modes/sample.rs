@@ -1,0 +1,87 @@
+use polars::prelude::{DataFrame, PolarsResult};
+
+use crate::analysis::{Failure, Impact, Kind};
+use crate::record::{EpisodeTable, RunKey};
+use compile::Evaluation;
+use world::av::DrivingMode;
+use world::env::Spawn;
+use world::judge::{Label, Sight};
+
+/// Most collisions of a cell that are analysed, the first ones of each of its runs.
+pub const MOST_FAILURES: usize = 20_000;
+/// Most episodes of a cell that are explained, the first ones of each of its runs.
+pub const MOST_CASES: usize = 6_000;
+
+/// A collision, and the digest that shows whether its repetition is the same.
+#[derive(Debug, Clone)]
+pub struct Sampled {
+    pub failure: Failure,
+    /// The digest of its episode.
+    pub digest: String,
+}
+
+/// The start and the end of an episode.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    pub episode: u32,
+    pub spawn: Spawn,
+    pub collision: bool,
+    pub preventable: bool,
+}
+
+/// The analysed part of a run of a cell.
+#[derive(Debug, Clone)]
+pub struct RunSample<'a> {
+    pub evaluation: &'a Evaluation,
+    pub key: RunKey,
+    /// The numbers of its episodes and collisions, without those in which the driver failed.
+    pub all: (u64, u64),
+    /// The number of its first episodes whose collisions were analysed; all of these are in the list.
+    pub episodes: u64,
+    pub failures: Vec<Sampled>,
+    pub cases: Vec<Case>,
+}
+
+impl<'a> RunSample<'a> {
+    /// Starts without any episode.
+    pub(super) fn new(evaluation: &'a Evaluation, key: RunKey) -> Self {
+        Self { evaluation, key, all: (0, 0), episodes: 0, failures: Vec::new(), cases: Vec::new() }
+    }
+
+    /// Takes the first episodes of a run from a part of its table, when its cell has this number of runs.
+    pub(super) fn add(&mut self, part: &DataFrame, runs: usize) -> PolarsResult<()> {
+        let (table, sample) = (EpisodeTable::new(part)?, self);
+        let (failures, cases) = (MOST_FAILURES.div_ceil(runs), MOST_CASES.div_ceil(runs));
+        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+            let (episode, collision) = (table.episode(row), table.is_collision(row));
+            sample.all = (sample.all.0 + 1, sample.all.1 + u64::from(collision));
+            let label = table.label(row);
+            if sample.cases.len() < cases {
+                let preventable = label == Some(Label::Preventable);
+                sample.cases.push(Case { episode, spawn: table.spawn(row), collision, preventable });
+            }
+            if sample.failures.len() == failures {
+                continue;
+            }
+            sample.episodes += 1;
+            let Some(label) = label else { continue };
+            let kind = Kind {
+                impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()),
+                moving: table.is_moving(row),
+                verdict: label,
+                occluded: Sight { hidden: 0.0, seen: table.in_sight(row).unwrap_or_default() }.is_occluded(),
+                mode: table.driving_mode(row).unwrap_or(DrivingMode::Unknown),
+            };
+            let failure = Failure {
+                run: sample.evaluation.trained.run,
+                episode,
+                kind,
+                impact_speed: table.impact_speed(row).unwrap_or_default(),
+                length: table.length(row).unwrap_or_default(),
+                approach: None,
+            };
+            sample.failures.push(Sampled { failure, digest: table.digest(row).into() });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,70 @@
+use polars::prelude::{DataFrame, PolarsResult};
+
+use super::failure_modes::CellModes;
+use super::{
+    Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
+    SearchKind, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_kinds,
+};
+use crate::campaign::Finished;
+use compile::Campaign;
+
+/// What a campaign found. Files, page, summary and gates read it and compute nothing of it again.
+#[derive(Debug)]
+pub struct Findings<'a> {
+    pub campaign: &'a Campaign,
+    pub finished: &'a Finished,
+    /// What one pass over the episodes gave.
+    pub gathered: Gathered,
+    /// The table `runs`, and that of cells without their evidence.
+    pub metrics: Metrics,
+    /// The table `cells`.
+    pub cell_table: DataFrame,
+    pub cells: Vec<Cell>,
+    /// What was found about each driver, the worst first.
+    pub drivers: Vec<DriverResult>,
+    /// The kinds of collisions of each cell.
+    pub modes: Vec<CellModes<'a>>,
+    /// Published figures beside ours.
+    pub published: Vec<PublishedComparison<'a>>,
+    /// The results in the tests of a protocol within its layers.
+    pub layers: Vec<ProtocolCell>,
+    /// Searches over their runs.
+    pub searches: Vec<SearchCell>,
+    /// Kinds of failures that searches found.
+    pub search_kinds: Vec<SearchKind>,
+    /// Doubts about trainings; none of a smoke run, which is too short for any.
+    pub doubts: Vec<Doubt>,
+}
+
+impl<'a> Findings<'a> {
+    /// Works them out.
+    ///
+    /// # Errors
+    /// Those of polars; none for what [`gather`](super::gather) has gathered.
+    pub fn new(
+        campaign: &'a Campaign,
+        finished: &'a Finished,
+        gathered: Gathered,
+        modes: FailureModes<'a>,
+        smoke: bool,
+    ) -> PolarsResult<Self> {
+        let metrics = Metrics::of_runs(gathered.runs.clone())?;
+        let cells = metrics.cells()?;
+        let evidence = &gathered.evidence.cells;
+        Ok(Self {
+            cell_table: evident_cells(&metrics.cells, evidence)?,
+            drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, &finished.searches),
+            modes: modes.finish(),
+            published: beside(&campaign.published, &cells, evidence),
+            layers: layer_cells(campaign, &finished.searches),
+            searches: search_cells(&finished.searches),
+            search_kinds: search_kinds(&finished.searches),
+            doubts: if smoke { Vec::new() } else { doubts(evidence) },
+            campaign,
+            finished,
+            metrics,
+            cells,
+            gathered,
+        })
+    }
+}

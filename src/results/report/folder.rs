@@ -1,0 +1,334 @@
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use polars::prelude::{DataFrame, PolarsError, Schema};
+use polars_io::SerWriter;
+use polars_io::csv::write::CsvWriter;
+use tempfile::TempDir;
+
+use super::parquet::write_parquet;
+use super::scenario_files::SCENARIO;
+use super::table_stream::{Watched, cause};
+use super::{FileRecord, Manifest, TableStream, catalogue};
+use base::files;
+
+/// The file whose presence marks a folder as a finished report.
+pub(super) const MARK: &str = "manifest.toml";
+/// Why a report could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The folder for reports cannot be made or written to.
+    #[error("cannot write to the folder `{path}`: {source}", path = path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        source: io::Error,
+    },
+    /// Another file or folder is at the place of the report.
+    #[error("`{path}` is in the way, which is no part of a report of this program; move it away or choose another folder with --out", path = path.display())]
+    Occupied { path: PathBuf },
+    /// A file cannot be written.
+    #[error("cannot write `{path}`: {source}", path = path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        source: io::Error,
+    },
+    /// A table cannot be made.
+    #[error("cannot make the table `{name}`: {source}")]
+    Table {
+        /// The table.
+        name: String,
+        source: PolarsError,
+    },
+}
+
+/// A report that is being written. Its files are written to a draft folder, which is moved to the report's place in one step when all are
+/// there.
+#[derive(Debug)]
+pub struct ReportFolder {
+    out: PathBuf,
+    name: String,
+    draft: TempDir,
+    formats: Formats,
+}
+
+/// The file formats of tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Formats {
+    /// Comma-separated values.
+    pub csv: bool,
+    /// Apache Parquet.
+    pub parquet: bool,
+}
+
+impl ReportFolder {
+    /// Starts a report whose place is `out/name`. Its files are written to a folder among `drafts`, which must be on the same file system.
+    /// Fails immediately if the report could not be moved to its place.
+    ///
+    /// # Errors
+    /// The folder cannot be written to, or another file or folder is at that place.
+    pub fn begin(out: &Path, name: &str, drafts: &Path) -> Result<Self, WriteError> {
+        let folder = |source| WriteError::Folder { path: out.to_path_buf(), source };
+        fs::create_dir_all(out).map_err(folder)?;
+        make_way(&out.join(name))?;
+        let draft = tempfile::Builder::new().prefix("report-").tempdir_in(drafts).map_err(folder)?;
+        let formats = Formats { csv: true, parquet: true };
+        Ok(Self { out: out.to_path_buf(), name: name.to_string(), draft, formats })
+    }
+
+    /// Writes tables in these formats only.
+    pub fn in_formats(self, formats: Formats) -> Self {
+        Self { formats, ..self }
+    }
+
+    /// Adds a file under a path relative to the report.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn file(&self, name: &str, bytes: &[u8]) -> Result<(), WriteError> {
+        self.write(name, |writer| writer.write_all(bytes))
+    }
+
+    /// Adds a table, in the formats of this report.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn table(&self, name: &str, table: &DataFrame) -> Result<(), WriteError> {
+        let mut table = table.clone();
+        let failed = |error: PolarsError| io::Error::other(error.to_string());
+        if self.formats.csv {
+            self.write(&format!("{name}.csv"), |writer| CsvWriter::new(writer).finish(&mut table).map_err(failed))?;
+        }
+        if self.formats.parquet {
+            self.write(&format!("{name}.parquet"), |writer| write_parquet(writer, &table).map_err(failed))?;
+        }
+        Ok(())
+    }
+
+    /// Starts a table that is written part by part, in the formats of this report.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn stream(&self, name: &str, schema: &Schema) -> Result<TableStream, WriteError> {
+        let open = |end: &str| -> Result<(PathBuf, Watched), WriteError> {
+            let path = self.draft.path().join(format!("{name}.{end}"));
+            match fs::File::create(&path) {
+                Ok(file) => Ok((path, Watched::new(file))),
+                Err(source) => Err(WriteError::File { path, source }),
+            }
+        };
+        let open = |wanted: bool, end| wanted.then(|| open(end)).transpose();
+        TableStream::begin(schema, open(self.formats.csv, "csv")?, open(self.formats.parquet, "parquet")?)
+    }
+
+    pub(super) fn write(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut Watched) -> io::Result<()>,
+    ) -> Result<(), WriteError> {
+        let path = self.draft.path().join(name);
+        let failed = |source| WriteError::File { path: path.clone(), source };
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(failed)?;
+        }
+        let mut writer = Watched::new(fs::File::create(&path).map_err(failed)?);
+        let filled = fill(&mut writer).and_then(|()| writer.flush());
+        filled.map_err(|error| failed(cause(&writer.failure(), error)))?;
+        writer.again().and_then(|file| file.sync_all()).map_err(failed)
+    }
+
+    /// Adds the digests of all other files to the manifest.
+    fn seal(&self) -> Result<(), WriteError> {
+        let path = self.draft.path().join(MARK);
+        let failed = |source| WriteError::File { path: path.clone(), source };
+        let text = match files::text(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            Err(error) => return Err(failed(error)),
+        };
+        let mut manifest = Manifest::from_toml(&text).map_err(|reason| failed(io::Error::other(reason)))?;
+        manifest.report_files = report_files(self.draft.path()).map_err(failed)?;
+        self.file(MARK, sealed(&manifest.to_toml()).as_bytes())
+    }
+
+    /// The names of the files that are there, in order.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn names(&self) -> Result<Vec<String>, WriteError> {
+        let failed = |source| WriteError::Folder { path: self.draft.path().to_path_buf(), source };
+        let entries =
+            fs::read_dir(self.draft.path()).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+        let mut names: Vec<String> =
+            entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        Ok(names)
+    }
+
+    /// Moves the report to its place, where it replaces an earlier report. An incomplete report has its own place, `name-partial`, so that
+    /// it never replaces a complete one. A complete report removes the incomplete one.
+    ///
+    /// # Errors
+    /// The folders cannot be moved.
+    pub fn finish(self, complete: bool) -> Result<PathBuf, WriteError> {
+        let (whole, partial) = (self.out.join(&self.name), self.out.join(format!("{}-partial", self.name)));
+        let place = if complete { &whole } else { &partial };
+        self.seal()?;
+        Self::swap(self.draft.path(), place)?;
+        if complete && partial.exists() && make_way(&partial).is_ok() {
+            let _ = fs::remove_dir_all(&partial);
+        }
+        Ok(place.clone())
+    }
+
+    fn swap(draft: &Path, place: &Path) -> Result<(), WriteError> {
+        let failed = |source| WriteError::File { path: place.to_path_buf(), source };
+        make_way(place)?;
+        set_mode(draft, 0o755).map_err(failed)?;
+        let old = draft.with_extension("old");
+        if place.exists() {
+            fs::rename(place, &old).map_err(failed)?;
+        }
+        if let Err(error) = fs::rename(draft, place) {
+            // Restores the earlier report, which is better than none.
+            if old.exists() {
+                let _ = fs::rename(&old, place);
+            }
+            return Err(failed(error));
+        }
+        // The new report is in its place; a remainder of the old one is not worth an error.
+        let _ = fs::remove_dir_all(&old);
+        Ok(())
+    }
+}
+
+/// The digests of the files of a report except its manifest, by their paths in it.
+pub(super) fn report_files(folder: &Path) -> io::Result<Vec<FileRecord>> {
+    let (mut open, mut records) = (vec![PathBuf::new()], Vec::new());
+    while let Some(inner) = open.pop() {
+        for entry in fs::read_dir(folder.join(&inner))? {
+            let entry = entry?;
+            let path = inner.join(entry.file_name());
+            if entry.file_type()?.is_dir() {
+                open.push(path);
+            } else if path != Path::new(MARK) {
+                records.push(FileRecord { blake3: digest(&folder.join(&path))?, path: with_slashes(&path) });
+            }
+        }
+    }
+    records.sort_by(|one, other| one.path.cmp(&other.path));
+    Ok(records)
+}
+
+fn with_slashes(path: &Path) -> String {
+    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
+
+/// What precedes the digest in the last line of a manifest.
+const SEAL: &str = "# BLAKE3 of the lines above: ";
+
+/// A manifest with the digest of its lines.
+fn sealed(manifest: &str) -> String {
+    format!("{manifest}{SEAL}{}\n", blake3::hash(manifest.as_bytes()).to_hex())
+}
+
+/// Whether a manifest ends in the digest of its lines.
+pub(super) fn is_sealed(text: &str) -> bool {
+    text.rfind(SEAL).is_some_and(|end| sealed(&text[..end]) == text)
+}
+
+/// BLAKE3 of a file, which need not fit in memory.
+pub(super) fn digest(path: &Path) -> io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(files::open(path)?)?;
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// Writes a single file; it appears whole or not at all. A device or a pipe is written to, not replaced.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let failed = |source| WriteError::File { path: path.to_path_buf(), source };
+    if fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir()) {
+        let mut stream = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
+        return stream.write_all(bytes).map_err(failed);
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if folder.exists() && !folder.is_dir() {
+        let reason = format!("`{}` is no folder", folder.display());
+        return Err(failed(io::Error::new(io::ErrorKind::NotADirectory, reason)));
+    }
+    fs::create_dir_all(folder).map_err(failed)?;
+    let mut draft = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    draft.write_all(bytes).map_err(failed)?;
+    set_mode(draft.path(), 0o644).map_err(failed)?;
+    draft.persist(path).map(|_| ()).map_err(|error| failed(error.error))
+}
+
+/// Writes a single table as CSV.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_csv(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
+    let mut bytes = Vec::new();
+    let name = || path.display().to_string();
+    CsvWriter::new(&mut bytes)
+        .finish(&mut table.clone())
+        .map_err(|source| WriteError::Table { name: name(), source })?;
+    write_file(path, &bytes)
+}
+
+/// Writes a single table, as Parquet if its name ends in `.parquet`, else as CSV.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_table(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
+    if path.extension().is_none_or(|extension| extension != "parquet") {
+        return write_csv(path, table);
+    }
+    let (mut bytes, name) = (Vec::new(), path.display().to_string());
+    write_parquet(&mut bytes, table).map_err(|source| WriteError::Table { name, source })?;
+    write_file(path, &bytes)
+}
+
+/// Checks that a place holds no other data: it is empty, or holds a report and nothing else.
+fn make_way(place: &Path) -> Result<(), WriteError> {
+    let Ok(kind) = fs::symlink_metadata(place) else { return Ok(()) };
+    let occupied = |path: &Path| Err(WriteError::Occupied { path: path.to_path_buf() });
+    if !kind.is_dir() {
+        return occupied(place);
+    }
+    let failed = |source| WriteError::Folder { path: place.to_path_buf(), source };
+    let mut entries = fs::read_dir(place).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    match entries.iter().find(|entry| !is_ours(&entry.file_name().to_string_lossy())) {
+        Some(foreign) => occupied(&foreign.path()),
+        None if entries.is_empty() || place.join(MARK).is_file() => Ok(()),
+        None => occupied(place),
+    }
+}
+
+/// Whether a report has a file or folder of this name.
+fn is_ours(name: &str) -> bool {
+    let (stem, extension) = name.split_once('.').unwrap_or((name, ""));
+    match extension {
+        "csv" | "parquet" => catalogue().iter().any(|table| table.name == stem),
+        "svg" => ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix)),
+        _ => [MARK, "summary.md", "report.html", "pedestrians", "modes", SCENARIO].contains(&name),
+    }
+}
+
+/// Temporary files are for their owner alone. A report is for all who may read its parent.
+#[cfg(unix)]
+fn set_mode(path: &Path, mode: u32) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    fs::set_permissions(path, fs::Permissions::from_mode(mode))
+}
+
+#[cfg(not(unix))]
+fn set_mode(_: &Path, _: u32) -> io::Result<()> {
+    Ok(())
+}

@@ -1,0 +1,197 @@
+use super::Figure;
+use super::place::{Measured, Place};
+use crate::record::CellKey;
+use base::seed::Seed;
+use base::statistics::{LEAST_RUNS, Uncertainty, benjamini_hochberg, disagreement, holm, mcnemar};
+
+/// The method behind a p-value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Test {
+    /// Student's t over trainings, with the covariance of common starts. It generalises to further trainings and episodes.
+    Student,
+    /// McNemar's exact test on pairs of episodes. It generalises to further episodes of these two pedestrians.
+    McNemar,
+    /// No test: one training against several, or no event in either cell.
+    None,
+}
+
+impl Test {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Student => "student",
+            Self::McNemar => "mcnemar",
+            Self::None => "",
+        }
+    }
+}
+
+/// Two cells with common starts: two controllers against one driver, or one controller against two drivers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    pub first: CellKey,
+    /// The second, which is subtracted.
+    pub second: CellKey,
+    /// The compared figure.
+    pub figure: Figure,
+    /// The number of runs of both.
+    pub runs: [u64; 2],
+    /// The number of starts of each run.
+    pub episodes: u64,
+    /// The value of both, mean over runs.
+    pub values: [f64; 2],
+    /// First less second.
+    pub difference: f64,
+    /// 95 % interval by hierarchical bootstrap on common starts.
+    pub bootstrap: (f64, f64),
+    /// Student's 95 % interval; none where a side is a single training, or has two or three runs.
+    pub student: Option<(f64, f64)>,
+    /// The values of the runs of either side; the differences of the runs, and nothing, where drivers are compared.
+    pub by_run: [Vec<f64>; 2],
+    /// The standard error of the difference about further trainings and episodes; none where a side is a single training.
+    pub uncertainty: Option<Uncertainty>,
+    /// Of single runs without weights: the number of pairs of episodes with such an event in the first only, and in the second only.
+    pub discordant: Option<(u64, u64)>,
+    /// The method of p.
+    pub test: Test,
+    /// Probability of such a difference by chance.
+    pub p: Option<f64>,
+    /// The same, adjusted for all comparisons of controllers, or of drivers, of the campaign by Holm's method.
+    pub holm: Option<f64>,
+    /// An interval of the difference such that, in 95 % of campaigns, those of all comparisons of controllers, or of drivers, hold the truth
+    /// (Bonferroni). None with two or three runs.
+    pub simultaneous: Option<(f64, f64)>,
+    /// The same by Benjamini and Hochberg's.
+    pub benjamini_hochberg: Option<f64>,
+}
+
+impl Comparison {
+    /// The 95 % interval: Student's over trainings if there is one, else that over common starts. None with few runs.
+    pub fn interval(&self) -> Option<(f64, f64)> {
+        self.student.or_else(|| (!self.has_few_runs()).then_some(self.bootstrap))
+    }
+
+    /// Whether a side has several runs, but too few for an interval. Where no pair of episodes disagrees, their number makes one.
+    pub fn has_few_runs(&self) -> bool {
+        let few = |runs: &u64| (2..LEAST_RUNS as u64).contains(runs);
+        self.runs.iter().any(few) && self.discordant != Some((0, 0))
+    }
+
+    /// An interval that misses the difference with a probability of at most `alpha`: exact for single runs, else Student's.
+    fn interval_at(&self, alpha: f64) -> Option<(f64, f64)> {
+        if let Some((only_first, only_second)) = self.discordant {
+            return Some(disagreement(only_second, only_first, self.episodes, alpha));
+        }
+        if self.has_few_runs() {
+            return None;
+        }
+        Some(cut(self.uncertainty?.interval_at(self.difference, alpha)))
+    }
+
+    /// Whether two drivers are compared.
+    pub fn is_of_drivers(&self) -> bool {
+        self.first.policy != self.second.policy
+    }
+}
+
+/// The pairs that are compared. Against one driver: every trained pedestrian with every untrained one that has the same reward, and with the
+/// same pedestrian trained for an earlier reward. Of drivers: each with each earlier one, met by the same pedestrian; one that is not
+/// trained is compared for its first reward only, since it is the same for all.
+pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
+    let keys = || (0..place.cells.len()).map(|cell| (cell, &place.runs(cell)[0].key));
+    let mut pairs = Vec::new();
+    for (first, a) in keys().filter(|(_, key)| key.is_trained()) {
+        for (second, b) in keys().filter(|(_, b)| a.policy == b.policy) {
+            let plain = !b.is_trained() && a.reward == b.reward;
+            let same = a.controller == b.controller && a.train_town == b.train_town && a.train_policy == b.train_policy;
+            if plain || (same && second < first) {
+                pairs.push((first, second));
+            }
+        }
+    }
+    let repeats = |cell: usize, key: &CellKey| {
+        let mut earlier = keys().take(cell);
+        !key.is_trained() && earlier.any(|(_, b)| b.policy == key.policy && b.controller == key.controller)
+    };
+    for (first, a) in keys().filter(|(cell, key)| !repeats(*cell, key)) {
+        let others = keys().take(first).filter(|(_, b)| a.policy != b.policy && a.has_controller_of(b));
+        pairs.extend(others.map(|(second, _)| (first, second)));
+    }
+    pairs
+}
+
+/// Compares two cells of a place; none when one of them has no value.
+pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize), seed: &Seed) -> Option<Comparison> {
+    let figure = measured.figure;
+    let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);
+    let drivers = ours.key.policy != theirs.key.policy;
+    let (sample, values, runs) = if drivers {
+        let (sample, values) = place.paired(measured, first, second)?;
+        let runs = [sample.values.len() as u64; 2];
+        (sample, values, runs)
+    } else {
+        let sample = place.sample(measured, first, Some(second))?;
+        let (a, b) = sample.values.split_at(sample.first);
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let (values, runs) = ([mean(a), mean(b)], [a.len() as u64, b.len() as u64]);
+        (sample, values, runs)
+    };
+    let seed = ours.key.place_seed(seed).child("comparison");
+    let seed = theirs.key.controller_seed(&ours.key.controller_seed(&seed));
+    let seed = if drivers { theirs.key.place_seed(&seed) } else { seed };
+    let plain = ours.episodes().is_plain() && theirs.episodes().is_plain();
+    // An exact test counts pairs; there is none for pairs of different weights.
+    let has_events = values.iter().any(|value| *value != 0.0);
+    let single = runs == [1, 1] && [first, second].map(|cell| place.runs(cell).len()) == [1, 1];
+    let discordant = (plain && single).then(|| ours.discordant(theirs, figure));
+    let student = sample.interval().map(cut);
+    let (test, p, student) = match (discordant, sample.p()) {
+        // Neither could be significant, so it is no test and costs the others nothing.
+        _ if !has_events => (Test::None, None, student),
+        (Some((only_first, only_second)), _) => (Test::McNemar, Some(mcnemar(only_first, only_second)), None),
+        (None, Some(p)) => (Test::Student, Some(p), student),
+        (None, None) => (Test::None, None, None),
+    };
+    Some(Comparison {
+        first: ours.key.clone(),
+        second: theirs.key.clone(),
+        figure,
+        runs,
+        episodes: sample.episodes.count(),
+        values,
+        difference: sample.estimate(),
+        bootstrap: cut(sample.bootstrap(&seed.child(figure.name()))),
+        student,
+        uncertainty: sample.uncertainty(),
+        by_run: [sample.values[..sample.first].to_vec(), sample.values[sample.first..].to_vec()],
+        discordant,
+        test,
+        p,
+        holm: None,
+        simultaneous: None,
+        benjamini_hochberg: None,
+    })
+}
+
+fn cut((low, high): (f64, f64)) -> (f64, f64) {
+    (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0))
+}
+
+/// Adjusts p and the interval for the number of comparisons: those of controllers and those of drivers separately, since they answer two
+/// questions.
+pub fn adjust(comparisons: &mut [Comparison]) {
+    for drivers in [false, true] {
+        let mut tested: Vec<&mut Comparison> =
+            comparisons.iter_mut().filter(|each| each.p.is_some() && each.is_of_drivers() == drivers).collect();
+        let raw: Vec<f64> = tested.iter().filter_map(|comparison| comparison.p).collect();
+        for (comparison, (first, second)) in tested.iter_mut().zip(holm(&raw).into_iter().zip(benjamini_hochberg(&raw)))
+        {
+            (comparison.holm, comparison.benjamini_hochberg) = (Some(first), Some(second));
+        }
+        let all = || comparisons.iter().filter(|each| each.is_of_drivers() == drivers);
+        let alpha = 0.05 / all().count().max(1) as f64;
+        for comparison in comparisons.iter_mut().filter(|each| each.is_of_drivers() == drivers) {
+            comparison.simultaneous = comparison.interval_at(alpha);
+        }
+    }
+}

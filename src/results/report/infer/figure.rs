@@ -1,0 +1,61 @@
+use crate::record::metric;
+
+/// A figure of a pedestrian that is averaged over trainings and compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Figure {
+    /// Collisions of all episodes.
+    Collision,
+    /// Frontal collisions of all collisions.
+    Front,
+    /// Collisions with a moving car of all episodes.
+    Moving,
+    /// Preventable collisions of all episodes.
+    Preventable,
+    /// Preventable collisions with a foreseeable pedestrian of all episodes.
+    Fault,
+    /// Reward of an episode.
+    Reward,
+    /// Length of an episode (s).
+    Length,
+    /// Speed of the car at a collision (m/s).
+    ImpactSpeed,
+}
+
+impl Figure {
+    /// All of them, in the order of the tables.
+    pub const ALL: [Self; 8] = [
+        Self::Collision,
+        Self::Front,
+        Self::Moving,
+        Self::Preventable,
+        Self::Fault,
+        Self::Reward,
+        Self::Length,
+        Self::ImpactSpeed,
+    ];
+    /// The figures in which pedestrians are compared: rates of all episodes.
+    pub const COMPARED: [Self; 4] = [Self::Collision, Self::Moving, Self::Preventable, Self::Fault];
+
+    /// The prefix of its columns.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Collision => metric::COLLISION_RATE.name,
+            Self::Front => metric::FRONT_RATE.name,
+            Self::Moving => metric::MOVING_RATE.name,
+            Self::Preventable => metric::PREVENTABLE_RATE.name,
+            Self::Fault => metric::FAULT_RATE.name,
+            Self::Reward => metric::EPISODE_REWARD.name,
+            Self::Length => metric::EPISODE_LENGTH.name,
+            Self::ImpactSpeed => metric::IMPACT_SPEED.name,
+        }
+    }
+
+    /// Between what it lies.
+    pub fn bounds(self) -> (f64, f64) {
+        match self {
+            Self::Reward => (f64::NEG_INFINITY, f64::INFINITY),
+            Self::Length | Self::ImpactSpeed => (0.0, f64::INFINITY),
+            _ => (0.0, 1.0),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+use polars::prelude::{DataFrame, PolarsResult};
+
+use super::cell::CellEvidence;
+use super::comparison::{Comparison, adjust, compare, pairs};
+use super::place::Place;
+use super::transfer::{PolicyGaps, Transfer, transfers};
+use super::tried::{KEPT, Tried};
+use super::{Figure, learning};
+use crate::record::{EpisodeTable, RunKey};
+use base::seed::Seed;
+
+/// The evidence of a campaign's results, in addition to means.
+#[derive(Debug, Clone, Default)]
+pub struct Evidence {
+    /// One for each cell, in the order of first appearance.
+    pub cells: Vec<CellEvidence>,
+    /// Comparisons of pedestrians, and of drivers, of the same place.
+    pub comparisons: Vec<Comparison>,
+    /// Transfers of the same pedestrian between two places.
+    pub transfers: Vec<Transfer>,
+}
+
+/// Gathers the evidence from the episodes of a campaign, run by run in the plan's order. A run is one table or several that follow each
+/// other, for a pedestrian in one town against one policy. The resampling depends only on the seed and the names of a place.
+#[derive(Debug, Clone)]
+pub struct Gathering {
+    seed: Seed,
+    kept: usize,
+    /// The run of the last rows, of which more may follow.
+    last: Option<(RunKey, Tried)>,
+    here: Vec<Tried>,
+    gaps: PolicyGaps,
+    found: Evidence,
+}
+
+impl Gathering {
+    /// Starts without any run.
+    pub fn new(seed: Seed) -> Self {
+        Self::keeping(KEPT, seed)
+    }
+
+    /// Starts with another number of episodes of a run that are kept one by one.
+    pub(super) fn keeping(kept: usize, seed: Seed) -> Self {
+        Self { seed, kept, last: None, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }
+    }
+
+    /// Adds the episodes of a run or of a part of it. The parts of a run follow each other.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
+    pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
+        if run.height() == 0 {
+            return Ok(());
+        }
+        let key = EpisodeTable::new(run)?.key()?;
+        if let Some((_, tried)) = self.last.as_mut().filter(|(last, _)| *last == key) {
+            return tried.add(run);
+        }
+        self.close();
+        let mut tried = Tried::new(key.clone(), self.kept);
+        tried.add(run)?;
+        self.last = Some((key, tried));
+        Ok(())
+    }
+
+    /// Ends the run of the last rows.
+    fn close(&mut self) {
+        let Some((_, tried)) = self.last.take() else { return };
+        if self.here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
+            self.found.add(std::mem::take(&mut self.here), &mut self.gaps, &self.seed);
+        }
+        self.here.push(tried);
+    }
+
+    /// The evidence of all runs.
+    pub fn finish(mut self) -> Evidence {
+        self.close();
+        self.found.add(self.here, &mut self.gaps, &self.seed);
+        adjust(&mut self.found.comparisons);
+        learning::adjust(&mut self.found.cells);
+        self.found.transfers = transfers(&self.found.cells, &self.gaps, &self.seed.child("transfer"));
+        self.found
+    }
+}
+
+impl Evidence {
+    /// Adds all runs of a place.
+    fn add(&mut self, runs: Vec<Tried>, gaps: &mut PolicyGaps, seed: &Seed) {
+        if runs.is_empty() {
+            return;
+        }
+        let place = Place::new(runs);
+        let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
+        let pairs = pairs(&place);
+        let (before, mut comparisons) = (self.cells.len(), Vec::new());
+        // One figure after the other, since each needs a number for every episode.
+        for figure in Figure::ALL {
+            let measured = place.measure(figure);
+            for (number, cell) in cells.iter_mut().enumerate() {
+                let seed = cell.key.controller_seed(&cell.key.place_seed(seed).child("cell"));
+                cell.measure(&place, &measured, number, &seed);
+            }
+            if Figure::COMPARED.contains(&figure) {
+                gaps.add(&place, &measured, before);
+                let found =
+                    pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair, seed)));
+                comparisons.extend(found);
+            }
+        }
+        comparisons.sort_by_key(|(rank, _)| *rank);
+        self.cells.extend(cells);
+        self.comparisons.extend(comparisons.into_iter().filter_map(|(_, comparison)| comparison));
+    }
+}

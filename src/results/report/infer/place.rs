@@ -1,0 +1,123 @@
+use std::ops::Range;
+
+use super::Figure;
+use super::tried::Tried;
+use base::statistics::{Sample, Weighted};
+
+/// All runs with common starts; the runs of a cell are consecutive.
+pub struct Place {
+    /// The runs.
+    pub tried: Vec<Tried>,
+    /// The indices of the runs of each cell.
+    pub cells: Vec<Range<usize>>,
+}
+
+impl Place {
+    /// Sorts runs into cells, in the order of first appearance.
+    pub fn new(runs: Vec<Tried>) -> Self {
+        let mut groups: Vec<Vec<Tried>> = Vec::new();
+        for run in runs {
+            match groups.iter_mut().find(|group| group[0].key == run.key) {
+                Some(group) => group.push(run),
+                None => groups.push(vec![run]),
+            }
+        }
+        let mut end = 0;
+        let cells = groups.iter().map(|group| {
+            end += group.len();
+            end - group.len()..end
+        });
+        Self { cells: cells.collect(), tried: groups.into_iter().flatten().collect() }
+    }
+
+    pub fn runs(&self, cell: usize) -> &[Tried] {
+        &self.tried[self.cells[cell].clone()]
+    }
+
+    /// A figure of all runs.
+    pub fn measure(&self, figure: Figure) -> Measured {
+        Measured { figure, runs: self.tried.iter().map(|run| run.influence(figure)).collect() }
+    }
+
+    /// A figure of one cell, or of its difference from another; none when a cell has no value.
+    pub fn sample(&self, measured: &Measured, cell: usize, other: Option<usize>) -> Option<Sample> {
+        let known = |cell: usize| self.cells[cell].clone().filter(|run| measured.runs[*run].is_some());
+        let first: Vec<usize> = known(cell).collect();
+        let second: Vec<usize> = other.into_iter().flat_map(known).collect();
+        if first.is_empty() || (other.is_some() && second.is_empty()) {
+            return None;
+        }
+        let members = [first.as_slice(), second.as_slice()].concat();
+        let (values, pulls): (Vec<f64>, Vec<&Vec<f64>>) =
+            members.iter().filter_map(|run| measured.runs[*run].as_ref()).map(|(value, pulls)| (*value, pulls)).unzip();
+        let covariance = self.covariance(&pulls, &members);
+        let trained = |cell: usize| self.runs(cell)[0].key.is_trained();
+        Some(Sample {
+            values,
+            covariance,
+            first: first.len(),
+            trained: [trained(cell), other.is_some_and(trained)],
+            episodes: least(members.iter().map(|run| self.tried[*run].episodes())),
+        })
+    }
+
+    /// The difference of a figure between two cells with the same controller, run by run: the runs of a number are one training, or draw the
+    /// same numbers. With the means of both cells over these runs; none when no run has a value in both.
+    pub fn paired(&self, measured: &Measured, first: usize, second: usize) -> Option<(Sample, [f64; 2])> {
+        let known = |run: &usize| Some((*run, measured.runs[*run].as_ref()?));
+        let partner = |run: usize| {
+            let same = |other: &usize| self.tried[*other].run == self.tried[run].run;
+            self.cells[second].clone().find(same).as_ref().and_then(known)
+        };
+        let pairs: Vec<_> = self.cells[first].clone().filter_map(|run| Some((known(&run)?, partner(run)?))).collect();
+        if pairs.is_empty() {
+            return None;
+        }
+        let apart = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            let at = |pulls: &[f64], episode: usize| pulls.get(episode).copied().unwrap_or(0.0);
+            (0..a.len().max(b.len())).map(|episode| at(a, episode) - at(b, episode)).collect()
+        };
+        let pulls: Vec<Vec<f64>> = pairs.iter().map(|((_, (_, a)), (_, (_, b)))| apart(a, b)).collect();
+        let members: Vec<usize> = pairs.iter().map(|((run, _), _)| *run).collect();
+        let both = pairs.iter().flat_map(|((run, _), (other, _))| [*run, *other]);
+        let n = pairs.len() as f64;
+        let sample = Sample {
+            values: pairs.iter().map(|((_, (a, _)), (_, (b, _)))| a - b).collect(),
+            covariance: self.covariance(&pulls.iter().collect::<Vec<_>>(), &members),
+            first: pairs.len(),
+            trained: [self.runs(first)[0].key.is_trained(), false],
+            episodes: least(both.map(|run| self.tried[run].episodes())),
+        };
+        let means = [
+            pairs.iter().map(|((_, (a, _)), _)| a).sum::<f64>() / n,
+            pairs.iter().map(|(_, (_, (b, _)))| b).sum::<f64>() / n,
+        ];
+        Some((sample, means))
+    }
+
+    /// The covariances of figures of these runs due to the draw of episodes (n × n), from the influence of each episode on each figure.
+    fn covariance(&self, pulls: &[&Vec<f64>], members: &[usize]) -> Vec<f64> {
+        let n = pulls.len();
+        let mut covariance = vec![0.0; n * n];
+        for (i, a) in pulls.iter().enumerate() {
+            for (j, b) in pulls.iter().enumerate().skip(i) {
+                let kept: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
+                let common = kept * self.tried[members[i]].stretch(&self.tried[members[j]]);
+                (covariance[i * n + j], covariance[j * n + i]) = (common, common);
+            }
+        }
+        covariance
+    }
+}
+
+/// The count with the least effective size.
+pub fn least(counts: impl Iterator<Item = Weighted>) -> Weighted {
+    counts.min_by(|a, b| a.effective_size().total_cmp(&b.effective_size())).unwrap_or_default()
+}
+
+/// A figure of all runs of a place.
+pub struct Measured {
+    pub figure: Figure,
+    /// For each run, if it has one: the value, and the influence of each kept episode on it.
+    pub runs: Vec<Option<(f64, Vec<f64>)>>,
+}

@@ -1,0 +1,232 @@
+use polars::prelude::{DataFrame, PolarsResult};
+
+use super::Figure;
+use crate::record::{CellKey, EpisodeTable, RunKey};
+use base::seed::Seed;
+use base::statistics::Weighted;
+use world::judge::{Label, Reference};
+
+impl CellKey {
+    /// The branch of a seed that belongs to the place and the driver.
+    pub(super) fn place_seed(&self, seed: &Seed) -> Seed {
+        let names = [&self.town, &self.policy, &self.vehicle, &self.adversary];
+        names.iter().fold(seed.child("place").index(self.block.into()), |seed, name| seed.child(name))
+    }
+
+    /// The branch of a seed that belongs to the controller.
+    pub(super) fn controller_seed(&self, seed: &Seed) -> Seed {
+        let names = [&self.controller, &self.reward, &self.train_town, &self.train_policy];
+        names.iter().fold(*seed, |seed, name| seed.child(name))
+    }
+}
+
+/// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count only in
+/// sums, so memory does not grow with them. With this number, an error is known to 0.3 %.
+pub const KEPT: usize = 100_000;
+
+/// The flags of an episode, in a byte.
+mod is {
+    pub const VALID: u8 = 1;
+    pub const COLLISION: u8 = 2;
+    pub const FRONT: u8 = 4;
+    pub const MOVING: u8 = 8;
+    pub const PREVENTABLE: u8 = 16;
+    pub const FAULT: u8 = 32;
+    pub const ALL: [u8; 6] = [VALID, COLLISION, FRONT, MOVING, PREVENTABLE, FAULT];
+}
+
+/// A quantity of episodes.
+#[derive(Debug, Clone)]
+struct Quantity {
+    /// The sum over all episodes, each times its weight.
+    sum: f64,
+    /// The values of the kept episodes; 0 where there is none.
+    kept: Vec<f64>,
+}
+
+/// The part of one run's episodes that inference needs.
+#[derive(Debug, Clone)]
+pub struct Tried {
+    pub key: CellKey,
+    pub run: u32,
+    /// Speeds at the collisions (m/s), of the episodes that are kept.
+    pub impact_speeds: Vec<f64>,
+    /// Least times to collision of the other episodes (s), of those that have one and are kept.
+    pub min_ttc: Vec<f64>,
+    /// Post-encroachment times of the other episodes (s), of those that have one and are kept.
+    pub pet: Vec<f64>,
+    /// The collisions that each reference driver avoids.
+    pub avoided: [Weighted; Reference::COUNT],
+    /// The greatest number of episodes that are kept one by one.
+    most: usize,
+    /// The number of episodes, errors included.
+    size: usize,
+    /// The number of episodes with each flag, over all episodes.
+    counts: [Weighted; 6],
+    /// Flags of the kept episodes.
+    flags: Vec<u8>,
+    /// Rewards, lengths and impact speeds of the episodes.
+    quantities: [Quantity; 3],
+    /// The weight of each kept episode; empty when all weights are 1.
+    weights: Vec<f64>,
+}
+
+impl Tried {
+    /// Reads the episodes of one run, and keeps those with numbers below a limit.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
+    pub fn of(run: &DataFrame, kept: usize) -> PolarsResult<Self> {
+        let mut tried = Self::new(EpisodeTable::new(run)?.key()?, kept);
+        tried.add(run)?;
+        Ok(tried)
+    }
+
+    /// Starts without any episode, and will keep those with numbers below a limit.
+    pub fn new(key: RunKey, kept: usize) -> Self {
+        Self {
+            key: key.cell,
+            run: key.run,
+            impact_speeds: Vec::new(),
+            min_ttc: Vec::new(),
+            pet: Vec::new(),
+            avoided: Default::default(),
+            most: kept,
+            size: 0,
+            counts: Default::default(),
+            flags: Vec::new(),
+            quantities: std::array::from_fn(|_| Quantity { sum: -0.0, kept: Vec::new() }),
+            weights: Vec::new(),
+        }
+    }
+
+    /// Adds episodes: a part of the table of the run.
+    ///
+    /// # Errors
+    /// As [`Tried::of`].
+    pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
+        let (table, tried) = (EpisodeTable::new(part)?, self);
+        tried.size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0).max(tried.size);
+        let (kept, here) = (tried.most, tried.size.min(tried.most));
+        tried.flags.resize(here, 0);
+        tried.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(here, 0.0));
+        if !tried.weights.is_empty() {
+            tried.weights.resize(here, 1.0);
+        }
+        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+            let episode = table.episode(row) as usize;
+            let collision = table.is_collision(row);
+            let flag = |holds: bool, flag: u8| if holds { flag } else { 0 };
+            let known = is::VALID
+                | flag(collision, is::COLLISION)
+                | flag(table.is_front(row), is::FRONT)
+                | flag(table.is_moving(row), is::MOVING)
+                | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE)
+                | flag(table.is_fault(row), is::FAULT);
+            // In the order of `quantity`.
+            let values = [table.reward(row), table.length(row), table.impact_speed(row)].map(Option::unwrap_or_default);
+            let weight = table.weight(row);
+            for (count, _) in tried.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
+                count.include(weight);
+            }
+            for (quantity, value) in tried.quantities.iter_mut().zip(values) {
+                quantity.sum += weight * value;
+                if let Some(kept) = quantity.kept.get_mut(episode) {
+                    *kept = value;
+                }
+            }
+            if episode >= kept {
+                continue;
+            }
+            tried.flags[episode] = known;
+            if weight != 1.0 && tried.weights.is_empty() {
+                tried.weights = vec![1.0; here];
+            }
+            if let Some(kept) = tried.weights.get_mut(episode) {
+                *kept = weight;
+            }
+            if collision {
+                tried.impact_speeds.extend(table.impact_speed(row));
+            } else {
+                tried.min_ttc.extend(table.min_ttc(row));
+                tried.pet.extend(table.pet(row));
+            }
+        }
+        for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
+            table.avoided(reference)?.for_each(|row| avoided.include(table.weight(row)));
+        }
+        Ok(())
+    }
+
+    /// Episodes that the driver drove to their end.
+    pub fn episodes(&self) -> Weighted {
+        self.count(is::VALID)
+    }
+
+    pub fn collisions(&self) -> Weighted {
+        self.count(is::COLLISION)
+    }
+
+    fn count(&self, flag: u8) -> Weighted {
+        is::ALL
+            .iter()
+            .zip(self.counts)
+            .find(|(known, _)| **known == flag)
+            .map_or_else(Weighted::default, |(_, count)| count)
+    }
+
+    /// The factor from kept episodes to all episodes, for quantities that two runs have in common.
+    pub fn stretch(&self, other: &Self) -> f64 {
+        let kept = self.flags.len().min(other.flags.len());
+        self.size.min(other.size) as f64 / kept.max(1) as f64
+    }
+
+    /// The number of pairs of equal, kept starts in which only this run had the event of the figure; and the number in which only the
+    /// other run had it.
+    pub fn discordant(&self, other: &Self, figure: Figure) -> (u64, u64) {
+        let flag = part(figure);
+        let both = self.flags.iter().zip(&other.flags).filter(|(a, b)| **a & **b & is::VALID != 0);
+        both.fold((0, 0), |(only, others), (a, b)| match (a & flag != 0, b & flag != 0) {
+            (true, false) => (only + 1, others),
+            (false, true) => (only, others + 1),
+            _ => (only, others),
+        })
+    }
+
+    /// A figure, and the influence of each kept episode on it, relative to its mean; none when it has no value.
+    pub fn influence(&self, figure: Figure) -> Option<(f64, Vec<f64>)> {
+        let of_collisions = matches!(figure, Figure::Front | Figure::ImpactSpeed);
+        let (whole, flag) = (if of_collisions { is::COLLISION } else { is::VALID }, part(figure));
+        let quantity = quantity(figure).map(|quantity| &self.quantities[quantity]);
+        let count = self.count(whole).sum();
+        if count == 0.0 {
+            return None;
+        }
+        let value = |episode: usize| match quantity {
+            Some(quantity) => quantity.kept[episode],
+            None => f64::from(u8::from(self.flags[episode] & flag != 0)),
+        };
+        let counts = |episode: &usize| self.flags[*episode] & whole != 0;
+        let sum = quantity.map_or_else(|| self.count(flag).sum(), |quantity| quantity.sum);
+        let mean = sum / count;
+        let weight = |episode: usize| self.weights.get(episode).copied().unwrap_or(1.0);
+        let pull = |episode| if counts(&episode) { weight(episode) * (value(episode) - mean) / count } else { 0.0 };
+        Some((mean, (0..self.flags.len()).map(pull).collect()))
+    }
+}
+
+/// The flag of the episodes that count for a rate.
+fn part(figure: Figure) -> u8 {
+    match figure {
+        Figure::Collision | Figure::Reward | Figure::Length | Figure::ImpactSpeed => is::COLLISION,
+        Figure::Front => is::FRONT,
+        Figure::Moving => is::MOVING,
+        Figure::Preventable => is::PREVENTABLE,
+        Figure::Fault => is::FAULT,
+    }
+}
+
+/// The place of a figure among the quantities; none for a rate.
+fn quantity(figure: Figure) -> Option<usize> {
+    [Figure::Reward, Figure::Length, Figure::ImpactSpeed].iter().position(|quantity| *quantity == figure)
+}

@@ -1,0 +1,171 @@
+use serde::{Deserialize, Serialize};
+
+use crate::record::RunKey;
+use compile::{Evaluation, Search};
+
+/// All data that are needed to repeat a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of this program.
+    pub version: String,
+    /// Digest of the code that affects numbers; results of other code are not continued.
+    pub code: String,
+    pub campaign: String,
+    /// The user's seed.
+    pub seed: u64,
+    /// Values that were set outside the files or by a `matrix`, as `name = value`.
+    pub settings: Vec<String>,
+    /// Whether it was a smoke run.
+    pub smoke: bool,
+    /// Whether every training and every episode is there.
+    pub complete: bool,
+    /// Whether the user stopped it.
+    pub stopped: bool,
+    /// The number of threads; they influence only the times.
+    pub threads: usize,
+    /// Vector instructions of the processor, on which the last bits of a training depend.
+    pub vector_instructions: String,
+    /// Simulator ticks of the evaluations.
+    pub evaluation_ticks: u64,
+    /// Episodes in which the driver failed as a program.
+    pub errors: u64,
+    /// Simulator ticks of the searches, without those of evaluations after them.
+    pub search_ticks: u64,
+    /// Wall time of the whole campaign (s).
+    pub wall_time_s: f64,
+    /// The input of the program, for a repetition.
+    pub call: Call,
+    /// The scenario files and the files that they name, in the order they were read.
+    pub files: Vec<ScenarioFile>,
+    pub trainings: Vec<TrainingRecord>,
+    /// The evaluations and the searches that were asked for, in the order of the plan. Reports of earlier versions have none.
+    #[serde(default)]
+    pub runs: Vec<RunRecord>,
+    /// The other files of the report, by their paths in it. Reports of earlier versions have none.
+    #[serde(default)]
+    pub report_files: Vec<FileRecord>,
+}
+
+/// The input of the program, besides the seed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Call {
+    /// The folder in which it ran: other paths are relative to it.
+    pub folder: String,
+    /// The scenario files that were named.
+    pub scenarios: Vec<String>,
+    /// Each `--map`, as `TOWN=FILE`.
+    pub maps: Vec<String>,
+    /// Each `--set`, as `NAME=VALUE`.
+    pub set: Vec<String>,
+    /// Whether scenarios could start programs.
+    pub allow_external: bool,
+}
+
+impl Call {
+    /// The options that a repetition of an episode needs, with a blank after each.
+    pub const fn replay_options(&self) -> &'static str {
+        if self.allow_external { "--allow-external " } else { "" }
+    }
+}
+
+/// A scenario file, or a map or model that it names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScenarioFile {
+    /// Its path as given.
+    pub path: String,
+    /// BLAKE3 of its contents.
+    pub blake3: String,
+    /// The file of the report that holds its contents, relative to the report's folder; empty for a file of the standard library and for
+    /// one that is too large.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub held: String,
+}
+
+/// An evaluation or a search that was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Its short name.
+    pub id: String,
+    /// Its full key in words, which no other run of the campaign has.
+    pub what: String,
+    /// The number of episodes, the greatest one if a rule stops it; for a search its budget of simulator ticks.
+    pub amount: u64,
+    /// Digest of what the files and settings say about it, without its training.
+    pub fingerprint: String,
+}
+
+/// A file with its digest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FileRecord {
+    /// Its path as given.
+    pub path: String,
+    /// BLAKE3 of its contents.
+    pub blake3: String,
+}
+
+/// A training.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrainingRecord {
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    pub reward: String,
+    pub run: u32,
+    /// Decisions that were taken.
+    pub decisions: u64,
+    /// Wall time (s).
+    pub wall_time_s: f64,
+    /// File of the trained pedestrian, relative to the manifest; empty when the training failed.
+    pub pedestrian: String,
+    /// The error; empty without one.
+    pub error: String,
+    /// Digest of what the files and settings say about it. Reports of earlier versions have none.
+    #[serde(default)]
+    pub fingerprint: String,
+}
+
+impl RunRecord {
+    /// The record of an evaluation.
+    pub fn of_evaluation(evaluation: &Evaluation) -> Self {
+        let key = RunKey::of(evaluation);
+        Self {
+            id: key.id.to_string(),
+            what: format!("{}, run {}", key.cell.in_full(), key.run),
+            amount: evaluation.episodes.into(),
+            fingerprint: evaluation.fingerprint.to_string(),
+        }
+    }
+
+    /// The record of a search.
+    pub fn of_search(search: &Search) -> Self {
+        let key = &search.key;
+        Self {
+            id: key.id.to_string(),
+            what: format!("search {key}, block {}", key.block),
+            amount: search.budget,
+            fingerprint: search.fingerprint.to_string(),
+        }
+    }
+}
+
+impl FileRecord {
+    /// Makes a record of a file.
+    pub fn new(path: String, contents: &[u8]) -> Self {
+        Self { path, blake3: blake3::hash(contents).to_hex().to_string() }
+    }
+}
+
+impl Manifest {
+    /// The manifest as TOML.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("strings and numbers have a form in TOML")
+    }
+
+    /// Reads a manifest.
+    ///
+    /// # Errors
+    /// The error of the parser.
+    pub fn from_toml(text: &str) -> Result<Self, String> {
+        toml::from_str(text).map_err(|error| error.message().to_string())
+    }
+}

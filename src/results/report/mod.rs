@@ -1,0 +1,71 @@
+//! Rows in, files out: tables, metrics, figures, summary, page, manifest.
+//!
+//! Four jobs, a folder each: `aggregate` makes runs and cells of episodes, `infer` their evidence for further trainings, `render`
+//! text and pictures, and `read` reads a report back. `failure_modes` finds kinds of collisions. The rest writes files.
+
+mod aggregate;
+mod infer;
+mod compare;
+mod recheck;
+mod failure_modes;
+mod render;
+mod read;
+mod catalogue;
+mod waypoints;
+mod manifest;
+mod scenario_files;
+mod parquet;
+mod table_stream;
+mod text_forms;
+mod folder;
+mod overview;
+mod findings;
+mod write;
+
+pub use aggregate::{
+    Agreement, Average, Cell, Colour, DriverResult, Episodes, FailureClass, Failures, FoundBy, FoundFailure, Gathered,
+    MedianTime, Metrics, ProtocolCell, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures,
+    SearchKind, Spread, Wanted, beside, driver_results, gather, layer_cells, learning_curve, learning_curve_lines,
+    metrics, published, search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failure,
+    search_failures, search_kind_table, search_kinds, searches, ticks, write_ticks,
+};
+pub use catalogue::{catalogue, column_reference};
+pub use compare::{
+    Caveat, Changed, ComparedCell, ComparedSearch, FailureChange, Incomparable, ReportComparison, Side, SideEpisode,
+    StartChange, compare_reports, compared_cells, compared_search_reference, compared_search_table,
+    comparison_reference,
+};
+pub use failure_modes::FailureModes;
+pub use findings::Findings;
+pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
+pub use infer::{
+    Baseline, CellEvidence, Change, Comparison, Doubt, Evidence, Figure, Gathering, Learning, Learnt, Quantiles,
+    Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
+};
+pub use manifest::{Call, FileRecord, Manifest, RunRecord, ScenarioFile, TrainingRecord};
+pub use overview::{HighestRate, Overview, OverviewRow, Variant};
+pub use read::{
+    Difference, FailureFilter, FailureOrder, Gate, GateError, Judged, ListedFailure, ReadError, StoredFailure,
+    StoredReport, TooFewRuns, differences, divergence, failure, failure_list,
+};
+pub use recheck::{
+    CrossedStarts, Encounter, FoundIn, Met, Recheck, RecheckNote, RecheckedFailures, StartFaults, WalkedBy,
+    crossed_reference, crossed_table, rechecked_reference, rechecked_table,
+};
+pub use render::{
+    MapPage, Narrative, StartLayer, Starts, Suite, Tally, TownView, animation, drivers_for_terminal,
+    failures_for_terminal, junit, labelled_map, map_page, narrative, overview_for_terminal, overview_page,
+    protocol_for_terminal, results_for_terminal, searches_for_terminal, shown, spawn_map, strip, town_map,
+};
+pub use render::{
+    PlayedPair, Replay, compared_search_title, comparison_for_terminal, comparison_page, comparison_title,
+    crossed_title, recheck_for_terminal, rechecked_title, worst_changes,
+};
+pub use scenario_files::{MOST_HELD_BYTES, held_places};
+pub use table_stream::TableStream;
+pub use text_forms::{csv_text, json_rows};
+pub use waypoints::waypoints;
+pub use write::{pedestrian_file, write, write_failure_modes};
+
+/// A row of a table, or several.
+pub type Row = polars::prelude::DataFrame;

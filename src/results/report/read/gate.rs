@@ -1,0 +1,592 @@
+use polars::prelude::{AnyValue, DataFrame};
+
+use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
+use crate::record::metric::MEAN;
+use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key, metrics};
+use crate::report::aggregate::{FIRST_FAILURE, references, search_cell_columns, search_key};
+use crate::report::infer::cell_table;
+use base::statistics::LEAST_RUNS;
+use compile::{Campaign, SearchKey};
+
+/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about the table `cells`, or about `search_cells`
+/// when it names a column that only that table has.
+///
+/// Conditions on words of a cell's key choose the cells. All others must be true for the gate to be broken. With `max over controllers` or
+/// `min over controllers` before a column, a gate judges one cell of each place: that of the controller with the greatest or least value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gate {
+    text: String,
+    about_searches: bool,
+    conditions: Vec<Condition>,
+}
+
+/// Why a gate is invalid.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GateError {
+    /// It is not of the form `COLUMN < NUMBER`.
+    #[error(
+        "`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
+    )]
+    Form { text: String },
+    /// The table of cells has no such column.
+    #[error("`cells` has no column `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists its columns".to_string(), |near| format!("did you mean `{near}`?")))]
+    Column {
+        /// The name that was written.
+        name: String,
+        /// A suggestion for it.
+        nearest: Option<String>,
+    },
+    /// No row of the campaigns is about what it says, so it could never fail.
+    #[error("`{text}` would judge nothing: {reason}")]
+    AboutNothing {
+        text: String,
+        /// Why.
+        reason: String,
+    },
+    /// Several columns are taken over controllers.
+    #[error(
+        "`{text}` has `over controllers` more than once: which controller would the others be about? Write several gates"
+    )]
+    Extremes { text: String },
+    /// A number is compared with a word, or words with an order.
+    #[error("`{name}` holds {holds}: {advice}")]
+    Kind {
+        /// The column.
+        name: String,
+        /// The kind of its values.
+        holds: &'static str,
+        /// The valid forms.
+        advice: &'static str,
+    },
+}
+
+/// The result of a gate for a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Judged {
+    /// The condition is false.
+    Passed,
+    /// The condition is true; the columns that it used, with their values.
+    Broken(Vec<(String, String)>),
+    /// A column has no value there, so the condition cannot be evaluated.
+    Missing(String),
+    /// The condition is about an interval over fewer runs than any interval needs. It could never be true, so the gate fails.
+    TooFewRuns(TooFewRuns),
+    /// The gate is about other cells.
+    Elsewhere,
+}
+
+impl Judged {
+    /// Whether the run fails by it.
+    pub fn fails(&self) -> bool {
+        matches!(self, Self::Broken(_) | Self::TooFewRuns(_))
+    }
+}
+
+/// An end of an interval that too few runs have. `Display` gives the reason and what to write instead.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "there is no `{column}`, since fewer than {LEAST_RUNS} runs have no interval{}",
+    instead.as_ref().map_or(String::new(), |instead| format!("; write `{instead}`, or give more `runs`"))
+)]
+pub struct TooFewRuns {
+    pub column: String,
+    /// A column that answers nearly the same question and has a value.
+    pub instead: Option<String>,
+}
+
+impl TooFewRuns {
+    /// Judges a row by a column; none if it has a value, or if runs are not the reason that it has none.
+    fn of(cells: &DataFrame, column: &str, row: usize) -> Option<Self> {
+        let (stem, end) = ["_low", "_high"].iter().find_map(|end| Some((column.strip_suffix(end)?, end)))?;
+        let (runs, found) = (number(&value(cells, RUNS, row))?, number(&value(cells, column, row)));
+        // The time to the first failure is censored and not averaged: without an end the runs say that there is none.
+        if found.is_some() || runs >= LEAST_RUNS as f64 || stem == FIRST_FAILURE {
+            return None;
+        }
+        let bare = ["_simultaneous", "_student", "_bootstrap", "_difference"];
+        let figure = bare.iter().find_map(|kind| stem.strip_suffix(kind)).unwrap_or(stem);
+        let others = [format!("{figure}_wilson{end}"), format!("{figure}_p_holm"), MEAN.name(figure)];
+        let instead = others.into_iter().find(|other| number(&value(cells, other, row)).is_some());
+        Some(Self { column: column.to_string(), instead })
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Condition {
+    /// Whether the cell is that of the greatest or least value of the column in its place.
+    over: Option<Extreme>,
+    column: String,
+    comparison: Comparison,
+    bound: Bound,
+    /// Whether it chooses cells by a word of their key, instead of judging a result.
+    chooses: bool,
+}
+
+/// Which controller of a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Extreme {
+    Max,
+    Min,
+}
+
+impl Extreme {
+    /// What comes before the column.
+    const WORDS: [(&str, Self); 2] = [("max over controllers ", Self::Max), ("min over controllers ", Self::Min)];
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Comparison {
+    Less,
+    AtMost,
+    More,
+    AtLeast,
+    Equal,
+    Unequal,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Bound {
+    Number(f64),
+    Word(String),
+}
+
+/// The signs, the longer ones first.
+const SIGNS: [(&str, Comparison); 6] = [
+    ("<=", Comparison::AtMost),
+    (">=", Comparison::AtLeast),
+    ("==", Comparison::Equal),
+    ("!=", Comparison::Unequal),
+    ("<", Comparison::Less),
+    (">", Comparison::More),
+];
+
+impl Comparison {
+    fn holds(self, value: f64, bound: f64) -> bool {
+        match self {
+            Self::Less => value < bound,
+            Self::AtMost => value <= bound,
+            Self::More => value > bound,
+            Self::AtLeast => value >= bound,
+            Self::Equal => value == bound,
+            Self::Unequal => value != bound,
+        }
+    }
+}
+
+impl Gate {
+    /// Parses a gate. Its columns are looked up in the tables of cells and of searches, which are the same for all campaigns.
+    ///
+    /// # Errors
+    /// It has another form, or names no column.
+    pub fn parse(text: &str) -> Result<Self, GateError> {
+        let [_, cells] = references(&metrics());
+        match Self::of_columns(text, &[cells.columns, cell_table().reference().columns].concat()) {
+            Err(error @ GateError::Column { .. }) => {
+                match Self::of_columns(text, &search_cell_columns().reference().columns) {
+                    Ok(gate) => Ok(Self { about_searches: true, ..gate }),
+                    Err(GateError::Column { .. }) => Err(error),
+                    Err(other) => Err(other),
+                }
+            }
+            parsed => parsed,
+        }
+    }
+
+    /// Parses a gate about another table.
+    ///
+    /// # Errors
+    /// It has another form, or names no column of the table.
+    pub fn of_table(text: &str, table: &TableReference) -> Result<Self, GateError> {
+        Self::of_columns(text, &table.columns)
+    }
+
+    fn of_columns(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {
+        let text = text.trim().to_string();
+        let conditions: Vec<Condition> =
+            text.split(" and ").map(|part| Condition::parse(part, columns)).collect::<Result<_, _>>()?;
+        if conditions.iter().filter(|condition| condition.over.is_some()).count() > 1 {
+            return Err(GateError::Extremes { text });
+        }
+        Ok(Self { text, about_searches: false, conditions })
+    }
+
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Whether it is about the table `search_cells`.
+    pub fn is_about_searches(&self) -> bool {
+        self.about_searches
+    }
+
+    /// Checks that the gate judges a row of one of these campaigns. A condition with a typo would pass for ever.
+    ///
+    /// # Errors
+    /// No campaign has such a row.
+    pub fn check(&self, campaigns: &[Campaign]) -> Result<(), GateError> {
+        let keys = if self.about_searches {
+            let keys: Vec<&SearchKey> =
+                campaigns.iter().flat_map(|each| &each.searches).map(|each| &each.key).collect();
+            Table::new("", "").columns(search_key(|key: &&SearchKey| key)).frame(&keys)
+        } else {
+            let keys: Vec<CellKey> = campaigns.iter().flat_map(|each| &each.evaluations).map(CellKey::of).collect();
+            Table::new("", "").columns(cell_key(|key: &CellKey| key)).frame(&keys)
+        };
+        self.check_keys(&keys).map_err(|reason| GateError::AboutNothing { text: self.text.clone(), reason })
+    }
+
+    /// Checks that it chooses one of the rows with these keys.
+    fn check_keys(&self, keys: &DataFrame) -> Result<(), String> {
+        if keys.height() == 0 {
+            let what = if self.about_searches { "a `search`" } else { "an `evaluate`" };
+            return Err(format!("no campaign has {what} block"));
+        }
+        let chosen = |condition: &Condition, row: usize| match (&condition.bound, condition.chooses) {
+            (Bound::Word(word), true) => {
+                let found = value(keys, &condition.column, row);
+                condition.is_true_of(found.get_str().unwrap_or_default(), word)
+            }
+            _ => true,
+        };
+        let rows = || 0..keys.height();
+        if rows().any(|row| self.conditions.iter().all(|condition| chosen(condition, row))) {
+            return Ok(());
+        }
+        let never = self.conditions.iter().find(|condition| !rows().any(|row| chosen(condition, row)));
+        let Some(condition) = never else {
+            return Err("each of its words chooses some rows, but no row is chosen by all".into());
+        };
+        let mut known: Vec<String> = Vec::new();
+        for row in rows() {
+            let found = value(keys, &condition.column, row).get_str().unwrap_or_default().to_string();
+            if !found.is_empty() && !known.contains(&found) {
+                known.push(found);
+            }
+        }
+        Err(format!("the values of `{}` are {}", condition.column, known.join(", ")))
+    }
+
+    /// Judges every cell of the table that it is about, in its order.
+    pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
+        let rows = || (0..cells.height()).filter(|row| self.is_about(cells, *row));
+        let mut judged = vec![Judged::Elsewhere; cells.height()];
+        let Some((over, column)) = self.conditions.iter().find_map(|each| Some((each.over?, &each.column))) else {
+            rows().for_each(|row| judged[row] = self.judge_cell(cells, row));
+            return judged;
+        };
+        let mut places: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
+        for row in rows() {
+            let place = PLACE.iter().map(|column| value(cells, column, row).to_string()).collect();
+            match places.iter_mut().find(|(known, _)| *known == place) {
+                Some((_, members)) => members.push(row),
+                None => places.push((place, vec![row])),
+            }
+        }
+        for (_, members) in places {
+            let known = members.iter().filter_map(|row| Some((number(&value(cells, column, *row))?, *row)));
+            let extreme = known.reduce(|first, next| match over {
+                Extreme::Max if next.0 > first.0 => next,
+                Extreme::Min if next.0 < first.0 => next,
+                _ => first,
+            });
+            // A controller without an interval might have the extreme one.
+            let few = members.iter().find_map(|row| Some((*row, TooFewRuns::of(cells, column, *row)?)));
+            match extreme {
+                _ if few.is_some() => few.into_iter().for_each(|(row, few)| judged[row] = Judged::TooFewRuns(few)),
+                Some((_, row)) => judged[row] = self.judge_cell(cells, row),
+                None => judged[members[0]] = absent(cells, column, members[0]),
+            }
+        }
+        judged
+    }
+
+    /// Whether its words choose a cell.
+    fn is_about(&self, cells: &DataFrame, row: usize) -> bool {
+        self.conditions.iter().all(|condition| match &condition.bound {
+            Bound::Word(word) => match value(cells, &condition.column, row).get_str() {
+                Some(found) => !condition.chooses || condition.is_true_of(found, word),
+                None => false,
+            },
+            Bound::Number(_) => true,
+        })
+    }
+
+    fn judge_cell(&self, cells: &DataFrame, row: usize) -> Judged {
+        let (mut looked_at, mut missing, mut holds) = (Vec::new(), None, true);
+        for condition in self.conditions.iter().filter(|condition| !condition.chooses) {
+            let found = value(cells, &condition.column, row);
+            let text = match &condition.bound {
+                Bound::Word(word) => {
+                    let found = found.get_str().unwrap_or_default();
+                    holds &= condition.is_true_of(found, word);
+                    found.to_string()
+                }
+                Bound::Number(bound) => match number(&found) {
+                    Some(number) => {
+                        holds &= condition.comparison.holds(number, *bound);
+                        ((number * 1e6).round() / 1e6).to_string()
+                    }
+                    None => {
+                        missing = missing.or_else(|| Some(absent(cells, &condition.column, row)));
+                        continue;
+                    }
+                },
+            };
+            looked_at.push((condition.column.clone(), text));
+        }
+        match missing {
+            _ if !holds => Judged::Passed,
+            Some(judged) => judged,
+            None => Judged::Broken(looked_at),
+        }
+    }
+}
+
+/// The columns that name a place: its controllers have the same starts.
+const PLACE: [&str; 5] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, BLOCK.name];
+
+/// The column of the number of runs, in each table that has gates.
+const RUNS: &str = "runs";
+
+/// The judgement of a row that has no value in a column.
+fn absent(cells: &DataFrame, column: &str, row: usize) -> Judged {
+    TooFewRuns::of(cells, column, row).map_or_else(|| Judged::Missing(column.to_string()), Judged::TooFewRuns)
+}
+
+fn value<'a>(cells: &'a DataFrame, column: &str, row: usize) -> AnyValue<'a> {
+    cells.column(column).and_then(|column| column.get(row)).unwrap_or(AnyValue::Null)
+}
+
+fn number(value: &AnyValue<'_>) -> Option<f64> {
+    value.extract::<f64>().filter(|number| !number.is_nan())
+}
+
+impl Condition {
+    /// Whether a word is as the condition says.
+    fn is_true_of(&self, found: &str, word: &str) -> bool {
+        (found == word) == (self.comparison == Comparison::Equal)
+    }
+
+    fn parse(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {
+        let form = || GateError::Form { text: text.trim().to_string() };
+        let over =
+            Extreme::WORDS.iter().find_map(|(words, over)| Some((text.trim_start().strip_prefix(words)?, *over)));
+        let (text, over) = over.map_or((text, None), |(rest, over)| (rest, Some(over)));
+        let at = text.find(['<', '>', '=', '!']).ok_or_else(form)?;
+        let (sign, comparison) = SIGNS.into_iter().find(|(sign, _)| text[at..].starts_with(sign)).ok_or_else(form)?;
+        let (name, bound) = (text[..at].trim(), text[at + sign.len()..].trim());
+        if name.is_empty() || bound.is_empty() || name.contains(' ') {
+            return Err(form());
+        }
+        // Metrics of runs have their mean in the table of cells.
+        let names = [name.to_string(), MEAN.name(name)];
+        let column = names.iter().find_map(|name| columns.iter().find(|column| column.name == *name));
+        let column = column.ok_or_else(|| unknown(name, columns))?;
+        let kind = |holds, advice| GateError::Kind { name: name.to_string(), holds, advice };
+        let bound = if column.holds.is_string() {
+            if !matches!(comparison, Comparison::Equal | Comparison::Unequal) {
+                return Err(kind("words", "compare it by == or !="));
+            }
+            if over.is_some() {
+                return Err(kind("words", "only numbers have a greatest or least value"));
+            }
+            Bound::Word(bound.trim_matches(['"', '\'']).to_string())
+        } else {
+            let number = bound.parse().ok().filter(|number: &f64| number.is_finite());
+            Bound::Number(number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?)
+        };
+        let is_result = || cell_table().reference().columns.iter().any(|result| result.name == column.name);
+        let chooses = matches!(bound, Bound::Word(_)) && !is_result();
+        Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses })
+    }
+}
+
+fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
+    let columns = columns.iter().map(|column| column.name.to_string());
+    let suffix = MEAN.name("");
+    let bare = |column: &str| column.strip_suffix(&suffix).unwrap_or(column).to_string();
+    let distance = |column: &String| strsim::damerau_levenshtein(name, &bare(column));
+    let near = columns.clone().min_by_key(distance).filter(|column| distance(column) <= name.len().div_ceil(3));
+    let nearest = near.or_else(|| columns.clone().find(|column| !name.is_empty() && column.starts_with(name)));
+    GateError::Column { name: name.to_string(), nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use polars::prelude::{Column, NamedFrom, Series};
+
+    #[test]
+    fn a_column_of_searches_alone_makes_a_gate_about_searches() {
+        let about = |text: &str| Gate::parse(text).map(|gate| gate.is_about_searches());
+        assert_eq!(about("faults > 0 and town == village"), Ok(true));
+        assert_eq!(about("preventable_rate > 0 and town == village"), Ok(false));
+        assert_eq!(about("town == village"), Ok(false), "a column of both");
+        assert!(matches!(about("faults > much"), Err(GateError::Kind { .. })));
+        let mixed = about("faults > 0 and preventable_rate > 0");
+        assert!(matches!(mixed, Err(GateError::Column { name, .. }) if name == "faults"));
+    }
+
+    fn cells() -> DataFrame {
+        let rates: Vec<Option<f64>> = vec![Some(0.04), Some(0.06), None];
+        let learnt: Vec<Option<&str>> = vec![Some("yes"), Some("no"), None];
+        let columns: Vec<Column> = vec![
+            Series::new("town".into(), ["harbour", "village", "village"]).into(),
+            Series::new("controller".into(), ["trained", "trained", "random"]).into(),
+            Series::new("learnt".into(), learnt).into(),
+            Series::new("preventable_rate".into(), rates).into(),
+            Series::new("errors".into(), [0_u32, 0, 3]).into(),
+        ];
+        DataFrame::new(3, columns).unwrap()
+    }
+
+    fn judged(text: &str) -> String {
+        letters(&cells(), text)
+    }
+
+    /// How a gate judges each cell, as letters.
+    fn letters(cells: &DataFrame, text: &str) -> String {
+        let letter = |judged: &Judged| match judged {
+            Judged::Passed => 'p',
+            Judged::Broken(_) => 'b',
+            Judged::Missing(_) => 'm',
+            Judged::TooFewRuns(_) => 'f',
+            Judged::Elsewhere => 'e',
+        };
+        let said = |column: &Column| ColumnReference {
+            name: column.name().to_string().into(),
+            unit: "".into(),
+            doc: "".into(),
+            holds: column.dtype().clone(),
+        };
+        let columns: Vec<ColumnReference> = cells.columns().iter().map(said).collect();
+        Gate::of_columns(text, &columns).unwrap().judge(cells).iter().map(letter).collect()
+    }
+
+    #[test]
+    fn a_gate_is_broken_where_all_its_conditions_hold() {
+        for (text, wanted) in [
+            ("preventable_rate > 0.05", "pbm"),
+            ("preventable_rate>=0.04", "bbm"),
+            ("preventable_rate < 0.05", "bpm"),
+            ("preventable_rate <= 0.04", "bpm"),
+            ("preventable_rate == 0.04", "bpm"),
+            ("preventable_rate != 0.04", "pbm"),
+            ("errors > 0", "ppb"),
+            ("preventable_rate > 0.01 and town == village", "ebm"),
+            ("preventable_rate > 0.01 and town != \"village\"", "bee"),
+            ("preventable_rate > 0.05 and errors > 0", "ppm"),
+            ("preventable_rate > 0.05 and errors < 1", "pbp"),
+        ] {
+            assert_eq!(judged(text), wanted, "{text}");
+        }
+    }
+
+    #[test]
+    fn words_of_the_key_choose_cells_and_other_words_are_judged() {
+        for (text, wanted) in [
+            ("learnt != yes", "pbe"),
+            ("learnt == yes", "bpe"),
+            ("learnt != yes and town == harbour", "pee"),
+            ("learnt != yes and preventable_rate > 0.05", "pbe"),
+            ("controller == random and town == harbour", "eee"),
+            ("controller == random", "eeb"),
+        ] {
+            assert_eq!(judged(text), wanted, "{text}");
+        }
+        let gate = Gate::parse("learnt != yes").unwrap();
+        assert_eq!(gate.judge(&cells())[1], Judged::Broken(vec![("learnt".into(), "no".into())]));
+    }
+
+    #[test]
+    fn a_gate_that_chooses_no_row_is_refused_before_the_run() {
+        let keys = cells().drop_many(["learnt", "preventable_rate", "errors"]);
+        let reason = |text: &str| {
+            let said = |column: &Column| ColumnReference {
+                name: column.name().to_string().into(),
+                unit: "".into(),
+                doc: "".into(),
+                holds: column.dtype().clone(),
+            };
+            let columns: Vec<ColumnReference> = cells().columns().iter().map(said).collect();
+            Gate::of_columns(text, &columns).unwrap().check_keys(&keys)
+        };
+        assert_eq!(reason("preventable_rate > 0.05"), Ok(()));
+        assert_eq!(reason("preventable_rate > 0.05 and town == village"), Ok(()));
+        assert_eq!(reason("learnt != yes"), Ok(()), "results are known after the run only");
+        let typo = reason("preventable_rate > 0.05 and town == vilage").unwrap_err();
+        assert_eq!(typo, "the values of `town` are harbour, village");
+        let apart = reason("preventable_rate > 0.05 and town == harbour and controller == random").unwrap_err();
+        assert!(apart.contains("no row is chosen by all"), "{apart}");
+        let gate = Gate::parse("preventable_rate > 0.05").unwrap();
+        let empty = gate.check(&[]).unwrap_err().to_string();
+        assert_eq!(empty, "`preventable_rate > 0.05` would judge nothing: no campaign has an `evaluate` block");
+    }
+
+    #[test]
+    fn a_gate_on_an_interval_fails_where_too_few_runs_have_one() {
+        let columns: Vec<Column> = vec![
+            Series::new("town".into(), ["harbour", "village", "quay"]).into(),
+            Series::new("runs".into(), [4_u32, 3, 3]).into(),
+            Series::new("fault_rate_student_low".into(), [Some(0.01), None, None]).into(),
+            Series::new("fault_rate_wilson_low".into(), [Some(0.01), Some(0.02), None]).into(),
+            Series::new("fault_rate_mean".into(), [Some(0.02), Some(0.03), Some(0.04)]).into(),
+            Series::new("front_rate_mean".into(), [Some(0.02), None, Some(0.04)]).into(),
+            Series::new("first_failure_ticks_low".into(), [Some(10.0), None, Some(20.0)]).into(),
+        ];
+        let cells = DataFrame::new(3, columns).unwrap();
+        assert_eq!(letters(&cells, "fault_rate_student_low > 0.05"), "pff", "it could never be true of three runs");
+        assert_eq!(letters(&cells, "fault_rate_student_low > 0.05 and fault_rate_mean > 0.03"), "ppf");
+        assert_eq!(letters(&cells, "front_rate_mean > 0.5"), "pmp", "other columns may have no value");
+        assert_eq!(letters(&cells, "first_failure_ticks_low < 5"), "pmp", "nothing was found");
+        let said = |row| TooFewRuns::of(&cells, "fault_rate_student_low", row).unwrap().to_string();
+        assert_eq!(
+            said(1),
+            "there is no `fault_rate_student_low`, since fewer than 4 runs have no interval; write `fault_rate_wilson_low`, or give more `runs`"
+        );
+        assert!(said(2).contains("write `fault_rate_mean`"), "{}", said(2));
+    }
+
+    #[test]
+    fn a_gate_over_controllers_judges_one_cell_of_each_place() {
+        let rates: Vec<Option<f64>> = vec![Some(0.02), Some(0.15), Some(0.15), Some(0.03), None, None];
+        let columns: Vec<Column> = vec![
+            Series::new("town".into(), ["harbour", "harbour", "harbour", "village", "village", "quay"]).into(),
+            Series::new("controller".into(), ["trained", "intercept", "homing", "trained", "random", "random"]).into(),
+            Series::new("preventable_rate".into(), rates).into(),
+            Series::new("errors".into(), [0_u32, 2, 0, 0, 0, 0]).into(),
+        ];
+        let cells = DataFrame::new(6, columns).unwrap();
+        for (text, wanted) in [
+            // A trained row that learnt nothing hides nothing.
+            ("max over controllers preventable_rate > 0.05", "ebepem"),
+            ("min over controllers preventable_rate < 0.025", "beepem"),
+            ("max over controllers preventable_rate > 0.05 and controller != intercept", "eebpem"),
+            ("max over controllers preventable_rate > 0.05 and errors < 1", "epepem"),
+            ("max over controllers preventable_rate > 0.05 and town == harbour", "ebeeee"),
+        ] {
+            assert_eq!(letters(&cells, text), wanted, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
+        let said = |text: &str| Gate::parse(text).unwrap_err().to_string();
+        assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
+        assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().conditions[0].column, "preventable_rate_mean");
+        assert!(said("preventible_rate > 0.05").contains("did you mean `preventable_rate_mean`?"));
+        assert!(said("xyz > 1").contains("reports/README.md lists its columns"));
+        for text in ["", "preventable_rate", "preventable_rate = 1", "> 1", "preventable_rate >", "a > 1 and "] {
+            assert!(matches!(Gate::parse(text), Err(GateError::Form { .. } | GateError::Column { .. })), "{text}");
+        }
+        assert!(said("preventable_rate > 5 %").contains("without a unit"));
+        assert!(said("town > a").contains("== or !="));
+        assert!(said("max over controllers town == a").contains("only numbers"));
+        let twice = "max over controllers moving_rate > 0 and min over controllers moving_rate > 0";
+        assert!(matches!(Gate::parse(twice), Err(GateError::Extremes { .. })));
+        for text in ["max over towns moving_rate > 0", "max over controllers > 0", "maximum moving_rate > 0"] {
+            assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
+        }
+        assert!(Gate::parse("max over controllers preventable_rate_bootstrap_low > 0.05 and learnt == yes").is_ok());
+    }
+}

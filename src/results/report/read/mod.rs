@@ -1,0 +1,13 @@
+//! Reads reports back: the data to repeat an episode, to compare it, and to judge cells.
+
+mod stored;
+mod divergence;
+mod gate;
+mod failures;
+mod searches;
+
+pub use divergence::divergence;
+pub use failures::{FailureFilter, FailureOrder, ListedFailure, failure_list, listed};
+pub use gate::{Gate, GateError, Judged, TooFewRuns};
+pub use searches::StoredSearch;
+pub use stored::{Difference, ReadError, StoredFailure, StoredReport, StoredRun, differences, failure};

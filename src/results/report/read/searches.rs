@@ -1,0 +1,77 @@
+//! The searches of a report with what they found, to compare them with those of another.
+
+use std::collections::BTreeMap;
+
+use polars::prelude::PolarsResult;
+
+use super::{FailureFilter, ListedFailure, ReadError, StoredReport};
+use crate::record::Column;
+use crate::record::columns::{POLICY, REWARD, RUN_ID, TOWN};
+use crate::report::aggregate::{BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
+use world::falsifier::StartSet;
+
+/// The number of rows of a table that are read at once.
+const ROWS: usize = 1 << 12;
+
+/// A search of a report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredSearch {
+    pub falsifier: String,
+    /// The reward that it maximises; empty without one.
+    pub reward: String,
+    pub town: String,
+    /// The driving policy.
+    pub policy: String,
+    /// Number of its block in the campaign, from 0.
+    pub block: u64,
+    /// Number of its run, from 0.
+    pub run: u64,
+    /// Simulator ticks that it might use.
+    pub budget: u64,
+    /// The starts that it tried; none in reports of earlier versions.
+    pub starts: StartSet,
+    /// Number and hash of the first of them; none without one, and in reports of earlier versions.
+    pub first_start: Option<String>,
+    /// Its failures, in the order in which it found them.
+    pub failures: Vec<ListedFailure>,
+}
+
+impl StoredReport {
+    /// The searches, in the order of their table.
+    ///
+    /// # Errors
+    /// A table that is damaged, or that the report has as CSV only.
+    pub fn searches(&self) -> Result<Vec<StoredSearch>, ReadError> {
+        let mut found: BTreeMap<String, Vec<ListedFailure>> = BTreeMap::new();
+        for failure in self.failures(&FailureFilter::default())?.into_iter().filter(|failure| failure.searched) {
+            found.entry(failure.run.clone()).or_default().push(failure);
+        }
+        let mut searches = Vec::new();
+        self.each_part(SEARCHES, ROWS, |rows| {
+            let text = |column: &Column<String>, row: usize| -> PolarsResult<String> {
+                Ok(column.read(rows)?.get(row).unwrap_or_default().to_string())
+            };
+            let number = |column: &Column<u64>, row: usize| -> PolarsResult<u64> {
+                Ok(column.read(rows)?.get(row).unwrap_or_default())
+            };
+            for row in 0..rows.height() {
+                let first = FIRST_START.read(rows).ok().and_then(|all| all.get(row)).filter(|text| !text.is_empty());
+                let tried = TRIED.read(rows).ok().and_then(|all| all.get(row));
+                searches.push(StoredSearch {
+                    falsifier: text(&FALSIFIER, row)?,
+                    reward: text(&REWARD, row)?,
+                    town: text(&TOWN, row)?,
+                    policy: text(&POLICY, row)?,
+                    block: number(&SEARCH_BLOCK, row)?,
+                    run: number(&SEARCH_RUN, row)?,
+                    budget: number(&BUDGET, row)?,
+                    starts: tried.and_then(|text| text.parse().ok()).unwrap_or_default(),
+                    first_start: first.map(str::to_string),
+                    failures: found.remove(&text(&RUN_ID, row)?).unwrap_or_default(),
+                });
+            }
+            Ok(())
+        })?;
+        Ok(searches)
+    }
+}

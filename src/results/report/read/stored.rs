@@ -1,0 +1,436 @@
+//! Reads reports back: the data to repeat an episode, and to check that the repetition is equal.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use polars::prelude::{DataFrame, PolarsError, PolarsResult};
+use polars_io::csv::write::CsvWriter;
+use polars_io::parquet::read::ParquetReader;
+use polars_io::{SerReader, SerWriter};
+
+use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
+use crate::record::{EPISODES, RunKey, read_parquet};
+use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, SEARCHES, START, TICKS};
+use crate::report::folder::{MARK, digest, is_sealed, report_files};
+use crate::report::manifest::FileRecord;
+use crate::report::scenario_files::held_path;
+use crate::report::{Manifest, ScenarioFile, pedestrian_file};
+use base::files;
+use compile::{RunId, TrainingKey};
+use learn::{ActorCritic, CheckpointError};
+use world::env::StateHashes;
+use world::sim::WalkCommand;
+
+/// Why a report cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// A file cannot be read.
+    #[error("cannot read `{path}`: {source}", path = path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        source: io::Error,
+    },
+    /// The manifest is not ours, or is of a version that lacks necessary data.
+    #[error("`{path}` is no manifest that episodes can be repeated from: {reason}", path = path.display())]
+    Manifest {
+        /// The file.
+        path: PathBuf,
+        /// The error of the parser.
+        reason: String,
+    },
+    /// A table is damaged or lacks a column.
+    #[error("`{path}` is no table of a report: {source}", path = path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        source: PolarsError,
+    },
+    /// A report has a table as CSV only.
+    #[error(
+        "there is no `{path}`: the report has its tables as CSV only; run its campaign again with --formats csv,parquet",
+        path = path.display()
+    )]
+    OnlyCsv {
+        /// The file that is missing.
+        path: PathBuf,
+    },
+    /// A file of a report was removed.
+    #[error("there is no `{path}`, which the report had when it was written; take the report from where it is whole", path = path.display())]
+    Absent {
+        /// The file that is missing.
+        path: PathBuf,
+    },
+    /// A file of a report was changed.
+    #[error("`{path}` is not as it was written; take the report from where it is whole", path = path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A stored pedestrian is damaged.
+    #[error("`{path}` holds no pedestrian: {source}", path = path.display())]
+    Pedestrian {
+        /// The file.
+        path: PathBuf,
+        source: CheckpointError,
+    },
+}
+
+/// A report on the disk.
+#[derive(Debug, Clone)]
+pub struct StoredReport {
+    folder: PathBuf,
+    manifest: Manifest,
+}
+
+/// A run in the table of episodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredRun {
+    pub key: RunKey,
+    first: usize,
+    count: usize,
+}
+
+/// A failure of a search as its report has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredFailure {
+    pub start: u64,
+    /// Ticks that the search had used when it was found.
+    pub ticks: u64,
+    /// The commands that lead to it.
+    pub commands: Vec<WalkCommand>,
+}
+
+/// A value of a table that differs in the repetition.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Difference {
+    pub column: String,
+    /// The value in the report.
+    pub stored: String,
+    /// The value of the repetition.
+    pub again: String,
+}
+
+impl StoredReport {
+    /// Opens the report in a folder.
+    ///
+    /// # Errors
+    /// There is no manifest, or one that lacks necessary data.
+    pub fn open(folder: &Path) -> Result<Self, ReadError> {
+        let path = folder.join(MARK);
+        let text = files::text(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
+        let manifest = Manifest::from_toml(&text).map_err(|reason| ReadError::Manifest { path, reason })?;
+        Ok(Self { folder: folder.to_path_buf(), manifest })
+    }
+
+    /// The folders with reports under a folder, itself included, in the order of their names.
+    pub fn find(folder: &Path) -> Vec<PathBuf> {
+        if folder.join(MARK).is_file() {
+            return vec![folder.to_path_buf()];
+        }
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let visible = |path: &PathBuf| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        let mut found: Vec<PathBuf> = entries.filter(|path| visible(path) && path.join(MARK).is_file()).collect();
+        found.sort();
+        found
+    }
+
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The files that are not as they were written: changed, missing or added ones, by their paths in the report. The manifest is
+    /// changed when it has not the digest of its own lines; of one that lists no files nothing else is known.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn changed_files(&self) -> Result<Vec<String>, ReadError> {
+        let written = &self.manifest.report_files;
+        let failed = |source| ReadError::File { path: self.folder.clone(), source };
+        let now = report_files(&self.folder).map_err(failed)?;
+        let sealed = is_sealed(&files::text(&self.folder.join(MARK)).map_err(failed)?);
+        let manifest = (!sealed).then(|| MARK.to_owned());
+        if written.is_empty() {
+            return Ok(manifest.into_iter().collect());
+        }
+        let missing = written.iter().filter(|file| !now.contains(file));
+        let added = now.iter().filter(|file| written.iter().all(|other| other.path != file.path));
+        Ok(manifest.into_iter().chain(missing.chain(added).map(|file| file.path.clone())).collect())
+    }
+
+    /// Checks that the tables which episodes and failures are read from are as they were written.
+    ///
+    /// # Errors
+    /// A table was changed or removed, or cannot be read.
+    pub fn check_tables(&self) -> Result<(), ReadError> {
+        for file in [RUNS, EPISODES, SEARCHES, FAILURES].into_iter().filter_map(|table| self.written(table)) {
+            let path = self.folder.join(&file.path);
+            match digest(&path) {
+                Ok(now) if now == file.blake3 => {}
+                Ok(_) => return Err(ReadError::Changed { path }),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(ReadError::Absent { path }),
+                Err(source) => return Err(ReadError::File { path, source }),
+            }
+        }
+        Ok(())
+    }
+
+    /// The Parquet file of a table, if the manifest lists it.
+    fn written(&self, table: &str) -> Option<&FileRecord> {
+        let name = format!("{table}.parquet");
+        self.manifest.report_files.iter().find(|file| file.path == name)
+    }
+
+    /// The file of the report that holds the contents of a scenario file; none if it does not hold them.
+    pub fn held(&self, file: &ScenarioFile) -> Option<PathBuf> {
+        held_path(&self.folder, &file.held)
+    }
+
+    /// Whether it has a run or a search of this name.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn holds(&self, run: RunId) -> Result<bool, ReadError> {
+        let name = run.to_string();
+        for table in [RUNS, FAILURES] {
+            let Some(ids) = self.read(table, Some(&[RUN_ID.name]), None)? else { continue };
+            if self.texts(table, &ids, RUN_ID.name)?.contains(&name) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The row of an episode; none when the report has no such episode. `guess` is its probable index.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn episode(&self, run: RunId, episode: u32, guess: usize) -> Result<Option<DataFrame>, ReadError> {
+        let wanted = (run.to_string(), episode.to_string());
+        if let Some(row) = self.rows(EPISODES, guess, 1)?
+            && self.names(EPISODES, &row, EPISODE.name)?.contains(&wanted)
+        {
+            return Ok(Some(row));
+        }
+        let place = self.index()?.iter().position(|name| *name == wanted);
+        place.map_or(Ok(None), |place| self.rows(EPISODES, place, 1))
+    }
+
+    /// The names of all episodes, run and number, in the order of the table.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn index(&self) -> Result<Vec<(String, String)>, ReadError> {
+        let table = self.read(EPISODES, Some(&[RUN_ID.name, EPISODE.name]), None)?;
+        table.map_or(Ok(Vec::new()), |table| self.names(EPISODES, &table, EPISODE.name))
+    }
+
+    /// The row of a failure that a search found.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn search_failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
+        let Some(table) = self.read(FAILURES, Some(&[RUN_ID.name, FAILURE.name]), None)? else { return Ok(None) };
+        let wanted = (run.to_string(), number.to_string());
+        let place = self.names(FAILURES, &table, FAILURE.name)?.iter().position(|name| *name == wanted);
+        place.map_or(Ok(None), |place| self.rows(FAILURES, place, 1))
+    }
+
+    /// The names of all failures of searches, search and number, in the order of the table.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn search_failures(&self) -> Result<Vec<(String, String)>, ReadError> {
+        let table = self.read(FAILURES, Some(&[RUN_ID.name, FAILURE.name]), None)?;
+        table.map_or(Ok(Vec::new()), |table| self.names(FAILURES, &table, FAILURE.name))
+    }
+
+    /// The ticks of an episode, if the report holds them.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn ticks(&self, run: RunId, episode: u32) -> Result<Option<DataFrame>, ReadError> {
+        let Some(table) = self.read(TICKS, Some(&[RUN_ID.name, EPISODE.name]), None)? else { return Ok(None) };
+        let wanted = (run.to_string(), episode.to_string());
+        let names = self.names(TICKS, &table, EPISODE.name)?;
+        let Some(first) = names.iter().position(|name| *name == wanted) else { return Ok(None) };
+        let length = names[first..].iter().take_while(|name| **name == wanted).count();
+        self.rows(TICKS, first, length)
+    }
+
+    /// The pedestrian of a training.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged.
+    pub fn pedestrian(&self, key: &TrainingKey) -> Result<ActorCritic, ReadError> {
+        let path = self.folder.join(pedestrian_file(key, "safetensors"));
+        let bytes = files::bytes(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
+        let (trained, _) =
+            ActorCritic::from_safetensors(&bytes).map_err(|source| ReadError::Pedestrian { path, source })?;
+        Ok(trained)
+    }
+
+    /// The runs of the table of episodes, in its order.
+    ///
+    /// # Errors
+    /// A table that is damaged, or that the report has as CSV only.
+    pub fn run_rows(&self) -> Result<Vec<StoredRun>, ReadError> {
+        let mut ids: Vec<(String, usize, usize)> = Vec::new();
+        let path = self.folder.join(format!("{EPISODES}.parquet"));
+        if !path.exists() && self.written(EPISODES).is_none() && path.with_extension("csv").exists() {
+            return Err(ReadError::OnlyCsv { path });
+        }
+        let Some(table) = self.read(EPISODES, Some(&[RUN_ID.name]), None)? else { return Ok(Vec::new()) };
+        for (row, id) in self.texts(EPISODES, &table, RUN_ID.name)?.into_iter().enumerate() {
+            match ids.last_mut() {
+                Some((last, _, count)) if *last == id => *count += 1,
+                _ => ids.push((id, row, 1)),
+            }
+        }
+        let mut runs = Vec::new();
+        for (_, first, count) in ids {
+            let Some(row) = self.rows(EPISODES, first, 1)? else { continue };
+            let failed = |source| ReadError::Table { path: path.clone(), source };
+            runs.push(StoredRun { key: RunKey::read(&row, 0).map_err(failed)?, first, count });
+        }
+        Ok(runs)
+    }
+
+    /// The episodes of a run.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn rows_of(&self, run: &StoredRun) -> Result<DataFrame, ReadError> {
+        Ok(self.rows(EPISODES, run.first, run.count)?.unwrap_or_default())
+    }
+
+    /// Passes a table on in parts of this number of rows; nothing if the report has no such table.
+    ///
+    /// # Errors
+    /// A table that is damaged, or that the report has as CSV only.
+    pub(super) fn each_part(
+        &self,
+        table: &str,
+        count: usize,
+        mut take: impl FnMut(&DataFrame) -> PolarsResult<()>,
+    ) -> Result<(), ReadError> {
+        let path = self.folder.join(format!("{table}.parquet"));
+        if !path.exists() && self.written(table).is_none() && path.with_extension("csv").exists() {
+            return Err(ReadError::OnlyCsv { path });
+        }
+        for first in (0..).step_by(count) {
+            let Some(rows) = self.rows(table, first, count)? else { break };
+            take(&rows).map_err(|source| ReadError::Table { path: path.clone(), source })?;
+            if rows.height() < count {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Some rows of a table; none if the report has no such table or it ends before them.
+    fn rows(&self, table: &str, first: usize, count: usize) -> Result<Option<DataFrame>, ReadError> {
+        Ok(self.read(table, None, Some((first, count)))?.filter(|rows| rows.height() > 0))
+    }
+
+    /// Reads a table, some of its columns, some of its rows; none if the report has no such table.
+    fn read(
+        &self,
+        table: &str,
+        columns: Option<&[&str]>,
+        rows: Option<(usize, usize)>,
+    ) -> Result<Option<DataFrame>, ReadError> {
+        let path = self.folder.join(format!("{table}.parquet"));
+        let file = match files::open(&path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                // Ticks are many, and a report can be read without them.
+                return if self.written(table).is_some() && table != TICKS {
+                    Err(ReadError::Absent { path })
+                } else {
+                    Ok(None)
+                };
+            }
+            Err(source) => return Err(ReadError::File { path, source }),
+        };
+        let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());
+        let length = file.metadata().map_or(0, |metadata| metadata.len());
+        let reader = ParquetReader::new(file).with_columns(columns).with_slice(rows);
+        read_parquet(reader, length).map(Some).map_err(|source| ReadError::Table { path, source })
+    }
+
+    /// The values of a column, as in CSV.
+    fn texts(&self, table: &str, rows: &DataFrame, column: &str) -> Result<Vec<String>, ReadError> {
+        let failed = |source| ReadError::Table { path: self.folder.join(format!("{table}.parquet")), source };
+        rows.select([column]).and_then(|rows| values(&rows)).map_err(failed)
+    }
+
+    /// The names of rows: the run and a number.
+    fn names(&self, table: &str, rows: &DataFrame, number: &str) -> Result<Vec<(String, String)>, ReadError> {
+        let (runs, numbers) = (self.texts(table, rows, RUN_ID.name)?, self.texts(table, rows, number)?);
+        Ok(runs.into_iter().zip(numbers).collect())
+    }
+}
+
+/// The values of the only column of a table, as in CSV, with all digits that are needed to read the same number back.
+fn values(column: &DataFrame) -> PolarsResult<Vec<String>> {
+    let mut bytes = Vec::new();
+    CsvWriter::new(&mut bytes).include_header(false).finish(&mut column.clone())?;
+    Ok(String::from_utf8_lossy(&bytes).lines().map(str::to_string).collect())
+}
+
+/// A value of the first row, as in CSV; empty where there is none.
+pub fn value(row: &DataFrame, column: &str) -> String {
+    row.select([column]).and_then(|row| values(&row)).ok().and_then(|all| all.first().cloned()).unwrap_or_default()
+}
+
+/// The state hashes of the first row, if it has any.
+pub fn trail(row: &DataFrame) -> Option<StateHashes> {
+    value(row, STATE_HASHES.name).parse().ok()
+}
+
+/// The failure of a search in the first row; none when its columns hold something else.
+pub fn failure(row: &DataFrame) -> Option<StoredFailure> {
+    let command = |text: &str| {
+        let (heading, speed) = text.split_once('@')?;
+        Some(WalkCommand { heading: finite(heading)?, speed: finite(speed)? })
+    };
+    let number = |column: &str| u64::from_str(&value(row, column)).ok();
+    Some(StoredFailure {
+        start: number(START.name)?,
+        ticks: number(FOUND_AFTER.name)?,
+        commands: value(row, COMMANDS.name).split_whitespace().map(command).collect::<Option<_>>()?,
+    })
+}
+
+fn finite(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// The values in which two tables with the same rows differ, in the order of the rows, each with the number of its row. Columns that one
+/// of them lacks are ignored.
+///
+/// # Errors
+/// Those of polars.
+pub fn differences(stored: &DataFrame, again: &DataFrame) -> PolarsResult<Vec<(usize, Difference)>> {
+    let mut found = Vec::new();
+    for name in again.get_column_names() {
+        let Ok(stored) = stored.select([name.clone()]) else { continue };
+        let (before, now) = (values(&stored)?, values(&again.select([name.clone()])?)?);
+        for row in 0..before.len().max(now.len()) {
+            let cell = |values: &[String]| values.get(row).cloned().unwrap_or_else(|| "no such row".to_string());
+            if before.get(row) != now.get(row) {
+                let difference = Difference { column: name.to_string(), stored: cell(&before), again: cell(&now) };
+                found.push((row, difference));
+            }
+        }
+    }
+    found.sort_by_key(|(row, _)| *row);
+    Ok(found)
+}

@@ -1,0 +1,77 @@
+use crate::report::ListedFailure;
+use world::env::Outcome;
+use world::judge::{Verdict, severe_injury_risk};
+
+/// How an encounter ended for one driver.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Met {
+    /// Speed of the moving car at the touch (m/s); none without a touch, or when the car stood.
+    pub impact_speed: Option<f64>,
+    /// Whether the touch counts against the driver.
+    pub fault: bool,
+    /// Whether the driver or the controller failed as a program.
+    pub error: bool,
+}
+
+/// An encounter of two drivers with the same pedestrian from the same start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Encounter {
+    /// The name of the failure in its report, `RUN:EPISODE`; empty on the fixed list.
+    pub name: String,
+    pub start: u64,
+    /// The number of the crossing on the fixed list; 0 for a failure of a report.
+    pub crossing: u64,
+    /// How it ended for the old driver; none when that cannot be run any more.
+    pub before: Option<Met>,
+    /// How it ended for the new driver.
+    pub after: Met,
+}
+
+impl Met {
+    /// The end of an episode. The car counts as moving above this speed (m/s).
+    pub fn new(outcome: &Outcome, verdict: Option<&Verdict>, moving_above: f64) -> Self {
+        Self {
+            impact_speed: outcome.impact_speed().filter(|speed| *speed > moving_above),
+            fault: verdict.is_some_and(Verdict::is_fault),
+            error: outcome.fault().is_some(),
+        }
+    }
+
+    /// The end of a failure as its report has it.
+    pub fn stored(failure: &ListedFailure) -> Self {
+        let impact_speed = Some(failure.impact_speed).filter(|_| failure.moving);
+        Self { impact_speed, fault: failure.fault, error: false }
+    }
+
+    /// An encounter that was not run, since its driver failed as a program over and over.
+    pub const fn error() -> Self {
+        Self { impact_speed: None, fault: false, error: true }
+    }
+
+    /// Whether the moving car touched the pedestrian.
+    pub fn is_collision(&self) -> bool {
+        self.impact_speed.is_some()
+    }
+
+    /// The probability of a severe injury; 0 without a collision with the moving car.
+    pub fn injury(&self) -> f64 {
+        self.impact_speed.map_or(0.0, severe_injury_risk)
+    }
+
+    /// The probability of a severe injury that another driver would have spared the pedestrian; 0 unless it is a fault.
+    pub fn avoidable_injury(&self) -> f64 {
+        if self.fault { self.injury() } else { 0.0 }
+    }
+}
+
+impl Encounter {
+    /// Whether a driver failed as a program, so that the encounter says nothing.
+    pub fn is_error(&self) -> bool {
+        self.after.error || self.before.is_some_and(|before| before.error)
+    }
+
+    /// Whether it is a fault for the old driver; none when that is not known.
+    pub fn fault_before(&self) -> Option<bool> {
+        self.before.map(|before| before.fault)
+    }
+}

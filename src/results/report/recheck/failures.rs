@@ -1,0 +1,69 @@
+use super::{Encounter, Met};
+
+/// What found a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FoundIn {
+    Evaluation,
+    Search,
+}
+
+/// What moves the pedestrian of a failure when it is met again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum WalkedBy {
+    /// Its controller, which reacts to the new driver.
+    Controller,
+    /// The recorded commands; the last one is kept until the episode ends.
+    Commands,
+}
+
+/// The failures of a report in a town, met again by a new driver.
+#[derive(Debug, Clone)]
+pub struct RecheckedFailures {
+    /// The old driver and the new one.
+    pub policies: [String; 2],
+    pub town: String,
+    /// What found the failures.
+    pub found_in: FoundIn,
+    /// What moves the pedestrian now.
+    pub walked_by: WalkedBy,
+    /// One encounter for each failure.
+    pub encounters: Vec<Encounter>,
+}
+
+impl FoundIn {
+    /// Its name in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Evaluation => "evaluation",
+            Self::Search => "search",
+        }
+    }
+}
+
+impl WalkedBy {
+    /// Its name in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Controller => "controller",
+            Self::Commands => "commands",
+        }
+    }
+}
+
+impl RecheckedFailures {
+    /// The number of encounters in which a driver failed as a program.
+    pub fn errors(&self) -> u64 {
+        self.encounters.iter().filter(|encounter| encounter.is_error()).count() as u64
+    }
+
+    /// The encounters that have a result for both drivers.
+    pub fn met(&self) -> impl Iterator<Item = (Met, Met)> {
+        let known = self.encounters.iter().filter(|encounter| !encounter.is_error());
+        known.filter_map(|encounter| Some((encounter.before?, encounter.after)))
+    }
+
+    /// The number of encounters whose ends are so.
+    pub fn count(&self, is: impl Fn(&Met, &Met) -> bool) -> u64 {
+        self.met().filter(|(before, after)| is(before, after)).count() as u64
+    }
+}

@@ -1,0 +1,51 @@
+//! A new version of a driver in the encounters of an old report, and in crossings that never change.
+//!
+//! The old failures are a biased choice: the old driver failed in all of them, so another driver fails in fewer. They show whether a fault is
+//! gone, not which driver is better. That is what the fixed list is for: both drivers meet the same crossings from the same starts.
+
+mod encounter;
+mod failures;
+mod crossings;
+mod note;
+mod table;
+
+pub use crossings::{CrossedStarts, StartFaults};
+pub use encounter::{Encounter, Met};
+pub use failures::{FoundIn, RecheckedFailures, WalkedBy};
+pub use note::RecheckNote;
+pub use table::{crossed_reference, crossed_table, rechecked_reference, rechecked_table};
+
+use std::path::PathBuf;
+
+use base::statistics::holm;
+
+/// The result of a recheck.
+#[derive(Debug, Clone)]
+pub struct Recheck {
+    /// The folder of the old report.
+    pub report: PathBuf,
+    /// The files of the new driver; none when they are those of the report.
+    pub files: Vec<PathBuf>,
+    /// What a reader of the result must know.
+    pub notes: Vec<RecheckNote>,
+    /// The failures of the report, met again.
+    pub failures: Vec<RecheckedFailures>,
+    /// The fixed list.
+    pub crossings: Vec<CrossedStarts>,
+}
+
+impl Recheck {
+    /// The number of encounters in which a driver failed as a program.
+    pub fn errors(&self) -> u64 {
+        let failures = self.failures.iter().map(RecheckedFailures::errors);
+        failures.chain(self.crossings.iter().map(CrossedStarts::errors)).sum()
+    }
+
+    /// Adjusts the probabilities of the fixed list for all of its rows.
+    pub fn adjust(&mut self) {
+        let known = |row: &CrossedStarts| row.p();
+        let adjusted = holm(&self.crossings.iter().filter_map(known).collect::<Vec<_>>());
+        let rows = self.crossings.iter_mut().filter(|row| row.p().is_some());
+        rows.zip(adjusted).for_each(|(row, p)| row.holm = Some(p));
+    }
+}

@@ -1,0 +1,32 @@
+/// What a reader of a recheck must know.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RecheckNote {
+    /// The old driver cannot be run as it was.
+    #[error(
+        "the old driver cannot be run as it was ({reason}): its ends are those of the report, recorded commands of evaluations are not known, and \
+         the crossings have only the new driver"
+    )]
+    OldDriverGone {
+        /// Why.
+        reason: String,
+    },
+    /// A driver of the report has no new version.
+    #[error("`{driver}` is not among the new drivers and is left out; `--driver {driver}=NAME` names its new version")]
+    NoPartner { driver: String },
+    /// The controllers of some failures cannot be repeated.
+    #[error(
+        "failures of searches that are met by their recorded commands alone: {failures}; their falsifier chose commands, not a controller that could walk again"
+    )]
+    CommandsAlone { failures: u64 },
+    /// Failures of the report are no failures any more when the old driver drives.
+    #[error(
+        "failures of the report that end otherwise now although the old driver drives: {failures}; another version of the program made the report, or the driver does not drive the same way twice; `falsify verify` shows them"
+    )]
+    OtherNow { failures: u64 },
+    /// Failures cannot be repeated.
+    #[error("failures that cannot be repeated and are left out, since their commands are damaged: {failures}")]
+    Damaged { failures: u64 },
+    /// Encounters whose starts differ.
+    #[error("encounters that have another start with the new driver and are left out: {encounters}")]
+    OtherStart { encounters: u64 },
+}

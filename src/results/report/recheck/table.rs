@@ -1,0 +1,164 @@
+use polars::prelude::DataFrame;
+
+use super::{CrossedStarts, Met, RecheckedFailures, StartFaults};
+use crate::record::columns::{POLICY, TOWN};
+use crate::record::{Column, Table, TableReference};
+
+/// The failures of a report that were met again as a table, one row for each set.
+pub fn rechecked_table(rows: &[RecheckedFailures]) -> DataFrame {
+    failures().frame(rows)
+}
+
+/// The columns of [`rechecked_table`].
+pub fn rechecked_reference() -> TableReference {
+    failures().reference()
+}
+
+/// The fixed list as a table, one row for each driver, town and setup.
+pub fn crossed_table(rows: &[CrossedStarts]) -> DataFrame {
+    crossings().frame(rows)
+}
+
+/// The columns of [`crossed_table`].
+pub fn crossed_reference() -> TableReference {
+    crossings().reference()
+}
+
+fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::Entry<'t, R> {
+    Column::<String>::new("other_policy", "", "name of the new driving policy").of(name)
+}
+
+fn failures() -> Table<'static, RecheckedFailures> {
+    type Row = RecheckedFailures;
+    let (text, count) = (Column::<String>::new, Column::<u64>::new);
+    let injuries = |name, doc| Column::<f64>::new(name, "", doc);
+    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.count(is);
+    Table::new("recheck_failures", "One row for each driver, town, source of failures and way to move the pedestrian.")
+        .column(POLICY.of(|row: &Row| row.policies[0].clone()))
+        .column(other_policy(|row: &Row| row.policies[1].clone()))
+        .column(TOWN.of(|row: &Row| row.town.clone()))
+        .column(text("found_in", "", "`evaluation` or `search`").of(|row: &Row| row.found_in.name()))
+        .column(
+            text("walked_by", "", "what moves the pedestrian: `controller`, or the recorded `commands`")
+                .of(|row: &Row| row.walked_by.name()),
+        )
+        .column(count("failures", "", "collisions with the moving car in the report, met again").of(is(|_, _| true)))
+        .column(count("old_faults", "", "of them faults of the old driver").of(is(|before, _| before.fault)))
+        .column(
+            count("still_faults", "", "of these faults, those that the new driver still has")
+                .of(is(|before, after| before.fault && after.fault)),
+        )
+        .column(
+            count("turned_faults", "", "failures that were no fault of the old driver and are one of the new")
+                .of(is(|before, after| !before.fault && after.fault)),
+        )
+        .column(
+            count("still_collisions", "", "failures in which the new driver's moving car still touches the pedestrian")
+                .of(is(|_, after| after.is_collision())),
+        )
+        .column(
+            count("gone", "", "failures in which it does not; a pedestrian may touch the standing car")
+                .of(is(|_, after| !after.is_collision())),
+        )
+        .column(
+            injuries(
+                "avoidable_injuries_before",
+                "expected severe injuries (AIS 4 or more, or death) in the old driver's faults",
+            )
+            .of(|row: &Row| row.met().map(|(before, _)| before.avoidable_injury()).sum::<f64>()),
+        )
+        .column(
+            injuries("avoidable_injuries_after", "the same in the new driver's")
+                .of(|row: &Row| row.met().map(|(_, after)| after.avoidable_injury()).sum::<f64>()),
+        )
+        .column(count("failed_encounters", "", "failures left out, since a driver failed as a program").of(Row::errors))
+}
+
+fn crossings() -> Table<'static, CrossedStarts> {
+    type Row = CrossedStarts;
+    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
+    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.count(is);
+    let starts = |is: fn(StartFaults) -> bool| move |row: &Row| row.count_starts(is);
+    Table::new(
+        "recheck_crossings",
+        "One row for each driver, town and setup: every crossing of a grid from the same starts.",
+    )
+    .column(POLICY.of(|row: &Row| row.policies[0].clone()))
+    .column(other_policy(|row: &Row| row.policies[1].clone()))
+    .column(TOWN.of(|row: &Row| row.town.clone()))
+    .column(
+        count("setup", "", "number of the spawn, episode and pedestrian in the town, from 0").of(|row: &Row| row.setup),
+    )
+    .column(count("starts", "", "starts").of(|row: &Row| row.starts().len() as u64))
+    .column(count("crossings", "", "crossings from each start").of(|row: &Row| row.crossings))
+    .column(count("faults_before", "", "crossings that are a fault of the old driver").of(is(|before, _| before.fault)))
+    .column(
+        count("faults_after", "", "crossings that are a fault of the new driver")
+            .of(|row: &Row| row.valid().filter(|encounter| encounter.after.fault).count() as u64),
+    )
+    .column(count("faults_new", "", "of the new driver only").of(is(|before, after| after.fault && !before.fault)))
+    .column(count("faults_fixed", "", "of the old driver only").of(is(|before, after| before.fault && !after.fault)))
+    .column(count("faults_same", "", "of both").of(is(|before, after| before.fault && after.fault)))
+    .column(
+        count("fault_starts_before", "", "starts from which a crossing is a fault of the old driver")
+            .of(starts(|faults| faults.before > 0)),
+    )
+    .column(count("fault_starts_after", "", "the same of the new driver").of(Row::fault_starts_after))
+    .column(count("fault_starts_new", "", "such starts of the new driver only").of(starts(StartFaults::is_new)))
+    .column(count("fault_starts_fixed", "", "such starts of the old driver only").of(starts(StartFaults::is_fixed)))
+    .column(
+        count("fault_starts_same", "", "such starts of both")
+            .of(starts(|faults| faults.before > 0 && faults.after > 0)),
+    )
+    .column(
+        number("fault_share_before", "", "share of the starts with a fault of the old driver")
+            .of(|row: &Row| row.share(row.count_starts(|faults| faults.before > 0)?)),
+    )
+    .column(
+        number("fault_share_after", "", "the same of the new driver")
+            .of(|row: &Row| row.share(row.fault_starts_after())),
+    )
+    .column(
+        number("p", "", "probability of such a change of the share by chance: McNemar's exact test over starts")
+            .of(Row::p),
+    )
+    .column(number("p_holm", "", "the same, adjusted by Holm's method for all rows").of(|row: &Row| row.holm))
+    .column(
+        count("starts_worse", "", "starts from which the new driver's faults weigh more (avoidable injury)")
+            .of(starts(StartFaults::is_worse)),
+    )
+    .column(count("starts_better", "", "starts from which they weigh less").of(starts(StartFaults::is_better)))
+    .column(
+        number(
+            "p_starts",
+            "",
+            "probability of so uneven numbers of worse and better starts by chance: the exact sign test",
+        )
+        .of(Row::p_starts),
+    )
+    .column(
+        number(
+            "avoidable_injury_before",
+            "1/1000",
+            "expected severe injuries (AIS 4 or more, or death) in the old driver's faults, for 1,000 crossings",
+        )
+        .of(Row::avoidable_injury_before),
+    )
+    .column(
+        number("avoidable_injury_after", "1/1000", "the same in the new driver's")
+            .of(Row::avoidable_injury_after),
+    )
+    .column(
+        number("avoidable_injury_difference", "1/1000", "after less before")
+            .of(|row: &Row| Some(row.avoidable_injury_after()? - row.avoidable_injury_before()?)),
+    )
+    .column(
+        number(
+            "injury_difference",
+            "1/1000",
+            "expected severe injuries in all collisions with the new driver's moving car, avoidable or not, less the old driver's",
+        )
+        .of(Row::injury_difference),
+    )
+    .column(count("failed_encounters", "", "encounters left out, since a driver failed as a program").of(Row::errors))
+}

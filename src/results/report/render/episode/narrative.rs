@@ -1,0 +1,163 @@
+use crate::report::FailureClass;
+use world::av::DrivingMode;
+use world::env::{Ending, Frame, Outcome, Pair, Scenario, Trace};
+use world::judge::{ContactSide, Label, Reference, Verdict};
+
+/// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
+const LASTING: usize = 3;
+/// A brake above this counts as braking.
+pub(super) const BRAKING: f64 = 0.05;
+/// Most events of a narrative.
+const MOST: usize = 40;
+
+/// An episode in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Narrative {
+    /// The events in order: time (s) and text.
+    pub events: Vec<(f64, String)>,
+    /// The verdict and the result of each reference driver, one a line; empty without a collision.
+    pub verdict: Vec<String>,
+}
+
+/// Describes an episode: its start, when the pedestrian is in sight, the driver's actions, the end, and whether it was avoidable.
+pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> Narrative {
+    let (pair, dt) = (trace.main_pair(scenario), scenario.episode.tick);
+    let frames: Vec<Frame> = pair.frames().collect();
+    let time = |tick: usize| tick as f64 * dt;
+    let mut events = vec![(0.0, start(&frames[0], &pair))];
+    let in_sight: Vec<bool> = frames.iter().map(|frame| pair.in_sight(frame)).collect();
+    for (tick, seen) in in_sight.windows(2).enumerate() {
+        if seen[0] != seen[1] {
+            let what = if seen[1] { "the pedestrian comes into sight" } else { "the pedestrian goes out of sight" };
+            let frame = &frames[tick + 1];
+            events.push((time(tick + 1), format!("{what}, {:.1} m from the car", pair.gap(frame))));
+        }
+    }
+    // The control before a frame was chosen one tick earlier.
+    events.extend(actions(&frames).into_iter().map(|(tick, action)| (time(tick - 1), action)));
+    if let Some(verdict) = verdict {
+        let begun = (outcome.duration - verdict.warning).max(0.0);
+        events.push((begun, format!("the danger starts, {:.2} s before the contact", verdict.warning)));
+    }
+    events.sort_by(|one, other| one.0.total_cmp(&other.0));
+    if events.len() > MOST {
+        let left_out = events.len() - MOST;
+        events.drain(MOST / 2..MOST / 2 + left_out);
+        let at = events[MOST / 2 - 1].0;
+        events.insert(MOST / 2, (at, format!("… {left_out} more")));
+    }
+    events.push((outcome.duration, ending(outcome, &frames)));
+    Narrative { events, verdict: verdict.map(judged).unwrap_or_default() }
+}
+
+fn start(first: &Frame, pair: &Pair<'_>) -> String {
+    let (ego, pedestrian) = (&first.ego, first.pedestrian.pose.position());
+    let away = (pedestrian - ego.pose.position()).norm();
+    let sight = if pair.in_sight(first) { "in sight" } else { "hidden" };
+    format!(
+        "the car is at ({:.1}, {:.1}) m, {}; the pedestrian is {away:.1} m from its middle, {}, {sight}",
+        ego.pose.x,
+        ego.pose.y,
+        speed(ego.speed),
+        bearing(ego.pose.bearing_to(pedestrian)),
+    )
+}
+
+fn speed(speed: f64) -> String {
+    if speed <= 0.05 { "at rest".to_string() } else { format!("at {speed:.1} m/s") }
+}
+
+/// A bearing in words (rad, positive to the left).
+fn bearing(bearing: f64) -> String {
+    let degrees = bearing.to_degrees();
+    match degrees.abs().round() {
+        0.0 => "straight ahead".to_string(),
+        size => format!("{size}° to the {}", if degrees > 0.0 { "left" } else { "right" }),
+    }
+}
+
+/// The action of a driver: its mode, whether it brakes, whether the car stands.
+fn action(frame: &Frame) -> (DrivingMode, bool, bool) {
+    (frame.mode, frame.control.brake > BRAKING, frame.ego.speed <= 0.05)
+}
+
+/// The actions of the driver, each with its first tick.
+fn actions(frames: &[Frame]) -> Vec<(usize, String)> {
+    let mut actions = Vec::new();
+    let (mut last, mut tick) = (None, 1);
+    for same in frames[1..].chunk_by(|one, next| action(one) == action(next)) {
+        let (begun, (mode, brakes, stands)) = (tick, action(&same[0]));
+        tick += same.len();
+        if (same.len() < LASTING && tick < frames.len()) || last == Some((mode, brakes, stands)) {
+            continue;
+        }
+        last = Some((mode, brakes, stands));
+        let braking = same.iter().map(|frame| frame.control.brake).fold(0.0, f64::max);
+        let pedal = match (brakes, stands) {
+            (true, true) => "stands, with the brake pressed".to_string(),
+            (false, true) => "stands".to_string(),
+            (true, false) => format!("brakes, up to {braking:.2} of the pedal"),
+            (false, false) => "does not brake".to_string(),
+        };
+        // A program need not tell its mode.
+        let mode = if mode == DrivingMode::Unknown { String::new() } else { format!("{}, ", mode.name()) };
+        actions.push((begun, format!("driver: {mode}{pedal}, {}", speed(same[0].ego.speed))));
+    }
+    actions
+}
+
+fn ending(outcome: &Outcome, frames: &[Frame]) -> String {
+    match outcome.ending {
+        Ending::Collision { front, moving, impact_speed, bearing: at } => {
+            let side = if front { "the front sector" } else { "a side or the rear" };
+            let car = if moving { speed(impact_speed) } else { "at rest".to_string() };
+            let walking = frames.last().map_or(0.0, |last| last.pedestrian.speed());
+            format!("contact in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
+        }
+        Ending::OtherContact => "actors touch that are not the car and a pedestrian".to_string(),
+        Ending::Lost => "the episode ends early, as the scenario says".to_string(),
+        Ending::Timeout => format!("the time limit is reached; the least gap was {:.2} m", outcome.least_gap),
+        Ending::Error(_) | Ending::ControllerError(_) => outcome.error().unwrap_or_default(),
+    }
+}
+
+/// The verdict and its reasons.
+fn judged(verdict: &Verdict) -> Vec<String> {
+    let meaning = match verdict.label {
+        Label::Preventable => "a careful human would have avoided it",
+        Label::Contested => "the reference drivers disagree",
+        Label::MachinePreventable => "only a machine would have avoided it",
+        Label::Unpreventable => "no brake avoids it",
+        Label::Standing => "the car stood",
+    };
+    let foreseeable = if verdict.foreseeable { "; the pedestrian was foreseeable" } else { "" };
+    let walked = match verdict.side {
+        _ if !verdict.walked_into => "",
+        ContactSide::Rear => "; the pedestrian ran into the rear",
+        _ => "; the pedestrian walked into the side",
+    };
+    let class = FailureClass::new(Some(verdict.label), verdict.is_fault(), verdict.is_narrow());
+    let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", class.name())];
+    if !verdict.is_standing() {
+        let share = 100.0 * verdict.preventable_probability();
+        lines.push(match verdict.latest_reaction {
+            Some(latest) => {
+                format!("  a careful driver must brake within {latest:.2} s of noticing it; {share:.0} % of drivers do")
+            }
+            None => "  a careful driver hits the pedestrian even without any reaction time".into(),
+        });
+    }
+    lines.extend(Reference::ALL.into_iter().map(|reference| {
+        let trial = verdict.trial(reference);
+        let fared = match trial.impact_speed {
+            None => format!("avoids it with {:.2} m to spare", trial.least_gap),
+            Some(speed) => match verdict.reduction(reference) {
+                less if less >= 0.05 => format!("hits at {speed:.1} m/s, {less:.1} m/s slower"),
+                less if less <= -0.05 => format!("hits at {speed:.1} m/s, {:.1} m/s faster", -less),
+                _ => format!("hits at {speed:.1} m/s, no slower"),
+            },
+        };
+        format!("  {:<12} {fared}", reference.name())
+    }));
+    lines
+}

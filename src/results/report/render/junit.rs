@@ -1,0 +1,196 @@
+use std::fmt::Write;
+
+use super::super::{Cell, Gate, Judged, Manifest, SearchCell};
+use super::sections::{place, who};
+
+/// The results of a campaign for a server of continuous integration.
+#[derive(Debug, Clone)]
+pub struct Suite {
+    /// The manifest of the run.
+    pub manifest: Manifest,
+    /// Its cells, in the order of their table.
+    pub cells: Vec<Cell>,
+    /// The cells of its searches, in the order of their table.
+    pub searches: Vec<SearchCell>,
+    /// The gates, each with its result for each row of the table that it is about.
+    pub gates: Vec<(Gate, Vec<Judged>)>,
+}
+
+/// Writes campaigns as JUnit XML: a test suite for each campaign, a test case for each cell, each cell of searches and each training that failed.
+///
+/// A cell fails when a gate is broken, and is skipped when a gate finds no value. It is in error when a driver failed as a program. Its
+/// figures are properties of the suite, `CELL / FIGURE`.
+///
+/// # Source
+/// `junit-10.xsd` of Jenkins' xUnit plug-in.
+pub fn junit(suites: &[Suite]) -> String {
+    let mut page = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    let counts: Vec<[usize; 4]> = suites.iter().map(counts).collect();
+    let sum = |place: usize| counts.iter().map(|counts| counts[place]).sum::<usize>();
+    let time: f64 = suites.iter().map(|suite| suite.manifest.wall_time_s).sum();
+    let _ = writeln!(
+        page,
+        "<testsuites name=\"falsify\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{time:.3}\">",
+        sum(0),
+        sum(1),
+        sum(2)
+    );
+    for (suite, counts) in suites.iter().zip(&counts) {
+        one(&mut page, suite, counts);
+    }
+    page.push_str("</testsuites>\n");
+    page
+}
+
+fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[usize; 4]) {
+    let manifest = &suite.manifest;
+    let _ = writeln!(
+        page,
+        "  <testsuite name=\"{}\" tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\" skipped=\"{skipped}\" \
+         time=\"{:.3}\">\n    <properties>",
+        escaped(&manifest.campaign),
+        manifest.wall_time_s
+    );
+    property(page, "falsify version", &manifest.version);
+    property(page, "seed", &manifest.seed.to_string());
+    for (gate, _) in &suite.gates {
+        property(page, "fail-if", gate.text());
+    }
+    for cell in &suite.cells {
+        for (name, value) in figures(cell) {
+            property(page, &format!("{} / {name}", cell.key.in_full()), &value);
+        }
+    }
+    page.push_str("    </properties>\n");
+    for (row, cell) in suite.cells.iter().enumerate() {
+        case(page, &manifest.campaign, &short_name(cell, &suite.cells), &findings(suite, row));
+    }
+    for (row, cell) in suite.searches.iter().enumerate() {
+        case(page, &manifest.campaign, &cell.in_full(), &of_gates(suite, true, row));
+    }
+    for training in manifest.trainings.iter().filter(|training| !training.error.is_empty()) {
+        let name = format!(
+            "training of {} in {} against {}, run {}",
+            training.reward, training.town, training.policy, training.run
+        );
+        case(page, &manifest.campaign, &name, &[("error", "training", training.error.clone())]);
+    }
+    page.push_str("  </testsuite>\n");
+}
+
+/// The name of a cell's test case: the controller, the town, the driver, and only so much else as tells the cells of the campaign apart.
+fn short_name(cell: &Cell, cells: &[Cell]) -> String {
+    let rewards = !cell.key.is_trained() && cells.iter().any(|other| other.key.reward != cell.key.reward);
+    let reward = if rewards { format!(" ({})", cell.key.reward) } else { String::new() };
+    format!("{}{reward} in {} against {}", who(cell, cells), place(cell, cells), cell.key.policy)
+}
+
+/// Numbers of tests, failures, errors and skipped tests of a campaign.
+fn counts(suite: &Suite) -> [usize; 4] {
+    let failed = suite.manifest.trainings.iter().filter(|training| !training.error.is_empty()).count();
+    let mut all: Vec<Vec<Finding>> = (0..suite.cells.len()).map(|row| findings(suite, row)).collect();
+    all.extend((0..suite.searches.len()).map(|row| of_gates(suite, true, row)));
+    let of = |kind: &str| all.iter().filter(|found| found.iter().any(|finding| finding.0 == kind)).count();
+    [all.len() + failed, of("failure"), of("error") + failed, of("skipped")]
+}
+
+/// The element, its type and its message.
+type Finding = (&'static str, &'static str, String);
+
+/// The element of a cell: an error, else the broken gates, else the gates without a value.
+fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
+    let cell = &suite.cells[row];
+    if cell.errors > 0 {
+        let all = cell.errors + cell.episodes;
+        return vec![(
+            "error",
+            "driver",
+            format!("the driver or the controller failed in {} of {all} episodes", cell.errors),
+        )];
+    }
+    of_gates(suite, false, row)
+}
+
+/// The elements that the gates on a row of `cells` or of `search_cells` make.
+fn of_gates(suite: &Suite, searches: bool, row: usize) -> Vec<Finding> {
+    let about = suite.gates.iter().filter(move |(gate, _)| gate.is_about_searches() == searches);
+    let judged = || about.clone().filter_map(|(gate, rows)| Some((gate.text(), rows.get(row)?)));
+    let broken: Vec<Finding> = judged().filter_map(|(gate, judged)| broken(gate, judged)).collect();
+    if !broken.is_empty() {
+        return broken;
+    }
+    let missing = judged().find_map(|(gate, judged)| match judged {
+        Judged::Missing(column) => Some(("skipped", "", format!("{gate}: there is no {column}"))),
+        _ => None,
+    });
+    missing.into_iter().collect()
+}
+
+fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
+    let message = match judged {
+        Judged::Broken(values) => shown(values),
+        Judged::TooFewRuns(few) => few.to_string(),
+        _ => return None,
+    };
+    Some(("failure", "fail-if", format!("{gate}: {message}")))
+}
+
+/// The values that a gate used, for people.
+pub fn shown(values: &[(String, String)]) -> String {
+    let each = values.iter().map(|(column, value)| format!("{column} is {value}"));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+fn case(page: &mut String, campaign: &str, name: &str, findings: &[Finding]) {
+    let head = format!("    <testcase classname=\"{}\" name=\"{}\"", escaped(campaign), escaped(name));
+    if findings.is_empty() {
+        let _ = writeln!(page, "{head}/>");
+        return;
+    }
+    let _ = writeln!(page, "{head}>");
+    for (element, kind, message) in findings {
+        let kind = if kind.is_empty() { String::new() } else { format!(" type=\"{kind}\"") };
+        let _ = writeln!(page, "      <{element} message=\"{}\"{kind}/>", escaped(message));
+    }
+    page.push_str("    </testcase>\n");
+}
+
+fn property(page: &mut String, name: &str, value: &str) {
+    let _ = writeln!(page, "      <property name=\"{}\" value=\"{}\"/>", escaped(name), escaped(value));
+}
+
+fn figures(cell: &Cell) -> Vec<(&'static str, String)> {
+    let mut all = vec![
+        ("runs", cell.runs.to_string()),
+        ("episodes", cell.episodes.to_string()),
+        ("errors", cell.errors.to_string()),
+        ("collisions", cell.collisions.to_string()),
+    ];
+    let rates = [
+        ("collision_rate_mean", cell.collision.mean),
+        ("moving_rate_mean", cell.moving.mean),
+        ("preventable_rate_mean", cell.preventable.mean),
+        ("preventable_share_mean", cell.preventable_share.mean),
+        ("fault_rate_mean", cell.fault.mean),
+        ("fault_share_mean", cell.fault_share.mean),
+    ];
+    all.extend(rates.into_iter().filter_map(|(name, rate)| Some((name, format!("{:.6}", rate?)))));
+    all
+}
+
+/// Text for an attribute; characters that XML does not allow become question marks.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\n' | '\t' | '\r' => out.push(' '),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('?'),
+            c => out.push(c),
+        }
+    }
+    out
+}

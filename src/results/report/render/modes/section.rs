@@ -1,0 +1,108 @@
+use super::names::percent;
+use crate::analysis::Rule;
+use crate::report::failure_modes::{CellModes, MOST_CASES, MOST_FAILURES, MOST_REPEATED, Mode, Target};
+use crate::report::render::table::{Column, Section, Table, Value};
+use base::statistics::wilson;
+
+/// Modes of a cell that the summary names.
+const NAMED: usize = 3;
+
+/// The section on the kinds of failure and their explanation; none without any collision.
+pub fn modes_section(cells: &[CellModes<'_>], names: &[String]) -> Option<Section> {
+    if cells.iter().all(|cell| cell.modes.is_empty()) {
+        return None;
+    }
+    let cut = cells.iter().filter(|cell| cell.sampled.0 < cell.all.0).count();
+    let mut kinds = kinds(cells, names);
+    if cut > 0 {
+        kinds.notes.push(format!(
+            "**In {cut} of these cells only about the first {MOST_FAILURES} collisions were analysed**, the same number of each run. \
+             `mode_counts.csv` has the numbers."
+        ));
+    }
+    kinds.notes.push(format!(
+        "*Expected kinds* is Chao's estimate, a lower bound for these controllers and this driver. Another adversary may find other kinds. \
+         Clusters are drawn from at most {MOST_REPEATED} collisions of each kind."
+    ));
+    let mut tables = vec![kinds];
+    tables.extend(rules(cells, names));
+    Some(Section {
+        id: "kinds",
+        name: "Kinds",
+        title: "Kinds of failure",
+        tables,
+        notes: vec![
+            "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, whether the pedestrian came into sight too \
+             late, and what the driver was doing at the controller's last decision. Within a kind, modes are clusters of the last seconds before the touch. \
+             The examples are medoids. `failure_modes.csv` has all modes, and the pictures show them."
+                .into(),
+        ],
+    })
+}
+
+fn kinds(cells: &[CellModes<'_>], names: &[String]) -> Table {
+    let mode = |mode: &Mode| {
+        let (share, speed) = (percent(mode.mode.share), mode.mode.impact_speed[1]);
+        Value::Lines(vec![
+            format!("{share} {}, {speed:.1} m/s", mode.mode.kind).into(),
+            Value::Code(mode.example_name()),
+        ])
+    };
+    let row = |(cell, name): (&CellModes<'_>, &String)| {
+        let richness = &cell.richness;
+        vec![
+            Value::Link(cell.key.to_string(), format!("modes/{name}.svg")),
+            Value::Count(cell.all.1),
+            Value::Count(richness.seen),
+            Value::Estimate(Some(richness.estimate), Some(richness.interval), 0),
+            format!("{:.1} %", 100.0 * richness.coverage).into(),
+            Value::Lines(cell.modes.iter().take(NAMED).map(mode).collect()),
+        ]
+    };
+    let mut head = vec![Column::text("cell")];
+    head.extend(["collisions", "kinds seen", "expected kinds (95 %)", "share of known kinds"].map(Column::number));
+    head.push(Column::text("commonest modes: share, impact speed, example"));
+    let rows = cells.iter().zip(names).filter(|(cell, _)| !cell.modes.is_empty()).map(row).collect();
+    Table { head, rows, ..Table::default() }
+}
+
+/// The most and the least dangerous rule of each cell; none without any rule.
+fn rules(cells: &[CellModes<'_>], names: &[String]) -> Option<Table> {
+    let mut rows = Vec::new();
+    for (cell, name) in cells.iter().zip(names) {
+        for (target, found) in &cell.explanations {
+            let what = match target {
+                Target::Collision => "a collision",
+                Target::Preventable => "a preventable one",
+            };
+            let several = found.rules.len() > 1;
+            let rule = |rule: Option<&Rule>| Value::Text(rule.filter(|_| several).map_or("–".into(), worded));
+            rows.push(vec![
+                Value::Link(cell.key.to_string(), format!("modes/{name}-why.svg")),
+                what.into(),
+                percent(found.overall.0 as f64 / found.overall.1.max(1) as f64).into(),
+                rule(found.rules.first()),
+                rule(found.rules.last()),
+                Value::Number(Some(found.skill), 2),
+            ]);
+        }
+    }
+    let mut head: Vec<Column> = ["cell", "ends in"].map(Column::text).into();
+    head.push(Column::number("of all"));
+    head.extend(["most often when", "least often when"].map(Column::text));
+    head.push(Column::number("skill"));
+    let notes = vec![format!(
+        "Rules are learnt from the episodes with even numbers. Their rates, with Wilson's 95 %, are those of the episodes with odd numbers; at most {MOST_CASES} \
+         episodes of a cell are used. *Skill* is the share of the variance of the odd episodes that the rules explain; rules of skill 0 explain nothing. A rule \
+         shows what occurs together, not what causes it. `turned away` is the angle at the start between where the pedestrian faces and the car. \
+         `explanations.csv` has all rules."
+    )];
+    (!rows.is_empty()).then(|| Table { title: "Which starts fail".into(), head, rows, notes })
+}
+
+fn worded(rule: &Rule) -> String {
+    let (hits, all) = rule.held_out;
+    let (low, high) = wilson(hits, all);
+    let rate = percent(hits as f64 / all.max(1) as f64);
+    format!("{rule}: {rate} ({low:.2}..{high:.2}, n = {all})")
+}

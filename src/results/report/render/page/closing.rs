@@ -1,0 +1,119 @@
+use std::collections::BTreeSet;
+
+use maud::{Markup, html};
+
+use super::markup::prose;
+use crate::report::Manifest;
+use crate::report::render::summary::LEFT_OUT;
+use crate::report::render::table::{Column, Table, Value};
+use compile::Campaign;
+
+/// The driving policies, the names of the scenario, and the limits of the simulator.
+pub fn meaning(campaign: &Campaign) -> Markup {
+    let documented = |name: &str| campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
+    let known = |name: &str| campaign.drivers.iter().any(|driver| driver.name == name);
+    let mut seen = BTreeSet::new();
+    let surrogates = campaign.drivers.iter().filter(|driver| !driver.surrogate.is_empty() && seen.insert(driver.kind));
+    let surrogates: Vec<_> = surrogates.collect();
+    html! {
+        section #meaning {
+            h2 { "Names of the scenario" }
+            dl.words {
+                @for driver in &campaign.drivers {
+                    dt { (driver.name) }
+                    dd {
+                        @if let Some(word) = documented(&driver.name) { (prose(&word.docs)) " " }
+                        "Driving policy " code { (driver.kind) } ", "
+                        @match &driver.sensors {
+                            Some(name) => { "with the sensors " code { (name) } "." },
+                            None => "without sensors: it perceives exactly and without delay.",
+                        }
+                        @if !driver.surrogate.is_empty() { " " b.warn { "A surrogate." } }
+                    }
+                }
+                @for word in campaign.words.iter().filter(|word| word.form != "policy" || !known(&word.name)) {
+                    dt { (word.name) }
+                    dd { i { (word.form) "." } " " (prose(&word.docs)) }
+                }
+            }
+            @for driver in surrogates {
+                p { b { "Surrogate " code { (driver.kind) } "." } " " (prose(driver.surrogate)) }
+            }
+            h3 { "What the simulator leaves out" }
+            p { (prose(LEFT_OUT)) }
+        }
+    }
+}
+
+/// The files of the report, and the command that makes it again.
+pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
+    let there = WHAT.iter().filter(|(name, _)| files.iter().any(|file| file == name));
+    let known = |file: &str| WHAT.iter().any(|(name, _)| *name == file);
+    let others = files.iter().filter(|file| !known(file) && [".csv", ".svg"].iter().any(|end| file.ends_with(end)));
+    let read = Table {
+        head: vec![Column::text("file"), Column::text("BLAKE3")],
+        rows: manifest
+            .files
+            .iter()
+            .map(|file| {
+                vec![Value::from(&file.path), Value::Code(file.blake3.chars().take(16).collect::<String>() + "…")]
+            })
+            .collect(),
+        ..Table::default()
+    };
+    html! {
+        section #data {
+            h2 { "Data" }
+            ul.files {
+                @for (name, what) in there { li { a href=(name) { (name) } " " (what) } }
+                @for file in others { li { a href=(file) { (file) } } }
+            }
+            h3 { "Reproduce this report" }
+            pre { code { (command(manifest)) } }
+            p {
+                "falsify " (manifest.version) ", vector instructions " (manifest.vector_instructions)
+                ". The manifest has the times. The same files, seed and version give the same numbers."
+            }
+            details {
+                summary { "Files read" }
+                (read.to_html())
+            }
+        }
+    }
+}
+
+/// The command that makes the report again, for a shell.
+fn command(manifest: &Manifest) -> String {
+    let call = &manifest.call;
+    let mut words = vec!["falsify".to_string(), "run".into()];
+    words.extend(manifest.smoke.then(|| "--smoke".into()));
+    words.extend(call.allow_external.then(|| "--allow-external".into()));
+    words.push(format!("--seed {}", manifest.seed));
+    for (option, values) in [("--map", &call.maps), ("--set", &call.set)] {
+        words.extend(values.iter().map(|value| format!("{option} {}", quoted(value))));
+    }
+    words.extend(call.scenarios.iter().map(|file| quoted(file)));
+    words.join(" ")
+}
+
+/// A word, quoted if a shell would change it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-=:+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
+/// The files of a report that may interest a reader.
+const WHAT: [(&str, &str); 12] = [
+    ("summary.md", "the tables of this page as text"),
+    ("cells.csv", "one row for each cell"),
+    ("runs.csv", "one row for each run of a cell"),
+    ("episodes.csv", "one row for each episode"),
+    ("episodes.parquet", "the same, smaller"),
+    ("failure_modes.csv", "the kinds of collisions"),
+    ("comparisons.csv", "paired comparisons"),
+    ("transfer.csv", "the loss in other towns and against other drivers"),
+    ("explanations.csv", "rules that separate failures from passes"),
+    ("learning_curve.csv", "one row for each update of each training"),
+    ("search_cells.csv", "falsifiers compared"),
+    ("manifest.toml", "version, seed, files and times"),
+];

@@ -1,0 +1,138 @@
+use serde::Serialize;
+
+use super::super::town::{Scenery, Surface};
+use world::env::{Ending, Frame, Outcome, Scenario, Trace};
+use world::geometry::{Point, Pose};
+use world::judge::{Label, Reference, Verdict};
+
+/// Scenery is shown up to this distance from the paths of car and pedestrian (m).
+const AROUND: f64 = 40.0;
+
+/// An episode in the format of the player: integers relative to an origin, so that hundreds of ticks stay small.
+///
+/// Positions are in centimetres east and north of `origin`, angles in milliradians, speeds in cm/s, pedals in hundredths.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    /// The origin of the coordinates (m).
+    pub origin: [f64; 2],
+    /// Length of a tick (s).
+    pub dt: f64,
+    /// Half length and half width of the car (cm).
+    pub car: [i64; 2],
+    /// Radius of the pedestrian (cm).
+    pub radius: i64,
+    /// Polygons of the scenery, from the ground up: number of the surface, then x and y of each corner, in decimetres.
+    pub scenery: Vec<Vec<i64>>,
+    /// The car at each tick: x, y, yaw, speed.
+    pub ego: Vec<[i64; 4]>,
+    /// The pedestrian at each tick: x, y, yaw, speed.
+    pub person: Vec<[i64; 4]>,
+    /// The driver's actions: first tick, and name.
+    pub modes: Vec<(usize, &'static str)>,
+    /// Brake of each tick.
+    pub brake: Vec<i64>,
+    /// Throttle of each tick.
+    pub throttle: Vec<i64>,
+    /// Ticks at which the pedestrian comes into sight or is lost from it; before the first it is hidden.
+    pub sight: Vec<usize>,
+    /// Tick at which the danger started; none without a collision.
+    pub danger: Option<usize>,
+    pub verdict: Option<&'static str>,
+    /// The results of the reference drivers: name, and impact speed (m/s), none when they avoid it.
+    pub drivers: Vec<(&'static str, Option<f64>)>,
+    /// Whether it ends in a touch.
+    pub touch: bool,
+}
+
+impl Replay {
+    /// Converts an episode to the player's format.
+    pub fn new(
+        scenario: &Scenario,
+        scenery: &Scenery,
+        outcome: &Outcome,
+        trace: &Trace,
+        verdict: Option<&Verdict>,
+    ) -> Self {
+        let pair = trace.main_pair(scenario);
+        let frames: Vec<Frame> = pair.frames().collect();
+        let last = frames.last().map_or_else(Point::origin, |frame| frame.pedestrian.pose.position());
+        let origin = Point::new(last.x.round(), last.y.round());
+        let whole = |value: f64, unit: f64| (value / unit).round() as i64;
+        let state = |pose: &Pose, speed: f64| {
+            [whole(pose.x - origin.x, 0.01), whole(pose.y - origin.y, 0.01), whole(pose.yaw, 0.001), whole(speed, 0.01)]
+        };
+        let (mut low, mut high) = (last, last);
+        for place in frames.iter().flat_map(|m| [m.ego.pose.position(), m.pedestrian.pose.position()]) {
+            (low, high) = (low.inf(&place), high.sup(&place));
+        }
+        let margin = world::geometry::Vector::new(AROUND, AROUND);
+        let polygon = |(surface, corners): &(Surface, Vec<Point>)| {
+            let mut numbers = vec![*surface as i64];
+            numbers.extend(corners.iter().flat_map(|c| [whole(c.x - origin.x, 0.1), whole(c.y - origin.y, 0.1)]));
+            numbers
+        };
+        let mut modes: Vec<(usize, &'static str)> = Vec::new();
+        for (tick, frame) in frames.iter().enumerate() {
+            // The first frame is before the driver's first decision.
+            let name = frames.get(1).filter(|_| tick == 0).unwrap_or(frame).mode.name();
+            if modes.last().is_none_or(|(_, known)| *known != name) {
+                modes.push((tick, name));
+            }
+        }
+        let mut sight = Vec::new();
+        for (tick, frame) in frames.iter().enumerate() {
+            if pair.in_sight(frame) == (sight.len() % 2 == 0) {
+                sight.push(tick);
+            }
+        }
+        let touch = matches!(outcome.ending, Ending::Collision { .. });
+        // The touch is within the last tick. The danger started this time before it.
+        let ticks = |verdict: &Verdict| (verdict.warning / scenario.episode.tick).ceil() as usize;
+        Self {
+            origin: [origin.x, origin.y],
+            dt: scenario.episode.tick,
+            car: [whole(pair.blueprint().half_length, 0.01), whole(pair.blueprint().half_width, 0.01)],
+            radius: whole(pair.body().radius, 0.01),
+            scenery: scenery.within(low - margin, high + margin).polygons.iter().map(polygon).collect(),
+            ego: frames.iter().map(|frame| state(&frame.ego.pose, frame.ego.speed)).collect(),
+            person: frames.iter().map(|m| state(&m.pedestrian.pose, m.pedestrian.speed())).collect(),
+            modes,
+            brake: frames.iter().map(|frame| whole(frame.control.brake, 0.01)).collect(),
+            throttle: frames.iter().map(|frame| whole(frame.control.throttle, 0.01)).collect(),
+            sight,
+            danger: verdict.map(|verdict| (frames.len() - 1).saturating_sub(ticks(verdict))),
+            verdict: verdict.map(|verdict| verdict.label.name()),
+            drivers: verdict.map_or_else(Vec::new, |verdict| {
+                let fared = |driver: Reference| (driver.name(), verdict.trial(driver).impact_speed);
+                Reference::ALL.map(fared).into()
+            }),
+            touch,
+        }
+    }
+
+    /// Converts an episode that is alone on its page, with the scenery around it.
+    pub fn of_episode(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> Self {
+        Self::new(scenario, &Scenery::new(&scenario.town), outcome, trace, verdict)
+    }
+
+    /// The last tick.
+    pub fn end(&self) -> usize {
+        self.ego.len().saturating_sub(1)
+    }
+
+    /// The driver's action at a tick.
+    pub fn mode(&self, tick: usize) -> &'static str {
+        self.modes.iter().rev().find(|(from, _)| *from <= tick).map_or("", |(_, name)| name)
+    }
+}
+
+/// A verdict in words, for people.
+pub fn verdict_text(label: Label) -> &'static str {
+    match label {
+        Label::Preventable => "preventable",
+        Label::Contested => "contested",
+        Label::MachinePreventable => "by machine only",
+        Label::Unpreventable => "unpreventable",
+        Label::Standing => "car standing",
+    }
+}

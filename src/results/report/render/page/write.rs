@@ -1,0 +1,124 @@
+use super::identity::{Named, named};
+use super::modes::order;
+use super::worst::worst;
+use super::{Contents, ModeCard, Players, page};
+use crate::analysis::{Impact, Kind};
+use crate::record::CellKey;
+use crate::report::failure_modes::Mode;
+use crate::report::render::sections::{comparisons, learnt, protocol, published_section, search_section, transfer};
+use crate::report::{Findings, FoundFailure, Manifest, ReportFolder, SearchKind, WriteError};
+use base::seed::Seed;
+
+/// Writes the page of a report, and its figures as files.
+///
+/// # Errors
+/// A table that cannot be read or a file that cannot be written.
+pub fn write_page(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -> Result<(), WriteError> {
+    let failed = |source| WriteError::Table { name: "report.html".into(), source };
+    let Findings { campaign, finished, gathered, cells, drivers, published, doubts, .. } = found;
+    let names = named(cells);
+    let mut cards: Vec<ModeCard> = found
+        .modes
+        .iter()
+        .flat_map(|cell| cell.modes.iter().filter_map(|mode| card(&cell.key, mode, &names)))
+        .collect();
+    cards.extend(found.search_kinds.iter().map(searched_card));
+    let is_blind =
+        |name: &str| campaign.drivers.iter().any(|driver| driver.name == name && driver.sees_no_pedestrians());
+    order(&mut cards, is_blind);
+    let worst: Vec<String> = worst(drivers).map(FoundFailure::name).collect();
+    let played = worst.iter().chain(cards.iter().map(|card| &card.example)).map(String::as_str);
+    let players =
+        Players::repeat(played, campaign, finished, &Seed::root(manifest.seed), manifest.call.replay_options());
+    let searches = (!found.searches.is_empty()).then(|| search_section(&found.searches));
+    let sections: Vec<_> = [
+        protocol(&gathered.protocol, &found.layers),
+        searches,
+        learnt(cells, &gathered.evidence, doubts),
+        comparisons(&gathered.evidence),
+        transfer(&gathered.evidence),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let page = page(&Contents {
+        campaign,
+        manifest,
+        cells,
+        drivers,
+        failures: &gathered.failures,
+        players: &players,
+        runs: &gathered.runs,
+        tally: &gathered.tally,
+        trainings: &finished.trainings,
+        modes: &cards,
+        published,
+        published_section: published_section(published),
+        sections: &sections,
+        doubts,
+        files: &folder.names()?,
+    })
+    .map_err(failed)?;
+    for figure in &page.figures {
+        folder.file(&format!("{}.svg", figure.name), figure.to_svg().as_bytes())?;
+    }
+    folder.file("report.html", page.html.as_bytes())
+}
+
+/// The card of a mode; none for cells without a row on the page.
+fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
+    let named = names.iter().find(|named| named.cell.key == *key)?;
+    let [low, middle, high] = mode.mode.impact_speed;
+    let speed = format!("Half of them at {middle:.1} m/s or more, most between {low:.1} and {high:.1}");
+    let example = mode.example_name();
+    let mode = &mode.mode;
+    let (title, about) = words(mode.kind, &speed, mode.length);
+    Some(ModeCard {
+        place: named.place.clone(),
+        driver: key.policy.clone(),
+        who: named.who.clone(),
+        title,
+        about,
+        verdict: mode.kind.verdict,
+        failures: (mode.share * f64::from(named.cell.collisions)).round() as usize,
+        share: mode.share,
+        impact_speed: middle,
+        length: mode.length,
+        example,
+    })
+}
+
+/// The card of a kind of failure that searches found.
+fn searched_card(found: &SearchKind) -> ModeCard {
+    let speed = format!("Half of them at {:.1} m/s or more", found.impact_speed);
+    let (title, about) = words(found.kind, &speed, found.length);
+    ModeCard {
+        place: format!("{} · {}", found.key.town, found.key.policy),
+        driver: found.key.policy.clone(),
+        who: format!("search: {}", found.key.falsifier),
+        title,
+        about,
+        verdict: found.kind.verdict,
+        failures: found.failures,
+        share: found.share,
+        impact_speed: found.impact_speed,
+        length: found.length,
+        example: found.example_name(),
+    }
+}
+
+/// A title and a text about a kind of collision, with a usual time of the contact (s).
+fn words(kind: Kind, speed: &str, length: f64) -> (String, String) {
+    let side = match kind.impact {
+        Impact::Front => "the front",
+        Impact::Left => "the left side",
+        Impact::Right => "the right side",
+        Impact::Rear => "the rear",
+    };
+    let speed = if kind.moving { speed } else { "The car stood" };
+    let late = if kind.occluded { " The pedestrian came into sight too late for a careful human." } else { "" };
+    let mode = kind.mode.name().replace('_', " ");
+    let title =
+        if kind.moving { format!("Into {side} of the moving car") } else { format!("At {side} of the standing car") };
+    (title, format!("{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"))
+}

@@ -1,0 +1,74 @@
+use super::names::{distinct, head, names};
+use crate::report::Cell;
+use crate::report::render::table::{Column, Section, Table, Value};
+
+/// How to read the table.
+const READING: [&str; 4] = [
+    "Each collision was run again with reference drivers at the brake, from the instant at which the danger starts. The car stays on its path, \
+     the pedestrian is at the same places at the same times, no driver steers, and the pedestrian does not react. *Of all episodes* is the rate \
+     of failures that count against the driver under test. The columns after it are shares of the collisions; they add up to 1:",
+    "- **preventable**: a careful human would have avoided it. The driver under test failed, so look at these first. The column `verdict` of `episodes.csv` \
+     finds them, `falsify replay RUN_ID:EPISODE` describes one, `falsify export RUN_ID:EPISODE --as svg` draws it.\n\
+     - **contested**: some reference drivers avoid it and some do not.\n\
+     - **by machine**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
+     - **unpreventable**: braking at once with 0.85 g does not avoid it.\n\
+     - **standing**: the car stood (at most 0.1 m/s) when the pedestrian walked into it. It says little about the driver.",
+    "*Fault* is preventable and foreseeable: these failures count against the driver under test. Two more shares say what else was true of a \
+     collision, whatever its verdict. *Into the side*: the front had passed, and the pedestrian walked into the side or the rear. *Foreseeable*: the \
+     pedestrian never walked faster than 8 km/h, never accelerated by more than 2.12 m/s² within a tick, and its velocity changed by at most 1.65 m/s \
+     within any second, as in Euro NCAP's tests and recorded walking. Turns and stops count. A pedestrian without inertia is never foreseeable; \
+     `std/pedestrians.scn` has pedestrians that are. *Expected* is the share of drivers who would have avoided it, summed over the collisions and \
+     divided by the episodes: reaction times are lognormal with a mean of 1.21 s.",
+    "The careful human is that of UN R157. It notices a pedestrian who is on course into the car's path when the time to collision is at most 2 s, \
+     and must avoid the collision in both readings: braking 1.15 s after that, and 0.75 s after that, each time with 0.6 s to reach 0.774 g. The others are the \
+     Fuzzy Safety Model (0.75 s, up to 6 m/s²), RSS (ad-rss-lib's parameters, 4 m/s²), an ideal emergency brake (0.35 s, 0.6 s to reach 0.85 g) and \
+     physics (0.85 g at once). R157 is not written for roads with pedestrians: read the labels as a comparison, not as a finding of law.",
+];
+
+/// Which collisions reference drivers avoid; none without any collision.
+pub fn avoidable(cells: &[Cell]) -> Option<Section> {
+    if cells.iter().all(|cell| cell.collisions == 0) {
+        return None;
+    }
+    let mut columns = head();
+    let names_of_shares = ["contested", "by machine", "unpreventable", "standing", "into the side", "foreseeable"];
+    columns.extend(
+        [
+            "collisions",
+            "preventable, of all episodes",
+            "95 %",
+            "fault, of all episodes",
+            "95 %",
+            "expected",
+            "preventable (95 %)",
+        ]
+        .map(Column::number),
+    );
+    columns.extend(names_of_shares.map(Column::number));
+    let row = |cell: &&Cell| {
+        let share = |count: u32| Some(f64::from(count) / f64::from(cell.collisions));
+        let [preventable, others @ ..] = cell.labels;
+        let mut row = names(cell, cells);
+        row.extend([
+            Value::Of(cell.collisions.into(), cell.episodes.into()),
+            cell.preventable.into(),
+            Value::Interval(Some(cell.preventable_interval)),
+            cell.fault.into(),
+            Value::Interval(Some(cell.fault_interval)),
+            cell.expected_preventable.into(),
+            Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
+        ]);
+        row.extend(
+            others.into_iter().chain([cell.walked_into, cell.foreseeable]).map(|count| Value::Number(share(count), 2)),
+        );
+        row
+    };
+    let rows = distinct(cells).iter().filter(|cell| cell.collisions > 0).map(row).collect();
+    Some(Section {
+        id: "avoidable",
+        name: "Avoidable?",
+        title: "Would a careful driver have avoided the collisions?",
+        tables: vec![Table { head: columns, rows, ..Table::default() }],
+        notes: READING.map(String::from).into(),
+    })
+}

@@ -1,0 +1,102 @@
+use std::collections::BTreeSet;
+
+use crate::record::CellKey;
+use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::{Comparison, Evidence, Test};
+
+/// The greatest number of rows of drivers on a page; the file of the table has all.
+const MOST_DRIVERS: usize = 60;
+
+/// Comparisons of controllers and of drivers with the same starts; none without any pair.
+pub fn comparisons(evidence: &Evidence) -> Option<Section> {
+    let (drivers, controllers): (Vec<&Comparison>, Vec<&Comparison>) =
+        evidence.comparisons.iter().partition(|found| found.is_of_drivers());
+    let kinds = [("Controllers", controllers), ("Drivers", drivers)].into_iter().filter(|(_, found)| !found.is_empty());
+    let tables: Vec<Table> = kinds.map(|(title, found)| table(title, &found)).collect();
+    if tables.is_empty() {
+        return None;
+    }
+    Some(Section {
+        id: "comparisons",
+        name: "Compared",
+        title: "Better than others from the same starts?",
+        tables,
+        notes: vec![
+            "Differences of rates: each trained controller less another one that met the same starts, and each driver less another one that met \
+             the same starts with the same controller. p is the probability of at least such a difference by chance, after Holm's \
+             correction for all tests of controllers, or of drivers, of this campaign: in 95 % of campaigns no p below 0.05 of a kind is a false finding. Call it \
+             a tie above 0.05."
+                .into(),
+            "Intervals and p are Student's over trainings and common episodes. Two and three runs have no interval; their single values stand there. ¹ marks McNemar's exact test, for one run each: it is about these two \
+             alone, and its interval is a bootstrap over episodes. `comparisons.csv` has the uncorrected p, Benjamini and \
+             Hochberg's, and the bootstrap intervals."
+                .into(),
+        ],
+    })
+}
+
+/// A row for each pair, with its rates side by side.
+fn table(title: &str, found: &[&Comparison]) -> Table {
+    let trainings: BTreeSet<(&str, &str)> =
+        found.iter().map(|found| (found.first.train_town.as_str(), found.first.train_policy.as_str())).collect();
+    let several = trainings.iter().filter(|training| !training.0.is_empty()).count() > 1;
+    let mut head: Vec<Column> = ["controller", "place", "less"].map(Column::text).into();
+    head.extend(
+        ["collisions", "with a moving car", "preventable", "fault"]
+            .map(|rate| Column::number(format!("{rate} (95 %), p"))),
+    );
+    let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
+    for found in found {
+        let names = names(found, several);
+        let difference = Value::Lines(difference(found).into_iter().chain([Value::Text(probability(found))]).collect());
+        // The rates of a pair are consecutive.
+        match rows.last_mut().filter(|row| row.starts_with(&names) && row.len() < columns) {
+            Some(row) => row.push(difference),
+            None => rows.push(names.into_iter().chain([difference]).collect()),
+        }
+    }
+    rows.iter_mut().for_each(|row| row.resize(columns, Value::Number(None, 2)));
+    let all = rows.len();
+    let shown = if found.iter().any(|found| found.is_of_drivers()) { MOST_DRIVERS } else { all };
+    rows.truncate(shown);
+    let left = (all > shown).then(|| format!("The first {shown} of {all} pairs; `comparisons.csv` has all."));
+    Table { title: title.into(), head, rows, notes: left.into_iter().collect() }
+}
+
+fn names(found: &Comparison, several_trainings: bool) -> Vec<Value> {
+    let (first, second) = (&found.first, &found.second);
+    let who = |key: &CellKey| {
+        if key.is_trained() { format!("{}, {}", key.controller, key.reward) } else { key.controller.clone() }
+    };
+    let training = match first.is_trained() && several_trainings {
+        true => format!(" ({}, {})", first.train_town, first.train_policy),
+        false => String::new(),
+    };
+    let other = if found.is_of_drivers() { second.policy.clone() } else { who(second) };
+    vec![format!("{}{training}", who(first)).into(), format!("{} · {}", first.town, first.policy).into(), other.into()]
+}
+
+/// The difference with its interval; with too few runs for one, the values of the single runs.
+fn difference(found: &Comparison) -> Vec<Value> {
+    if !found.has_few_runs() {
+        return vec![Value::Difference(Some(found.difference), found.interval())];
+    }
+    let [first, second] = &found.by_run;
+    let runs = |values: &[f64]| match values {
+        [one] => Value::Number(Some(*one), 2),
+        each => Value::Runs(each.to_vec(), 2, false),
+    };
+    if second.is_empty() {
+        return vec![Value::Runs(first.clone(), 2, true)];
+    }
+    vec![runs(first), Value::Text(format!("less {}", runs(second)))]
+}
+
+fn probability(found: &Comparison) -> String {
+    let mark = if found.test == Test::McNemar { "¹" } else { "" };
+    match found.holm {
+        None => format!("no test{mark}"),
+        Some(p) if p < 0.001 => format!("p < 0.001{mark}"),
+        Some(p) => format!("p = {p:.3}{mark}"),
+    }
+}

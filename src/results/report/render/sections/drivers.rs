@@ -1,0 +1,132 @@
+use super::names::{place, who};
+use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::{Cell, DriverResult, FoundFailure};
+
+/// How to read the table.
+const READING: [&str; 2] = [
+    "Drivers are in the order of their *avoidable injury*: the risk of a severe injury in their faults, which a careful human would have spared, for \
+     1,000 episodes. The worst failure is the one that counts most against the driver: a *fault* if there is any, else a *preventable* one; of these \
+     the one with the fastest car. A fault is a collision that careful humans avoid clearly, with a pedestrian that moves as people do and is hit by \
+     the front, or driven into, at 1 m/s or more.",
+    "The rates are those of the controller and town named beside them, where the avoidable injury is highest, then the fault rate, then the \
+     preventable rate. They are shares of its n episodes. The intervals are Wilson's 95 % over these episodes. The highest of several rates is chosen after \
+     the fact, so it is a little too high; compare drivers by their common starts.",
+];
+
+/// What was found about each driver: those under test, and below them those that see no pedestrians. None without any driver.
+///
+/// `link` gives the place of a failure's player, if it has one.
+pub fn drivers(
+    results: &[DriverResult],
+    cells: &[Cell],
+    link: impl Fn(&FoundFailure) -> Option<String>,
+) -> Option<Section> {
+    let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
+        results.iter().partition(|result| result.driver.sees_no_pedestrians());
+    let parts = [("", tested), ("Drivers that see no pedestrians: they show what can be hit", blind)];
+    let tables: Vec<Table> = parts
+        .into_iter()
+        .filter(|(_, of)| !of.is_empty())
+        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, &link) })
+        .collect();
+    (!tables.is_empty()).then(|| Section {
+        id: "drivers",
+        name: "Drivers",
+        title: "What was found about each driver",
+        tables,
+        notes: READING.map(String::from).into_iter().chain(sensitivity(results, cells)).collect(),
+    })
+}
+
+/// How the number of faults moves with the figures of the careful humans; none without any fault.
+fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
+    let evaluated: u64 = cells.iter().map(|cell| u64::from(cell.faults)).sum();
+    let searched: u64 = results.iter().filter_map(|result| result.searched).map(|found| found.fault as u64).sum();
+    let changed: [u64; 4] = std::array::from_fn(|place| {
+        let of_cells: u64 = cells.iter().map(|cell| u64::from(cell.faults_if[place])).sum();
+        let searched = results.iter().filter_map(|result| result.searched);
+        of_cells + searched.map(|found| found.fault_if[place] as u64).sum::<u64>()
+    });
+    let all = evaluated + searched;
+    let [sooner, later, short, long] = changed;
+    (all + sooner > 0).then(|| {
+        format!(
+            "How firm are the {all} faults? They would be {sooner} if the careful humans reacted 0.25 s sooner, {later} if they reacted 0.25 s later, \
+             {short} if they looked no farther ahead than 2 s, and {long} if they noticed everything 0.5 s earlier."
+        )
+    })
+}
+
+fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure) -> Option<String>) -> Table {
+    let evaluated = results.iter().any(|result| result.cell.is_some());
+    let searched = results.iter().any(|result| result.searched.is_some());
+    let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
+    if evaluated {
+        head.extend([Column::text("highest rates").page_only(), Column::number("n").page_only()]);
+        head.push(Column::number("avoidable injury / 1,000"));
+        head.extend(["fault (95 %)", "preventable (95 %)", "moving (95 %)"].map(Column::number));
+        head.push(Column::number("collision").page_only());
+    }
+    if searched {
+        // A terminal shows the searches in a table of their own.
+        let found = Column::text("found by searches");
+        if !evaluated {
+            head.push(Column::number("avoidable injury / 1,000"));
+        }
+        head.push(if evaluated { found.page_only() } else { found });
+    }
+    let row = |result: &&DriverResult| {
+        let mut row =
+            vec![Value::from(&result.driver.name), worst(result).into(), episode(result.worst.as_ref(), link)];
+        let cell = result.cell.map(|cell| &cells[cell]);
+        if evaluated {
+            row.extend([
+                cell.map_or(Value::Text("–".into()), |cell| {
+                    format!("{} in {}", who(cell, cells), place(cell, cells)).into()
+                }),
+                cell.map_or(Value::Number(None, 0), |cell| Value::Count(cell.episodes.into())),
+                Value::Number(cell.and_then(|cell| cell.injury.mean).map(|injury| injury * 1000.0), 2),
+                Value::Estimate(cell.and_then(|cell| cell.fault.mean), cell.map(|cell| cell.fault_interval), 2),
+                Value::Estimate(
+                    cell.and_then(|cell| cell.preventable.mean),
+                    cell.map(|cell| cell.preventable_interval),
+                    2,
+                ),
+                Value::Estimate(cell.and_then(|cell| cell.moving.mean), cell.map(|cell| cell.moving_interval), 2),
+                Value::Number(cell.and_then(|cell| cell.collision.mean), 2),
+            ]);
+        }
+        if searched {
+            if !evaluated {
+                row.push(Value::Number(result.searched.map(|found| found.injury_per_thousand()), 2));
+            }
+            row.push(match result.searched {
+                Some(found) => {
+                    let (fault, preventable) = (found.fault, found.preventable);
+                    format!("{} failures: {preventable} preventable, {fault} faults", found.all).into()
+                }
+                None => Value::Text("–".into()),
+            });
+        }
+        row
+    };
+    Table { head, rows: results.iter().map(row).collect(), ..Table::default() }
+}
+
+/// The worst failure in words.
+fn worst(result: &DriverResult) -> String {
+    match &result.worst {
+        None => "no collision".into(),
+        Some(found) => format!("{}, {:.1} m/s", found.class.name(), found.impact_speed),
+    }
+}
+
+fn episode(worst: Option<&FoundFailure>, link: &impl Fn(&FoundFailure) -> Option<String>) -> Value {
+    match worst {
+        None => Value::Text("–".into()),
+        Some(found) => match link(found) {
+            Some(target) => Value::Link(format!("play {}", found.name()), target),
+            None => Value::Code(found.name()),
+        },
+    }
+}

@@ -1,0 +1,74 @@
+use std::fmt::Write;
+
+use crate::record::CellKey;
+use crate::report::Cell;
+use crate::report::render::table::{Column, Value};
+
+/// The columns that name a cell.
+pub fn head() -> Vec<Column> {
+    ["controller", "reward", "trained in, against", "town", "policy"].map(Column::text).into()
+}
+
+pub fn names(cell: &Cell, cells: &[Cell]) -> Vec<Value> {
+    vec![
+        Value::from(&cell.key.controller),
+        if cell.key.is_trained() { Value::from(&cell.key.reward) } else { Value::from("–") },
+        training(cell).into(),
+        place(cell, cells).into(),
+        Value::from(&cell.key.policy),
+    ]
+}
+
+/// The cells without repetitions: an untrained controller walks the same for every reward, so only its first row stays where all its
+/// figures but the reward are equal.
+pub fn distinct(cells: &[Cell]) -> Vec<&Cell> {
+    let mut all: Vec<&Cell> = Vec::new();
+    for cell in cells {
+        if !all.iter().any(|other| is_repeated(other, cell)) {
+            all.push(cell);
+        }
+    }
+    all
+}
+
+/// Whether two cells are the same but for the reward.
+fn is_repeated(first: &Cell, second: &Cell) -> bool {
+    let key = |cell: &Cell| CellKey { reward: String::new(), ..cell.key.clone() };
+    let figures = |cell: &Cell| (cell.runs, cell.episodes, cell.labels, cell.collision, cell.length, cell.impact_speed);
+    !first.key.is_trained() && figures(first) == figures(second) && key(first) == key(second)
+}
+
+/// The controller of a cell, with what distinguishes it from the others: its reward if it was trained, and its training if there are several.
+pub fn who(cell: &Cell, cells: &[Cell]) -> String {
+    if !cell.key.is_trained() {
+        return cell.key.controller.clone();
+    }
+    let mut trainings = cells.iter().filter(|other| other.key.is_trained());
+    let reward = format!("{}, {}", cell.key.controller, cell.key.reward);
+    let several = trainings.any(|other| training(other) != training(cell));
+    if several { format!("{reward} ({})", training(cell)) } else { reward }
+}
+
+/// The town and the policy in which the controller of a cell was trained.
+pub fn training(cell: &Cell) -> String {
+    if cell.key.is_trained() {
+        format!("{}, {}", cell.key.train_town, cell.key.train_policy)
+    } else {
+        "–".to_string()
+    }
+}
+
+/// The town of a cell, with all else that differs between the cells: vehicle, adversary, `evaluate` block.
+pub fn place(cell: &Cell, cells: &[Cell]) -> String {
+    let mut text = cell.key.town.clone();
+    if cells.iter().any(|other| other.key.vehicle != cell.key.vehicle) {
+        let _ = write!(text, ", {}", cell.key.vehicle);
+    }
+    if cells.iter().any(|other| other.key.adversary != cell.key.adversary) {
+        let _ = write!(text, ", {}", cell.key.adversary);
+    }
+    if cells.iter().any(|other| other.key.block != cell.key.block) {
+        let _ = write!(text, " #{}", cell.key.block);
+    }
+    text
+}

@@ -1,0 +1,306 @@
+use std::collections::BTreeMap;
+
+use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::{Colour, ProtocolCell};
+use world::env::TestCriterion;
+
+/// The id of the section.
+pub const PROTOCOL: &str = "protocol";
+/// How to read the tables.
+const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0 is no contact. Along the path it is the speed \
+     of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h. A test is over when the car has \
+     stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
+     *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), and a cell without \
+     points is not passed. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order).";
+/// What a test does not say.
+const LIMITS: &str = "**This is no rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
+     the car's sensors unless the scenario gives them, warnings to a driver, tyres and brakes beyond the car's blueprint, repeated runs and \
+     tolerances of test tracks, turning and reversing tests. The target is a disc of its width in the world; its box only states the impact \
+     point. Euro NCAP's colours are published for 60 km/h, and the same shares are taken at other speeds.";
+
+/// The results of drivers in the tests of a protocol, and the worst ones within its layers; none without a test.
+pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Section> {
+    if cells.is_empty() && layers.is_empty() {
+        return None;
+    }
+    let mut tables = if layers.is_empty() { Vec::new() } else { of_layers(cells, layers) };
+    let mut tests: BTreeMap<usize, Vec<&ProtocolCell>> = BTreeMap::new();
+    let mut names: Vec<&str> = Vec::new();
+    for cell in cells {
+        let number = names.iter().position(|name| *name == cell.test).unwrap_or_else(|| {
+            names.push(&cell.test);
+            names.len() - 1
+        });
+        tests.entry(number).or_default().push(cell);
+    }
+    tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
+    let notes = vec![READING.into(), LIMITS.into()];
+    Some(Section {
+        id: PROTOCOL,
+        name: "Protocol",
+        title: "How did the drivers do in the protocol's tests?",
+        tables,
+        notes,
+    })
+}
+
+/// Rows of drivers and overlaps, columns of test speeds.
+fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
+    let mut speeds: Vec<f64> = cells.iter().map(|cell| cell.test_speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let coloured = cells.iter().any(|cell| cell.criterion == TestCriterion::EuroNcap);
+    let title = |speed: &f64| {
+        let limit = cells.iter().find(|cell| cell.test_speed == *speed).map_or(0.0, |cell| cell.limit() * 3.6);
+        let limit = if coloured || limit <= 0.0 { String::new() } else { format!(" (≤ {limit:.0})") };
+        Column::number(format!("{:.0} km/h{limit}", speed * 3.6))
+    };
+    let mut head = vec![Column::text("driver"), Column::number("overlap").key()];
+    head.extend(speeds.iter().map(title));
+    head.extend(coloured.then(|| Column::number("score")));
+    head.push(Column::number("passed"));
+    let mut keys: Vec<(&str, f64)> = Vec::new();
+    for cell in cells {
+        if !keys.contains(&(&cell.policy, cell.overlap)) {
+            keys.push((&cell.policy, cell.overlap));
+        }
+    }
+    let row = |(policy, overlap): &(&str, f64)| {
+        let of: Vec<&&ProtocolCell> =
+            cells.iter().filter(|cell| cell.policy == *policy && cell.overlap == *overlap).collect();
+        let mut row = vec![Value::Code((*policy).into()), Value::Percent(*overlap)];
+        row.extend(speeds.iter().map(|speed| {
+            let cell = of.iter().find(|cell| cell.test_speed == *speed);
+            cell.map_or_else(|| "–".into(), |cell| shown(cell))
+        }));
+        let passed = of.iter().filter(|cell| cell.passes() == Some(true)).count() as u64;
+        row.extend(coloured.then(|| Value::Number(score(of.iter().map(|cell| **cell)), 2)));
+        row.push(Value::Of(passed, of.len() as u64));
+        row
+    };
+    Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
+}
+
+/// A cell of a test within its layers.
+struct Layered<'a> {
+    nominal: Option<&'a ProtocolCell>,
+    /// The worst result of each search.
+    found: Vec<&'a ProtocolCell>,
+}
+
+impl<'a> Layered<'a> {
+    /// The cells of the searches, each once.
+    fn all(cells: &'a [ProtocolCell], layers: &'a [ProtocolCell]) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for found in layers {
+            match all.iter_mut().find(|known| known.key().is_same_case(found)) {
+                Some(known) => known.found.push(found),
+                None => {
+                    let nominal = cells.iter().find(|cell| cell.is_same_case(found));
+                    all.push(Self { nominal, found: vec![found] });
+                }
+            }
+        }
+        all
+    }
+
+    /// Any of its results: they have the same driver and case.
+    fn key(&self) -> &'a ProtocolCell {
+        self.found[0]
+    }
+
+    /// The result of a search.
+    fn found_by(&self, falsifier: &str) -> Option<&'a ProtocolCell> {
+        self.found.iter().copied().find(|cell| cell.falsifier.as_deref() == Some(falsifier))
+    }
+
+    /// The worst result of the searches and the nominal test, which is one of the variations.
+    fn worst(&self) -> &'a ProtocolCell {
+        let speed = |cell: &ProtocolCell| cell.impact_speed.unwrap_or(0.0);
+        let mut worst = self.nominal.unwrap_or(self.found[0]);
+        for cell in &self.found {
+            if speed(cell) > speed(worst) {
+                worst = cell;
+            }
+        }
+        worst
+    }
+
+    /// Whether its colour, or whether it passes, is worse than that of the nominal test.
+    fn is_worse(&self) -> bool {
+        let rank = |cell: &ProtocolCell| (cell.passes() == Some(false), cell.colour());
+        self.nominal.is_some_and(|nominal| rank(self.worst()) > rank(nominal))
+    }
+
+    fn value(&self) -> Value {
+        match self.nominal {
+            Some(nominal) if self.is_worse() => Value::Change(Box::new(shown(nominal)), Box::new(shown(self.worst()))),
+            Some(nominal) => shown(nominal),
+            None => shown(self.worst()),
+        }
+    }
+}
+
+/// The tables of the layers: one row for each driver, the cells of each driver, the searches, and the cells that got worse.
+fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Vec<Table> {
+    let all = Layered::all(cells, layers);
+    let mut drivers: Vec<&str> = Vec::new();
+    for each in &all {
+        if !drivers.contains(&each.key().policy.as_str()) {
+            drivers.push(&each.key().policy);
+        }
+    }
+    let of = |driver: &str| all.iter().filter(|each| each.key().policy == driver).collect::<Vec<_>>();
+    let mut tables = vec![robustness(&drivers, of)];
+    tables.extend(drivers.iter().map(|driver| of_driver(driver, &of(driver))));
+    tables.push(of_searches(&all));
+    tables.extend(changes(&all));
+    tables
+}
+
+/// How far each driver's nominal result is true within the layers.
+fn robustness<'a>(drivers: &[&'a str], of: impl Fn(&str) -> Vec<&'a Layered<'a>>) -> Table {
+    let names = ["cells", "worse within the layers", "red, nominal", "red, worst", "score, nominal", "score, worst"];
+    let row = |driver: &&str| {
+        let of = of(driver);
+        let red = |cell: &ProtocolCell| cell.colour() == Some(Colour::Red);
+        let nominal: Vec<&ProtocolCell> = of.iter().filter_map(|each| each.nominal).collect();
+        let worst: Vec<&ProtocolCell> = of.iter().map(|each| each.worst()).collect();
+        let count = |number: usize| Value::Count(number as u64);
+        vec![
+            Value::Code((*driver).into()),
+            count(of.len()),
+            count(of.iter().filter(|each| each.is_worse()).count()),
+            count(nominal.iter().filter(|cell| red(cell)).count()),
+            count(worst.iter().filter(|cell| red(cell)).count()),
+            Value::Number(score(nominal.iter().copied()), 2),
+            Value::Number(score(worst.iter().copied()), 2),
+        ]
+    };
+    let note = "A cell is a test, an overlap and a test speed. *Worse*: a variation of the target within the layers has a worse colour than the \
+         nominal test. *Score*: the mean of the colours' shares of the points, 1 when all cells are green.";
+    Table {
+        title: "Robustness: is the nominal result true within the layers?".into(),
+        head: std::iter::once(Column::text("driver")).chain(names.map(Column::number)).collect(),
+        rows: drivers.iter().map(row).collect(),
+        notes: vec![headline(drivers, &of), note.into()],
+    }
+}
+
+/// Which drivers touch no target in the nominal tests, and which within the layers.
+fn headline<'a>(drivers: &[&'a str], of: &impl Fn(&str) -> Vec<&'a Layered<'a>>) -> String {
+    let without = |touches: &dyn Fn(&Layered<'_>) -> bool| {
+        let clean = drivers.iter().filter(|driver| !of(driver).into_iter().any(touches));
+        match clean.map(|driver| format!("`{driver}`")).collect::<Vec<_>>() {
+            names if names.is_empty() => "no driver".to_string(),
+            names => names.join(", "),
+        }
+    };
+    let touched = |cell: &ProtocolCell| cell.impact_speed.is_none_or(|speed| speed > 0.0);
+    format!(
+        "**Without contact in all nominal tests: {}. Without contact within the layers: {}.**",
+        without(&|each| each.nominal.is_some_and(touched)),
+        without(&|each| touched(each.worst())),
+    )
+}
+
+/// The nominal colour of each cell of a driver, and the worst one within the layers where that is worse.
+fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
+    let mut speeds: Vec<f64> = of.iter().map(|each| each.key().test_speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let mut keys: Vec<(&str, f64)> = Vec::new();
+    for each in of {
+        let key = (each.key().test.as_str(), each.key().overlap);
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let mut head = vec![Column::text("test"), Column::number("overlap").key()];
+    head.extend(speeds.iter().map(|speed| Column::number(format!("{:.0} km/h", speed * 3.6))));
+    let row = |(test, overlap): &(&str, f64)| {
+        let here = |each: &&&Layered<'_>| each.key().test == *test && each.key().overlap == *overlap;
+        let name = of.iter().find(here).and_then(|each| each.nominal).map_or(*test, |nominal| nominal.test.as_str());
+        let mut row = vec![Value::Code(name.into()), Value::Percent(*overlap)];
+        row.extend(speeds.iter().map(|speed| {
+            let cell = of.iter().filter(here).find(|each| each.key().test_speed == *speed);
+            cell.map_or_else(|| "–".into(), |each| each.value())
+        }));
+        row
+    };
+    Table {
+        title: format!("{driver}: nominal → worst within the layers, impact speed (km/h)"),
+        head,
+        rows: keys.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// In how many cells each search found the worst result.
+fn of_searches(all: &[Layered<'_>]) -> Table {
+    let mut searches: Vec<&str> = Vec::new();
+    for name in all.iter().flat_map(|each| &each.found).filter_map(|cell| cell.falsifier.as_deref()) {
+        if !searches.contains(&name) {
+            searches.push(name);
+        }
+    }
+    let row = |name: &&str| {
+        let worse: Vec<_> = all.iter().filter(|each| each.is_worse()).collect();
+        let as_bad =
+            |each: &&&Layered<'_>| each.found_by(name).is_some_and(|cell| cell.colour() == each.worst().colour());
+        let searched = all.iter().filter(|each| each.found_by(name).is_some()).count() as u64;
+        let found = worse.iter().filter(as_bad).count() as u64;
+        vec![Value::Code((*name).into()), Value::Count(searched), Value::Of(found, worse.len() as u64)]
+    };
+    let names = ["cells searched", "worst colour found, of the worse cells"];
+    Table {
+        title: "Searches, each with the same budget".into(),
+        head: std::iter::once(Column::text("search")).chain(names.map(Column::number)).collect(),
+        rows: searches.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// The cells that got worse, with the names of their collisions; none when no cell did.
+fn changes(all: &[Layered<'_>]) -> Option<Table> {
+    let numbers = ["overlap", "test speed (km/h)"].map(Column::number);
+    let words = |names: [&'static str; 4]| names.map(Column::text);
+    let head = ["driver", "test"].map(Column::text).into_iter().chain(numbers);
+    let head: Vec<Column> = head.chain(words(["nominal", "worst", "found by", "replay"])).collect();
+    let row = |each: &Layered<'_>| {
+        let worst = each.worst();
+        vec![
+            Value::Code(worst.policy.clone()),
+            Value::Code(each.nominal.unwrap_or(worst).test.clone()),
+            Value::Percent(worst.overlap),
+            Value::Number(Some(worst.test_speed * 3.6), 0),
+            each.nominal.map_or_else(|| "–".into(), shown),
+            shown(worst),
+            Value::Code(worst.falsifier.clone().unwrap_or_default()),
+            Value::Code(worst.worst.clone().unwrap_or_default()),
+        ]
+    };
+    let rows: Vec<_> = all.iter().filter(|each| each.is_worse()).map(row).collect();
+    let note = "`falsify replay NAME --report FOLDER` shows a collision.";
+    let title = "Cells that are worse within the layers".into();
+    (!rows.is_empty()).then(|| Table { title, head, rows, notes: vec![note.into()] })
+}
+
+/// `0 green`, `23.4 red !`, `5.0 fails`.
+fn shown(cell: &ProtocolCell) -> Value {
+    let (Some(impact), Some(passes)) = (cell.impact_speed, cell.passes()) else {
+        // Without any episode it was not tried, as in a run with `--smoke`.
+        return if cell.failed { "error" } else { "–" }.into();
+    };
+    let speed = if impact > 0.0 { format!("{:.1}", impact * 3.6) } else { "0".into() };
+    let mark = if cell.is_held() == Some(false) { " !" } else { "" };
+    let word = cell.colour().map_or(if passes { "passes" } else { "fails" }, Colour::name);
+    let tone = cell.colour().unwrap_or(if passes { Colour::Green } else { Colour::Red });
+    Value::Toned(format!("{speed} {word}{mark}"), tone.name())
+}
+
+/// The mean of the scores of cells.
+fn score<'a>(cells: impl Iterator<Item = &'a ProtocolCell>) -> Option<f64> {
+    let scores: Vec<f64> = cells.filter_map(ProtocolCell::colour).map(Colour::score).collect();
+    (!scores.is_empty()).then(|| scores.iter().sum::<f64>() / scores.len() as f64)
+}

@@ -1,0 +1,118 @@
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use super::names::{distinct, head, names, place, who};
+use crate::report::render::table::{Column, Table, Value};
+use crate::report::{Cell, Spread};
+
+/// The table of cells, for the summary. It has the mean reward if any was paid.
+pub fn results(cells: &[Cell]) -> Table {
+    let has_errors = cells.iter().any(|cell| cell.errors > 0);
+    let is_paid = cells.iter().any(|cell| cell.reward_sum.mean.is_some_and(|reward| reward != 0.0));
+    let rewards: BTreeSet<&str> = cells.iter().map(|cell| cell.key.reward.as_str()).collect();
+    let mut columns = head();
+    columns.push(Column::number("runs × episodes"));
+    if has_errors {
+        columns.push(Column::number("errors"));
+    }
+    // Means with a spread are left-aligned, so that the means are below each other.
+    columns.extend(["collision rate", "95 % of episodes", "front", "moving", "preventable", "fault"].map(Column::text));
+    if is_paid {
+        columns.push(Column::text("mean reward"));
+    }
+    columns.extend(["length (s)", "impact speed (m/s)"].map(Column::text));
+    let row = |cell: &&Cell| {
+        let mut row = names(cell, cells);
+        row.push(Value::Times(cell.runs.into(), u64::from(cell.episodes / cell.runs.max(1))));
+        if has_errors {
+            row.push(Value::Count(cell.errors.into()));
+        }
+        row.extend([
+            Value::from(cell.collision),
+            Value::Interval(Some(cell.interval)),
+            cell.front.into(),
+            cell.moving.into(),
+            cell.preventable.into(),
+            cell.fault.into(),
+        ]);
+        if is_paid {
+            // The row of an untrained controller is that of all rewards, which pay it differently.
+            let one = cell.key.is_trained() || rewards.len() == 1;
+            row.push(if one { cell.reward_sum.into() } else { Value::from(Spread::default()) });
+        }
+        row.extend([Value::from(cell.length), cell.impact_speed.into()]);
+        row
+    };
+    Table {
+        head: columns,
+        rows: distinct(cells).iter().map(row).collect(),
+        notes: vec![
+            "\"±\" is the standard deviation over runs. Each run is a training of its own, or for an untrained controller a seed of its own. \
+             The interval is Wilson's over the episodes of all runs. It does not say what further trainings would show. \
+             *Front*: share of the collisions that are in the front sector. *Moving*: share of the episodes that end in a collision \
+             with a moving car. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
+             *Fault*: those of them in which the pedestrian moved as people do. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
+             An untrained controller walks the same for every reward, so it has one row."
+                .into(),
+        ],
+        ..Table::default()
+    }
+}
+
+/// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller.
+pub fn rates(cells: &[Cell]) -> Table {
+    let has_errors = cells.iter().any(|cell| cell.errors > 0);
+    let mut columns = vec![Column::text("controller"), Column::number("n")];
+    if has_errors {
+        columns.push(Column::number("errors"));
+    }
+    columns.extend(["collision", "moving", "preventable", "fault"].map(Column::text));
+    let distinct = distinct(cells);
+    let heading = |cell: &Cell| format!("{} · {}", place(cell, cells), cell.key.policy);
+    let mut headings: Vec<String> = Vec::new();
+    for cell in &distinct {
+        let name = heading(cell);
+        if !headings.contains(&name) {
+            headings.push(name);
+        }
+    }
+    let mut rows = Vec::new();
+    for name in headings {
+        let members: Vec<&&Cell> = distinct.iter().filter(|cell| heading(cell) == name).collect();
+        let mut row = vec![Value::Text(name)];
+        row.resize(columns.len(), Value::Text(String::new()));
+        rows.push(row);
+        for cell in members {
+            let mut row = vec![Value::Text(format!("  {}", who(cell, cells))), Value::Count(cell.episodes.into())];
+            if has_errors {
+                row.push(Value::Count(cell.errors.into()));
+            }
+            row.extend([cell.collision, cell.moving, cell.preventable, cell.fault].map(Value::from));
+            rows.push(row);
+        }
+    }
+    Table { head: columns, rows, ..Table::default() }
+}
+
+/// The number of episodes in which a driver or a controller failed as a program, in Markdown; empty without any.
+pub fn errors(cells: &[Cell]) -> String {
+    let failed: u32 = cells.iter().map(|cell| cell.errors).sum();
+    if failed == 0 {
+        return String::new();
+    }
+    let mut page = format!(
+        "\n**In {failed} more episodes the driver or the controller failed as a program, or the episode was not run.** They count neither as passed nor as failed, \
+         and no number above includes them. The column `error` of `episodes.csv` has the cause of each:\n\n"
+    );
+    for cell in distinct(cells).into_iter().filter(|cell| cell.errors > 0) {
+        let (errors, all) = (cell.errors, cell.episodes + cell.errors);
+        let _ = writeln!(
+            page,
+            "- {} in {} against {}: {errors} of {all}",
+            cell.key.controller,
+            place(cell, cells),
+            cell.key.policy
+        );
+    }
+    page
+}

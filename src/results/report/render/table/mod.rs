@@ -1,0 +1,130 @@
+//! Tables for people: made once, rendered for a terminal, as Markdown and as HTML.
+
+mod value;
+mod terminal;
+mod markdown;
+mod html;
+
+pub use value::Value;
+
+/// The alignment of a column's values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Words.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// The head of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Its name, with the unit if there is one.
+    pub name: String,
+    pub align: Align,
+    /// Whether each part of a table that is too wide for a terminal has it, as always the first column.
+    pub is_key: bool,
+    /// Whether a terminal shows it.
+    pub is_brief: bool,
+    /// Whether a page shows it at once; else it shows it in a list of all columns that can be unfolded.
+    pub is_shown: bool,
+}
+
+impl Column {
+    /// A column of words.
+    pub fn text(name: impl Into<String>) -> Self {
+        Self { name: name.into(), align: Align::Left, is_key: false, is_brief: true, is_shown: true }
+    }
+
+    /// A column of numbers.
+    pub fn number(name: impl Into<String>) -> Self {
+        Self { align: Align::Right, ..Self::text(name) }
+    }
+
+    /// The same column, in each part of a table that is too wide for a terminal.
+    pub fn key(self) -> Self {
+        Self { is_key: true, ..self }
+    }
+
+    /// The same column, but not in a terminal, and folded on a page.
+    pub fn detail(self) -> Self {
+        Self { is_brief: false, is_shown: false, ..self }
+    }
+
+    /// The same column, but not in a terminal.
+    pub fn page_only(self) -> Self {
+        Self { is_brief: false, ..self }
+    }
+}
+
+/// A table for people.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// Its heading; empty when the surrounding text names it.
+    pub title: String,
+    pub head: Vec<Column>,
+    /// Its rows, each with a value for every column.
+    pub rows: Vec<Vec<Value>>,
+    /// Notes on how to read it, in Markdown, a paragraph each.
+    pub notes: Vec<String>,
+}
+
+/// A part of a report: a heading, tables, and how to read them. The summary has all sections; the page has those that it does not draw.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Section {
+    /// Its `id` on the page.
+    pub id: &'static str,
+    /// Its name in a list of contents.
+    pub name: &'static str,
+    /// The heading.
+    pub title: &'static str,
+    pub tables: Vec<Table>,
+    /// How to read them, in Markdown, a paragraph each.
+    pub notes: Vec<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Spread;
+
+    fn table() -> Table {
+        Table {
+            title: "Rates".into(),
+            head: vec![Column::text("who"), Column::number("rate"), Column::number("runs").detail()],
+            rows: vec![
+                vec![
+                    Value::Text("a|<b>".into()),
+                    Value::Spread(Spread { mean: Some(0.5), sd: Some(0.125) }),
+                    Value::Count(1234),
+                ],
+                vec![Value::Link("c".into(), "c.svg".into()), Value::Number(None, 2), Value::Of(1, 2)],
+            ],
+            notes: vec!["A *rate* is `hits` of all.".into()],
+        }
+    }
+
+    #[test]
+    fn a_table_is_the_same_in_three_forms() {
+        assert_eq!(table().to_terminal(80), "  who           rate\n  a|<b>  0.50 ± 0.12\n  c                –\n");
+        assert_eq!(
+            table().to_markdown(),
+            "Rates:\n\n| who | rate | runs |\n|---|--:|--:|\n| a\\|<b> | 0.50 ± 0.12 | 1234 |\n| [c](c.svg) | – | 1 of 2 |\n\n\
+             A *rate* is `hits` of all.\n"
+        );
+        let html = table().to_html().into_string();
+        for part in [
+            "<h3>Rates</h3>",
+            "<th class=\"number\">rate</th>",
+            "<th scope=\"row\">a|&lt;b&gt;</th>",
+            "<summary>All columns</summary>",
+            "<dt>runs</dt><dd>1\u{202f}234</dd>",
+            "<td class=\"number\" data-label=\"rate\">0.50 ± 0.12</td>",
+            "<a href=\"c.svg\">c</a>",
+            "A <em>rate</em> is <code>hits</code> of all.",
+        ] {
+            assert!(html.contains(part), "{part}: {html}");
+        }
+        assert!(!html.contains("<th class=\"number\">runs</th>"), "a detail has no column of its own: {html}");
+    }
+}

@@ -1,0 +1,115 @@
+use std::fmt;
+
+use crate::report::Spread;
+
+/// A value of a table. `Display` gives its text; Markdown and HTML add markup for code, links and lines.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// Words.
+    Text(String),
+    /// Words that a reader may copy: a name, a command.
+    Code(String),
+    /// Words with a link: text, and the file in the folder of the report.
+    Link(String, String),
+    Count(u64),
+    /// A count of a total.
+    Of(u64, u64),
+    /// Number of runs, and the amount of each of them.
+    Times(u64, u64),
+    /// A number, and its number of digits after the point.
+    Number(Option<f64>, usize),
+    /// A mean with its standard deviation.
+    Spread(Spread),
+    Interval(Option<(f64, f64)>),
+    /// A number with its interval, and their number of digits after the point.
+    Estimate(Option<f64>, Option<(f64, f64)>, usize),
+    /// The same for a difference, with its sign.
+    Difference(Option<f64>, Option<(f64, f64)>),
+    /// The values of single runs, too few for an interval, their number of digits after the point, and whether they are differences with a sign.
+    Runs(Vec<f64>, usize, bool),
+    /// A share of a whole.
+    Percent(f64),
+    Warning(String),
+    /// Words on a colour of the page's style sheet: `green`, `yellow`, `orange`, `brown` or `red`.
+    Toned(String, &'static str),
+    /// A value, and what it became.
+    Change(Box<Value>, Box<Value>),
+    /// Several values below each other.
+    Lines(Vec<Value>),
+}
+
+/// Shown in place of a missing value.
+const NONE: &str = "–";
+
+/// A number to two digits, a large one in powers of ten.
+fn short(number: f64) -> String {
+    if number.abs() < 1e5 { format!("{number:.2}") } else { format!("{number:.2e}") }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) | Self::Code(text) | Self::Link(text, _) | Self::Warning(text) | Self::Toned(text, _) => {
+                f.write_str(text)
+            }
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Of(part, whole) => write!(f, "{part} of {whole}"),
+            Self::Times(runs, each) => write!(f, "{runs} × {each}"),
+            Self::Number(Some(number), digits) => write!(f, "{number:.digits$}"),
+            Self::Spread(Spread { mean: Some(mean), sd: None }) => f.write_str(&short(*mean)),
+            Self::Spread(Spread { mean: Some(mean), sd: Some(sd) }) => write!(f, "{} ± {}", short(*mean), short(*sd)),
+            Self::Interval(Some((low, high))) => write!(f, "{low:.2}..{high:.2}"),
+            Self::Estimate(Some(number), None, digits) => write!(f, "{number:.digits$}"),
+            // Runs that are all equal, as those of deterministic controllers, show no spread.
+            Self::Estimate(Some(number), Some((low, high)), digits) if low == high => {
+                write!(f, "{number:.digits$} (all alike)")
+            }
+            Self::Estimate(Some(number), Some((low, high)), digits) => {
+                write!(f, "{number:.digits$} ({low:.digits$}..{high:.digits$})")
+            }
+            Self::Difference(Some(number), None) => write!(f, "{number:+.2}"),
+            Self::Difference(Some(number), Some((low, high))) => write!(f, "{number:+.2} ({low:+.2}..{high:+.2})"),
+            Self::Runs(values, digits, signed) => {
+                let value =
+                    |value: &f64| if *signed { format!("{value:+.digits$}") } else { format!("{value:.digits$}") };
+                let each: Vec<String> = values.iter().map(value).collect();
+                write!(f, "{} ({} runs)", each.join(" "), values.len())
+            }
+            Self::Percent(share) => write!(f, "{:.0} %", 100.0 * share),
+            Self::Change(before, after) => write!(f, "{before} → {after}"),
+            Self::Lines(lines) => {
+                let texts: Vec<String> = lines.iter().map(Self::to_string).collect();
+                f.write_str(&texts.join("; "))
+            }
+            Self::Number(None, _)
+            | Self::Spread(Spread { mean: None, .. })
+            | Self::Interval(None)
+            | Self::Estimate(None, ..)
+            | Self::Difference(None, _) => f.write_str(NONE),
+        }
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<&String> for Value {
+    fn from(text: &String) -> Self {
+        Self::Text(text.clone())
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Spread> for Value {
+    fn from(spread: Spread) -> Self {
+        Self::Spread(spread)
+    }
+}

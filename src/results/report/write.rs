@@ -1,0 +1,108 @@
+use std::collections::BTreeMap;
+
+use super::aggregate::{CELLS, PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, protocol_table, results};
+use super::failure_modes::{self, CellModes};
+use super::render::{
+    Section, file_names, mode_panels, modes_section, protocol, published_section, rule_bars, search_section, summary,
+    trainings_section, write_page,
+};
+use super::{
+    Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
+    search_cell_table, search_comparison_table, search_comparisons, search_failures, search_kind_table, searches,
+    town_map,
+};
+use compile::TrainingKey;
+
+/// The path of a trained pedestrian in a report, relative to the report's folder; the format is the file's extension.
+pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
+    format!("pedestrians/{}-{}-{}-{}.{format}", key.reward, key.town, key.policy, key.run)
+}
+
+/// Fills a report's folder with all files of a campaign, except the table of episodes, which [`gather`](super::gather) has written.
+///
+/// # Errors
+/// A table that cannot be made or a file that cannot be written.
+pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -> Result<(), WriteError> {
+    let Findings { campaign, finished, gathered, .. } = found;
+    let evidence = &gathered.evidence;
+    folder.table(RUNS, &found.metrics.runs)?;
+    folder.table(RESULTS, &results(&found.cells, &gathered.failures))?;
+    folder.table(CELLS, &found.cell_table)?;
+    folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
+    folder.table("transfer", &infer::transfer_table(&evidence.transfers))?;
+    let modes_sections = write_failure_modes(folder, &found.modes)?;
+    folder.table("learning_curve", &learning_curve(&finished.trainings))?;
+    for town in &campaign.towns {
+        let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
+        folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
+    }
+    for training in &finished.trainings {
+        let Ok(trained) = &training.result else { continue };
+        let key = &training.key;
+        let planned = campaign.trainings.iter().find(|planned| planned.key == *key).expect("it was planned");
+        let bounds = planned.scenario.cast.action_bounds();
+        let interface = planned.scenario.cast.interface(&planned.scenario.episode);
+        let metadata: BTreeMap<String, String> = [
+            ("falsify", manifest.version.clone()),
+            ("campaign", campaign.name.clone()),
+            ("town", key.town.clone()),
+            ("policy", key.policy.clone()),
+            ("reward", key.reward.clone()),
+            ("run", key.run.to_string()),
+            ("seed", manifest.seed.to_string()),
+            ("states_stacked", planned.config.frame_stack.to_string()),
+            ("action_low", format!("{:?}", bounds.iter().map(|bound| bound.0).collect::<Vec<_>>())),
+            ("action_high", format!("{:?}", bounds.iter().map(|bound| bound.1).collect::<Vec<_>>())),
+        ]
+        .into_iter()
+        .chain(interface)
+        .map(|(name, value)| (name.to_string(), value))
+        .collect();
+        folder.file(&pedestrian_file(key, "safetensors"), &trained.actor_critic.to_safetensors(&metadata))?;
+        folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
+    }
+    let mut sections = Vec::new();
+    if !campaign.published.is_empty() {
+        folder.table("published", &published(&found.published))?;
+        sections.extend(published_section(&found.published));
+    }
+    if !gathered.protocol.is_empty() || !found.layers.is_empty() {
+        let all: Vec<_> = gathered.protocol.iter().chain(&found.layers).cloned().collect();
+        folder.table(PROTOCOL, &protocol_table(&all))?;
+        sections.extend(protocol(&gathered.protocol, &found.layers));
+    }
+    sections.extend(modes_sections);
+    if !finished.searches.is_empty() {
+        folder.table("searches", &searches(&finished.searches))?;
+        folder.table("search_cells", &search_cell_table(&found.searches))?;
+        let compared = search_comparisons(&finished.searches);
+        folder.table(SEARCH_COMPARISONS, &search_comparison_table(&compared))?;
+        folder.table("search_failures", &search_failures(&finished.searches))?;
+        folder.table(SEARCH_KINDS, &search_kind_table(&found.search_kinds))?;
+        sections.push(search_section(&found.searches));
+    }
+    sections.extend(trainings_section(&finished.trainings));
+    folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;
+    folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
+    write_page(folder, found, manifest)
+}
+
+/// Adds the tables and pictures of failure modes to a report; returns the section of its summary, none without any collision.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_failure_modes(folder: &ReportFolder, cells: &[CellModes<'_>]) -> Result<Option<Section>, WriteError> {
+    folder.table("failure_modes", &failure_modes::failure_modes(cells))?;
+    folder.table("mode_counts", &failure_modes::mode_counts(cells))?;
+    folder.table("explanations", &failure_modes::explanations(cells))?;
+    let names = file_names(cells);
+    for (cell, name) in cells.iter().zip(&names) {
+        if !cell.modes.is_empty() {
+            folder.file(&format!("modes/{name}.svg"), mode_panels(cell).to_svg().as_bytes())?;
+        }
+        if !cell.explanations.is_empty() {
+            folder.file(&format!("modes/{name}-why.svg"), rule_bars(cell).to_svg().as_bytes())?;
+        }
+    }
+    Ok(modes_section(cells, &names))
+}

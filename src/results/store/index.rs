@@ -1,0 +1,181 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::{Deserialize, Serialize};
+
+use super::{CODE, Header, Ids, State, Store, StoreError, vector_instructions};
+use crate::campaign::{Task, tasks};
+use crate::record::RunKey;
+use compile::{CHUNK, Campaign};
+
+/// What the store remembers of a campaign: the tasks that it wanted last, and the inputs from which each of its tasks was last made. It
+/// only explains; a task is there or not there without it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Index {
+    /// The names of all its tasks.
+    pub wanted: BTreeSet<String>,
+    /// What each of them is, and its size: updates, episodes, ticks.
+    #[serde(default)]
+    pub plan: BTreeMap<String, (String, u64)>,
+    /// The command that it was last run with.
+    #[serde(default)]
+    pub command: String,
+    /// The folder for reports that it was last run for, for people.
+    #[serde(default)]
+    pub out: String,
+    /// The finished tasks, by what they are.
+    done: BTreeMap<String, Made>,
+}
+
+/// The inputs from which a task was made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Made {
+    id: String,
+    fingerprint: String,
+    code: String,
+    seed: u64,
+    /// The lineage of a training; empty for other tasks and for trainings without one.
+    #[serde(default)]
+    lineage: String,
+}
+
+/// What is known of a task before a run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Known {
+    /// It is stored.
+    Finished,
+    /// A part of it is stored: a number of its updates or episodes.
+    Begun(u64, u64),
+    /// It is not stored, for this reason.
+    Missing(&'static str),
+}
+
+impl Index {
+    /// What the store remembers of a campaign; empty when there is nothing, or it is damaged.
+    ///
+    /// # Errors
+    /// Its file is there and cannot be read.
+    pub fn read(store: &Store, name: &str) -> Result<Self, StoreError> {
+        let text = store.campaign_text(name)?;
+        Ok(text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default())
+    }
+
+    /// Records what a campaign wants, and which of these tasks are stored.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self, store: &Store, name: &str, campaign: &Campaign, seed: u64) -> Result<(), StoreError> {
+        let ids = Ids::new(campaign, seed);
+        self.wanted = tasks(campaign).map(|task| ids.get(task).to_string()).collect();
+        let planned = |task| (ids.get(task).to_string(), (task_name(campaign, task), amount(campaign, task)));
+        self.plan = tasks(campaign).map(planned).collect();
+        for task in tasks(campaign) {
+            let id = ids.get(task);
+            if store.head(id).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished)) {
+                let (fingerprint, code) = (fingerprint(campaign, task), CODE.to_string());
+                let made = Made { id: id.to_string(), fingerprint, code, seed, lineage: lineage(campaign, task) };
+                self.done.insert(task_name(campaign, task), made);
+            }
+        }
+        self.out = store.place().out().to_string_lossy().into_owned();
+        let text = serde_json::to_string(self).expect("strings and numbers have a form in JSON");
+        store.put_campaign_text(name, &text)
+    }
+
+    /// The name of the training that was finished last under the names of this one, if this one differs from it only in its steps.
+    pub(super) fn shorter(&self, campaign: &Campaign, training: usize, seed: u64) -> Option<&str> {
+        let task = Task::Training(training);
+        let made = self.done.get(&task_name(campaign, task))?;
+        let lineage = lineage(campaign, task);
+        let same = !lineage.is_empty() && made.lineage == lineage && made.seed == seed && made.code == CODE;
+        same.then_some(made.id.as_str())
+    }
+
+    /// What is known of a task and, if it must be run, why.
+    pub fn look(&self, store: &Store, campaign: &Campaign, task: Task, ids: &Ids, seed: u64) -> Known {
+        let (id, wanted) = (ids.get(task), amount(campaign, task));
+        match store.head(id) {
+            Some(Ok(header)) => match header.state {
+                State::Finished if header.done < wanted && is_counted(campaign, task) => {
+                    return Known::Begun(header.done, wanted);
+                }
+                State::Finished => return Known::Finished,
+                State::Begun => return Known::Begun(header.done, wanted),
+                State::Failed => return Known::Missing("failed"),
+            },
+            Some(Err(reason)) => return Known::Missing(reason),
+            None => {}
+        }
+        if let Task::Training(training) = task
+            && let Some(Ok(header)) =
+                self.shorter(campaign, training, seed).and_then(|name| store.head_of(&store.path_of(name)))
+            && continues(&header, campaign, task)
+        {
+            return Known::Begun(header.done, wanted);
+        }
+        let Some(made) = self.done.get(&task_name(campaign, task)) else { return Known::Missing("new") };
+        Known::Missing(match made {
+            _ if made.id == id.to_string() => "gone",
+            _ if made.seed != seed => "seed changed",
+            _ if made.fingerprint != fingerprint(campaign, task) => "scenario changed",
+            _ if made.code != CODE => "code changed",
+            _ => "training changed",
+        })
+    }
+}
+
+/// Whether the number of episodes of a task is known in advance. A stored task may have been made for fewer.
+fn is_counted(campaign: &Campaign, task: Task) -> bool {
+    matches!(task, Task::Chunk { evaluation, .. } if campaign.evaluations[evaluation].halfwidth.is_none())
+}
+
+/// The number of updates or episodes of a finished task.
+fn amount(campaign: &Campaign, task: Task) -> u64 {
+    match task {
+        Task::Training(index) => {
+            let training = &campaign.trainings[index];
+            let update = (training.config.rollout_steps * training.environments) as u64;
+            training.config.total_steps.div_ceil(update)
+        }
+        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
+        Task::Search(index) => campaign.searches[index].budget,
+    }
+}
+
+/// Whether a training can continue from a finished one of its lineage: it has at most as many updates.
+pub(super) fn continues(header: &Header, campaign: &Campaign, task: Task) -> bool {
+    header.state == State::Finished && header.done <= amount(campaign, task)
+}
+
+/// What a training must share with one that it continues; empty where there is none.
+fn lineage(campaign: &Campaign, task: Task) -> String {
+    let Task::Training(index) = task else { return String::new() };
+    let training = &campaign.trainings[index];
+    let bits = if training.config.portable_bits { "portable" } else { vector_instructions() };
+    training.lineage.map_or(String::new(), |lineage| format!("{lineage} {bits}"))
+}
+
+fn fingerprint(campaign: &Campaign, task: Task) -> String {
+    match task {
+        Task::Training(index) => campaign.trainings[index].fingerprint.to_string(),
+        Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].fingerprint.to_string(),
+        Task::Search(index) => campaign.searches[index].fingerprint.to_string(),
+    }
+}
+
+/// What a task is, for people. It distinguishes the tasks of a campaign.
+pub fn task_name(campaign: &Campaign, task: Task) -> String {
+    match task {
+        Task::Training(index) => {
+            format!("train {}", campaign.trainings[index].key)
+        }
+        Task::Chunk { evaluation, chunk } => {
+            let key = RunKey::of(&campaign.evaluations[evaluation]);
+            let first = u64::from(chunk) * u64::from(CHUNK);
+            format!("evaluate {}, run {}, from episode {first}", key.cell.in_full(), key.run)
+        }
+        Task::Search(index) => {
+            let key = &campaign.searches[index].key;
+            format!("search {key}, block {}", key.block)
+        }
+    }
+}

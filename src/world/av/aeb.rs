@@ -1,0 +1,169 @@
+use super::lane_follower::LaneFollower;
+use super::route_trace::OnTrace;
+use super::{DrivingMode, DrivingPolicy, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+use base::signature::{Arguments, Param, Signature, Type};
+use base::units::Dimension;
+
+/// A driver that ignores all road users, with automatic emergency braking for road users that will be in its way.
+///
+/// The time to collision is `gap / closing speed` with each actor that is in the corridor now or, at constant velocity, when the
+/// car arrives. Below three thresholds the system warns (and releases the throttle), brakes partially, and brakes fully. The
+/// deceleration follows its target along ramps of constant jerk.
+///
+/// # Source
+/// Full braking 0.85 g after a ramp of 0.6 s: the automatic brake of UN R157's performance model. UN R152 requires full braking
+/// of at least 5 m/s². Stages by time to collision, a partial brake and release below standstill are common practice;
+/// their values here are assumptions, stated at each key.
+#[derive(Debug, Clone)]
+pub struct Aeb {
+    warning: f64,
+    partial: f64,
+    full: f64,
+    partial_brake: f64,
+    full_brake: f64,
+    jerk: f64,
+    margin: f64,
+    driver: LaneFollower,
+    /// The present deceleration of the brakes (m/s²).
+    braking: f64,
+    mode: DrivingMode,
+}
+
+/// Below this speed (m/s) the brakes hold the car while a road user in its way is nearer than this (m) (assumed).
+const HOLD: (f64, f64) = (0.5, 2.0);
+
+impl Aeb {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let time = || Type::non_negative(Dimension::TIME);
+        let acceleration = || Type::positive(Dimension::ACCELERATION);
+        LaneFollower::signature(
+            "aeb",
+            "A driver that sees no actors, with automatic emergency braking by time to collision. It trusts the positions that it is given: add sensors.",
+            vec![
+                Param::with_default(
+                    "warning",
+                    time(),
+                    "2 s",
+                    "Time to collision from which the throttle is let go (assumed).",
+                ),
+                Param::with_default(
+                    "partial",
+                    time(),
+                    "1.5 s",
+                    "Time to collision from which it brakes partially (assumed).",
+                ),
+                Param::with_default("full", time(), "1 s", "Time to collision from which it brakes fully (assumed)."),
+                Param::with_default(
+                    "partial_brake",
+                    acceleration(),
+                    "4 m/s^2",
+                    "Deceleration of the partial brake (assumed).",
+                ),
+                Param::with_default(
+                    "full_brake",
+                    acceleration(),
+                    "8.34 m/s^2",
+                    "Deceleration of the full brake: 0.85 g, UN R157's model of an automatic brake.",
+                ),
+                Param::with_default(
+                    "ramp",
+                    Type::positive(Dimension::TIME),
+                    "0.6 s",
+                    "Time from none to full braking, from the same model.",
+                ),
+                Param::with_default(
+                    "margin",
+                    Type::non_negative(Dimension::LENGTH),
+                    "0.3 m",
+                    "How far beside the car an actor is still in its way (assumed).",
+                ),
+            ],
+        )
+        .rising(&["full", "partial", "warning"])
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        let full_brake = arguments.number("full_brake");
+        Self {
+            warning: arguments.number("warning"),
+            partial: arguments.number("partial"),
+            full: arguments.number("full"),
+            partial_brake: arguments.number("partial_brake"),
+            full_brake,
+            jerk: full_brake / arguments.number("ramp"),
+            margin: arguments.number("margin"),
+            driver: LaneFollower::new(arguments),
+            braking: 0.0,
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// The least time to collision (s) with any actor.
+    fn time_to_collision(&self, perception: &Perception<'_>) -> f64 {
+        let actors = perception.pedestrians.iter().chain(perception.vehicles);
+        let found = actors.filter_map(|actor| self.driver.trace.locate(actor));
+        found.map(|actor| time_to(&actor, perception, self.margin)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The time until the car meets an actor (s), both at constant velocity; infinite when they do not meet.
+fn time_to(actor: &OnTrace, perception: &Perception<'_>, margin: f64) -> f64 {
+    let ego = &perception.ego;
+    let closing = ego.speed() - actor.velocity.x;
+    let ahead = actor.place.x - ego.half.x - actor.reach.x;
+    let corridor = ego.half.y + actor.reach.y + margin;
+    if ego.speed() < HOLD.0 && actor.place.x > 0.0 && ahead < HOLD.1 && actor.place.y.abs() <= corridor {
+        return 0.0;
+    }
+    // Braking no longer helps a road user beside the car's middle.
+    if closing <= 0.0 || actor.place.x < 0.0 {
+        return f64::INFINITY;
+    }
+    let time = ahead.max(0.0) / closing;
+    let then = actor.place.y + actor.velocity.y * time;
+    let in_way = actor.place.y.abs() <= corridor || then.abs() <= corridor;
+    if in_way { time } else { f64::INFINITY }
+}
+
+impl DrivingPolicy for Aeb {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.driver.reset(perception, stream);
+        self.braking = 0.0;
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let intent = self.driver.intend(perception);
+        let time = self.time_to_collision(perception);
+        let target = match time {
+            time if time < self.full => self.full_brake,
+            time if time < self.partial => self.partial_brake,
+            _ => 0.0,
+        };
+        let step = self.jerk * perception.dt;
+        self.braking = if target > self.braking { (self.braking + step).min(target) } else { target };
+        self.mode = match target {
+            target if target >= self.full_brake => DrivingMode::EmergencyStop,
+            target if target > 0.0 || time < self.warning => DrivingMode::Yield,
+            _ => intent.mode,
+        };
+        let allowed = if time < self.warning { -self.braking } else { f64::INFINITY };
+        intent.control(intent.acceleration.min(allowed), perception)
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

@@ -1,0 +1,161 @@
+use super::lane_follower::LaneFollower;
+use super::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion, ReferenceDriver, Threat};
+use super::{Actor, DrivingMode, DrivingPolicy, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+use base::signature::{Arguments, Param, Signature, Type};
+use base::units::Dimension;
+
+/// The careful human of the verdicts as a driver under test: UN R157's, at the gate of [`DelayedBrake`].
+///
+/// It drives its lane, notices a pedestrian that is on course into it when the gate opens, brakes after its evaluation and its reaction, and goes on
+/// once no pedestrian is on course any more. Where the reference knows what the recorded car did next, it does not; so it notices a pedestrian
+/// within 0.2 m and 0.1 s of the gate, and for any push on the accelerator that it may want.
+///
+/// # Source
+/// UN R157, annex 3: 0.4 s of evaluation, 0.75 s of reaction, 0.6 s to 0.774 g. What it does at rest is our own.
+#[derive(Debug, Clone)]
+pub struct CarefulHuman {
+    brake: DelayedBrake,
+    /// How far ahead of the bumper it sees a pedestrian (m).
+    range: f64,
+    driver: LaneFollower,
+    mode: DrivingMode,
+}
+
+/// How much farther to the side (m) and ahead in time (s) than the reference it looks.
+const ASIDE: f64 = 0.2;
+const EARLIER: f64 = 0.1;
+/// Lengths of its lane after which it looks straight ahead, as the verdict does after the end of the path that the car drove (m).
+const STRAIGHT: [f64; 7] = [f64::INFINITY, 0.0, 3.0, 6.0, 10.0, 15.0, 22.0];
+/// The accelerations that it may want within the next two seconds (m/s²).
+const PUSHES: [f64; 5] = [0.0, 0.5, 1.0, 1.5, 2.0];
+/// At rest it waits for a pedestrian that is on course within this time (s).
+const PATIENCE: f64 = 5.0;
+
+impl CarefulHuman {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let time = || Type::non_negative(Dimension::TIME);
+        LaneFollower::signature(
+            "careful_human",
+            "UN R157's careful human, who decides in a verdict what was preventable, as a driver. Weaken it to see what the verdict makes of it.",
+            vec![
+                Param::with_default(
+                    "evaluation",
+                    time(),
+                    "0.4 s",
+                    "Time for which it evaluates a risk before it reacts.",
+                ),
+                Param::with_default("reaction", time(), "0.75 s", "Time from then until it begins to brake."),
+                Param::with_default("ramp", time(), "0.6 s", "Time from none to full braking."),
+                Param::with_default(
+                    "full_braking",
+                    Type::positive(Dimension::ACCELERATION),
+                    "7.593 m/s^2",
+                    "Its full braking: 0.774 g.",
+                ),
+                Param::with_default(
+                    "range",
+                    Type::non_negative(Dimension::LENGTH),
+                    "200 m",
+                    "How far it sees a pedestrian; 0 m for a driver that sees no pedestrian.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        let profile = BrakeProfile {
+            wait: arguments.number("evaluation") + arguments.number("reaction"),
+            ramp: arguments.number("ramp"),
+            full: arguments.number("full_braking"),
+        };
+        Self {
+            brake: DelayedBrake::new(Some(Gate::CAREFUL), profile),
+            range: arguments.number("range"),
+            driver: LaneFollower::new(arguments),
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// A pedestrian in the frame of its lane, which goes straight on after some length (m), after this time (s).
+    fn threat(&self, perception: &Perception<'_>, actor: &Actor, straight: f64, after: f64) -> Option<Threat> {
+        let ego = &perception.ego;
+        let actor = self.driver.trace.locate_straight_after(straight, actor)?;
+        let place = actor.place + actor.velocity * after;
+        let gap = place.x - ego.speed() * after - ego.half.x - actor.reach.x;
+        let side = if place.y > 0.0 { 1.0 } else { -1.0 };
+        let threat = Threat {
+            gap,
+            length: 2.0 * actor.reach.x,
+            offset: place.y.abs(),
+            reach: ego.half.y + actor.reach.y + ASIDE,
+            along: actor.velocity.x,
+            towards: -side * actor.velocity.y,
+        };
+        (gap.max(0.0) < self.range && gap > -2.0 * (ego.half.x + actor.reach.x)).then_some(threat)
+    }
+
+    /// Whether it notices a pedestrian in this tick.
+    fn notices(&self, perception: &Perception<'_>) -> bool {
+        let length = 2.0 * perception.ego.half.x;
+        let speed = perception.ego.speed();
+        let wants_more = speed < perception.speed_limit;
+        let owns = PUSHES.map(|push| if wants_more { push } else { 0.0 });
+        let owns = owns.map(|intended| OwnMotion { speed, acceleration: 0.0, intended, length });
+        perception.pedestrians.iter().any(|actor| {
+            let seen = perception.in_sight_of_eye(actor);
+            let times = || [0.0, perception.dt, EARLIER].into_iter();
+            let views = STRAIGHT.into_iter().flat_map(|straight| times().map(move |after| (straight, after)));
+            let mut threats = views.filter_map(|(straight, after)| self.threat(perception, actor, straight, after));
+            seen && threats.any(|threat| {
+                owns.iter().any(|own| {
+                    let near = own.stands() && threat.time_to_collision(own) <= PATIENCE && threat.is_on_course(own);
+                    near || self.brake.notices(own, &threat)
+                })
+            })
+        })
+    }
+}
+
+impl DrivingPolicy for CarefulHuman {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.driver.reset(perception, stream);
+        self.brake.begin();
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let intent = self.driver.intend(perception);
+        let speed = perception.ego.speed();
+        let stands = speed <= OwnMotion::STANDING;
+        let notices = self.notices(perception);
+        if stands && !notices {
+            self.brake.begin();
+        }
+        let braking = self.brake.next(notices, stands, perception.dt);
+        let Some(braking) = braking else {
+            self.mode = intent.mode;
+            return intent.control(intent.acceleration, perception);
+        };
+        self.mode = DrivingMode::EmergencyStop;
+        if stands {
+            return Control { steer: intent.steer, ..Control::FULL_BRAKE };
+        }
+        intent.control(intent.acceleration.min(-braking), perception)
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

@@ -1,0 +1,103 @@
+use super::{Fault, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+
+/// The present manoeuvre of a driver, for tables and replays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, serde::Serialize, serde::Deserialize)]
+pub enum DrivingMode {
+    /// Along its route, at the speed it wants.
+    #[default]
+    Cruise,
+    /// Through a turn, slower.
+    Turn,
+    /// Behind another vehicle.
+    Follow,
+    /// Slowing down smoothly for another road user.
+    Yield,
+    /// Braking hard for another road user.
+    EmergencyStop,
+    /// Standing at a red light.
+    RedLight,
+    /// Standing at the end of its route.
+    Arrived,
+    /// An external driver that does not report its mode.
+    Unknown,
+}
+
+impl DrivingMode {
+    /// All of them.
+    const ALL: [Self; 8] = [
+        Self::Cruise,
+        Self::Turn,
+        Self::Follow,
+        Self::Yield,
+        Self::EmergencyStop,
+        Self::RedLight,
+        Self::Arrived,
+        Self::Unknown,
+    ];
+
+    /// The one with this name in tables.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mode| mode.name() == name)
+    }
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cruise => "cruise",
+            Self::Turn => "turn",
+            Self::Follow => "follow",
+            Self::Yield => "yield",
+            Self::EmergencyStop => "emergency_stop",
+            Self::RedLight => "red_light",
+            Self::Arrived => "arrived",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// The driver of a vehicle.
+pub trait DrivingPolicy: Send {
+    /// Forgets the last episode and prepares for one that starts with this perception; `stream` is the policy's own.
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream);
+
+    /// The speed limit at which it drives this speed (m/s) on a free, straight road; the driver holds a test speed that way. A driver whose
+    /// speed does not follow the limit returns the speed.
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        speed
+    }
+
+    /// Called before [`DrivingPolicy::drive`] with the same perception. All policies of a batch are prepared before the first of
+    /// them drives. A driver that answers a whole batch at once collects its requests here.
+    fn prepare(&mut self, perception: &Perception<'_>) {
+        let _ = perception;
+    }
+
+    /// Chooses the pedals and the wheel for the next tick.
+    fn drive(&mut self, perception: &Perception<'_>) -> Control;
+
+    /// Its manoeuvre in the last [`DrivingPolicy::drive`].
+    fn mode(&self) -> DrivingMode;
+
+    /// The fault since the last [`DrivingPolicy::reset`], for drivers that can fail; an episode with a fault is void.
+    fn fault(&self) -> Option<Fault> {
+        None
+    }
+
+    /// A copy in its present state, with its memory; none for a driver whose memory is elsewhere, as in another process.
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        None
+    }
+
+    /// Makes another policy like this one for a batch. Policies of a batch drive at the same time, each in its own world. None
+    /// when a batch is no faster than one episode after another.
+    fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
+        None
+    }
+
+    /// The number of policies in a batch.
+    fn batch_size(&self) -> usize {
+        1
+    }
+}

@@ -1,0 +1,175 @@
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rand::Rng;
+
+use super::session::Session;
+use super::{Opener, Program, Settings};
+use crate::av::view::View;
+use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+use base::signature::{Arguments, Param, Signature, Type};
+
+/// A driver that is a program of its own; see the module.
+pub struct External {
+    session: Arc<Mutex<Session>>,
+    settings: Settings,
+    id: u32,
+    path: Path,
+    view: View,
+    /// The seed of an episode that has not been sent to the program.
+    seed: Option<u64>,
+    /// The number of the program's start in which the episode started.
+    generation: u64,
+    /// The index of this tick's request in the session.
+    asked: Option<usize>,
+    mode: DrivingMode,
+    fault: Option<Fault>,
+}
+
+impl External {
+    /// Its kind in a scenario.
+    pub const KIND: &'static str = "external";
+
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let count = |max| Type::Integer { min: 1, max };
+        let mut keys = Program::keys("Time that it has for the answer to a tick.");
+        keys.extend([
+            Param::with_default(
+                "worlds",
+                count(1024),
+                "32",
+                "Episodes that run at the same time, with one message for all of them.",
+            ),
+            Param::with_default(
+                "actors",
+                count(64),
+                "8",
+                "Largest number of road users in a message: the nearest ones in sight.",
+            ),
+            Param::with_default(
+                "route_points",
+                count(40),
+                "20",
+                "Number of points of the route ahead in a message, 2 m apart.",
+            ),
+        ]);
+        Signature::new(
+            Self::KIND,
+            "A program of your own that receives what it sees and answers with controls over its standard input and output \
+             (`scenarios/external/README.md`). It is started only where `--allow-external` is given.",
+            keys,
+        )
+    }
+
+    /// Makes one. The program is not started before the first tick.
+    pub fn new(program: Program, settings: Settings, opener: Arc<dyn Opener>) -> Self {
+        Self::within(Arc::new(Mutex::new(Session::new(opener, program, settings))), settings)
+    }
+
+    fn within(session: Arc<Mutex<Session>>, settings: Settings) -> Self {
+        let id = locked(&session).enter();
+        Self {
+            session,
+            settings,
+            id,
+            path: Path::default(),
+            view: View::default(),
+            seed: None,
+            generation: 0,
+            asked: None,
+            mode: DrivingMode::Unknown,
+            fault: None,
+        }
+    }
+
+    fn ask(&mut self, perception: &Perception<'_>) -> Result<usize, Fault> {
+        self.path.advance(perception);
+        self.view.look(perception, &self.path, self.settings.actors, self.settings.route_points);
+        let mut session = locked(&self.session);
+        let generation = session.ready(perception)?;
+        if session.has_lanes() {
+            self.view.look_at_lanes(perception, &self.path);
+        }
+        let seed = self.seed.take();
+        if seed.is_some() {
+            self.generation = generation;
+        } else if self.generation != generation {
+            return Err(Fault::Restarted);
+        }
+        Ok(session.ask(self.id, perception.tick, seed, &self.view))
+    }
+}
+
+impl Settings {
+    /// Reads them from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        let count = |key: &str| arguments.integer(key) as usize;
+        Self {
+            timeout: arguments.number("timeout"),
+            start_timeout: arguments.number("start_timeout"),
+            worlds: count("worlds"),
+            actors: count("actors"),
+            route_points: count("route_points"),
+        }
+    }
+}
+
+/// A session is consistent between two calls, even if the thread that made them panicked.
+fn locked(session: &Mutex<Session>) -> MutexGuard<'_, Session> {
+    session.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl DrivingPolicy for External {
+    fn reset(&mut self, perception: &Perception<'_>, mut stream: Stream) {
+        // Numbers in every language represent 53 bits exactly.
+        self.seed = Some(stream.next_u64() >> 11);
+        self.path.reset(perception, stream);
+        self.asked = None;
+        self.mode = DrivingMode::Unknown;
+        self.fault = None;
+        locked(&self.session).forgive();
+    }
+
+    fn prepare(&mut self, perception: &Perception<'_>) {
+        match self.ask(perception) {
+            Ok(place) => self.asked = Some(place),
+            Err(fault) => self.fault = Some(fault),
+        }
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        if self.asked.is_none() && self.fault.is_none() {
+            self.prepare(perception);
+        }
+        let Some(place) = self.asked.take() else { return Control::FULL_BRAKE };
+        let decision = locked(&self.session).answer(place);
+        match decision {
+            Ok(decision) => {
+                self.mode = decision.mode;
+                decision.control(perception)
+            }
+            Err(fault) => {
+                self.fault = Some(fault);
+                Control::FULL_BRAKE
+            }
+        }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(Self::within(self.session.clone(), self.settings)))
+    }
+
+    fn batch_size(&self) -> usize {
+        self.settings.worlds
+    }
+}

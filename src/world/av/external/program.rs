@@ -1,0 +1,82 @@
+use std::path::PathBuf;
+
+use base::signature::{Param, Type};
+use base::units::Dimension;
+
+/// A program with its arguments, and its working folder. No shell is involved.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Program {
+    /// The program, then its arguments; never empty.
+    pub words: Vec<String>,
+    /// The folder in which it runs.
+    pub folder: PathBuf,
+}
+
+impl Program {
+    /// The keys of every program in a scenario; `timeout` is the meaning of the time for an answer.
+    pub(crate) fn keys(timeout: &'static str) -> Vec<Param> {
+        let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
+        vec![
+            Param::required(
+                "command",
+                Type::Text,
+                "The program and its arguments, split at blanks and started without a shell in the folder of the file that names it.",
+            ),
+            Param::with_default("timeout", time(), "1 s", timeout),
+            Param::with_default("start_timeout", time(), "30 s", "Time that it has for its greeting."),
+        ]
+    }
+
+    /// Splits a command at its blanks; text in single or double quotes stays together.
+    ///
+    /// # Errors
+    /// The reason why it cannot be split.
+    ///
+    /// # Example
+    /// ```
+    /// use world::av::external::Program;
+    /// let program = Program::parse("python 'my av.py' --fast", ".".into()).unwrap();
+    /// assert_eq!(program.words, ["python", "my av.py", "--fast"]);
+    /// ```
+    pub fn parse(command: &str, folder: PathBuf) -> Result<Self, &'static str> {
+        let mut words = Vec::new();
+        let mut word: Option<String> = None;
+        let mut quote = None;
+        for character in command.chars() {
+            match quote {
+                Some(open) if open == character => quote = None,
+                Some(_) => word.get_or_insert_default().push(character),
+                None if character == '\'' || character == '"' => {
+                    quote = Some(character);
+                    word.get_or_insert_default();
+                }
+                None if character.is_whitespace() => words.extend(word.take()),
+                None => word.get_or_insert_default().push(character),
+            }
+        }
+        words.extend(word);
+        if quote.is_some() {
+            return Err("a quote is never closed");
+        }
+        if words.first().is_none_or(String::is_empty) {
+            return Err("it names no program");
+        }
+        Ok(Self { words, folder })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_hold_words_together_and_nothing_else_is_special() {
+        let words = |command| Program::parse(command, PathBuf::new()).map(|program| program.words);
+        assert_eq!(words("  a  b\tc ").unwrap(), ["a", "b", "c"]);
+        assert_eq!(words("a '' \"b 'c'\" d'e f'g").unwrap(), ["a", "", "b 'c'", "de fg"]);
+        assert_eq!(words("a; rm -rf $HOME | b").unwrap(), ["a;", "rm", "-rf", "$HOME", "|", "b"]);
+        assert_eq!(words("a 'b"), Err("a quote is never closed"));
+        assert_eq!(words("   "), Err("it names no program"));
+        assert_eq!(words("'' a"), Err("it names no program"));
+    }
+}

@@ -1,0 +1,251 @@
+use super::{DrivingMode, DrivingPolicy, Path, Perception, crosswalks, lane_keeping};
+use crate::geometry::{Point, wrap_angle};
+use crate::sim::{Control, LightColour};
+use base::seed::Stream;
+use base::signature::{Arguments, Param, Signature, Type};
+use base::units::Dimension;
+
+/// The Intelligent Driver Model along its lane, with an emergency brake for road users that enter its corridor.
+///
+/// Acceleration `a [1 − (v/v₀)⁴ − (s*/s)²]` with `s* = s₀ + max(0, v T + v Δv / (2 √(a b)))`.
+///
+/// | symbol | field | unit |
+/// |---|---|---|
+/// | a, b | `acceleration`, `comfortable` | m/s² |
+/// | T | `headway` | s |
+/// | s₀ | `least_gap` | m |
+/// | v₀ | share of the limit, less in bends | m/s |
+/// | s, Δv | gap to and closing speed with the first road user in the corridor | m, m/s |
+///
+/// # Source
+/// Treiber, Hennecke, Helbing, *Congested traffic states in empirical observations and microscopic simulations*, Phys.
+/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `hardest`.
+#[derive(Debug, Clone)]
+pub struct Idm {
+    limit_share: f64,
+    headway: f64,
+    least_gap: f64,
+    acceleration: f64,
+    comfortable: f64,
+    hardest: f64,
+    reaction_allowance: f64,
+    margin: f64,
+    /// Whether it yields to pedestrians at crosswalks.
+    yields: bool,
+    path: Path,
+    mode: DrivingMode,
+}
+
+/// Lateral acceleration in bends (m/s²).
+const LATERAL: f64 = 2.0;
+
+/// The first road user, red light or crosswalk in the corridor.
+#[derive(Debug, Clone, Copy)]
+struct Leader {
+    gap: f64,
+    speed: f64,
+    kind: LeaderKind,
+}
+
+/// What a driver follows or stops for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LeaderKind {
+    RoadUser,
+    RedLight,
+    /// With a pedestrian on it or about to use it.
+    Crosswalk,
+}
+
+impl Idm {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let acceleration = || Type::positive(Dimension::ACCELERATION);
+        Signature::new(
+            "idm",
+            "The Intelligent Driver Model along its lane, with an emergency brake for actors in its way. It does not see through buildings.",
+            vec![
+                Param::with_default(
+                    "limit_share",
+                    Type::share(),
+                    "0.9",
+                    "Share of the speed limit that it wants to drive.",
+                ),
+                Param::with_default(
+                    "time_headway",
+                    Type::positive(Dimension::TIME),
+                    "1.5 s",
+                    "Time gap that it keeps.",
+                ),
+                Param::with_default(
+                    "least_gap",
+                    Type::positive(Dimension::LENGTH),
+                    "2 m",
+                    "Gap that it keeps at rest.",
+                ),
+                Param::with_default("acceleration", acceleration(), "1.5 m/s^2", "Its greatest acceleration."),
+                Param::with_default("comfortable_braking", acceleration(), "2 m/s^2", "Deceleration that it likes."),
+                Param::with_default(
+                    "hardest_braking",
+                    acceleration(),
+                    "8 m/s^2",
+                    "Its hardest braking in normal driving, and the deceleration that its emergency brake counts on: less makes it brake earlier.",
+                ),
+                Param::with_default(
+                    "reaction_allowance",
+                    Type::non_negative(Dimension::TIME),
+                    "0.2 s",
+                    "Reaction time that its emergency brake allows for, though it has none: a longer one makes it brake earlier. `actuation_delay` is a true delay.",
+                ),
+                Param::with_default(
+                    "margin",
+                    Type::non_negative(Dimension::LENGTH),
+                    "0.5 m",
+                    "How far beside its body its corridor reaches.",
+                ),
+                crosswalks::param(),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self {
+            limit_share: arguments.number("limit_share"),
+            headway: arguments.number("time_headway"),
+            least_gap: arguments.number("least_gap"),
+            acceleration: arguments.number("acceleration"),
+            comfortable: arguments.number("comfortable_braking"),
+            hardest: arguments.number("hardest_braking"),
+            reaction_allowance: arguments.number("reaction_allowance"),
+            margin: arguments.number("margin"),
+            yields: crosswalks::yields(arguments),
+            path: Path::default(),
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// The acceleration of the model (m/s²).
+    fn follow(&self, speed: f64, wanted: f64, leader: Option<Leader>) -> f64 {
+        let free = (speed / wanted.max(0.1)).min(4.0);
+        let free = free * free * free * free;
+        let near = leader.map_or(0.0, |leader| {
+            let dynamic = speed * self.headway
+                + speed * (speed - leader.speed) / (2.0 * (self.acceleration * self.comfortable).sqrt());
+            let ratio = (self.least_gap + dynamic.max(0.0)) / leader.gap.max(0.1);
+            ratio * ratio
+        });
+        self.acceleration * (1.0 - free - near)
+    }
+
+    /// The first of the actors, red lights and crosswalks in the corridor.
+    fn leader(&self, perception: &Perception<'_>) -> Option<Leader> {
+        let ego = &perception.ego;
+        let corridor = ego.half.y + self.margin;
+        let here = ego.pose.position();
+        let actors = perception.pedestrians.iter().chain(perception.vehicles);
+        let bodies = actors.filter_map(|actor| {
+            if !perception.in_sight(actor) {
+                return None;
+            }
+            let (along, heading) = self.place(here, actor.pose.position(), corridor + actor.half.y)?;
+            let gap = along - ego.half.x - actor.half.x;
+            let speed = actor.velocity.dot(&crate::geometry::Vector::new(libm::cos(heading), libm::sin(heading)));
+            (gap > -ego.half.x).then_some(Leader {
+                gap: gap.max(0.0),
+                speed: speed.max(0.0),
+                kind: LeaderKind::RoadUser,
+            })
+        });
+        let lights = perception.lights.iter().filter(|light| light.colour == LightColour::Red).filter_map(|light| {
+            let line = light.trigger.position();
+            if (line - here).norm_squared() > 40.0 * 40.0 {
+                return None;
+            }
+            let (along, heading) = self.place(here, line, 1.0)?;
+            let same_way = wrap_angle(heading - light.trigger.yaw).abs() < 1.0;
+            (same_way && along > 0.0).then_some(Leader {
+                gap: (along - ego.half.x + 1.0).max(0.0),
+                speed: 0.0,
+                kind: LeaderKind::RedLight,
+            })
+        });
+        let yielding = self.yields.then(|| crosswalks::gap(perception, &self.path)).flatten();
+        let crosswalk = yielding.map(|gap| Leader { gap, speed: 0.0, kind: LeaderKind::Crosswalk });
+        bodies.chain(lights).chain(crosswalk).min_by(|a, b| a.gap.total_cmp(&b.gap))
+    }
+
+    /// How far along the path from abeam the ego a place is, and the path's heading there; none if it is more than `beside` (m) from the path.
+    fn place(&self, ego: Point, place: Point, beside: f64) -> Option<(f64, f64)> {
+        let mut points = self.path.points().map(|point| &point.pose);
+        let mut last = points.next()?;
+        // The path's first point is the nearest to the ego, not the one abeam it.
+        let mut along = -last.to_local(ego).x;
+        for next in points {
+            let (chord, offset) = (next.position() - last.position(), place - last.position());
+            let length = chord.norm();
+            let share = offset.dot(&chord) / (length * length);
+            // A little overlap closes the wedges at the outside of bends.
+            if (-0.05..1.05).contains(&share) {
+                let aside = chord.perp(&offset) / length;
+                if aside.abs() <= beside {
+                    return Some((along + share * length, last.yaw));
+                }
+            }
+            along += length;
+            last = next;
+        }
+        None
+    }
+}
+
+impl DrivingPolicy for Idm {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        speed / self.limit_share
+    }
+
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.path.reset(perception, stream);
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        self.path.advance(perception);
+        let speed = perception.ego.speed();
+        let limit = self.limit_share * perception.speed_limit;
+        let wanted = lane_keeping::speed_for_bends(&self.path, limit, LATERAL, self.comfortable);
+        let leader = self.leader(perception);
+        let steer = lane_keeping::steer(&self.path, perception);
+        if let Some(leader) = leader.filter(|leader| leader.kind == LeaderKind::RoadUser) {
+            let stopping = (speed * speed - leader.speed * leader.speed).max(0.0) / (2.0 * self.hardest);
+            if speed > 0.1 && leader.gap <= stopping + speed * self.reaction_allowance + 0.3 {
+                self.mode = DrivingMode::EmergencyStop;
+                return Control { throttle: 0.0, brake: 1.0, steer };
+            }
+        }
+        let acceleration = self.follow(speed, wanted, leader);
+        self.mode = match leader {
+            Some(leader) if acceleration < -0.2 || speed < 0.1 => {
+                if leader.kind == LeaderKind::RedLight {
+                    DrivingMode::RedLight
+                } else {
+                    DrivingMode::Yield
+                }
+            }
+            _ if wanted < 0.1 => DrivingMode::Arrived,
+            _ if wanted < limit - 0.1 => DrivingMode::Turn,
+            _ => DrivingMode::Cruise,
+        };
+        let pedals = perception.blueprint.pedals_for(acceleration.max(-self.hardest), speed);
+        // The car is at rest and should not move: hold it.
+        let brake = if speed < 0.05 && (acceleration <= 0.0 || wanted < 0.1) { 1.0 } else { pedals.brake };
+        Control { throttle: pedals.throttle, brake, steer }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

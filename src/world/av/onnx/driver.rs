@@ -1,0 +1,137 @@
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::Model;
+use super::engine::{Batch, Engine};
+use crate::av::view::View;
+use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+use base::signature::{Param, Signature, Type};
+
+/// A learnt driver; see the module.
+pub struct Onnx {
+    model: Arc<Model>,
+    shared: Arc<Mutex<Shared>>,
+    worlds: usize,
+    path: Path,
+    view: View,
+    asked: Option<usize>,
+    fault: Option<Fault>,
+}
+
+/// The network with the requests of a tick.
+struct Shared {
+    engine: Engine,
+    batch: Batch,
+    answered: bool,
+}
+
+impl Onnx {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new(
+            "onnx",
+            "A learnt driver: a network in an ONNX file that receives what it sees and gives pedals or acceleration and steer \
+             (`scenarios/external/README.md`).",
+            vec![
+                Param::required("model", Type::Path, "The file."),
+                Param::with_default(
+                    "worlds",
+                    Type::Integer { min: 1, max: 1024 },
+                    "32",
+                    "Episodes that run at the same time.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one for batches of this number of episodes.
+    pub fn new(worlds: usize, model: Arc<Model>) -> Self {
+        let network = model.clone();
+        let engine = Engine::new(move |numbers, options| network.decide(numbers, options));
+        let shared = Shared { engine, batch: Batch::default(), answered: false };
+        Self::within(model, Arc::new(Mutex::new(shared)), worlds)
+    }
+
+    fn within(model: Arc<Model>, shared: Arc<Mutex<Shared>>, worlds: usize) -> Self {
+        let (path, view) = (Path::default(), View::default());
+        Self { model, shared, worlds, path, view, asked: None, fault: None }
+    }
+}
+
+/// The shared state is consistent between two calls, even if the thread that made them panicked.
+fn locked(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl DrivingPolicy for Onnx {
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.path.reset(perception, stream);
+        self.asked = None;
+        self.fault = None;
+    }
+
+    fn prepare(&mut self, perception: &Perception<'_>) {
+        self.path.advance(perception);
+        let (actors, points) = self.model.room();
+        self.view.look(perception, &self.path, actors, points);
+        let mut shared = locked(&self.shared);
+        if std::mem::take(&mut shared.answered) {
+            shared.batch.questions.clear();
+        }
+        shared.batch.questions.push(self.model.encode(&self.view));
+        self.asked = Some(shared.batch.questions.len() - 1);
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        if self.asked.is_none() {
+            self.prepare(perception);
+        }
+        let place = self.asked.take().unwrap_or_default();
+        let mut shared = locked(&self.shared);
+        let Shared { engine, batch, answered } = &mut *shared;
+        if !*answered {
+            engine.answer(batch);
+            *answered = true;
+        }
+        match &batch.answers[place] {
+            Ok(numbers) => control(numbers, perception),
+            Err(fault) => {
+                self.fault = Some(*fault);
+                Control::FULL_BRAKE
+            }
+        }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        DrivingMode::Unknown
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(Self::within(self.model.clone(), self.shared.clone(), self.worlds)))
+    }
+
+    fn batch_size(&self) -> usize {
+        self.worlds
+    }
+}
+
+/// The control for a network's two or three numbers.
+fn control(numbers: &[f32], perception: &Perception<'_>) -> Control {
+    match *numbers {
+        [throttle, brake, steer] => Control {
+            throttle: f64::from(throttle).clamp(0.0, 1.0),
+            brake: f64::from(brake).clamp(0.0, 1.0),
+            steer: f64::from(steer).clamp(-1.0, 1.0),
+        },
+        [acceleration, steer] => {
+            let steer = f64::from(steer).clamp(-1.0, 1.0);
+            Control { steer, ..perception.pedals_or_hold(f64::from(acceleration)) }
+        }
+        _ => Control::FULL_BRAKE,
+    }
+}

@@ -1,0 +1,277 @@
+use rten::{Dimension, NodeId, RunOptions, Value, ValueOrView};
+use rten_tensor::prelude::*;
+use rten_tensor::{Tensor, TensorView};
+
+use super::trial::{evaluate, load};
+use super::vetting::vet;
+use crate::av::Fault;
+use crate::av::view::View;
+use crate::geometry::{Pose, Vector, wrap_angle};
+use crate::sim::LightColour;
+use base::contained::contained;
+
+/// The greatest number of actors and of points of the route in a network's inputs.
+const MOST_ACTORS: usize = 64;
+const MOST_POINTS: usize = 40;
+
+/// Why a file contains no driver.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ModelError {
+    /// It is not ONNX, or has operators that are not supported here.
+    #[error("{0}")]
+    Unreadable(String),
+    /// An input has an unknown name.
+    #[error("its input `{0}` is none of `ego`, `actors`, `route`")]
+    UnknownInput(String),
+    /// An input has a shape that does not fit its name.
+    #[error("its input `{name}` must have the shape {wanted}")]
+    Shape {
+        /// The input.
+        name: &'static str,
+        /// The required shape.
+        wanted: &'static str,
+    },
+    /// It has no input, or not exactly one output.
+    #[error("it needs at least one input and exactly one output, and has {inputs} and {outputs}")]
+    Count {
+        /// How many inputs it has.
+        inputs: usize,
+        /// How many outputs it has.
+        outputs: usize,
+    },
+    /// Its output is not two or three numbers.
+    #[error("its output has {0} numbers instead of two (acceleration, steer) or three (throttle, brake, steer)")]
+    Output(usize),
+    /// It fails on an empty road.
+    #[error("it cannot be run: {0}")]
+    Unrunnable(String),
+}
+
+/// The content of an input of the network, with the number of rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Input {
+    Ego,
+    Actors(usize),
+    Route(usize),
+}
+
+impl Input {
+    fn shape(self) -> ([usize; 3], usize) {
+        match self {
+            Self::Ego => ([1, 4, 0], 2),
+            Self::Actors(rows) => ([1, rows, 8], 3),
+            Self::Route(rows) => ([1, rows, 3], 3),
+        }
+    }
+}
+
+/// A network that drives.
+pub struct Model {
+    network: rten::Model,
+    inputs: Vec<(NodeId, Input)>,
+    output: NodeId,
+    numbers: usize,
+}
+
+impl Model {
+    /// Reads a network from the bytes of an ONNX file, and evaluates it once.
+    ///
+    /// # Errors
+    /// It is not ONNX, has operators that are not supported here, or does not fit the contract of this module.
+    pub fn read(bytes: Vec<u8>) -> Result<Self, ModelError> {
+        // The file is the user's, and the runtime is a dependency: a panic of the runtime must be an error here, too.
+        let panicked = |_| Err(ModelError::Unreadable("the runtime cannot cope with it".into()));
+        contained(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
+    }
+
+    fn read_and_try(bytes: Vec<u8>) -> Result<Self, ModelError> {
+        let operators = vet(&bytes).map_err(ModelError::Unreadable)?;
+        let load = |bytes, optimized| load(bytes, optimized).map_err(ModelError::Unreadable);
+        let mut this = Self::of(load(bytes.clone(), false)?)?;
+        let empty = this.encode(&View::default());
+        evaluate(&this.network, &operators, this.values(&empty)).map_err(ModelError::Unrunnable)?;
+        this = Self::of(load(bytes, true)?)?;
+        let answer = this.answer(&empty, RunOptions::default()).map_err(ModelError::Unrunnable)?;
+        this.numbers = answer.len();
+        if [2, 3].contains(&answer.len()) { Ok(this) } else { Err(ModelError::Output(answer.len())) }
+    }
+
+    /// A network whose inputs and output have the names and shapes of the contract.
+    fn of(network: rten::Model) -> Result<Self, ModelError> {
+        let (ids, outputs) = (network.input_ids().to_vec(), network.output_ids().to_vec());
+        let &[output] = outputs.as_slice() else {
+            return Err(ModelError::Count { inputs: ids.len(), outputs: outputs.len() });
+        };
+        if ids.is_empty() {
+            return Err(ModelError::Count { inputs: 0, outputs: 1 });
+        }
+        let inputs = ids.iter().map(|id| Ok((*id, input(&network, *id)?))).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { network, inputs, output, numbers: 0 })
+    }
+
+    /// The greatest number of actors and of points of the route that it receives.
+    pub(super) fn room(&self) -> (usize, usize) {
+        let mut room = (0, 0);
+        for (_, input) in &self.inputs {
+            match input {
+                Input::Ego => {}
+                Input::Actors(rows) => room.0 = *rows,
+                Input::Route(rows) => room.1 = *rows,
+            }
+        }
+        room
+    }
+
+    /// The numbers for each of its inputs.
+    pub(super) fn encode(&self, view: &View) -> Vec<Vec<f32>> {
+        self.inputs.iter().map(|(_, input)| encode(*input, view)).collect()
+    }
+
+    /// Its answer to numbers made by [`Model::encode`]: two or three numbers.
+    pub(super) fn decide(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, Fault> {
+        let answer = self.answer(inputs, options).map_err(|_| Fault::Answer("the network failed"))?;
+        if answer.len() != self.numbers {
+            return Err(Fault::Answer("another number of outputs than before"));
+        }
+        if answer.iter().all(|number| number.is_finite()) {
+            Ok(answer)
+        } else {
+            Err(Fault::Answer("a control is not finite"))
+        }
+    }
+
+    /// The inputs of the network.
+    fn values(&self, inputs: &[Vec<f32>]) -> Vec<(NodeId, Value)> {
+        let value = |((id, input), numbers): (&(NodeId, Input), &Vec<f32>)| {
+            let (shape, rank) = input.shape();
+            let view: TensorView<f32> = TensorView::from_data(&shape[..rank], numbers.as_slice());
+            (*id, Value::from(view.to_tensor()))
+        };
+        self.inputs.iter().zip(inputs).map(value).collect()
+    }
+
+    fn answer(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, String> {
+        let inputs = self.values(inputs).into_iter().map(|(id, value)| (id, ValueOrView::from(value))).collect();
+        let [answer] = self.network.run_n(inputs, [self.output], Some(options)).map_err(|error| error.to_string())?;
+        let answer: Tensor<f32> = answer.into_tensor().ok_or("its output is not in 32-bit floats")?;
+        Ok(answer.iter().copied().collect())
+    }
+}
+
+/// The content of an input, by its name and shape.
+fn input(network: &rten::Model, id: NodeId) -> Result<Input, ModelError> {
+    let info = network.node_info(id);
+    let name = info.as_ref().and_then(|info| info.name()).unwrap_or_default().to_string();
+    let shape = info.as_ref().and_then(|info| info.shape()).unwrap_or_default();
+    let single = |size: &Dimension| matches!(size, Dimension::Fixed(1) | Dimension::Symbolic(_));
+    let rows = |width: usize, most: usize| match shape.as_slice() {
+        [first, Dimension::Fixed(rows), Dimension::Fixed(last)]
+            if single(first) && *last == width && (1..=most).contains(rows) =>
+        {
+            Some(*rows)
+        }
+        _ => None,
+    };
+    match name.as_str() {
+        "ego" => match shape.as_slice() {
+            [first, Dimension::Fixed(4)] if single(first) => Ok(Input::Ego),
+            _ => Err(ModelError::Shape { name: "ego", wanted: "(1, 4)" }),
+        },
+        "actors" => {
+            let wrong = ModelError::Shape { name: "actors", wanted: "(1, K, 8) with K from 1 to 64" };
+            rows(8, MOST_ACTORS).map(Input::Actors).ok_or(wrong)
+        }
+        "route" => {
+            let wrong = ModelError::Shape { name: "route", wanted: "(1, R, 3) with R from 1 to 40" };
+            rows(3, MOST_POINTS).map(Input::Route).ok_or(wrong)
+        }
+        _ => Err(ModelError::UnknownInput(name)),
+    }
+}
+
+fn encode(input: Input, view: &View) -> Vec<f32> {
+    let place = |pose: &Pose| {
+        let local = view.ego.to_local(pose.position());
+        [local.x, local.y, wrap_angle(pose.yaw - view.ego.yaw)]
+    };
+    let [forward, left] = view.ego.axes();
+    let turned = |velocity: &Vector| [velocity.dot(&forward), velocity.dot(&left)];
+    let numbers: Vec<f64> = match input {
+        Input::Ego => {
+            let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
+                let colour = match light.colour {
+                    LightColour::Green => 1.0,
+                    LightColour::Yellow => 2.0,
+                    LightColour::Red => 3.0,
+                };
+                (colour, light.distance)
+            });
+            vec![view.speed, view.speed_limit, light, distance]
+        }
+        Input::Actors(rows) => (0..rows)
+            .flat_map(|row| {
+                view.actors.get(row).map_or([0.0; 8], |seen| {
+                    let ([x, y, yaw], [vx, vy]) = (place(&seen.pose), turned(&seen.velocity));
+                    [1.0, x, y, yaw, vx, vy, 2.0 * seen.half.x, 2.0 * seen.half.y]
+                })
+            })
+            .collect(),
+        Input::Route(rows) => {
+            (0..rows).flat_map(|row| view.route.get(row).or(view.route.last()).map_or([0.0; 3], place)).collect()
+        }
+    };
+    numbers.into_iter().map(|number| number as f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_network_answers_as_it_does_in_onnxruntime() {
+        let model = Model::read(include_bytes!("../../../../tests/reference/onnx/follow.onnx").to_vec()).unwrap();
+        assert_eq!((model.room(), model.numbers), ((2, 4), 2));
+        let recorded: serde_json::Value =
+            serde_json::from_str(include_str!("../../../../tests/reference/onnx/follow.json")).unwrap();
+        for case in recorded["cases"].as_array().unwrap() {
+            let numbers = |key: &str| -> Vec<f32> {
+                case[key].as_array().unwrap().iter().map(|number| number.as_f64().unwrap() as f32).collect()
+            };
+            let answer = model.decide(&["ego", "actors", "route"].map(numbers), RunOptions::default()).unwrap();
+            for (mine, wanted) in answer.iter().zip(numbers("control")) {
+                assert!((mine - wanted).abs() < 1e-5, "{answer:?} instead of {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_in_the_frame_of_the_ego() {
+        use crate::av::view::{Kind, LightAhead, Seen};
+        let half_turn = std::f64::consts::PI;
+        let view = View {
+            ego: Pose::new(10.0, 5.0, half_turn / 2.0),
+            speed: 8.0,
+            speed_limit: 10.0,
+            light: Some(LightAhead { colour: LightColour::Yellow, distance: 30.0 }),
+            actors: vec![Seen {
+                id: 0,
+                kind: Kind::Pedestrian,
+                pose: Pose::new(8.0, 15.0, half_turn),
+                velocity: Vector::new(1.5, 0.0),
+                half: Vector::new(0.25, 0.25),
+            }],
+            route: vec![Pose::new(10.0, 6.0, half_turn / 2.0)],
+            lanes: Vec::new(),
+        };
+        let near = |input, wanted: &[f32]| {
+            let numbers = encode(input, &view);
+            let same = numbers.len() == wanted.len() && numbers.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5);
+            assert!(same, "{numbers:?} instead of {wanted:?}");
+        };
+        near(Input::Ego, &[8.0, 10.0, 2.0, 30.0]);
+        let quarter = half_turn as f32 / 2.0;
+        let walker = [1.0, 10.0, 2.0, quarter, 0.0, -1.5, 0.5, 0.5];
+        near(Input::Actors(2), &[walker, [0.0; 8]].concat());
+        near(Input::Route(2), &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    }
+}

@@ -1,0 +1,145 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rten::{DataType, Dimension, NodeId, RunOptions, Value, ValueOrView, ValueType};
+use rten_tensor::prelude::*;
+use rten_tensor::{Tensor, TensorView};
+
+use super::engine::{Batch, Engine};
+use super::trial::{evaluate, load};
+use super::vetting::vet;
+use crate::av::Fault;
+use base::contained::contained;
+
+/// The greatest number of numbers that a network takes.
+const MOST_NUMBERS: usize = 1 << 16;
+
+/// Why a file contains no network of plain numbers.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NetworkError {
+    /// It is not ONNX, or has operators that are not supported here.
+    #[error("{0}")]
+    Unreadable(String),
+    /// It has another number of inputs or outputs than one.
+    #[error("it needs exactly one input and one output, and has {inputs} and {outputs}")]
+    Count {
+        /// How many inputs it has.
+        inputs: usize,
+        /// How many outputs it has.
+        outputs: usize,
+    },
+    /// Its input has a shape or a type that is not one of a row of numbers.
+    #[error("its input must have the shape (1, n) or (batch, n) in 32-bit floats or 64-bit floats")]
+    Input,
+    /// It fails on zeros.
+    #[error("it cannot be run: {0}")]
+    Unrunnable(String),
+}
+
+/// A network with one input, a row of numbers, and one output.
+pub struct Network {
+    network: rten::Model,
+    input: NodeId,
+    output: NodeId,
+    inputs: usize,
+    outputs: usize,
+}
+
+impl Network {
+    /// Reads a network from the bytes of an ONNX file, and runs it once on zeros. Numbers of 64 bits are rounded to 32 bits.
+    ///
+    /// # Errors
+    /// It is not ONNX, has operators that are not supported here, or has not exactly one row as input and one output.
+    pub fn read(bytes: Vec<u8>) -> Result<Self, NetworkError> {
+        // The file is the user's, and the runtime is a dependency: a panic of the runtime must be an error here, too.
+        let panicked = |_| Err(NetworkError::Unreadable("the runtime cannot cope with it".into()));
+        contained(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
+    }
+
+    fn read_and_try(bytes: Vec<u8>) -> Result<Self, NetworkError> {
+        let operators = vet(&bytes).map_err(NetworkError::Unreadable)?;
+        let load = |bytes, optimized| load(bytes, optimized).map_err(NetworkError::Unreadable);
+        let mut this = Self::of(load(bytes.clone(), false)?)?;
+        let zeros = vec![0.0; this.inputs];
+        let row: TensorView<f32> = TensorView::from_data(&[1, this.inputs], zeros.as_slice());
+        let values = vec![(this.input, Value::from(row.to_tensor()))];
+        evaluate(&this.network, &operators, values).map_err(NetworkError::Unrunnable)?;
+        this = Self::of(load(bytes, true)?)?;
+        this.outputs = this.answer(&zeros, RunOptions::default()).map_err(NetworkError::Unrunnable)?.len();
+        Ok(this)
+    }
+
+    /// A network with one row as input and one output.
+    fn of(network: rten::Model) -> Result<Self, NetworkError> {
+        let (&[input], &[output]) = (network.input_ids(), network.output_ids()) else {
+            let (inputs, outputs) = (network.input_ids().len(), network.output_ids().len());
+            return Err(NetworkError::Count { inputs, outputs });
+        };
+        let inputs = width(&network, input).ok_or(NetworkError::Input)?;
+        Ok(Self { network, input, output, inputs, outputs: 0 })
+    }
+
+    /// The number of numbers that it takes.
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// The number of numbers that it gives.
+    pub fn outputs(&self) -> usize {
+        self.outputs
+    }
+
+    fn decide(&self, numbers: &[f32], options: RunOptions) -> Result<Vec<f32>, Fault> {
+        let answer = self.answer(numbers, options).map_err(|_| Fault::Answer("the network failed"))?;
+        match answer.iter().all(|number| number.is_finite()) {
+            _ if answer.len() != self.outputs => Err(Fault::Answer("another number of outputs than before")),
+            true => Ok(answer),
+            false => Err(Fault::Answer("a number is not finite")),
+        }
+    }
+
+    fn answer(&self, numbers: &[f32], options: RunOptions) -> Result<Vec<f32>, String> {
+        let row: TensorView<f32> = TensorView::from_data(&[1, self.inputs], numbers);
+        let input = vec![(self.input, ValueOrView::from(row.to_tensor()))];
+        let [answer] = self.network.run_n(input, [self.output], Some(options)).map_err(|error| error.to_string())?;
+        let answer: Tensor<f32> = answer.into_tensor().ok_or("its output is not in 32-bit floats")?;
+        Ok(answer.iter().copied().collect())
+    }
+}
+
+/// The length of the rows that an input takes; none if it takes something else.
+fn width(network: &rten::Model, id: NodeId) -> Option<usize> {
+    let info = network.node_info(id)?;
+    let floats = matches!(info.dtype(), None | Some(ValueType::Tensor(DataType::Float)));
+    match info.shape()?.as_slice() {
+        [Dimension::Fixed(1) | Dimension::Symbolic(_), Dimension::Fixed(width)]
+            if floats && (1..=MOST_NUMBERS).contains(width) =>
+        {
+            Some(*width)
+        }
+        _ => None,
+    }
+}
+
+/// A network with the thread that it runs on; copies share both.
+#[derive(Clone)]
+pub struct Runner {
+    engine: Arc<Mutex<Engine>>,
+}
+
+impl Runner {
+    /// Starts the thread.
+    pub fn new(network: Arc<Network>) -> Self {
+        let engine = Engine::new(move |numbers, options| network.decide(&numbers[0], options));
+        Self { engine: Arc::new(Mutex::new(engine)) }
+    }
+
+    /// The network's answer to a row of numbers.
+    ///
+    /// # Errors
+    /// The network fails, or its answer is not finite.
+    pub fn run(&self, numbers: Vec<f32>) -> Result<Vec<f32>, Fault> {
+        let mut batch = Batch { questions: vec![vec![numbers]], answers: Vec::new() };
+        self.engine.lock().unwrap_or_else(PoisonError::into_inner).answer(&mut batch);
+        batch.answers.pop().unwrap_or(Err(Fault::Answer("the network failed")))
+    }
+}

@@ -1,0 +1,323 @@
+//! Checks of an ONNX file before the runtime sees it: the runtime takes the lengths and sizes in a file for true.
+
+use super::cost::Operator;
+
+/// The most elements of a constant, and of a tensor that an operator makes of sizes.
+const MOST_ELEMENTS: u64 = 1 << 26;
+/// The deepest nesting of graphs.
+const DEEPEST: u32 = 4;
+/// The most operators of a network.
+const MOST_OPERATORS: u32 = 20_000;
+
+/// Operators that have graphs of their own, or make lists of tensors.
+const UNBOUNDED: [&str; 8] = [
+    "If",
+    "Loop",
+    "Scan",
+    "SequenceInsert",
+    "SequenceConstruct",
+    "SequenceEmpty",
+    "SplitToSequence",
+    "ConcatFromSequence",
+];
+/// Attributes that are sizes.
+const SIZES: [&str; 9] =
+    ["pads", "repeats", "shape", "kernel_shape", "scales", "strides", "dilations", "output_padding", "output_shape"];
+
+/// Why a file is refused.
+type Refusal = String;
+
+/// A message of the format, by its kind.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Model,
+    Graph,
+    Node,
+    Attribute,
+    Tensor,
+    Value,
+    Type,
+    TensorType,
+    Shape,
+    Dimension,
+    Operators,
+    Entry,
+}
+
+/// The content of a field.
+#[derive(Clone, Copy)]
+enum Content<'a> {
+    Number(u64),
+    Bytes(&'a [u8]),
+}
+
+/// Checks a file, and returns its operators in the order of the file.
+///
+/// # Errors
+/// A length that does not fit, a tensor without its data, or an operator whose work has no bound.
+///
+/// # Source
+/// `onnx.proto` of the ONNX project; the encoding of protocol buffers.
+pub(super) fn vet(bytes: &[u8]) -> Result<Vec<Operator>, Refusal> {
+    let mut vetting = Vetting::default();
+    vetting.message(Kind::Model, bytes, 0)?;
+    Ok(vetting.operators)
+}
+
+/// What was found on the way.
+#[derive(Default)]
+struct Vetting {
+    operators: Vec<Operator>,
+    /// The number of all operators, also of graphs within graphs.
+    count: u32,
+}
+
+/// The parts of a tensor that its size follows from.
+#[derive(Default)]
+struct Tensor {
+    name: String,
+    dimensions: Vec<i64>,
+    kind: u64,
+    raw: u64,
+    /// The number of elements in a typed list.
+    listed: u64,
+}
+
+impl Vetting {
+    fn message(&mut self, kind: Kind, bytes: &[u8], depth: u32) -> Result<(), Refusal> {
+        if depth > DEEPEST {
+            return Err("its graphs are nested too deeply".into());
+        }
+        fields(bytes, &mut |number, content| match (inner(kind, number), content) {
+            (None, _) => Ok(()),
+            (Some(_), Content::Number(_)) => Err("a part of it has the wrong type".into()),
+            (Some(Kind::Tensor), Content::Bytes(bytes)) => self.tensor(bytes),
+            (Some(Kind::Node), Content::Bytes(bytes)) => self.node(bytes, depth),
+            (Some(inner), Content::Bytes(bytes)) => self.message(inner, bytes, depth + u32::from(inner == Kind::Graph)),
+        })
+    }
+
+    fn node(&mut self, bytes: &[u8], depth: u32) -> Result<(), Refusal> {
+        self.count += 1;
+        if self.count > MOST_OPERATORS {
+            return Err(format!("it has more than {MOST_OPERATORS} operators"));
+        }
+        let mut operator = Operator::default();
+        fields(bytes, &mut |number, content| {
+            match (number, content) {
+                (1, Content::Bytes(name)) => operator.inputs.push(text(name)),
+                (2, Content::Bytes(name)) => operator.outputs.push(text(name)),
+                (4, Content::Bytes(name)) => operator.kind = text(name),
+                (5, Content::Bytes(attribute)) => self.attribute(attribute, depth, &mut operator)?,
+                (1..=5, Content::Number(_)) => return Err("a part of it has the wrong type".into()),
+                _ => {}
+            }
+            Ok(())
+        })?;
+        if UNBOUNDED.contains(&operator.kind.as_str()) {
+            return Err(format!("its operator {} has graphs or lists inside; export it without", operator.kind));
+        }
+        self.operators.push(operator);
+        Ok(())
+    }
+
+    fn attribute(&mut self, bytes: &[u8], depth: u32, operator: &mut Operator) -> Result<(), Refusal> {
+        let (mut name, mut numbers, mut words) = (String::new(), Vec::new(), None);
+        fields(bytes, &mut |number, content| {
+            match (number, content) {
+                (1, Content::Bytes(bytes)) => name = text(bytes),
+                (3, content) => whole_numbers(content, &mut numbers)?,
+                (4, Content::Bytes(bytes)) => words = Some(text(bytes)),
+                (5 | 10, Content::Bytes(bytes)) => self.tensor(bytes)?,
+                (6 | 11, Content::Bytes(bytes)) => self.message(Kind::Graph, bytes, depth + 1)?,
+                (8, content) => whole_numbers(content, &mut numbers)?,
+                (5 | 6, Content::Number(_)) => return Err("a part of it has the wrong type".into()),
+                _ => {}
+            }
+            Ok(())
+        })?;
+        if numbers
+            .iter()
+            .any(|number| number.unsigned_abs() > MOST_ELEMENTS && *number != i64::MAX && *number != i64::MIN)
+        {
+            return Err(format!("the attribute `{name}` has a number beyond {MOST_ELEMENTS}"));
+        }
+        if SIZES.contains(&name.as_str()) && numbers.iter().any(|number| number.unsigned_abs() > 1 << 16) {
+            return Err(format!("the attribute `{name}` has a size beyond {}", 1 << 16));
+        }
+        if !numbers.is_empty() {
+            operator.numbers.insert(name, numbers);
+        } else if let Some(words) = words {
+            operator.texts.insert(name, words);
+        }
+        Ok(())
+    }
+
+    fn tensor(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
+        let mut tensor = Tensor::default();
+        fields(bytes, &mut |number, content| {
+            match (number, content) {
+                (1, content) => whole_numbers(content, &mut tensor.dimensions)?,
+                (2, Content::Number(kind)) => tensor.kind = kind,
+                (4, Content::Bytes(bytes)) => tensor.listed += bytes.len() as u64 / 4,
+                (10, Content::Bytes(bytes)) => tensor.listed += bytes.len() as u64 / 8,
+                (5 | 7 | 11, Content::Bytes(bytes)) => {
+                    let mut numbers = Vec::new();
+                    whole_numbers(Content::Bytes(bytes), &mut numbers)?;
+                    tensor.listed += numbers.len() as u64;
+                }
+                (4 | 5 | 7 | 10 | 11, Content::Number(_)) => tensor.listed += 1,
+                (6, Content::Bytes(_)) => tensor.listed += 1,
+                (8, Content::Bytes(name)) => tensor.name = text(name),
+                (9, Content::Bytes(raw)) => tensor.raw = raw.len() as u64,
+                (13, _) => return Err("a constant of it is in another file; export it as one file".into()),
+                (2 | 6 | 8 | 9, _) => return Err("a part of it has the wrong type".into()),
+                _ => {}
+            }
+            Ok(())
+        })?;
+        let name = &tensor.name;
+        let elements = product(&tensor.dimensions).filter(|elements| *elements <= MOST_ELEMENTS);
+        let elements = elements.ok_or_else(|| {
+            format!("the constant `{name}` has more than {MOST_ELEMENTS} elements, or a negative size")
+        })?;
+        let bytes = elements.saturating_mul(element_bytes(tensor.kind));
+        if tensor.raw.max(tensor.listed.saturating_mul(element_bytes(tensor.kind))) < bytes {
+            return Err(format!("the constant `{name}` should have {elements} elements and has fewer"));
+        }
+        Ok(())
+    }
+}
+
+/// The least number of bytes of an element.
+fn element_bytes(kind: u64) -> u64 {
+    match kind {
+        1 | 6 | 12 => 4,
+        4 | 5 | 10 | 16 => 2,
+        7 | 11 | 13 | 14 => 8,
+        15 => 16,
+        _ => 1,
+    }
+}
+
+/// The kind of the message in a field, as far as the runtime reads it.
+fn inner(kind: Kind, field: u32) -> Option<Kind> {
+    Some(match (kind, field) {
+        (Kind::Model, 7) => Kind::Graph,
+        (Kind::Model, 8) => Kind::Operators,
+        (Kind::Model, 14) => Kind::Entry,
+        (Kind::Graph, 1) => Kind::Node,
+        (Kind::Graph, 5) => Kind::Tensor,
+        (Kind::Graph, 11..=13) => Kind::Value,
+        (Kind::Node, 5) => Kind::Attribute,
+        (Kind::Value, 2) => Kind::Type,
+        (Kind::Type, 1) => Kind::TensorType,
+        (Kind::TensorType, 2) => Kind::Shape,
+        (Kind::Shape, 1) => Kind::Dimension,
+        _ => return None,
+    })
+}
+
+/// Calls a function with each field of a message.
+fn fields<'a>(
+    mut bytes: &'a [u8],
+    each: &mut dyn FnMut(u32, Content<'a>) -> Result<(), Refusal>,
+) -> Result<(), Refusal> {
+    let short = || "it ends in the middle of a value".to_owned();
+    while !bytes.is_empty() {
+        let tag = u32::try_from(varint(&mut bytes)?).map_err(|_| "it has a field without a number")?;
+        let content = match tag & 7 {
+            0 => Content::Number(varint(&mut bytes)?),
+            1 => Content::Number(u64::from_le_bytes(split(&mut bytes, 8)?.try_into().map_err(|_| short())?)),
+            2 => {
+                let length = usize::try_from(varint(&mut bytes)?).map_err(|_| short())?;
+                Content::Bytes(split(&mut bytes, length)?)
+            }
+            5 => Content::Number(u32::from_le_bytes(split(&mut bytes, 4)?.try_into().map_err(|_| short())?).into()),
+            _ => return Err("it has a field of no known encoding".into()),
+        };
+        if tag >> 3 == 0 {
+            return Err("it has a field without a number".into());
+        }
+        each(tag >> 3, content)?;
+    }
+    Ok(())
+}
+
+fn split<'a>(bytes: &mut &'a [u8], length: usize) -> Result<&'a [u8], Refusal> {
+    let (first, rest) = bytes.split_at_checked(length).ok_or("it ends in the middle of a value")?;
+    *bytes = rest;
+    Ok(first)
+}
+
+fn varint(bytes: &mut &[u8]) -> Result<u64, Refusal> {
+    let mut number = 0_u64;
+    for place in 0..10 {
+        let byte = split(bytes, 1)?[0];
+        number |= u64::from(byte & 0x7f).checked_shl(7 * place).unwrap_or(0);
+        if byte < 0x80 {
+            return Ok(number);
+        }
+    }
+    Err("it has a number of more than 64 bits".into())
+}
+
+/// Appends whole numbers, which are written one by one or together.
+fn whole_numbers(content: Content, to: &mut Vec<i64>) -> Result<(), Refusal> {
+    match content {
+        Content::Number(number) => to.push(number as i64),
+        Content::Bytes(mut bytes) => {
+            while !bytes.is_empty() {
+                to.push(varint(&mut bytes)? as i64);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The product of sizes; none if one is negative or the product has more than 64 bits.
+fn product(sizes: &[i64]) -> Option<u64> {
+    sizes.iter().try_fold(1_u64, |product, size| product.checked_mul(u64::try_from(*size).ok()?))
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn networks_pass_and_files_that_hang_or_abort_the_runtime_do_not() {
+        vet(include_bytes!("../../../../tests/reference/onnx/follow.onnx")).unwrap();
+        vet(include_bytes!("../../../../tests/reference/onnx/five.onnx")).unwrap();
+        let hang = vet(include_bytes!("../../../../tests/reference/onnx/hang_185_bytes.onnx")).unwrap_err();
+        assert_eq!(hang, "it has a number of more than 64 bits");
+        let abort = vet(include_bytes!("../../../../tests/reference/onnx/abort_132_bytes.onnx")).unwrap_err();
+        assert_eq!(abort, "it ends in the middle of a value");
+    }
+
+    /// A message of one field with bytes.
+    fn field(number: u8, bytes: &[u8]) -> Vec<u8> {
+        [&[number << 3 | 2, bytes.len() as u8], bytes].concat()
+    }
+
+    #[test]
+    fn sizes_are_checked() {
+        let model = |graph: &[Vec<u8>]| field(7, &graph.concat());
+        let dimension = |size: u8| vec![1 << 3, size];
+        // Two numbers of 32 bits, of which the file has one.
+        let tensor = [dimension(2), vec![2 << 3, 1], field(9, &[0; 4]), field(8, b"w")].concat();
+        assert_eq!(
+            vet(&model(&[field(5, &tensor)])).unwrap_err(),
+            "the constant `w` should have 2 elements and has fewer"
+        );
+        let node =
+            |operator: &[u8], input: &[u8]| field(1, &[field(1, input), field(2, b"y"), field(4, operator)].concat());
+        assert_eq!(
+            vet(&model(&[node(b"Loop", b"x")])).unwrap_err(),
+            "its operator Loop has graphs or lists inside; export it without"
+        );
+    }
+}

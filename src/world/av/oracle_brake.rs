@@ -1,0 +1,134 @@
+use super::lane_follower::LaneFollower;
+use super::route_trace::distance_to_box;
+use super::{Actor, DrivingMode, DrivingPolicy, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+use base::signature::{Arguments, Param, Signature, Type};
+use base::units::Dimension;
+
+/// The limit of braking alone: it knows all road users, even through walls, and brakes fully at the last tick at which
+/// that still avoids a collision with the moving car.
+///
+/// In every tick it checks whether it would touch a road user before it stands if it continued for one more tick and then braked
+/// fully. If so it brakes now. It has two models of where road users can be:
+///
+/// - `any_motion`: every place that a pedestrian running at `running_speed` can reach from now on. No pedestrian can run into this car
+///   while it moves, if it starts safely and stands still for pedestrians that stay near.
+/// - `same_velocity`: the places they reach at their present velocity, and only if continuing without braking would touch them. It is
+///   late by design: it hits a pedestrian that turns at the last moment.
+///
+/// # Source
+/// Our own; the first model is the test for inevitable collision states (Fraichard and Asama, 2003) with braking as the only evasion.
+#[derive(Debug, Clone)]
+pub struct OracleBrake {
+    any_motion: bool,
+    running: f64,
+    driver: LaneFollower,
+    mode: DrivingMode,
+}
+
+/// How far ahead the oracle looks for a touch without braking (s).
+const HORIZON: f64 = 6.0;
+/// Slack for the car's offset from its lane's centre and the turn within a tick (m).
+const SLACK: f64 = 0.15;
+
+impl OracleBrake {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        LaneFollower::signature(
+            "oracle_brake",
+            "Knows everybody at once and brakes with everything at the last tick that still avoids a moving collision: what braking alone can reach.",
+            vec![
+                Param::with_default(
+                    "assumes",
+                    Type::Choice(&["any_motion", "same_velocity"]),
+                    "any_motion",
+                    "Whether people may do anything from now on, or keep their velocity.",
+                ),
+                Param::with_default(
+                    "running_speed",
+                    Type::non_negative(Dimension::SPEED),
+                    "3.5 m/s",
+                    "With `any_motion`, how fast people run in any direction; the adversary's greatest by default.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self {
+            any_motion: arguments.choice("assumes") == "any_motion",
+            running: arguments.number("running_speed"),
+            driver: LaneFollower::new(arguments),
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// Whether it may touch an actor before it stands, with this acceleration (m/s²) for some ticks and full braking after them.
+    fn touches(&self, perception: &Perception<'_>, actor: &Actor, acceleration: f64, ticks: u32) -> bool {
+        let (ego, dt) = (&perception.ego, perception.dt);
+        let size = actor.half.x.max(actor.half.y) + SLACK;
+        let (place, velocity) = (actor.pose.position(), actor.velocity);
+        let (mut speed, mut along, mut time) = (ego.speed(), 0.0, 0.0);
+        for tick in 0.. {
+            let gain = match tick < ticks {
+                true => acceleration,
+                false => perception.blueprint.acceleration(Control::FULL_BRAKE, speed),
+            };
+            // The world moves the car with the speed at the start of the tick.
+            along += speed * dt;
+            time += dt;
+            speed = (speed + gain * dt).max(0.0);
+            let Some((middle, ahead)) = self.driver.trace.at(along) else { return false };
+            let (then, grown) = match self.any_motion {
+                true => (place, size + self.running * time),
+                false => (place + velocity * time, size),
+            };
+            if distance_to_box(then, middle, &ahead, &ego.half) < grown {
+                return true;
+            }
+            if speed <= 0.0 && (tick >= ticks || acceleration <= 0.0) || time > HORIZON {
+                return false;
+            }
+        }
+        false
+    }
+
+    fn must_brake(&self, perception: &Perception<'_>, acceleration: f64) -> bool {
+        let actors = perception.pedestrians.iter().chain(perception.vehicles);
+        actors.into_iter().any(|actor| {
+            let would_meet = self.any_motion || self.touches(perception, actor, acceleration, u32::MAX);
+            would_meet && self.touches(perception, actor, acceleration, 1)
+        })
+    }
+}
+
+impl DrivingPolicy for OracleBrake {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.driver.reset(perception, stream);
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let intent = self.driver.intend(perception);
+        if self.must_brake(perception, intent.acceleration) {
+            self.mode = DrivingMode::EmergencyStop;
+            return Control { steer: intent.steer, ..Control::FULL_BRAKE };
+        }
+        self.mode = intent.mode;
+        intent.control(intent.acceleration, perception)
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

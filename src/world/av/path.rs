@@ -1,0 +1,77 @@
+use std::collections::VecDeque;
+
+use super::Perception;
+use crate::geometry::{Point, Pose};
+use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town};
+use base::seed::Stream;
+
+/// Spacing of the points (m), along the reference line.
+const STEP: f64 = 1.0;
+/// The length of a known path (points).
+const HORIZON: usize = 80;
+
+/// The path ahead of a car that drives through a town without a destination, for our own policies.
+#[derive(Debug, Clone)]
+pub struct Path {
+    points: VecDeque<RoutePoint>,
+    walk: RandomWalk,
+    stream: Option<Stream>,
+}
+
+impl Default for Path {
+    fn default() -> Self {
+        Self { points: VecDeque::with_capacity(HORIZON + 1), walk: RandomWalk::new(ForkRule::AnyBranch), stream: None }
+    }
+}
+
+impl Path {
+    /// Starts on the given route, or on the driving lane nearest to the ego.
+    pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.points.clear();
+        self.stream = Some(stream);
+        self.walk.take(perception.route);
+        self.points.extend(
+            perception.start_lane().map(|start| RoutePoint::new(perception.town, start, RoadOption::LaneFollow)),
+        );
+        self.extend(perception.town);
+    }
+
+    /// Drops the points behind the ego and adds points ahead.
+    pub fn advance(&mut self, perception: &Perception<'_>) {
+        let here = perception.ego.pose.position();
+        while self.points.len() > 1 && nearer(&self.points[1].pose, &self.points[0].pose, here) {
+            self.points.pop_front();
+        }
+        self.extend(perception.town);
+    }
+
+    /// The points ahead, the first one abeam the ego.
+    pub fn points(&self) -> impl ExactSizeIterator<Item = &RoutePoint> {
+        self.points.iter()
+    }
+
+    /// The first point at least this far (m) from a place, or the last one.
+    pub fn ahead(&self, from: Point, distance: f64) -> Option<&RoutePoint> {
+        let far = self.points.iter().find(|point| (point.pose.position() - from).norm() >= distance);
+        far.or_else(|| self.points.back())
+    }
+
+    /// Whether the road ends within the path.
+    pub fn ends(&self) -> bool {
+        self.points.len() < HORIZON
+    }
+
+    fn extend(&mut self, town: &Town) {
+        let Some(stream) = &mut self.stream else { return };
+        while self.points.len() < HORIZON {
+            let Some(next) = self.points.back().and_then(|last| self.walk.next(town, last, STEP, stream)) else {
+                return;
+            };
+            self.points.push_back(next);
+        }
+    }
+}
+
+fn nearer(a: &Pose, b: &Pose, place: Point) -> bool {
+    (a.position() - place).norm_squared() <= (b.position() - place).norm_squared()
+}

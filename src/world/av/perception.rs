@@ -1,0 +1,162 @@
+use crate::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use crate::road::{LaneFilter, Town, Waypoint};
+use crate::sim::{ActorId, Control, LightColour, Vehicle, VehicleBlueprint, World};
+
+/// From the bumper back to the driver's eye, which is on the axis (m).
+pub const EYE: f64 = 1.9;
+
+/// Another road user, or the ego itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Actor {
+    /// Its id, the same in every tick of an episode. A false alarm of a sensor has [`Actor::FALSE_ALARM`].
+    pub id: ActorId,
+    /// Middle of its box on the ground, and its heading.
+    pub pose: Pose,
+    /// Velocity (m/s).
+    pub velocity: Vector,
+    /// Half extents along its heading and across it (m).
+    pub half: Vector,
+    /// Height of its reference point above the ground (m): 0 for a vehicle, half its height for a walker, as in CARLA.
+    pub height: f64,
+}
+
+impl Actor {
+    /// The id of an actor that a sensor reports and that does not exist; no actor of a world has it.
+    pub const FALSE_ALARM: ActorId = ActorId::Pedestrian(u8::MAX);
+
+    /// A vehicle with this number.
+    #[inline]
+    fn of_vehicle(number: u8, vehicle: &Vehicle) -> Self {
+        let (state, blueprint) = (&vehicle.state, &vehicle.blueprint);
+        Self {
+            id: ActorId::Vehicle(number),
+            pose: state.pose,
+            velocity: state.pose.forward() * state.speed,
+            half: Vector::new(blueprint.half_length, blueprint.half_width),
+            height: 0.0,
+        }
+    }
+
+    /// The box that it covers.
+    pub fn outline(&self) -> OrientedBox {
+        OrientedBox { pose: self.pose, half: self.half }
+    }
+
+    /// Speed (m/s).
+    pub fn speed(&self) -> f64 {
+        self.velocity.norm()
+    }
+}
+
+/// A traffic light in a driver's perception.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Middle of its trigger box.
+    pub trigger: Pose,
+    pub colour: LightColour,
+}
+
+/// Everything that the driving policy of a vehicle may know at a tick. The *ego* is the vehicle that the policy drives; it may
+/// be any vehicle of the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Perception<'a> {
+    /// The road map.
+    pub town: &'a Town,
+    /// The model of the ego.
+    pub blueprint: &'a VehicleBlueprint,
+    /// Ticks since the driver was reset. Those of a run-up count.
+    pub tick: u32,
+    /// Length of a tick (s).
+    pub dt: f64,
+    pub ego: Actor,
+    /// The speed limit of the ego (m/s).
+    pub speed_limit: f64,
+    /// The lanes that the ego is to take from its place on, in order, each as a place on it: the first one is the place of the ego, the last
+    /// one the end of the route. Afterwards the driver finds its own way. Drivers read it when they are reset. Empty when every way is the
+    /// driver's own.
+    pub route: &'a [Waypoint],
+    /// All pedestrians; [`Perception::in_sight`] is false for hidden ones.
+    pub pedestrians: &'a [Actor],
+    /// All other vehicles.
+    pub vehicles: &'a [Actor],
+    /// The obstacles that block sight.
+    pub obstacles: &'a Obstacles,
+    /// All traffic lights.
+    pub lights: &'a [Light],
+    /// The light in whose trigger box the ego stands, as an index into `lights`.
+    pub affecting_light: Option<usize>,
+}
+
+impl Perception<'_> {
+    /// The place at which a route of the ego starts: that of the given route, or the nearest place on a driving lane.
+    pub fn start_lane(&self) -> Option<Waypoint> {
+        let given = self.route.first().copied();
+        given.or_else(|| self.town.nearest_lane(self.ego.pose.position(), LaneFilter::Driving))
+    }
+
+    /// Whether the line between the middles of the ego and of an actor is free.
+    ///
+    /// CARLA's driver does not check it: it reads the world's list of actors.
+    pub fn in_sight(&self, actor: &Actor) -> bool {
+        !self.obstacles.blocks_sight(self.ego.pose.position(), actor.pose.position())
+    }
+
+    /// Whether the middle or an edge of an actor can be seen from the driver's eye, as the verdict asks.
+    pub fn in_sight_of_eye(&self, actor: &Actor) -> bool {
+        let eye = self.ego.pose.to_world(Vector::new(self.ego.half.x - EYE, 0.0));
+        self.obstacles.shows(eye, actor.pose.position(), actor.half.x.max(actor.half.y))
+    }
+
+    /// The pedals for an acceleration (m/s²), and the full brake for a car at rest that should not move.
+    pub(super) fn pedals_or_hold(&self, acceleration: f64) -> Control {
+        let speed = self.ego.speed();
+        if acceleration <= 0.0 && speed < 0.05 {
+            return Control::FULL_BRAKE;
+        }
+        self.blueprint.pedals_for(acceleration, speed)
+    }
+}
+
+/// The memory that perceptions borrow from, so that a tick allocates nothing.
+#[derive(Debug, Clone, Default)]
+pub struct PerfectSensors {
+    pedestrians: Vec<Actor>,
+    vehicles: Vec<Actor>,
+    lights: Vec<Light>,
+}
+
+impl PerfectSensors {
+    /// Perceives a world exactly and at once, as the driver of the vehicle with this number.
+    pub fn perceive<'a>(&'a mut self, world: &'a World, vehicle: usize) -> Perception<'a> {
+        self.pedestrians.clear();
+        self.pedestrians.extend((0..).zip(&world.pedestrians).map(|(number, pedestrian)| Actor {
+            id: ActorId::Pedestrian(number),
+            pose: pedestrian.state.pose,
+            velocity: pedestrian.state.velocity,
+            half: pedestrian.body.half(),
+            height: pedestrian.body.half_height,
+        }));
+        let driven = |number: usize| Actor::of_vehicle(number as u8, &world.vehicles[number]);
+        self.vehicles.clear();
+        self.vehicles.extend((0..world.vehicles.len()).filter(|number| *number != vehicle).map(driven));
+        self.lights.clear();
+        if let Some(clock) = world.light_clock() {
+            let lamps = world.town.traffic_lights.iter();
+            self.lights.extend(lamps.map(|lamp| Light { trigger: lamp.stop, colour: clock.colour(lamp) }));
+        }
+        Perception {
+            town: &world.town,
+            blueprint: &world.vehicles[vehicle].blueprint,
+            tick: world.run_up + world.ticks,
+            dt: world.dt,
+            ego: driven(vehicle),
+            speed_limit: world.vehicles[vehicle].speed_limit,
+            route: &[],
+            pedestrians: &self.pedestrians,
+            vehicles: &self.vehicles,
+            obstacles: &world.obstacles,
+            lights: &self.lights,
+            affecting_light: world.affecting_light(vehicle),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+use super::lane_follower::LaneFollower;
+use super::route_trace::distance_to_box;
+use super::{Actor, DrivingMode, DrivingPolicy, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+use base::signature::{Arguments, Param, Signature, Type};
+use base::units::Dimension;
+
+/// A planner that forecasts all road users at constant velocity and drives as fast as possible without meeting a forecast.
+///
+/// It chooses from a ladder of constant accelerations, from the one that the lane allows down to full braking. It takes the greatest
+/// with which the car, moved along its lane, keeps `margin` to every forecast actor over `horizon`, or full braking when none does.
+/// It plans anew in every tick.
+///
+/// # Source
+/// The common baseline of motion planning (constant velocity is hard to beat for short forecasts: Schöller et al., *What the
+/// constant velocity model can teach us about pedestrian motion prediction*, RA-L 2020); the ladder and margins are assumptions.
+#[derive(Debug, Clone)]
+pub struct Predictive {
+    horizon: f64,
+    margin: f64,
+    hardest: f64,
+    driver: LaneFollower,
+    mode: DrivingMode,
+}
+
+/// Steps of a forecast (s).
+const STEP: f64 = 0.1;
+/// Accelerations to choose from (m/s²), the greatest first; after the last there is only the hardest braking.
+const LADDER: [f64; 9] = [1.5, 0.75, 0.0, -0.75, -1.5, -2.5, -3.5, -4.5, -6.0];
+
+impl Predictive {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        LaneFollower::signature(
+            "predictive",
+            "Forecasts every actor at constant velocity and takes the greatest acceleration along its lane that hits none.",
+            vec![
+                Param::with_default(
+                    "horizon",
+                    Type::Quantity { dimension: Dimension::TIME, min: 0.1, max: 10.0 },
+                    "4 s",
+                    "How far it looks into the future (assumed).",
+                ),
+                Param::with_default(
+                    "margin",
+                    Type::non_negative(Dimension::LENGTH),
+                    "0.7 m",
+                    "Distance that it keeps to where it expects others (assumed).",
+                ),
+                Param::with_default(
+                    "hardest_braking",
+                    Type::positive(Dimension::ACCELERATION),
+                    "8 m/s^2",
+                    "Deceleration when nothing milder is free (assumed).",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self {
+            horizon: arguments.number("horizon"),
+            margin: arguments.number("margin"),
+            hardest: arguments.number("hardest_braking"),
+            driver: LaneFollower::new(arguments),
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// Whether the car meets a forecast actor at this acceleration (m/s²), up to a speed (m/s).
+    fn meets(&self, perception: &Perception<'_>, acceleration: f64, top: f64) -> bool {
+        let actors = perception.pedestrians.iter().chain(perception.vehicles);
+        actors.into_iter().any(|actor| self.meets_one(perception, actor, acceleration, top))
+    }
+
+    fn meets_one(&self, perception: &Perception<'_>, actor: &Actor, acceleration: f64, top: f64) -> bool {
+        let ego = &perception.ego;
+        let mut speed = ego.speed();
+        let size = self.margin + actor.half.x.max(actor.half.y);
+        let reach = ego.half.norm() + size;
+        // Too far away for both to meet within the horizon.
+        let fastest = speed.max(top) + actor.speed();
+        let far = reach + fastest * self.horizon;
+        if (actor.pose.position() - ego.pose.position()).norm_squared() > far * far {
+            return false;
+        }
+        let (mut along, mut time) = (0.0, 0.0);
+        while time < self.horizon {
+            // An actor that touches a standing car was not hit by the car.
+            if speed <= 0.0 && acceleration <= 0.0 {
+                return false;
+            }
+            let next = (speed + acceleration * STEP).clamp(0.0, top.max(speed));
+            along += (speed + next) / 2.0 * STEP;
+            speed = next;
+            time += STEP;
+            let Some((middle, ahead)) = self.driver.trace.at(along) else { return false };
+            let place = actor.pose.position() + actor.velocity * time;
+            if (place - middle).norm_squared() < reach * reach
+                && distance_to_box(place, middle, &ahead, &ego.half) < size
+            {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+impl DrivingPolicy for Predictive {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.driver.reset(perception, stream);
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let intent = self.driver.intend(perception);
+        let milder = LADDER.into_iter().filter(|acceleration| *acceleration < intent.acceleration);
+        let mut plans = std::iter::once(intent.acceleration).chain(milder);
+        let free = plans.find(|acceleration| !self.meets(perception, *acceleration, intent.wanted));
+        let chosen = free.unwrap_or(-self.hardest).max(-self.hardest);
+        self.mode = match chosen {
+            chosen if chosen >= intent.acceleration => intent.mode,
+            chosen if chosen > -4.0 => DrivingMode::Yield,
+            _ => DrivingMode::EmergencyStop,
+        };
+        intent.control(chosen, perception)
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

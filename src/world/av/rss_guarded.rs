@@ -1,0 +1,109 @@
+use super::lane_follower::LaneFollower;
+use super::reference_drivers::{OwnMotion, Rss, RssLimits, Threat, lateral_distance, longitudinal_distance};
+use super::route_trace::OnTrace;
+use super::{DrivingMode, DrivingPolicy, Perception};
+use crate::sim::Control;
+use base::seed::Stream;
+use base::signature::{Arguments, Param, Signature, Type};
+
+/// A driver that ignores all road users, guarded by Responsibility-Sensitive Safety. It brakes as soon as car and pedestrian could meet
+/// when both brake as late and as weakly as they may.
+///
+/// For pedestrians it uses [`Rss::is_safe`], the rule for unstructured scenes, with its lane as the path. While their braking sets
+/// meet it brakes with the deceleration that it owes, and it releases the brake as soon as they separate. Unlike the reference driver it
+/// never leaves the braking to the pedestrian. For vehicles it brakes when both the longitudinal and the lateral distance are unsafe.
+///
+/// # Source
+/// arXiv 1708.06374, with the parameters of ad-rss-lib. Lateral evasion is not included.
+#[derive(Debug, Clone)]
+pub struct RssGuarded {
+    rule: Rss,
+    driver: LaneFollower,
+    mode: DrivingMode,
+}
+
+/// For vehicles beside it: response (s), acceleration and braking (m/s²), margin (m) of ad-rss-lib.
+const SIDEWAYS: (f64, f64, f64, f64) = (1.0, 0.2, 0.8, 0.1);
+
+impl RssGuarded {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        LaneFollower::signature(
+            "rss_guarded",
+            "A driver that sees no actors, guarded by Responsibility-Sensitive Safety along its lane.",
+            vec![Param::with_default(
+                "figures",
+                Type::Choice(&["ad_rss", "jrc", "bare"]),
+                "ad_rss",
+                "What it assumes of itself: ad-rss-lib's figures (response 1 s, accelerates 3.5, brakes 4 m/s^2), those of the JRC's comparison (0.75 s, 3, 6), or bare ones (0.5 s, 0, 8). Pedestrians are CARLA's (0.5 s, 2, 2 to 4 m/s^2).",
+            )],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        let car = match arguments.choice("figures") {
+            "jrc" => RssLimits::jrc(),
+            "bare" => RssLimits::bare(),
+            _ => RssLimits::car(),
+        };
+        Self {
+            rule: Rss::new(car, RssLimits::pedestrian()),
+            driver: LaneFollower::new(arguments),
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// Whether an actor and the car could no longer both stop apart.
+    fn is_dangerous(&self, perception: &Perception<'_>, actor: &OnTrace, walks: bool) -> bool {
+        let ego = &perception.ego;
+        let (speed, side) = (ego.speed(), if actor.place.y > 0.0 { 1.0 } else { -1.0 });
+        let threat = Threat {
+            gap: actor.place.x - ego.half.x - actor.reach.x,
+            length: 2.0 * actor.reach.x,
+            offset: actor.place.y.abs(),
+            reach: ego.half.y + actor.reach.y,
+            along: actor.velocity.x,
+            towards: -side * actor.velocity.y,
+        };
+        if walks {
+            return !self
+                .rule
+                .is_safe(&OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * ego.half.x }, &threat);
+        }
+        let (response, acceleration, braking, margin) = SIDEWAYS;
+        let aside = lateral_distance(0.0, -threat.towards, response, acceleration, braking, margin);
+        let ahead = longitudinal_distance(speed, threat.along.max(0.0), &self.rule.car);
+        actor.place.x > 0.0 && threat.aside() < aside && threat.gap < ahead
+    }
+}
+
+impl DrivingPolicy for RssGuarded {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.driver.reset(perception, stream);
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let intent = self.driver.intend(perception);
+        let people = perception.pedestrians.iter().map(|actor| (actor, true));
+        let all = people.chain(perception.vehicles.iter().map(|actor| (actor, false)));
+        let mut located = all.filter_map(|(actor, walks)| Some((self.driver.trace.locate(actor)?, walks)));
+        let danger = located.any(|(actor, walks)| self.is_dangerous(perception, &actor, walks));
+        self.mode = if danger { DrivingMode::EmergencyStop } else { intent.mode };
+        let allowed = if danger { -self.rule.car.braking } else { f64::INFINITY };
+        intent.control(intent.acceleration.min(allowed), perception)
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

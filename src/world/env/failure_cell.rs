@@ -1,0 +1,217 @@
+use std::fmt;
+
+use super::{Pair, PedestrianEnv};
+use crate::av::DrivingMode;
+use crate::geometry::{Vector, wrap_angle};
+use crate::sim::{Contact, VehicleBlueprint};
+
+/// Width of a class of impact speeds (m/s), and of walking speeds (m/s).
+const IMPACT: f64 = 2.0;
+const PACE: f64 = 0.5;
+/// The last class of a speed is open.
+const LAST: u8 = 7;
+
+/// Where on the ego a pedestrian touched it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Zone {
+    /// The left third of the front.
+    FrontLeft,
+    /// The middle third of the front.
+    FrontMiddle,
+    /// The right third of the front.
+    FrontRight,
+    /// The left side, ahead of the middle of the car.
+    LeftAhead,
+    /// The left side, behind the middle of the car.
+    LeftBehind,
+    /// The right side, ahead of the middle of the car.
+    RightAhead,
+    /// The right side, behind the middle of the car.
+    RightBehind,
+    Rear,
+}
+
+/// The direction of a pedestrian's motion relative to the ego's heading, in sectors of 45°.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Course {
+    /// It stood.
+    Standing,
+    /// With the ego.
+    Along,
+    /// With the ego and to its left.
+    AlongLeft,
+    /// Across, to the ego's left.
+    Left,
+    /// Towards the ego and to its left.
+    AgainstLeft,
+    /// Towards the ego.
+    Against,
+    /// Towards the ego and to its right.
+    AgainstRight,
+    /// Across, to the ego's right.
+    Right,
+    /// With the ego and to its right.
+    AlongRight,
+}
+
+/// The class of a failure in a grid over behaviours: two failures in one cell count as the same finding.
+///
+/// A search for *distinct* failures fills cells, as the archive of a quality-diversity method does. The cell says how the two met, not where
+/// in the town.
+///
+/// # Source
+/// Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub struct FailureCell {
+    /// The place on the car.
+    pub zone: Zone,
+    /// The direction in which the pedestrian walked.
+    pub course: Course,
+    /// Class of the impact speed: number of steps of 2 m/s below it.
+    pub impact: u8,
+    /// Class of the walking speed: number of steps of 0.5 m/s below it.
+    pub pace: u8,
+    /// The driver's action at the last decision.
+    pub mode: DrivingMode,
+}
+
+impl FailureCell {
+    /// The cell of the touch that ended an episode of an environment; none when the ego and a pedestrian did not touch.
+    pub fn new(env: &PedestrianEnv) -> Option<Self> {
+        let contact = env.contact()?;
+        let walker = &env.world().pedestrians[contact.pedestrian_at_ego()?].state;
+        let ego = env.world().ego();
+        let mode = env.outcome()?.last_mode;
+        Some(Self::of(contact, (&ego.blueprint, ego.state.pose.yaw), walker.velocity, mode))
+    }
+
+    /// The cell of the touch that ended a traced episode with this mode at the last decision; none when the two did not touch.
+    pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
+        let (contact, last) = (pair.contact()?, pair.last()?);
+        Some(Self::of(contact, (pair.blueprint(), last.ego.pose.yaw), last.pedestrian.velocity, mode))
+    }
+
+    /// The cell of a contact with the ego of this heading (rad) and a pedestrian of this velocity (m/s).
+    fn of(contact: &Contact, (car, yaw): (&VehicleBlueprint, f64), velocity: Vector, mode: DrivingMode) -> Self {
+        let (half_length, half_width) = (car.half_length, car.half_width);
+        let (ahead, aside) = (contact.ahead, contact.aside);
+        let side = |front, behind| if ahead > 0.0 { front } else { behind };
+        let zone = if ahead > half_length - (aside.abs() - half_width).max(0.0) {
+            match aside / half_width {
+                share if share > 1.0 / 3.0 => Zone::FrontLeft,
+                share if share < -1.0 / 3.0 => Zone::FrontRight,
+                _ => Zone::FrontMiddle,
+            }
+        } else if ahead < -half_length {
+            Zone::Rear
+        } else if aside > 0.0 {
+            side(Zone::LeftAhead, Zone::LeftBehind)
+        } else {
+            side(Zone::RightAhead, Zone::RightBehind)
+        };
+        let (heading, speed) = (libm::atan2(velocity.y, velocity.x), velocity.norm());
+        let class = |speed: f64, width: f64| ((speed / width) as u8).min(LAST);
+        Self {
+            zone,
+            course: Course::new(speed, wrap_angle(heading - yaw)),
+            impact: class(contact.impact_speed, IMPACT),
+            pace: class(speed, PACE),
+            mode,
+        }
+    }
+}
+
+impl Course {
+    /// The course for a speed (m/s) and a direction from the ego's heading, positive to the left (rad).
+    fn new(speed: f64, direction: f64) -> Self {
+        const STANDING: f64 = 0.1;
+        const SECTORS: [Course; 8] = [
+            Course::Along,
+            Course::AlongLeft,
+            Course::Left,
+            Course::AgainstLeft,
+            Course::Against,
+            Course::AgainstRight,
+            Course::Right,
+            Course::AlongRight,
+        ];
+        if speed < STANDING {
+            return Self::Standing;
+        }
+        let sector = (direction / std::f64::consts::FRAC_PI_4).round() as i32;
+        SECTORS[sector.rem_euclid(8) as usize]
+    }
+}
+
+impl Zone {
+    fn name(self) -> &'static str {
+        match self {
+            Self::FrontLeft => "front_left",
+            Self::FrontMiddle => "front_middle",
+            Self::FrontRight => "front_right",
+            Self::LeftAhead => "left_ahead",
+            Self::LeftBehind => "left_behind",
+            Self::RightAhead => "right_ahead",
+            Self::RightBehind => "right_behind",
+            Self::Rear => "rear",
+        }
+    }
+}
+
+impl Course {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Standing => "standing",
+            Self::Along => "along",
+            Self::AlongLeft => "along_left",
+            Self::Left => "left",
+            Self::AgainstLeft => "against_left",
+            Self::Against => "against",
+            Self::AgainstRight => "against_right",
+            Self::Right => "right",
+            Self::AlongRight => "along_right",
+        }
+    }
+}
+
+impl fmt::Display for FailureCell {
+    /// For instance `front_left/right/4-6/1.0-1.5/yield`: zone, course, impact speed, walking speed, driving mode.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let span = |class: u8, width: f64, digits: usize| {
+            let low = f64::from(class) * width;
+            if class == LAST { format!("{low:.digits$}+") } else { format!("{low:.digits$}-{:.digits$}", low + width) }
+        };
+        let (impact, pace) = (span(self.impact, IMPACT, 0), span(self.pace, PACE, 1));
+        write!(f, "{}/{}/{impact}/{pace}/{}", self.zone.name(), self.course.name(), self.mode.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn courses_are_sectors_about_the_egos_heading() {
+        for (degrees, wanted) in [
+            (0.0, Course::Along),
+            (22.0, Course::Along),
+            (23.0, Course::AlongLeft),
+            (90.0, Course::Left),
+            (-90.0, Course::Right),
+            (180.0, Course::Against),
+            (-179.0, Course::Against),
+            (-140.0, Course::AgainstRight),
+        ] {
+            assert_eq!(Course::new(1.0, degrees * PI / 180.0), wanted, "{degrees}");
+        }
+        assert_eq!(Course::new(0.05, 1.0), Course::Standing);
+    }
+
+    #[test]
+    fn a_cell_has_a_name() {
+        let cell =
+            FailureCell { zone: Zone::FrontLeft, course: Course::Right, impact: 2, pace: 7, mode: DrivingMode::Yield };
+        assert_eq!(cell.to_string(), "front_left/right/4-6/3.5+/yield");
+    }
+}

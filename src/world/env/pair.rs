@@ -1,0 +1,206 @@
+use super::pursuit::meeting_heading;
+use super::trace::VehicleFrame;
+use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario, Trace};
+use crate::av::{DrivingMode, EYE};
+use crate::geometry::{OrientedBox, Point, Vector};
+use crate::road::LaneFilter;
+use crate::sim::{
+    ActorId, Contact, Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand,
+};
+
+/// How far a corner of a car may be beyond the edge of a lane (m).
+const EDGE: f64 = 0.1;
+
+/// A vehicle and a pedestrian at a tick, and the driver's action in the tick that ended there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// The car.
+    pub ego: VehicleState,
+    pub pedestrian: PedestrianState,
+    /// The driver's action in the tick that ended here; nothing yet at the start.
+    pub mode: DrivingMode,
+    /// Its pedals and its wheel in that tick.
+    pub control: Control,
+}
+
+/// An episode as seen by one vehicle and one pedestrian: a view of two tracks of a [`Trace`].
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    scenario: &'a Scenario,
+    blueprint: &'a VehicleBlueprint,
+    body: &'a PedestrianBody,
+    role: &'a PedestrianRole,
+    driving: &'a [VehicleFrame],
+    walking: &'a [PedestrianState],
+    decisions: &'a [WalkCommand],
+    contact: Option<&'a Contact>,
+    trace: &'a Trace,
+    actors: (ActorId, ActorId),
+}
+
+impl<'a> Pair<'a> {
+    /// The tracks of a vehicle and a pedestrian.
+    pub(super) fn new(scenario: &'a Scenario, trace: &'a Trace, vehicle: usize, pedestrian: usize) -> Self {
+        let pair = (ActorId::Vehicle(vehicle as u8), ActorId::Pedestrian(pedestrian as u8));
+        Self {
+            scenario,
+            blueprint: &scenario.cast.vehicle(vehicle).blueprint,
+            body: &scenario.cast.pedestrian(pedestrian).body,
+            role: scenario.cast.pedestrian(pedestrian),
+            driving: trace.vehicle(vehicle),
+            walking: trace.pedestrian(pedestrian),
+            decisions: trace.decisions(pedestrian),
+            contact: trace.contact().filter(|contact| contact.pair == pair),
+            trace,
+            actors: pair,
+        }
+    }
+
+    pub fn scenario(&self) -> &'a Scenario {
+        self.scenario
+    }
+
+    /// The model of the vehicle.
+    pub fn blueprint(&self) -> &'a VehicleBlueprint {
+        self.blueprint
+    }
+
+    pub fn body(&self) -> &'a PedestrianBody {
+        self.body
+    }
+
+    /// Length of a tick (s).
+    pub fn dt(&self) -> f64 {
+        self.scenario.episode.tick
+    }
+
+    /// The states of the pedestrian: at the start, and after each tick.
+    pub fn pedestrian_states(&self) -> &'a [PedestrianState] {
+        self.walking
+    }
+
+    /// The touch of the two in the last tick; none when they did not touch.
+    pub fn contact(&self) -> Option<&'a Contact> {
+        self.contact
+    }
+
+    /// The decisions of the pedestrian.
+    pub fn decisions(&self) -> &'a [WalkCommand] {
+        self.decisions
+    }
+
+    /// The decision that the pedestrian takes after this number of ticks; none where it keeps its command, and at the end.
+    pub fn decision(&self, tick: usize) -> Option<WalkCommand> {
+        let hold = self.scenario.episode.hold as usize;
+        tick.is_multiple_of(hold).then(|| self.decisions.get(tick / hold).copied()).flatten()
+    }
+
+    /// The state that the controller of the pedestrian gets in a frame, in the frame and units of its adversary.
+    pub fn state(&self, frame: &Frame) -> [f64; ObservationSpec::DIM] {
+        let (walking, ego, observation) = (&frame.pedestrian, &frame.ego, &self.role.observation);
+        let seen = Observation::new(&walking.pose, walking.speed(), &ego.pose, ego.speed, observation.speed);
+        observation.encode(&seen, &walking.pose, self.first_heading(), ego.pose.position())
+    }
+
+    /// The action of the controller for a decision in a frame, in the frame and units of its adversary, up to rounding.
+    pub fn action(&self, frame: &Frame, decision: WalkCommand) -> [f64; ActionSpec::DIM] {
+        let (pose, ego, action) = (&frame.pedestrian.pose, &frame.ego, &self.role.action);
+        let origin = |speed: f64| match action.frame {
+            ReferenceFrame::Meeting => {
+                let bumper = ego.pose.to_world(Vector::new(self.blueprint.half_length, 0.0));
+                meeting_heading(pose.position(), ego, bumper, speed, 1.0)
+            }
+            other => other.origin(pose, self.first_heading(), ego.pose.position()),
+        };
+        action.action_for(decision, origin)
+    }
+
+    /// The heading of the pedestrian at the start (rad).
+    fn first_heading(&self) -> f64 {
+        self.walking.first().map_or(0.0, |first| first.pose.yaw)
+    }
+
+    /// The number of frames: one at the start and one for each tick.
+    pub fn len(&self) -> usize {
+        self.driving.len()
+    }
+
+    /// Whether there is no frame, since no episode has started.
+    pub fn is_empty(&self) -> bool {
+        self.driving.is_empty()
+    }
+
+    /// Both after a tick; tick 0 is the start.
+    pub fn frame(&self, tick: usize) -> Frame {
+        frame(&self.driving[tick], &self.walking[tick])
+    }
+
+    /// Both at the end; none when no episode has started.
+    pub fn last(&self) -> Option<Frame> {
+        Some(frame(self.driving.last()?, self.walking.last()?))
+    }
+
+    /// Both at the start and after each tick.
+    pub fn frames(&self) -> impl ExactSizeIterator<Item = Frame> + DoubleEndedIterator + Clone + use<'a> {
+        self.driving.iter().zip(self.walking).map(|(vehicle, pedestrian)| frame(vehicle, pedestrian))
+    }
+
+    /// The position of the driver's eye: 1.9 m behind the bumper, on the axis.
+    pub fn eye(&self, frame: &Frame) -> Point {
+        frame.ego.pose.to_world(Vector::new(self.blueprint.half_length - EYE, 0.0))
+    }
+
+    /// Whether the middle or an edge of the pedestrian can be seen from the driver's eye. Only obstacles hide it.
+    pub fn in_sight(&self, frame: &Frame) -> bool {
+        self.scenario.obstacles.shows(self.eye(frame), frame.pedestrian.pose.position(), self.body.radius)
+    }
+
+    /// Whether the episode took place on the scenario's map. A recording from elsewhere did not.
+    pub fn is_on_map(&self) -> bool {
+        self.trace.is_on_map()
+    }
+
+    /// Whether a car with this outline is on the road at a tick, touches no obstacle, and no actor but the two. Actors are where they were, and
+    /// after the end of the trace where they were last.
+    pub fn is_free(&self, tick: usize, outline: &OrientedBox) -> bool {
+        let town = &self.scenario.town;
+        let on_road = |corner: &Point| {
+            town.nearest_lane(*corner, LaneFilter::Driving)
+                .is_some_and(|lane| (town.pose(lane).position() - corner).norm() <= town.lane_width(lane) / 2.0 + EDGE)
+        };
+        if !outline.corners().iter().all(on_road) || self.scenario.obstacles.overlap(outline) {
+            return false;
+        }
+        let cast = &self.scenario.cast;
+        let vehicles =
+            (0..self.trace.vehicle_count()).filter(|number| ActorId::Vehicle(*number as u8) != self.actors.0);
+        let hits_vehicle = vehicles.into_iter().any(|number| {
+            let track = self.trace.vehicle(number);
+            let other = track.get(tick).or(track.last());
+            other.is_some_and(|other| other.state.outline(&cast.vehicle(number).blueprint).overlaps(outline))
+        });
+        let walkers =
+            (0..self.trace.pedestrian_count()).filter(|number| ActorId::Pedestrian(*number as u8) != self.actors.1);
+        let hits_walker = walkers.into_iter().any(|number| {
+            let track = self.trace.pedestrian(number);
+            let other = track.get(tick).or(track.last());
+            other.is_some_and(|other| other.gap_to(outline, &cast.pedestrian(number).body) <= 0.0)
+        });
+        !hits_vehicle && !hits_walker
+    }
+
+    /// Distance from the pedestrian to the car's box (m); 0 when they touch.
+    pub fn gap(&self, frame: &Frame) -> f64 {
+        frame.pedestrian.gap_to(&self.outline(frame), self.body)
+    }
+
+    /// The box of the car.
+    pub fn outline(&self, frame: &Frame) -> OrientedBox {
+        frame.ego.outline(self.blueprint)
+    }
+}
+
+fn frame(vehicle: &VehicleFrame, pedestrian: &PedestrianState) -> Frame {
+    let VehicleFrame { state, driven } = vehicle;
+    Frame { ego: *state, pedestrian: *pedestrian, mode: driven.mode, control: driven.control }
+}

@@ -1,0 +1,651 @@
+mod settle;
+mod start;
+
+use std::sync::Arc;
+
+use super::motion::Motion;
+use super::reward::is_about_motion;
+use super::run_up::{self, RunUp};
+use super::running::RunningEpisode;
+use super::spawn::{Pacing, Release};
+use super::{
+    Controller, Driven, Ending, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario, Spawn,
+    SpawnRule, StateHashes, Trace,
+};
+use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception, PerfectSensors};
+use crate::geometry::{Point, Pose, wrap_angle};
+use crate::sim::{ActorStart, Contact, Control, PedestrianState, WalkCommand, World};
+use base::seed::Seed;
+use learn::{Env, Step};
+
+/// A runnable logical scenario: it draws concrete episodes, one after another.
+///
+/// Episode *k* depends only on the seed and on *k*. So two controllers that are evaluated with one seed have the same starts and the same
+/// drivers.
+///
+/// Where the ego starts in its steady state ([`EgoSpeed::Steady`](super::EgoSpeed::Steady)), the driver first drives alone along a *run-up* that ends at the drawn
+/// pose. Tick 0 of the episode is the tick in which it gets there: with its own speed, pose within the lane, and memory. Until then there are
+/// no pedestrians; vehicles and traffic lights run. A driver that does not get there within 60 s (120 s where traffic lights work; at most 20,000 ticks) or touches
+/// another vehicle starts at the drawn pose, at rest and without memory.
+///
+/// A decision is one command for each pedestrian of the cast, in the order of their numbers. As an [`Env`] its action is joint: the
+/// numbers of all controlled pedestrians, one after another. So is its state.
+pub struct PedestrianEnv {
+    scenario: Arc<Scenario>,
+    world: World,
+    /// The drivers of the vehicles, in the order of their numbers.
+    policies: Vec<Box<dyn DrivingPolicy>>,
+    sensors: PerfectSensors,
+    seed: Seed,
+    next_episode: u64,
+    episode: Episode,
+    /// The start of each vehicle and each pedestrian of the running episode.
+    starts: (Vec<ActorStart>, Vec<ActorStart>),
+    /// Time within the cycles of the traffic lights at the start (s).
+    light_phase: f64,
+    run_up: RunUp,
+    /// The way ahead at the start of the run-up.
+    path: Path,
+    stage: Stage,
+    /// The action of each vehicle's driver in the last tick.
+    controls: Vec<Control>,
+    /// The command that each pedestrian carries out.
+    walks: Walks,
+    /// The walk of the target in a test.
+    release: Option<Release>,
+    /// The share of its way from which the target starts.
+    approach: f64,
+    /// What the first command made of the path that is given.
+    pacing: Option<Pacing>,
+    /// The time for which the pedestrian stands at the start of that path (s).
+    delay: f64,
+    /// The speed limit that lets the driver of the ego hold the test speed (m/s).
+    held_limit: Option<f64>,
+    /// Bounds of a joint action.
+    bounds: Vec<(f64, f64)>,
+    faults_in_a_row: u32,
+    last_fault: Option<Fault>,
+    /// The commands of the running episode. Its state depends only on them, its number and its width.
+    decisions: Vec<WalkCommand>,
+    /// The part of the spawn's distances from which the next episodes are drawn; 1 for all.
+    width: f64,
+    /// The spawn rule with that part of the distances, if that is not all.
+    near: Option<SpawnRule>,
+    /// The running episode so far, if the reward depends on the judgement of a hit.
+    trace: Option<Trace>,
+    /// The motion of each pedestrian with the ego; empty if nothing depends on it.
+    motions: Vec<Motion>,
+}
+
+/// Number of episodes in a row that a driver may fail; then it is not asked again.
+const MOST_FAULTS: u32 = 10;
+/// Commands of an episode for which memory is reserved; longer episodes reserve more once.
+const MOST_ROOM: u32 = 4096;
+
+/// The commands that the pedestrians carry out, in the order of their numbers.
+#[derive(Debug, Clone)]
+struct Walks {
+    commands: Vec<WalkCommand>,
+    /// The angle from the previous command to each command (rad).
+    turns: Vec<f64>,
+    /// Memory for the commands of an action.
+    scratch: Vec<WalkCommand>,
+}
+
+/// The stage of the running episode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stage {
+    /// The driver drives alone.
+    RunUp,
+    /// A driver failed in the run-up.
+    Failed(Fault),
+    /// The pedestrians are there.
+    Encounter,
+}
+
+/// The record of the running episode.
+#[derive(Debug, Clone, Copy)]
+struct Episode {
+    spawn: Spawn,
+    /// The hash of the spawn as it was drawn.
+    start: u64,
+    /// Ticks of the run-up.
+    run_up: u32,
+    /// The environment's width when it started.
+    width: f64,
+    /// Ticks for which the present commands have been carried out.
+    held: u32,
+    contact: Option<Contact>,
+    reward: f64,
+    least_gap: f64,
+    mode: DrivingMode,
+    digest: u64,
+    state_hashes: StateHashes,
+    outcome: Option<Outcome>,
+}
+
+impl Episode {
+    /// The record of an episode that has just started.
+    fn new(spawn: Spawn, width: f64) -> Self {
+        Self {
+            spawn,
+            start: hashed(0, &spawn),
+            run_up: 0,
+            width,
+            held: 0,
+            contact: None,
+            reward: 0.0,
+            least_gap: f64::INFINITY,
+            mode: DrivingMode::Cruise,
+            digest: 0,
+            state_hashes: StateHashes::default(),
+            outcome: None,
+        }
+    }
+}
+
+impl PedestrianEnv {
+    /// Makes an environment whose first episode is number 0 under the seed. The scenario's spawn rule must have been probed.
+    pub fn new(scenario: Arc<Scenario>, seed: Seed) -> Self {
+        let policies = scenario.cast.vehicles().map(|role| (role.policy)()).collect();
+        Self::with_policies(scenario, seed, policies)
+    }
+
+    fn with_policies(scenario: Arc<Scenario>, seed: Seed, policies: Vec<Box<dyn DrivingPolicy>>) -> Self {
+        let cast = &scenario.cast;
+        let lights = scenario.episode.traffic_lights.then_some(scenario.episode.light_cycle);
+        // Prepared here, so that no tick waits for it.
+        scenario.town.prepare();
+        let world = World::new(
+            scenario.town.clone(),
+            scenario.obstacles.clone(),
+            cast.vehicles().map(|role| role.blueprint.clone()).collect(),
+            cast.pedestrians().map(|role| role.body).collect(),
+            lights,
+            scenario.episode.tick,
+        );
+        let spawned = || std::iter::once(ActorStart::default());
+        let starts = (
+            spawned().chain(cast.traffic.iter().map(|placed| placed.start)).collect(),
+            spawned().chain(cast.others.iter().map(|placed| placed.start)).collect(),
+        );
+        let (vehicles, pedestrians) = (1 + cast.traffic.len(), cast.pedestrian_count());
+        let none = vec![WalkCommand::default(); pedestrians];
+        let walks = Walks { commands: none.clone(), turns: vec![0.0; pedestrians], scratch: none };
+        let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
+        let rule = &scenario.episode;
+        let decisions = rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize * pedestrians;
+        let measured = scenario.reward.needs_motion() || rule.end_when.as_ref().is_some_and(is_about_motion);
+        let motions = (0..pedestrians).filter(|_| measured).map(|number| Motion::new(&world, number)).collect();
+        Self {
+            trace: scenario.oracle.is_some().then(|| Trace::new(&scenario)),
+            motions,
+            bounds: cast.action_bounds(),
+            scenario,
+            world,
+            policies,
+            sensors: PerfectSensors::default(),
+            seed,
+            next_episode: 0,
+            episode: Episode::new(nowhere, 1.0),
+            starts,
+            light_phase: 0.0,
+            run_up: RunUp::new(run_up::LENGTH),
+            release: None,
+            approach: 1.0,
+            pacing: None,
+            delay: 0.0,
+            held_limit: None,
+            path: Path::default(),
+            stage: Stage::Encounter,
+            controls: vec![Control::default(); vehicles],
+            walks,
+            faults_in_a_row: 0,
+            last_fault: None,
+            decisions: Vec::with_capacity(decisions),
+            width: 1.0,
+            near: None,
+        }
+    }
+
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The world as it is now.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The running episode: its number and the decisions.
+    fn running(&self) -> RunningEpisode {
+        let digest = self.state_hash();
+        let (next_episode, width) = (self.next_episode, self.episode.width);
+        RunningEpisode { next_episode, width, decisions: self.decisions.clone(), digest }
+    }
+
+    /// Repeats an episode up to the recorded point, and returns whether it led to the same state.
+    ///
+    /// Neither the world nor a driver can be copied. But the episode's number and the commands determine it, and ticks are cheap.
+    fn replay(&mut self, running: &RunningEpisode) -> bool {
+        let Some(number) = running.next_episode.checked_sub(1) else {
+            return self.next_episode == 0 && running.decisions.is_empty();
+        };
+        let pedestrians = self.world.pedestrians.len();
+        if !running.decisions.len().is_multiple_of(pedestrians) {
+            return false;
+        }
+        self.set_curriculum(running.width);
+        self.begin(number);
+        for commands in running.decisions.chunks(pedestrians) {
+            let roles = || self.scenario.cast.pedestrians().zip(commands);
+            let possible = roles().all(|(role, command)| match role.controller {
+                Controller::External => (role.action.speed.0..=role.action.speed.1).contains(&command.speed),
+                Controller::Fixed(fixed) => fixed == *command,
+            });
+            if self.episode.outcome.is_some() || !possible {
+                return false;
+            }
+            self.carry_out(commands);
+        }
+        self.state_hash() == running.digest
+    }
+
+    /// Hashes the start of the running episode and all its states since.
+    fn state_hash(&self) -> u64 {
+        hashed(self.episode.digest, &self.episode.spawn)
+    }
+
+    /// A pedestrian's observation of the ego.
+    pub fn observe(&self, pedestrian: usize) -> Observation {
+        let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
+        let observed = self.scenario.cast.pedestrian(pedestrian).observation.speed;
+        Observation::new(&state.pose, state.speed(), &ego.pose, ego.speed, observed)
+    }
+
+    /// The outcome of the episode; none while it runs.
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.episode.outcome.as_ref()
+    }
+
+    /// The actors that touched in the last tick, and how; none when there was no touch.
+    pub fn contact(&self) -> Option<&Contact> {
+        self.episode.contact.as_ref()
+    }
+
+    /// The action of a vehicle's driver in the last tick.
+    #[inline]
+    pub fn driven(&self, vehicle: usize) -> Driven {
+        Driven { mode: self.policies[vehicle].mode(), control: self.controls[vehicle] }
+    }
+
+    /// Carries out one command for each pedestrian, for the number of ticks that the scenario keeps a command.
+    pub fn carry_out(&mut self, commands: &[WalkCommand]) -> Step {
+        self.begin_decision(commands);
+        loop {
+            if let Some(step) = self.tick() {
+                return step;
+            }
+        }
+    }
+
+    /// Takes one command for each pedestrian; [`PedestrianEnv::tick`] carries them out.
+    ///
+    /// # Panics
+    /// When the number of commands is not that of the pedestrians.
+    pub fn begin_decision(&mut self, commands: &[WalkCommand]) {
+        assert_eq!(commands.len(), self.walks.commands.len(), "each pedestrian has a command");
+        let Walks { commands: last, turns, .. } = &mut self.walks;
+        let first = self.world.ticks == 0;
+        let target = &mut self.release;
+        if first && let Some(walk) = &self.scenario.spawn.target_walk {
+            let ego = self.world.ego();
+            let (number, approach) = (self.next_episode.saturating_sub(1), self.approach);
+            let release = walk.release(number, approach, &ego.state, &ego.blueprint, commands[0], self.world.dt);
+            self.starts.1[0].pose = release.start;
+            self.world.pedestrians[0].state = PedestrianState::standing(release.start);
+            *target = Some(release);
+        }
+        if first && let Some(path) = &self.scenario.spawn.given_path {
+            self.pacing = Some(path.pacing(commands[0], self.delay));
+        }
+        for (((last, turn), command), role) in
+            last.iter_mut().zip(turns).zip(commands).zip(self.scenario.cast.pedestrians())
+        {
+            let command = match role.controller {
+                Controller::External => *command,
+                Controller::Fixed(fixed) => fixed,
+            };
+            *turn = wrap_angle(command.heading - last.heading);
+            *last = command;
+        }
+        self.motions.iter_mut().for_each(Motion::begin_decision);
+        if let Some(trace) = &mut self.trace {
+            trace.decide(&self.world, last);
+        }
+        self.episode.held = 0;
+        self.decisions.extend_from_slice(last);
+    }
+
+    /// The command that each pedestrian carries out now.
+    pub fn commands(&self) -> &[WalkCommand] {
+        &self.walks.commands
+    }
+
+    /// Lets the drivers prepare for the next tick, so that drivers of many environments can be queried at once.
+    pub fn prepare(&mut self) {
+        if self.failed_run_up().is_some() {
+            return;
+        }
+        for (vehicle, policy) in self.policies.iter_mut().enumerate() {
+            policy.prepare(&perceive(
+                &mut self.sensors,
+                &self.world,
+                self.stage,
+                &self.run_up,
+                self.held_limit,
+                vehicle,
+            ));
+        }
+    }
+
+    /// Simulates one tick. Returns the decision's step when the commands have been carried out for their time or the episode is over.
+    pub fn tick(&mut self) -> Option<Step> {
+        let rule = &self.scenario.episode;
+        let (limit, hold) = (rule.ticks, rule.hold);
+        if let Some(fault) = self.failed_run_up().or_else(|| self.drive()) {
+            return Some(self.give_up(fault));
+        }
+        if self.episode.held == 0 {
+            self.episode.mode = self.policies[0].mode();
+        }
+        self.episode.held += 1;
+        let contact = match self.stated_command() {
+            None => self.world.tick(&self.controls, &self.walks.commands),
+            Some(stated) => {
+                let Walks { commands, scratch, .. } = &mut self.walks;
+                scratch.copy_from_slice(commands);
+                scratch[0] = stated;
+                self.world.tick(&self.controls, scratch)
+            }
+        };
+        self.episode.contact = contact;
+        self.motions.iter_mut().for_each(|motion| motion.tick(&self.world));
+        self.record();
+        if let Some(mut trace) = self.trace.take() {
+            trace.watch(&self.world, contact.as_ref(), |vehicle| self.driven(vehicle));
+            self.trace = Some(trace);
+        }
+        let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold || self.is_test_over();
+        over.then(|| self.settle(contact))
+    }
+
+    /// The command that the test or the path of the spawn rule states for this tick.
+    #[inline]
+    fn stated_command(&self) -> Option<WalkCommand> {
+        let (world, spawn) = (&self.world, &self.scenario.spawn);
+        if let Some(release) = &self.release {
+            return Some(release.command(world.ticks, world.dt));
+        }
+        let (path, pacing) = spawn.given_path.as_ref().zip(self.pacing.as_ref())?;
+        Some(path.tick_command(pacing, &world.pedestrians[0].state.pose, world.ticks, world.dt))
+    }
+
+    /// The fault of a driver in the run-up.
+    #[inline]
+    fn failed_run_up(&self) -> Option<Fault> {
+        match self.stage {
+            Stage::Failed(fault) => Some(fault),
+            Stage::RunUp | Stage::Encounter => None,
+        }
+    }
+
+    /// Queries every driver for the next tick; returns the fault of the first that fails.
+    #[inline]
+    fn drive(&mut self) -> Option<Fault> {
+        for (vehicle, (policy, control)) in self.policies.iter_mut().zip(&mut self.controls).enumerate() {
+            let chosen = policy.drive(&perceive(
+                &mut self.sensors,
+                &self.world,
+                self.stage,
+                &self.run_up,
+                self.held_limit,
+                vehicle,
+            ));
+            if let Some(fault) = policy.fault() {
+                return Some(fault);
+            }
+            *control = chosen;
+        }
+        None
+    }
+
+    /// Ends an episode whose driver failed: the decision has no reward, and the rest of the episode is unknown.
+    fn give_up(&mut self, fault: Fault) -> Step {
+        self.finish(Ending::Error(fault), None);
+        self.faults_in_a_row += 1;
+        self.last_fault = Some(fault);
+        Step { reward: 0.0, terminated: false, truncated: true }
+    }
+
+    /// Ends an episode whose pedestrians have no further commands, since their controller failed as a program.
+    pub fn abandon(&mut self, fault: Fault) {
+        self.finish(Ending::ControllerError(fault), None);
+    }
+
+    /// The driver's last fault, if it failed in ten episodes in a row.
+    pub fn hopeless(&self) -> Option<Fault> {
+        self.last_fault.filter(|_| self.faults_in_a_row >= MOST_FAULTS)
+    }
+
+    /// A copy in its present state, if all drivers can be copied.
+    pub fn snapshot(&self) -> Option<Self> {
+        let policies = self.policies.iter().map(|policy| policy.snapshot()).collect::<Option<_>>()?;
+        Some(Self {
+            policies,
+            scenario: self.scenario.clone(),
+            world: self.world.clone(),
+            sensors: self.sensors.clone(),
+            starts: self.starts.clone(),
+            run_up: self.run_up.clone(),
+            path: self.path.clone(),
+            controls: self.controls.clone(),
+            walks: self.walks.clone(),
+            bounds: self.bounds.clone(),
+            decisions: self.decisions.clone(),
+            near: self.near.clone(),
+            trace: self.trace.clone(),
+            motions: self.motions.clone(),
+            ..*self
+        })
+    }
+
+    /// Another environment of the same scenario and seed, if the ego's driver is faster in a batch.
+    pub fn clone_for_batch(&self) -> Option<Self> {
+        let ego = self.policies[0].clone_for_batch()?;
+        let traffic = self.policies.iter().zip(self.scenario.cast.vehicles()).skip(1);
+        let traffic = traffic.map(|(policy, role)| policy.clone_for_batch().unwrap_or_else(|| (role.policy)()));
+        let policies = std::iter::once(ego).chain(traffic).collect();
+        Some(Self::with_policies(self.scenario.clone(), self.seed, policies))
+    }
+
+    /// The number of environments in a batch.
+    pub fn batch_size(&self) -> usize {
+        self.policies[0].batch_size()
+    }
+
+    /// Adds a tick to the digest, vehicles first, in the order of their numbers, and updates the least gap.
+    #[inline]
+    fn record(&mut self) {
+        let mut digest = self.episode.digest;
+        for vehicle in &self.world.vehicles {
+            let Pose { x, y, yaw } = vehicle.state.pose;
+            for value in [x, y, yaw, vehicle.state.speed] {
+                digest = mix(digest, value.to_bits());
+            }
+        }
+        let ego = self.world.ego();
+        let (middle, size) = (ego.state.pose.position(), ego.blueprint.half_length + ego.blueprint.half_width);
+        for (number, pedestrian) in self.world.pedestrians.iter().enumerate() {
+            let place = pedestrian.state.pose.position();
+            for value in [place.x, place.y] {
+                digest = mix(digest, value.to_bits());
+            }
+            // The distance of the centres bounds the gap from below; most ticks need no more.
+            let reach = self.episode.least_gap + size + pedestrian.body.reach();
+            if (middle - place).norm_squared() < reach * reach {
+                self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, number));
+            }
+        }
+        self.episode.digest = digest;
+    }
+
+    /// The bounds of a joint action.
+    pub fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    /// Writes the joint state: what each controlled pedestrian observes, in the frame and units of its controller.
+    pub fn write_state(&self, state: &mut [f64]) {
+        for ((number, role), part) in self.scenario.cast.controlled().zip(state.chunks_exact_mut(ObservationSpec::DIM))
+        {
+            let (pedestrian, initial, ego) = self.viewpoint(number);
+            part.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
+        }
+    }
+
+    /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.
+    pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
+        commands.copy_from_slice(&self.walks.commands);
+        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
+            commands[number] = role.action.command(*part, |speed| self.origin(number, role.action.frame, speed));
+        }
+    }
+
+    /// Writes the joint action for commands of all pedestrians: the inverse of [`PedestrianEnv::write_commands`], up to rounding. In the
+    /// frame of the world and in natural units nothing is rounded.
+    pub fn write_action(&self, commands: &[WalkCommand], action: &mut [f64]) {
+        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks_mut().0) {
+            *part = role.action.action_for(commands[number], |speed| self.origin(number, role.action.frame, speed));
+        }
+    }
+
+    /// The direction of heading 0 of a pedestrian's actions in the world (rad), at a chosen speed (m/s).
+    fn origin(&self, pedestrian: usize, frame: ReferenceFrame, speed: f64) -> f64 {
+        match frame {
+            ReferenceFrame::Meeting => self.meeting(pedestrian, self.bumper(), speed, 1.0).heading,
+            frame => {
+                let (pose, initial, ego) = self.viewpoint(pedestrian);
+                frame.origin(pose, initial, ego)
+            }
+        }
+    }
+
+    /// The direction from which a pedestrian's chosen heading is measured at a speed (m/s), in the world (rad).
+    pub fn action_origin(&self, number: usize, speed: f64) -> f64 {
+        self.origin(number, self.scenario.cast.pedestrian(number).action.frame, speed)
+    }
+
+    /// The command that leads the pedestrian as the test or the path of the spawn rule states; none where the rule has neither.
+    pub fn scripted(&self) -> Option<WalkCommand> {
+        self.scenario.spawn.scripted()
+    }
+
+    /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.
+    fn viewpoint(&self, pedestrian: usize) -> (&Pose, f64, Point) {
+        let initial = self.starts.1[pedestrian].pose.yaw;
+        (&self.world.pedestrians[pedestrian].state.pose, initial, self.world.ego().state.pose.position())
+    }
+}
+
+/// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take; afterwards the stated turns.
+#[inline]
+fn perceive<'a>(
+    sensors: &'a mut PerfectSensors,
+    world: &'a World,
+    stage: Stage,
+    run_up: &'a RunUp,
+    held_limit: Option<f64>,
+    vehicle: usize,
+) -> Perception<'a> {
+    let mut perception = sensors.perceive(world, vehicle);
+    if let Some(limit) = held_limit.filter(|_| vehicle == 0) {
+        perception.speed_limit = limit;
+    }
+    if stage == Stage::RunUp {
+        let route = if vehicle == 0 { run_up.lanes() } else { &[] };
+        return Perception { pedestrians: &[], route, ..perception };
+    }
+    perception.route = if vehicle == 0 { run_up.lanes_after_goal() } else { &[] };
+    perception
+}
+
+/// Adds a start to a hash.
+fn hashed(digest: u64, spawn: &Spawn) -> u64 {
+    let Spawn { ego, ego_speed, pedestrian } = spawn;
+    let values = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
+    values.iter().fold(digest, |digest, value| mix(digest, value.to_bits()))
+}
+
+/// One round of a multiply-rotate hash.
+fn mix(digest: u64, word: u64) -> u64 {
+    (digest.rotate_left(5) ^ word).wrapping_mul(0x517c_c1b7_2722_0a95)
+}
+
+impl Env for PedestrianEnv {
+    fn obs_dim(&self) -> usize {
+        self.scenario.cast.obs_dim()
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.bounds.clone()
+    }
+
+    fn reset(&mut self, state: &mut [f64]) {
+        self.begin(self.next_episode);
+        self.write_state(state);
+    }
+
+    fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
+        // A driver that failed too often is not asked any more; the training ends with the current update.
+        let step = match self.hopeless() {
+            Some(_) => Step { reward: 0.0, terminated: false, truncated: true },
+            None => {
+                let mut commands = std::mem::take(&mut self.walks.scratch);
+                self.write_commands(action, &mut commands);
+                let step = self.carry_out(&commands);
+                self.walks.scratch = commands;
+                step
+            }
+        };
+        self.write_state(state);
+        step
+    }
+
+    /// Whether the pedestrian was hit.
+    fn is_success(&self) -> bool {
+        self.outcome().is_some_and(Outcome::is_collision)
+    }
+
+    fn potential(&self) -> f64 {
+        match &self.scenario.reward.potential {
+            Some(formula) => RewardRule::worth(Some(formula), &self.situation(self.contact())),
+            None => 0.0,
+        }
+    }
+
+    fn set_curriculum(&mut self, share: f64) {
+        if self.width.to_bits() != share.to_bits() {
+            self.width = share;
+            self.near = self.scenario.spawn.nearest(share);
+        }
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        Some(self.running().to_bytes())
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        RunningEpisode::from_bytes(state).is_some_and(|running| self.replay(&running))
+    }
+}

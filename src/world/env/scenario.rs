@@ -1,0 +1,70 @@
+use std::sync::Arc;
+
+use super::{Cast, EgoSpeed, RewardRule, SpawnRule, TestOracle, run_up};
+use crate::geometry::Obstacles;
+use crate::road::Town;
+use crate::sim::LightCycle;
+use base::signature::{Distribution, Formula};
+
+/// The duration of an episode, and the conditions that end it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EpisodeRule {
+    /// Length of a tick (s).
+    pub tick: f64,
+    /// Ticks for which a command of a pedestrian is kept.
+    pub hold: u32,
+    /// Most ticks of an episode.
+    pub ticks: u32,
+    /// Ends the episode after a decision without a hit when it is true; the value of the state after it is not bootstrapped.
+    pub end_when: Option<Formula>,
+    /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this (rad).
+    pub front_half_angle: f64,
+    /// The ego counts as moving above this speed (m/s).
+    pub moving_above: f64,
+    /// The friction of the road, which bounds what the tyres of all cars transmit; none for CARLA's dry road.
+    pub friction: Option<f64>,
+    /// Whether the town's traffic lights work.
+    pub traffic_lights: bool,
+    /// The durations of their colours.
+    pub light_cycle: LightCycle,
+    /// The time within the cycle when the car sets off, at the start of its run-up (s); none for any time, drawn evenly.
+    pub light_phase: Option<Distribution>,
+}
+
+/// A logical scenario: everything that all its episodes share.
+#[derive(Clone)]
+pub struct Scenario {
+    /// The roads.
+    pub town: Arc<Town>,
+    /// The obstacles beside them.
+    pub obstacles: Arc<Obstacles>,
+    /// Its actors.
+    pub cast: Cast,
+    /// The rule that places the ego and the first pedestrian.
+    pub spawn: SpawnRule,
+    /// The reward of the pedestrians.
+    pub reward: RewardRule,
+    /// Judges hits, for rewards that depend on the judgement; without it every hit counts as not preventable.
+    pub oracle: Option<Arc<dyn TestOracle>>,
+    /// The rule that ends episodes.
+    pub episode: EpisodeRule,
+}
+
+impl Scenario {
+    /// The greatest number of ticks of an episode's run-up; 0 where episodes have none.
+    pub fn most_run_up(&self) -> u32 {
+        match self.spawn.ego_speed {
+            EgoSpeed::Steady => {
+                let rule = &self.episode;
+                run_up::most_ticks(rule.tick, rule.traffic_lights.then_some(rule.light_cycle))
+            }
+            EgoSpeed::Drawn(_) => 0,
+        }
+    }
+}
+
+impl std::fmt::Debug for Scenario {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scenario").field("town", &self.town.name).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,169 @@
+use super::{Pair, PedestrianEnv, Scenario};
+use crate::av::DrivingMode;
+use crate::sim::{Contact, Control, PedestrianState, VehicleState, WalkCommand, World};
+use learn::Step;
+
+/// The action of a driver in a tick.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Driven {
+    pub mode: DrivingMode,
+    /// Its pedals and its wheel.
+    pub control: Control,
+}
+
+/// A vehicle after a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VehicleFrame {
+    pub state: VehicleState,
+    /// The action of its driver in the tick that ended here; nothing yet at the start.
+    pub driven: Driven,
+}
+
+/// The record of an episode: a track of each actor from tick to tick, the decisions of each pedestrian, and the touch that ended it.
+///
+/// Its memory is reserved before the episode starts. Quantities that follow from the tracks, such as visibility, are not stored; a
+/// [`Pair`] computes them.
+#[derive(Debug, Clone)]
+pub struct Trace {
+    vehicles: Vec<Vec<VehicleFrame>>,
+    pedestrians: Vec<PedestrianTrack>,
+    contact: Option<Contact>,
+    on_map: bool,
+}
+
+/// A pedestrian from tick to tick, and its decisions.
+#[derive(Debug, Clone, Default)]
+struct PedestrianTrack {
+    states: Vec<PedestrianState>,
+    decisions: Vec<WalkCommand>,
+}
+
+/// The most ticks for which memory is reserved in advance.
+const RESERVED: u32 = 20_000;
+
+impl Trace {
+    /// Reserves memory for the actors and the length of a scenario's episodes.
+    pub fn new(scenario: &Scenario) -> Self {
+        let rule = &scenario.episode;
+        let ticks = rule.ticks.min(RESERVED);
+        let frames = ticks as usize + 1;
+        let decisions = (ticks / rule.hold) as usize + 1;
+        let track =
+            |_| PedestrianTrack { states: Vec::with_capacity(frames), decisions: Vec::with_capacity(decisions) };
+        Self {
+            vehicles: scenario.cast.vehicles().map(|_| Vec::with_capacity(frames)).collect(),
+            pedestrians: scenario.cast.pedestrians().map(track).collect(),
+            contact: None,
+            on_map: true,
+        }
+    }
+
+    /// The record of a car and a pedestrian that were recorded elsewhere: their states at the start and after each tick, and a decision for
+    /// each tick.
+    pub fn recorded(
+        driving: Vec<VehicleFrame>,
+        walking: Vec<PedestrianState>,
+        decisions: Vec<WalkCommand>,
+        contact: Option<Contact>,
+    ) -> Self {
+        Self {
+            vehicles: vec![driving],
+            pedestrians: vec![PedestrianTrack { states: walking, decisions }],
+            contact,
+            on_map: false,
+        }
+    }
+
+    /// Whether the episode took place on the scenario's map. A recording from elsewhere did not.
+    pub fn is_on_map(&self) -> bool {
+        self.on_map
+    }
+
+    pub fn vehicle_count(&self) -> usize {
+        self.vehicles.len()
+    }
+
+    /// Clears the last episode; the world is at the start of the next one.
+    pub fn begin(&mut self, world: &World) {
+        self.vehicles.iter_mut().for_each(Vec::clear);
+        for track in &mut self.pedestrians {
+            track.states.clear();
+            track.decisions.clear();
+        }
+        self.watch(world, None, |_| Driven::default());
+    }
+
+    /// Records a decision: the command that each pedestrian carries out. The first decision may have moved a target to its start.
+    pub fn decide(&mut self, world: &World, commands: &[WalkCommand]) {
+        for ((track, command), pedestrian) in self.pedestrians.iter_mut().zip(commands).zip(&world.pedestrians) {
+            if let [only] = track.states.as_mut_slice() {
+                *only = pedestrian.state;
+            }
+            track.decisions.push(*command);
+        }
+    }
+
+    /// Records the state of all actors after a tick, whether two of them touched in it, and what the driver of each vehicle did.
+    #[inline]
+    pub fn watch(&mut self, world: &World, contact: Option<&Contact>, driven: impl Fn(usize) -> Driven) {
+        for (number, (track, vehicle)) in self.vehicles.iter_mut().zip(&world.vehicles).enumerate() {
+            track.push(VehicleFrame { state: vehicle.state, driven: driven(number) });
+        }
+        for (track, pedestrian) in self.pedestrians.iter_mut().zip(&world.pedestrians) {
+            track.states.push(pedestrian.state);
+        }
+        self.contact = contact.copied();
+    }
+
+    /// Simulates one tick of an environment and records it.
+    pub fn watch_tick(&mut self, env: &mut PedestrianEnv) -> Option<Step> {
+        let step = env.tick();
+        self.watch(env.world(), env.contact(), |vehicle| env.driven(vehicle));
+        step
+    }
+
+    /// Carries out a decision in an environment and records all of its ticks.
+    pub fn watch_decision(&mut self, env: &mut PedestrianEnv, commands: &[WalkCommand]) -> Step {
+        env.begin_decision(commands);
+        self.decide(env.world(), env.commands());
+        loop {
+            if let Some(step) = self.watch_tick(env) {
+                return step;
+            }
+        }
+    }
+
+    pub fn pedestrian_count(&self) -> usize {
+        self.pedestrians.len()
+    }
+
+    /// The track of a vehicle: at the start, and after each tick.
+    pub fn vehicle(&self, number: usize) -> &[VehicleFrame] {
+        &self.vehicles[number]
+    }
+
+    /// The track of a pedestrian: at the start, and after each tick.
+    pub fn pedestrian(&self, number: usize) -> &[PedestrianState] {
+        &self.pedestrians[number].states
+    }
+
+    pub fn decisions(&self, pedestrian: usize) -> &[WalkCommand] {
+        &self.pedestrians[pedestrian].decisions
+    }
+
+    /// The touch in the last tick; none when no actors touched.
+    pub fn contact(&self) -> Option<&Contact> {
+        self.contact.as_ref()
+    }
+
+    /// The episode as seen by one vehicle and one pedestrian.
+    pub fn pair<'a>(&'a self, scenario: &'a Scenario, vehicle: usize, pedestrian: usize) -> Pair<'a> {
+        Pair::new(scenario, self, vehicle, pedestrian)
+    }
+
+    /// The pair for the verdict on an episode: the ego and the pedestrian that it touched, or the first pedestrian when it touched none.
+    pub fn main_pair<'a>(&'a self, scenario: &'a Scenario) -> Pair<'a> {
+        let struck = self.contact.and_then(|contact| contact.pedestrian_at_ego());
+        self.pair(scenario, 0, struck.unwrap_or(0))
+    }
+}

@@ -1,0 +1,506 @@
+use std::collections::{BTreeMap, VecDeque};
+
+use rand::RngExt;
+
+use super::crossing::{Crossing, Goal};
+use super::{Falsifier, Homing, Intercept, Simulator, TrainError, WalkPolicy};
+use crate::env::{FailureCell, PedestrianEnv};
+use crate::sim::WalkCommand;
+use base::seed::{Seed, Stream};
+use base::signature::{Arguments, Param, Signature, Type};
+use base::units::Dimension;
+use learn::standard_normal;
+
+/// A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
+///
+/// The reward of a start is that of its worst failure; a further failure counts a share of it (`again`), the less the more its cell has earned.
+///
+/// A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three factors: how near the start
+/// is to the one where it was found, what its variations have earned since, and how little its cell has earned. A failure *gains* less
+/// the more its cell has earned before. So the search neither finds one fault a thousand times nor leaves what works.
+///
+/// What similar crossings gained at similar starts says what a variation can be expected to gain. The best of several guesses promises too much,
+/// so promises are corrected by what earlier ones have kept. A start is left as soon as a further try promises less per tick than the search gained
+/// lately, as a forager leaves a patch. The end of the budget chooses the controller
+/// that it returns: on starts of their own, the elites must earn more than `intercept` and `homing`.
+///
+/// # Source
+/// Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909, with a start as the context of an elite; Charnov, *Optimal
+/// foraging, the marginal value theorem*, Theoretical Population Biology 9 (1976).
+#[derive(Debug, Clone, Copy)]
+pub struct Archive {
+    /// Share of the starts at which a goal is drawn uniformly.
+    explore: f64,
+    /// Standard deviation of a variation, in shares of a goal's range.
+    spread: f64,
+    /// Most tries from one start.
+    tries: u32,
+    /// Share of its reward that a failure is worth from a start that has had one.
+    again: f64,
+    /// Exponent of the preference for cells that have earned little; 0 for none.
+    novelty: f64,
+    /// Most elites of a cell.
+    elites: usize,
+    /// Share of the budget that chooses the controller.
+    choice: f64,
+}
+
+impl Archive {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let share = |low, high| Type::Quantity { dimension: Dimension::RATIO, min: low, max: high };
+        let params = vec![
+            Param::required(
+                "reward",
+                Type::Reference("reward"),
+                "What a crossing is to earn; `on hit(fault)` makes it look for faults of the driver.",
+            ),
+            Param::with_default(
+                "explore",
+                share(0.0, 1.0),
+                "0.1",
+                "Share of the starts at which a crossing is drawn uniformly.",
+            ),
+            Param::with_default(
+                "spread",
+                share(0.001, 1.0),
+                "0.1",
+                "Standard deviation of a variation; 1 is the whole range of a component.",
+            ),
+            Param::with_default(
+                "tries",
+                Type::Integer { min: 1, max: 1000 },
+                "32",
+                "Most crossings that are tried from one start, while they promise more than another start.",
+            ),
+            Param::with_default(
+                "again",
+                share(0.0, 1.0),
+                "0.3",
+                "What a failure is worth from a start that has had as bad a one, as a share of its reward: with 0 a start is left after its first fault, with 1 more faults of one start count like those of others.",
+            ),
+            Param::with_default(
+                "novelty",
+                share(0.0, 5.0),
+                "0.5",
+                "Exponent of the preference for failures of a kind that was seldom found; 0 for none.",
+            ),
+            Param::with_default(
+                "elites",
+                Type::Integer { min: 1, max: 1000 },
+                "16",
+                "Most crossings that are kept of one kind of failure.",
+            ),
+            Param::with_default(
+                "choice",
+                share(0.0, 0.5),
+                "0.1",
+                "Share of the budget that compares what was found with `intercept` and `homing`, to choose the controller.",
+            ),
+        ];
+        let doc = "A quality-diversity search over crossings: keeps the best of each kind of failure, and varies them at new starts.";
+        Signature::new("archive", doc, params)
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self {
+            explore: arguments.number("explore"),
+            spread: arguments.number("spread"),
+            tries: arguments.integer("tries") as u32,
+            again: arguments.number("again"),
+            novelty: arguments.number("novelty"),
+            elites: arguments.integer("elites") as usize,
+            choice: arguments.number("choice"),
+        }
+    }
+}
+
+/// What matters of a start: where the pedestrian is, and how fast the car.
+type Context = [f64; 3];
+/// Scales of a context: two starts that differ by this are half related (m, m, m/s).
+const SCALES: Context = [6.0, 3.0, 1.5];
+
+/// The context at the start of an episode. A start at the right of the car is mirrored to its left: goals know no side.
+fn context(env: &PedestrianEnv) -> Context {
+    let ego = &env.world().ego().state;
+    let local = ego.pose.to_local(env.world().pedestrians[0].state.pose.position());
+    [local.x, local.y.abs(), ego.speed]
+}
+
+/// How related two contexts are, from 0 to 1.
+fn kernel(a: &Context, b: &Context) -> f64 {
+    let squares = a.iter().zip(b).zip(SCALES).map(|((a, b), scale)| ((a - b) / scale) * ((a - b) / scale));
+    1.0 / (1.0 + squares.sum::<f64>())
+}
+
+/// A crossing that ended in a failure.
+#[derive(Debug, Clone, Copy)]
+struct Elite {
+    context: Context,
+    goal: Goal,
+    cell: FailureCell,
+    /// What it earned itself.
+    reward: f64,
+    /// What its variations earned, and their number.
+    earned: f64,
+    tries: f64,
+}
+
+impl Elite {
+    /// What a variation of it can be expected to earn. Its own reward counts half, since it was selected for it.
+    fn value(&self) -> f64 {
+        (0.5 * self.reward + self.earned) / (1.0 + self.tries)
+    }
+}
+
+/// A goal for a start.
+struct Proposal {
+    goal: Goal,
+    /// The elite that it varies.
+    parent: Option<usize>,
+    /// What it can be expected to gain.
+    expected: f64,
+}
+
+/// A crossing that was tried.
+#[derive(Debug, Clone, Copy)]
+struct Try {
+    context: Context,
+    goal: Goal,
+    reward: f64,
+    /// The cell of its failure, if it failed.
+    cell: Option<FailureCell>,
+    /// What it gained when it was tried.
+    gain: f64,
+    /// The ticks of the episode, and those with its share of a run-up.
+    ticks: (f64, f64),
+}
+
+/// The elites, what each cell has earned, and the last tries.
+#[derive(Debug, Clone, Default)]
+struct Elites {
+    all: Vec<Elite>,
+    earned: BTreeMap<FailureCell, f64>,
+    memory: VecDeque<Try>,
+    /// Ticks that were left of the budget after the last try.
+    left: u64,
+    calibration: Calibration,
+}
+
+/// What tries were expected to gain and what they gained, by their number at a start and by whether an earlier one there had failed the driver.
+///
+/// The best of several guesses promises more than it keeps, and the more so the longer a start has kept its promise back.
+#[derive(Debug, Clone, Copy, Default)]
+struct Calibration {
+    expected: [[f64; 4]; 2],
+    gained: [[f64; 4]; 2],
+}
+
+impl Calibration {
+    /// What a try keeps of its promise, for each 1 that it promises.
+    fn factor(&self, number: u32, worth: &Worth) -> f64 {
+        let (number, failed) = (number.min(3) as usize, usize::from(worth.best > 0.0));
+        (self.gained[failed][number] + DOUBT) / (self.expected[failed][number] + DOUBT)
+    }
+
+    fn note(&mut self, number: u32, worth: &Worth, expected: f64, gained: f64) {
+        let (number, failed) = (number.min(3) as usize, usize::from(worth.best > 0.0));
+        self.expected[failed][number] += expected;
+        self.gained[failed][number] += gained;
+    }
+}
+
+/// What a failure is worth at a start: how much worse it is than the worst there, and a share of its reward for a new way to fail.
+#[derive(Debug, Clone, Copy, Default)]
+struct Worth {
+    /// The greatest reward from this start.
+    best: f64,
+    again: f64,
+    novelty: f64,
+    /// Whether it guides the search, where an unknown crossing promises the average.
+    of_search: bool,
+}
+
+/// The experience of the last tries.
+#[derive(Debug, Clone, Copy)]
+struct Lately {
+    /// Gain per tick, with the run-ups of all starts, also of those that were left at once.
+    rate: f64,
+    /// Mean ticks of an episode without its run-up.
+    ticks: f64,
+    /// Mean gain.
+    gain: f64,
+}
+
+/// Share of the starts that are tried although they promise little. Without it a search whose starts cost no tick might never end.
+const SECOND_LOOK: f64 = 0.1;
+/// Number of the last tries whose gain is compared with what a start promises.
+const LATELY: usize = 200;
+const FIRST_TRIES: usize = 60;
+/// Most tries that are remembered.
+const MEMORY: usize = 4000;
+/// Goals that differ by this in one component are as far apart as contexts that differ by their scale.
+const GOAL_SCALE: f64 = 0.15;
+/// The square of the distance from which on a try says nothing, and the weight of the prior: the mean gain of the last tries.
+const REACH: f64 = 4.0;
+const PRIOR: f64 = 4.0;
+/// The weight of trust in promises, in rewards, before they have been kept or not.
+const DOUBT: f64 = 0.5;
+/// Variations of which the most promising is tried, and elites among which a controller chooses.
+const CANDIDATES: usize = 8;
+/// Crossings drawn uniformly that compete with the variations.
+const STRANGERS: usize = 6;
+const FIXED: [Goal; 2] = [Goal::INTERCEPT, Goal::HOMING];
+const FINALISTS: usize = 32;
+
+impl Elites {
+    /// Adds a failure; of a full cell the elite with the least value leaves.
+    fn add(&mut self, elite: Elite, most: usize) {
+        let cell = self.all.iter().enumerate().filter(|(_, each)| each.cell == elite.cell);
+        if cell.clone().count() < most {
+            self.all.push(elite);
+        } else if let Some((place, _)) = cell.min_by(|a, b| a.1.value().total_cmp(&b.1.value())) {
+            self.all[place] = elite;
+        }
+    }
+
+    /// Draws an elite for a start.
+    fn draw(&self, context: &Context, novelty: f64, stream: &mut Stream) -> Option<usize> {
+        let weight = |elite: &Elite| {
+            let near = kernel(context, &elite.context);
+            near * near * self.gain(elite.value(), Some(elite.cell), novelty)
+        };
+        let mut sums: Vec<f64> = Vec::with_capacity(self.all.len());
+        for elite in &self.all {
+            sums.push(sums.last().copied().unwrap_or(0.0) + weight(elite));
+        }
+        let drawn = sums.last().copied().filter(|total| *total > 0.0)? * stream.random::<f64>();
+        Some(sums.partition_point(|sum| *sum <= drawn).min(self.all.len() - 1))
+    }
+
+    /// What a reward gains: less if it is for a failure of a cell that has earned much.
+    fn gain(&self, reward: f64, cell: Option<FailureCell>, novelty: f64) -> f64 {
+        let before = cell.and_then(|cell| self.earned.get(&cell)).copied().unwrap_or(0.0);
+        reward * libm::pow(1.0 + before, -novelty)
+    }
+
+    /// What a try is worth to a start.
+    fn worth(&self, reward: f64, cell: Option<FailureCell>, worth: &Worth) -> f64 {
+        let more = (reward - worth.best).max(0.0);
+        more + worth.again * self.gain(reward.max(0.0), cell, worth.novelty)
+    }
+
+    /// What the last tries gained per tick with their run-ups, the mean ticks of their episodes, and their mean gain.
+    fn lately(&self) -> Lately {
+        let last = || self.memory.iter().rev().take(LATELY);
+        let sum = |of: fn(&Try) -> f64| last().map(of).sum::<f64>();
+        let (all, own) = (sum(|tried| tried.ticks.1), sum(|tried| tried.ticks.0));
+        let (gain, count) = (sum(|tried| tried.gain), last().count().max(1) as f64);
+        Lately { rate: gain / all.max(1.0), ticks: own / count, gain: gain / count }
+    }
+
+    fn remember(&mut self, tried: Try) {
+        if self.memory.len() == MEMORY {
+            self.memory.pop_front();
+        }
+        if let Some(cell) = tried.cell {
+            *self.earned.entry(cell).or_default() += tried.reward.max(0.0);
+        }
+        self.memory.push_back(tried);
+    }
+
+    /// What goals can be expected to be worth at a start: a mean over similar tries at similar starts, weighted by a biweight kernel.
+    fn expect<const N: usize>(&self, context: &Context, goals: &[Goal; N], worth: &Worth) -> [f64; N] {
+        let prior = if worth.of_search { self.lately().gain } else { 0.0 };
+        let mut sums = [(PRIOR, PRIOR * prior); N];
+        for tried in &self.memory {
+            let parts = context.iter().zip(&tried.context).zip(SCALES).map(|((a, b), scale)| (a - b) / scale);
+            let apart: f64 = parts.map(|part| part * part).sum();
+            if apart >= REACH {
+                continue;
+            }
+            let there = tried.goal.components();
+            let gain = self.worth(tried.reward, tried.cell, worth);
+            for (goal, (weight, earned)) in goals.iter().zip(&mut sums) {
+                let parts = goal.components().into_iter().zip(there).map(|(a, b)| (a - b) / GOAL_SCALE);
+                let share = 1.0 - (apart + parts.map(|part| part * part).sum::<f64>()) / REACH;
+                if share > 0.0 {
+                    *weight += share * share;
+                    *earned += share * share * gain;
+                }
+            }
+        }
+        sums.map(|(weight, earned)| earned / weight)
+    }
+
+    /// The goal that promises most at a start: one of an elite, or of a scripted controller.
+    fn best(&self, context: &Context) -> Goal {
+        let promise = |elite: &Elite| kernel(context, &elite.context) * elite.value();
+        let mut order: Vec<(f64, Goal)> = self.all.iter().map(|elite| (promise(elite), elite.goal)).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let elites = order.into_iter().map(|(_, goal)| goal);
+        let fallback = std::iter::repeat(Goal::INTERCEPT);
+        let mut finalists = FIXED.into_iter().chain(elites).chain(fallback);
+        let candidates: [Goal; FINALISTS] = std::array::from_fn(|_| finalists.next().expect("it repeats"));
+        let expected = self.expect(context, &candidates, &Worth::default());
+        let best = expected.iter().zip(candidates).max_by(|a, b| a.0.total_cmp(b.0));
+        best.expect("there are finalists").1
+    }
+}
+
+impl Archive {
+    /// A goal for a start.
+    fn propose(&self, elites: &Elites, context: &Context, worth: &Worth, stream: &mut Stream) -> Proposal {
+        let explore = stream.random::<f64>() < self.explore;
+        let parent = if explore { None } else { elites.draw(context, self.novelty, stream) };
+        let Some(parent) = parent else {
+            // Before the first failure two thirds of the tries are those of the scripted controllers.
+            let uniform = Goal::new(std::array::from_fn(|_| stream.random()));
+            let fixed = FIXED.get(stream.random_range(0..=FIXED.len())).filter(|_| !explore);
+            let goal = *fixed.unwrap_or(&uniform);
+            return Proposal { goal, parent: None, expected: elites.expect(context, &[goal], worth)[0] };
+        };
+        let mut parents = [parent; CANDIDATES];
+        for other in &mut parents[1..] {
+            *other = elites.draw(context, self.novelty, stream).unwrap_or(parent);
+        }
+        let goals = parents.map(|parent| {
+            let varied =
+                elites.all[parent].goal.components().map(|share| share + self.spread * standard_normal(stream));
+            Goal::new(varied)
+        });
+        // The scripted controllers and crossings drawn uniformly compete with the variations.
+        let others: [Goal; STRANGERS] = std::array::from_fn(|_| Goal::new(std::array::from_fn(|_| stream.random())));
+        let mut all = goals.into_iter().chain(FIXED).chain(others);
+        let goals: [Goal; CANDIDATES + FIXED.len() + STRANGERS] =
+            std::array::from_fn(|_| all.next().expect("there are as many"));
+        let expected = elites.expect(context, &goals, worth);
+        let best = (0..goals.len()).max_by(|a, b| expected[*a].total_cmp(&expected[*b]));
+        let best = best.expect("there are candidates");
+        Proposal { goal: goals[best], parent: parents.get(best).copied(), expected: expected[best] }
+    }
+
+    /// Tries crossings from one start while they promise more per tick than the search gained lately; none when the budget is used up.
+    fn search_from(
+        &self,
+        start: u64,
+        simulator: &mut Simulator<'_>,
+        elites: &mut Elites,
+        stream: &mut Stream,
+    ) -> Option<()> {
+        let mut worth = Worth { best: 0.0, again: self.again, novelty: self.novelty, of_search: true };
+        for number in 0..self.tries {
+            if !simulator.begin(start) {
+                return None;
+            }
+            let context = context(simulator.env());
+            let begins = elites.memory.len() < FIRST_TRIES;
+            let proposal = match begins && number == 0 && stream.random::<f64>() >= self.explore {
+                true => Proposal { goal: Goal::INTERCEPT, parent: None, expected: 0.0 },
+                false => self.propose(elites, &context, &worth, stream),
+            };
+            let Lately { rate, ticks, .. } = elites.lately();
+            let expected = proposal.expected * elites.calibration.factor(number, &worth);
+            let promising = expected > rate * ticks || (number == 0 && stream.random::<f64>() < SECOND_LOOK);
+            // At first one interception from each start, and more only where it failed the driver.
+            let leaves = if begins { number > 0 && worth.best <= 0.0 } else { !promising };
+            if leaves {
+                return Some(());
+            }
+            let goal = proposal.goal;
+            let ready = simulator.left();
+            let reward = run(simulator, &mut Crossing::new(goal))?;
+            let left = simulator.left();
+            let cell = FailureCell::new(simulator.env());
+            let gain = elites.worth(reward, cell, &worth);
+            elites.calibration.note(number, &worth, proposal.expected, gain);
+            worth.best = worth.best.max(reward);
+            let ticks = ((ready - left) as f64, (elites.left - left) as f64);
+            elites.left = left;
+            elites.remember(Try { context, goal, reward, cell, gain, ticks });
+            if let Some(parent) = proposal.parent {
+                elites.all[parent].earned += reward.max(0.0);
+                elites.all[parent].tries += 1.0;
+            }
+            if let Some(cell) = cell.filter(|_| reward > 0.0) {
+                elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 }, self.elites);
+            }
+        }
+        Some(())
+    }
+}
+
+impl Falsifier for Archive {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+        let mut stream = seed.child("archive").stream();
+        let (budget, mut start) = (simulator.left(), 0);
+        let mut elites = Elites { left: budget, ..Elites::default() };
+        let kept = (budget as f64 * self.choice) as u64;
+        while simulator.left() > kept {
+            if self.search_from(start, simulator, &mut elites, &mut stream).is_none() {
+                break;
+            }
+            start += 1;
+        }
+        let mut found = Found { elites, crossing: Crossing::new(Goal::INTERCEPT), begun: false };
+        // The same starts for all, one after another.
+        let mut sums = [0.0; 3];
+        loop {
+            let candidates: [&mut dyn WalkPolicy; 3] = [&mut found, &mut Intercept, &mut Homing];
+            let mut earned = [0.0; 3];
+            let mut complete = true;
+            for (walker, earned) in candidates.into_iter().zip(&mut earned) {
+                let reward = if simulator.begin(start) { run(simulator, walker) } else { None };
+                complete &= reward.is_some();
+                *earned = reward.unwrap_or(0.0);
+            }
+            if !complete {
+                break;
+            }
+            for (sum, earned) in sums.iter_mut().zip(earned) {
+                *sum += earned;
+            }
+            start += 1;
+        }
+        let chosen: Box<dyn WalkPolicy> = match sums {
+            [ours, intercept, homing] if ours >= intercept.max(homing) => Box::new(found),
+            [_, intercept, homing] if intercept >= homing => Box::new(Intercept),
+            _ => Box::new(Homing),
+        };
+        Ok(Some(chosen))
+    }
+}
+
+/// Runs the episode that has begun to its end and returns its reward; none when the budget is used up before.
+fn run(simulator: &mut Simulator<'_>, walker: &mut dyn WalkPolicy) -> Option<f64> {
+    // No controller of this search draws random numbers.
+    walker.begin(Seed::root(0).stream());
+    Some(simulator.finish(|env, commands| walker.choose(env, commands))?.reward)
+}
+
+/// The controller that the search ends up with: at each start the elite that promises most.
+#[derive(Debug, Clone)]
+struct Found {
+    elites: Elites,
+    crossing: Crossing,
+    begun: bool,
+}
+
+impl WalkPolicy for Found {
+    fn begin(&mut self, _: Stream) {
+        self.begun = false;
+    }
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        if !self.begun {
+            self.begun = true;
+            self.crossing = Crossing::new(self.elites.best(&context(env)));
+        }
+        self.crossing.choose(env, commands);
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

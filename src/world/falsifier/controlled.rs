@@ -1,0 +1,119 @@
+use std::fmt;
+use std::sync::Arc;
+
+use super::episodes::MOST_FAULTS;
+use super::{Falsifier, Simulator, TrainError, WalkPolicy};
+use crate::sim::WalkCommand;
+use base::seed::Seed;
+use base::signature::{Param, Signature, Type};
+
+/// A controller that a file declares: its name, and how a walk policy is made of it. Two are equal if their names are.
+#[derive(Clone)]
+pub struct Controller {
+    name: Arc<str>,
+    make: Arc<dyn Fn() -> Box<dyn WalkPolicy> + Send + Sync>,
+}
+
+impl Controller {
+    /// A controller with this name.
+    pub fn new(name: &str, make: impl Fn() -> Box<dyn WalkPolicy> + Send + Sync + 'static) -> Self {
+        Self { name: name.into(), make: Arc::new(make) }
+    }
+
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub fn walk_policy(&self) -> Box<dyn WalkPolicy> {
+        (self.make)()
+    }
+}
+
+impl fmt::Debug for Controller {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Controller").field(&self.name).finish()
+    }
+}
+
+impl PartialEq for Controller {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Controller {}
+
+impl std::hash::Hash for Controller {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.name.hash(state);
+    }
+}
+
+impl PartialOrd for Controller {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Controller {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.name.cmp(&other.name)
+    }
+}
+
+/// A declared controller as a falsifier: it runs one episode from every start.
+#[derive(Debug, Clone)]
+pub struct Controlled {
+    controller: Controller,
+}
+
+impl Controlled {
+    /// The name of this kind of falsifier.
+    pub const KIND: &'static str = "controlled";
+
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new(
+            Self::KIND,
+            "Walks as a `controller` does, such as a program of your own: one episode from every start.",
+            vec![Param::required("controller", Type::Reference("controller"), "The controller.")],
+        )
+    }
+
+    /// Makes a falsifier of a controller.
+    pub fn new(controller: Controller) -> Self {
+        Self { controller }
+    }
+}
+
+impl Falsifier for Controlled {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+        let mut walker = self.controller.walk_policy();
+        let mut commands = vec![WalkCommand::default(); simulator.env().world().pedestrians.len()];
+        let mut faults = 0;
+        for start in 0.. {
+            if !simulator.begin(start) {
+                break;
+            }
+            walker.begin(seed.index(start).stream());
+            loop {
+                walker.choose(simulator.env(), &mut commands);
+                if let Some(fault) = walker.fault() {
+                    faults += 1;
+                    if faults == MOST_FAULTS {
+                        return Err(TrainError::Controller { fault });
+                    }
+                    break;
+                }
+                match simulator.step(&commands) {
+                    Some(step) if !step.done() => {}
+                    _ => {
+                        faults = 0;
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(Some(walker))
+    }
+}

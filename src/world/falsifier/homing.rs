@@ -1,0 +1,18 @@
+use super::WalkPolicy;
+use crate::env::PedestrianEnv;
+use crate::sim::WalkCommand;
+use base::seed::Stream;
+
+/// Walks straight at the ego at its greatest speed: the simplest attack.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Homing;
+
+impl WalkPolicy for Homing {
+    fn begin(&mut self, _: Stream) {}
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        for (pedestrian, command) in commands.iter_mut().enumerate() {
+            *command = env.homing(pedestrian);
+        }
+    }
+}

@@ -1,0 +1,22 @@
+use super::WalkPolicy;
+use crate::env::PedestrianEnv;
+use crate::sim::WalkCommand;
+use base::seed::Stream;
+
+/// Walks at its greatest speed to where it would meet an ego that keeps its velocity: a baseline without learning.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Intercept;
+
+impl WalkPolicy for Intercept {
+    fn begin(&mut self, _: Stream) {}
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        for (pedestrian, command) in commands.iter_mut().enumerate() {
+            *command = env.intercept(pedestrian);
+        }
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(*self))
+    }
+}

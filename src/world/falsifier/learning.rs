@@ -1,0 +1,107 @@
+use super::{ActionMode, Falsifier, Simulator, TrainError, TrainedWalker, WalkPolicy};
+use base::seed::Seed;
+use base::signature::{Param, Signature, Type};
+use learn::{Env, PpoConfig, Step, Trainer};
+
+/// Learning by PPO as a falsifier: the failures are those of the training.
+///
+/// The budget replaces the training's number of steps; schedules end with the decisions that fit into it. Several environments have equal
+/// shares of the budget. An update is discarded if the first share is used up in it. A curriculum is ignored: all falsifiers have the same
+/// starts.
+#[derive(Debug, Clone)]
+pub struct Learning {
+    config: PpoConfig,
+    environments: usize,
+}
+
+impl Learning {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let params = vec![
+            Param::required("reward", Type::Reference("reward"), "What it is trained for."),
+            Param::optional(
+                "training",
+                Type::Reference("training"),
+                "How it is trained, instead of the campaign's `training`; the budget takes the place of `steps`.",
+            ),
+        ];
+        Signature::new("ppo", "Trains a pedestrian by proximal policy optimisation.", params)
+    }
+
+    /// Makes one with settings and a number of environments.
+    pub fn new(config: PpoConfig, environments: usize) -> Self {
+        Self { config, environments }
+    }
+}
+
+/// A share of the simulator as an environment of the learner. When the budget is used up, it does not move and ends every episode at once.
+/// What is learnt from such episodes is discarded.
+struct Ground<'a> {
+    share: Simulator<'a>,
+    next: u64,
+    stride: u64,
+}
+
+impl Env for Ground<'_> {
+    fn obs_dim(&self) -> usize {
+        self.share.env().obs_dim()
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.share.env().action_bounds()
+    }
+
+    fn reset(&mut self, state: &mut [f64]) {
+        self.share.begin(self.next);
+        self.next += self.stride;
+        self.share.env().write_state(state);
+    }
+
+    fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
+        let step = self.share.act(action);
+        self.share.env().write_state(state);
+        step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false })
+    }
+
+    fn is_success(&self) -> bool {
+        self.share.env().is_success()
+    }
+
+    fn potential(&self) -> f64 {
+        self.share.env().potential()
+    }
+}
+
+impl Falsifier for Learning {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+        let hold = u64::from(simulator.env().scenario().episode.hold);
+        let run_up = u64::from(simulator.env().scenario().most_run_up());
+        let stride = self.environments as u64;
+        let shares = simulator.shares(stride);
+        let mut grounds: Vec<Ground<'_>> =
+            (0..).zip(shares).map(|(next, share)| Ground { share, next, stride }).collect();
+        let config = PpoConfig { total_steps: (simulator.left() / hold).max(1), ..self.config.clone() };
+        let trained = train(&mut grounds, &config, hold + run_up, seed);
+        simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());
+        Ok(Some(Box::new(TrainedWalker::new(trained?, simulator.env().obs_dim(), ActionMode::Deterministic))))
+    }
+}
+
+/// Trains until one of the shares is used up. `longest` is the greatest number of ticks that a decision takes, with a run-up before it.
+fn train(
+    grounds: &mut [Ground<'_>],
+    config: &PpoConfig,
+    longest: u64,
+    seed: &Seed,
+) -> Result<learn::ActorCritic, learn::TrainError> {
+    let most = config.rollout_steps as u64 * longest;
+    let mut trainer = Trainer::new(grounds, config, seed)?;
+    loop {
+        let enough = grounds.iter().all(|ground| ground.share.left() >= most);
+        let before = (!enough).then(|| trainer.actor_critic().clone());
+        trainer.update(grounds)?;
+        if grounds.iter().any(|ground| ground.share.is_spent()) {
+            return Ok(before.unwrap_or_else(|| trainer.finish().actor_critic));
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Policies of pedestrians that aim at a collision, and methods that search for collisions.
+//!
+//! A [`WalkPolicy`] chooses commands decision by decision; [`evaluate`] evaluates it. A [`Falsifier`] is a method with a budget of
+//! simulator ticks, from random walks to learning by PPO; a [`Simulator`] counts the ticks and stores what the method finds. All of
+//! them know an environment by the dimensions of its states and actions, not by the number of its pedestrians.
+
+mod walk_policy;
+mod training;
+mod training_ground;
+mod training_run;
+mod trained;
+mod random;
+mod homing;
+mod intercept;
+mod natural;
+mod recorded_walking;
+mod scripted;
+mod outside;
+mod controlled;
+mod episodes;
+
+mod method;
+mod start_set;
+mod simulator;
+mod failure;
+mod walking;
+mod optimizer;
+mod open_loop;
+mod tree_search;
+mod crossing;
+mod crossings;
+mod archive;
+mod exhaustive;
+mod learning;
+
+pub use archive::Archive;
+pub use controlled::{Controlled, Controller};
+pub use crossing::{Crossing, Goal};
+pub use crossings::evaluate_crossings;
+pub use episodes::{evaluate, evaluate_noting};
+pub use exhaustive::{Exhaustive, crossings};
+pub use failure::{Failure, follow, recorded_commands, walk_again};
+pub use homing::Homing;
+pub use intercept::Intercept;
+pub use learning::Learning;
+pub use method::Falsifier;
+pub use natural::Natural;
+pub use open_loop::OpenLoop;
+pub use outside::{Networked, PROTOCOL, Programmed, UnsuitableNetwork};
+pub use random::Random;
+pub use recorded_walking::RecordedWalking;
+pub use scripted::Scripted;
+pub use simulator::{SearchOutcome, Simulator};
+pub use start_set::StartSet;
+pub use trained::{ActionMode, TrainedWalker};
+pub use training::{TrainError, train};
+pub use training_run::TrainingRun;
+pub use tree_search::TreeSearch;
+pub use walk_policy::WalkPolicy;
+pub use walking::Walking;

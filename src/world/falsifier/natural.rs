@@ -1,0 +1,121 @@
+use rand::RngExt;
+
+use super::{RecordedWalking, WalkPolicy};
+use crate::env::PedestrianEnv;
+use crate::geometry::wrap_angle;
+use crate::sim::WalkCommand;
+use base::seed::Stream;
+
+/// A pedestrian that crosses the road in front of the car as recorded ones walk: the natural baseline beside searches.
+///
+/// At the start of an episode it draws its preferred speed and its accepted gap. It crosses at a right angle to the car, away from the side
+/// on which it stands. It sets off when the car would come to its line later than itself by at least the accepted gap, when the car has
+/// passed, when the car stands, or when it is in the way of the car. A heedless pedestrian sets off at once. While it walks, its speed and its direction change with every
+/// decision. The sizes of the changes are drawn from the recorded distributions. A change leads back towards the preferred speed and
+/// towards the straight line with a probability that grows with the departure from it, so neither of them drifts.
+///
+/// Commands are cut to the speeds that the scenario allows. A gait that is slower than the changes weakens them.
+#[derive(Debug, Clone)]
+pub struct Natural {
+    walking: RecordedWalking,
+    /// The probability that a pedestrian waits for a gap.
+    heed: f64,
+    stream: Option<Stream>,
+    /// One for each pedestrian of the episode.
+    walks: Vec<Walk>,
+}
+
+/// The walk of one pedestrian.
+#[derive(Debug, Clone, Copy)]
+struct Walk {
+    /// Speed about which it walks (m/s).
+    preferred: f64,
+    /// The time that it wants to have crossed the car's middle line before the car comes (s); −∞ for a heedless one.
+    gap: f64,
+    /// The direction straight across (rad).
+    across: f64,
+    /// Its speed (m/s) and its direction from `across` (rad), once it has set off.
+    walking: Option<(f64, f64)>,
+}
+
+impl Natural {
+    /// Makes one; `heed` is the probability that a pedestrian waits for a gap.
+    pub fn new(walking: RecordedWalking, heed: f64) -> Self {
+        Self { walking, heed, stream: None, walks: Vec::new() }
+    }
+
+    /// The walk of a pedestrian that has just appeared.
+    fn first(&mut self, env: &PedestrianEnv, pedestrian: usize) -> Walk {
+        let stream = self.stream.as_mut().expect("an episode has started");
+        let preferred = self.walking.speed(stream);
+        let gap = self.walking.accepted_gap(stream);
+        let heeds = stream.random::<f64>() < self.heed;
+        let (ego, here) = (&env.world().ego().state.pose, env.world().pedestrians[pedestrian].state.pose.position());
+        let aside = ego.to_local(here).y;
+        let across = ego.left() * if aside > 0.0 { -1.0 } else { 1.0 };
+        let across = libm::atan2(across.y, across.x);
+        Walk { preferred, gap: if heeds { gap } else { f64::NEG_INFINITY }, across, walking: None }
+    }
+}
+
+impl Default for Natural {
+    /// Pedestrians as in the recording DUT, who all wait for a gap.
+    fn default() -> Self {
+        Self::new(RecordedWalking::DUT, 1.0)
+    }
+}
+
+impl Walk {
+    /// Whether its gap is large enough to set off.
+    fn may_go(&self, env: &PedestrianEnv, pedestrian: usize) -> bool {
+        let world = env.world();
+        let (ego, person) = (world.ego(), &world.pedestrians[pedestrian]);
+        let place = ego.state.pose.to_local(person.state.pose.position());
+        let way = place.x - ego.blueprint.half_length;
+        if way <= 0.0 || ego.state.speed <= 0.1 {
+            return true;
+        }
+        let aside = ego.blueprint.half_width + person.body.radius;
+        if place.y.abs() < aside {
+            return true;
+        }
+        // It has crossed when it is out of the car's width.
+        let beyond = place.y.abs() + aside;
+        way / ego.state.speed - beyond / self.preferred >= self.gap
+    }
+}
+
+impl WalkPolicy for Natural {
+    fn begin(&mut self, stream: Stream) {
+        self.stream = Some(stream);
+        self.walks.clear();
+    }
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        let rule = &env.scenario().episode;
+        let seconds = f64::from(rule.hold) * rule.tick;
+        for (pedestrian, command) in commands.iter_mut().enumerate() {
+            if self.walks.len() <= pedestrian {
+                let walk = self.first(env, pedestrian);
+                self.walks.push(walk);
+            }
+            let walk = &mut self.walks[pedestrian];
+            let stream = self.stream.as_mut().expect("an episode has started");
+            walk.walking = match walk.walking {
+                None if !walk.may_go(env, pedestrian) => None,
+                None => Some((walk.preferred, 0.0)),
+                Some((speed, turned)) => {
+                    let (faster, turn) = self.walking.change(speed - walk.preferred, turned, seconds, stream);
+                    Some(((speed + faster).max(0.0), turned + turn))
+                }
+            };
+            let (low, high) = env.scenario().cast.pedestrian(pedestrian).action.speed;
+            let (speed, turned) = walk.walking.unwrap_or((low, 0.0));
+            *command = WalkCommand { heading: wrap_angle(walk.across + turned), speed: speed.clamp(low, high) };
+        }
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

@@ -1,0 +1,100 @@
+use std::sync::Arc;
+
+use super::carry_out;
+use crate::av::Fault;
+use crate::av::onnx::{Network, Runner};
+use crate::env::{ObservationSpec, PedestrianEnv};
+use crate::falsifier::WalkPolicy;
+use crate::sim::WalkCommand;
+use base::seed::Stream;
+use base::signature::{Param, Signature, Type};
+use learn::FrameStack;
+
+/// Why a network cannot control one pedestrian.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum UnsuitableNetwork {
+    /// Its input is not one or several states.
+    #[error("its input has {0} numbers, and a state of a pedestrian has 4; several states are a multiple of 4")]
+    Input(usize),
+    /// Its output is not an action.
+    #[error("its output has {0} numbers instead of 2: heading and speed")]
+    Output(usize),
+}
+
+/// A controller that is a network in an ONNX file.
+///
+/// It gets as many of the last states as its input holds, the oldest first, with zeros for those before the start of an episode, as a network
+/// that was trained with `frame_stack`. All numbers are in the units of the adversary.
+pub struct Networked {
+    runner: Runner,
+    stack: FrameStack,
+    state: Vec<f64>,
+    action: Vec<f64>,
+    /// Whether the first decision of the episode has been taken.
+    begun: bool,
+    fault: Option<Fault>,
+}
+
+impl Networked {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new(
+            "onnx",
+            "A network in an ONNX file with one input, the state (1, 4), and one output, the action: heading and speed. A report writes \
+             its trained pedestrians as such files.",
+            vec![Param::required("model", Type::Path, "The file.")],
+        )
+    }
+
+    /// Checks whether a network can control a pedestrian.
+    ///
+    /// # Errors
+    /// The reason why it cannot.
+    pub fn check(network: &Network) -> Result<(), UnsuitableNetwork> {
+        match (network.inputs(), network.outputs()) {
+            (inputs, _) if !inputs.is_multiple_of(ObservationSpec::DIM) => Err(UnsuitableNetwork::Input(inputs)),
+            (_, 2) => Ok(()),
+            (_, outputs) => Err(UnsuitableNetwork::Output(outputs)),
+        }
+    }
+
+    /// Makes one of a network that passes [`Networked::check`].
+    pub fn new(network: Arc<Network>) -> Self {
+        let stack = FrameStack::new(ObservationSpec::DIM, network.inputs() / ObservationSpec::DIM);
+        let action = vec![0.0; network.outputs()];
+        Self::within(Runner::new(network), stack, action)
+    }
+
+    fn within(runner: Runner, stack: FrameStack, action: Vec<f64>) -> Self {
+        Self { runner, stack, state: vec![0.0; ObservationSpec::DIM], action, begun: false, fault: None }
+    }
+}
+
+impl WalkPolicy for Networked {
+    fn begin(&mut self, _: Stream) {
+        (self.begun, self.fault) = (false, None);
+    }
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        env.write_state(&mut self.state);
+        if std::mem::replace(&mut self.begun, true) {
+            self.stack.push(&self.state);
+        } else {
+            self.stack.begin(&self.state);
+        }
+        let answer = self.runner.run(self.stack.as_slice().iter().map(|number| *number as f32).collect());
+        let action = answer.map(|answer| {
+            self.action.iter_mut().zip(answer).for_each(|(number, given)| *number = f64::from(given));
+            self.action.as_mut_slice()
+        });
+        self.fault = carry_out(env, action, commands);
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(Self::within(self.runner.clone(), self.stack.clone(), self.action.clone())))
+    }
+}

@@ -1,0 +1,30 @@
+use rand::RngExt;
+
+use super::WalkPolicy;
+use crate::env::PedestrianEnv;
+use crate::sim::WalkCommand;
+use base::seed::Stream;
+
+/// Draws every action uniformly from its bounds: the baseline that a trained pedestrian must beat.
+#[derive(Debug, Clone, Default)]
+pub struct Random {
+    stream: Option<Stream>,
+    action: Vec<f64>,
+}
+
+impl WalkPolicy for Random {
+    fn begin(&mut self, stream: Stream) {
+        self.stream = Some(stream);
+    }
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        let stream = self.stream.as_mut().expect("an episode has started");
+        self.action.clear();
+        self.action.extend(env.bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>()));
+        env.write_commands(&self.action, commands);
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}

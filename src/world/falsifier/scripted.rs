@@ -1,0 +1,27 @@
+use super::WalkPolicy;
+use crate::env::PedestrianEnv;
+use crate::sim::WalkCommand;
+use base::seed::Stream;
+
+/// The pedestrian that walks as the spawn rule states: the target of a test ([`TargetWalk`](crate::env::TargetWalk)), or along a path
+/// ([`GivenPath`](crate::env::GivenPath)). In other scenarios it stands.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Scripted;
+
+impl WalkPolicy for Scripted {
+    fn begin(&mut self, _: Stream) {}
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        let facing = |pedestrian: usize| env.world().pedestrians[pedestrian].state.pose.yaw;
+        for (pedestrian, command) in commands.iter_mut().enumerate() {
+            *command = WalkCommand { heading: facing(pedestrian), speed: 0.0 };
+        }
+        if let (Some(first), Some(script)) = (commands.first_mut(), env.scripted()) {
+            *first = script;
+        }
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(*self))
+    }
+}

@@ -1,0 +1,101 @@
+use std::sync::Arc;
+
+use crate::av::Fault;
+use crate::env::{PedestrianEnv, Scenario};
+use base::seed::Seed;
+use learn::{Env, Step};
+
+/// An environment whose episodes take place in several scenarios in turn: other towns, other drivers.
+///
+/// Episode k of environment i takes place in scenario (i + k) mod n, so all scenarios have equal shares of the episodes, whatever the number
+/// of environments. With one scenario it is a [`PedestrianEnv`].
+pub(super) struct TrainingGround {
+    envs: Vec<PedestrianEnv>,
+    /// The place of the running episode's scenario.
+    current: usize,
+}
+
+impl TrainingGround {
+    /// The environment with this number, of scenarios with equal states and actions; `episodes` is its own seed.
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn new(scenarios: &[Arc<Scenario>], number: usize, episodes: &Seed) -> Self {
+        assert!(!scenarios.is_empty(), "training needs a scenario");
+        let seed = |place: u64| if place == 0 { *episodes } else { episodes.child("place").index(place) };
+        let envs = (0..).zip(scenarios).map(|(place, scenario)| PedestrianEnv::new(scenario.clone(), seed(place)));
+        // The first reset moves on to the scenario of the number.
+        Self { current: (number + scenarios.len() - 1) % scenarios.len(), envs: envs.collect() }
+    }
+
+    /// Why a driver failed in ten episodes in a row, if one did.
+    pub fn hopeless(&self) -> Option<Fault> {
+        self.envs.iter().find_map(PedestrianEnv::hopeless)
+    }
+
+    fn env(&self) -> &PedestrianEnv {
+        &self.envs[self.current]
+    }
+}
+
+impl Env for TrainingGround {
+    fn obs_dim(&self) -> usize {
+        self.env().obs_dim()
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.env().action_bounds()
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        self.current = (self.current + 1) % self.envs.len();
+        self.envs[self.current].reset(obs);
+    }
+
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+        self.envs[self.current].step(action, obs)
+    }
+
+    fn is_success(&self) -> bool {
+        self.env().is_success()
+    }
+
+    fn potential(&self) -> f64 {
+        self.env().potential()
+    }
+
+    fn set_curriculum(&mut self, share: f64) {
+        self.envs.iter_mut().for_each(|env| env.set_curriculum(share));
+    }
+
+    /// With several scenarios: the place of the running one, then the length and the state of each, as 64-bit words and bytes.
+    fn save(&self) -> Option<Vec<u8>> {
+        if let [only] = self.envs.as_slice() {
+            return only.save();
+        }
+        let mut bytes = (self.current as u64).to_le_bytes().to_vec();
+        for env in &self.envs {
+            let state = env.save()?;
+            bytes.extend((state.len() as u64).to_le_bytes());
+            bytes.extend(state);
+        }
+        Some(bytes)
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        if let [only] = self.envs.as_mut_slice() {
+            return only.load(state);
+        }
+        let mut rest = state;
+        let word = |rest: &mut &[u8]| Some(u64::from_le_bytes(*rest.split_off(..8)?.first_chunk()?) as usize);
+        let Some(current) = word(&mut rest).filter(|current| *current < self.envs.len()) else { return false };
+        for env in &mut self.envs {
+            let state = word(&mut rest).and_then(|length| rest.split_off(..length));
+            if !state.is_some_and(|state| env.load(state)) {
+                return false;
+            }
+        }
+        self.current = current;
+        rest.is_empty()
+    }
+}

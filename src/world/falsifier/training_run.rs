@@ -1,0 +1,233 @@
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::TrainError;
+use super::training_ground::TrainingGround;
+use crate::env::Scenario;
+use base::seed::Seed;
+use learn::{CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
+
+/// A training of a pedestrian between two updates, with its environments.
+///
+/// It can be saved between two updates and continued on any number of threads. The result is the same as without interruption.
+///
+/// # Example
+/// ```
+/// use std::collections::BTreeMap;
+/// use std::sync::Arc;
+///
+/// use world::env::Scenario;
+/// use world::falsifier::TrainingRun;
+/// use learn::{PpoConfig, Trained};
+/// use base::seed::Seed;
+///
+/// fn in_two_parts(scenario: &Arc<Scenario>, config: &PpoConfig) -> Result<Trained, Box<dyn std::error::Error>> {
+///     let mut run = TrainingRun::begin(scenario, 8, config, &Seed::root(7))?;
+///     run.update()?;
+///     let state = run.state(&BTreeMap::new());
+///     let mut run = TrainingRun::resume(&state, scenario, 8, config, &Seed::root(7))?;
+///     while !run.is_done() {
+///         println!("{:?}", run.update()?.mean_reward);
+///     }
+///     Ok(run.finish())
+/// }
+/// ```
+pub struct TrainingRun {
+    envs: Vec<TrainingGround>,
+    trainer: Trainer,
+}
+
+impl TrainingRun {
+    /// Starts a training in a number of environments of a scenario, each with its own stream of episodes.
+    ///
+    /// # Errors
+    /// A first state that is not finite.
+    pub fn begin(
+        scenario: &Arc<Scenario>,
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, TrainError> {
+        Self::begin_among(std::slice::from_ref(scenario), environments, config, seed)
+    }
+
+    /// As [`TrainingRun::begin`], in several scenarios whose episodes alternate.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::begin`].
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn begin_among(
+        scenarios: &[Arc<Scenario>],
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, TrainError> {
+        let mut envs = environments_of(scenarios, environments, seed);
+        Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
+    }
+
+    /// Continues a training that was started with the same scenario, environments, settings and seed.
+    ///
+    /// `total_steps` and `threads` may differ.
+    ///
+    /// # Errors
+    /// The bytes are not the state of such a training: they are damaged, a setting differs, or the running episodes lead to other states
+    /// in this scenario.
+    pub fn resume(
+        state: &[u8],
+        scenario: &Arc<Scenario>,
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, CheckpointError> {
+        Self::resume_among(state, std::slice::from_ref(scenario), environments, config, seed)
+    }
+
+    /// As [`TrainingRun::resume`], for [`TrainingRun::begin_among`].
+    ///
+    /// # Errors
+    /// As [`TrainingRun::resume`].
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn resume_among(
+        state: &[u8],
+        scenarios: &[Arc<Scenario>],
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, CheckpointError> {
+        let mut envs = environments_of(scenarios, environments, seed);
+        Ok(Self { trainer: Trainer::from_state(state, &mut envs, config)?, envs })
+    }
+
+    /// Collects a rollout and learns from it.
+    ///
+    /// # Errors
+    /// The first number that is not finite, or a driver that failed in ten episodes in a row. The training cannot be used after that.
+    pub fn update(&mut self) -> Result<&UpdateLog, TrainError> {
+        self.update_unless(&|| false)
+    }
+
+    /// As [`TrainingRun::update`], but gives up in the middle of the rollout when `stop` is true, which is asked at every decision.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::update`]; [`learn::TrainError::Stopped`] when it gave up, with the number of the last whole update.
+    pub fn update_unless(&mut self, stop: &(dyn Fn() -> bool + Sync)) -> Result<&UpdateLog, TrainError> {
+        let given_up = AtomicBool::new(false);
+        let mut envs: Vec<Stoppable> =
+            self.envs.iter_mut().map(|env| Stoppable { env, stop, given_up: &given_up }).collect();
+        let update = self.trainer.updates();
+        let log = self.trainer.update(&mut envs).map_err(|error| match given_up.load(Ordering::Relaxed) {
+            true => learn::TrainError::Stopped { update },
+            false => error,
+        })?;
+        match self.envs.iter().find_map(TrainingGround::hopeless) {
+            Some(fault) => Err(TrainError::Driver { update: log.update, fault }),
+            None => Ok(log),
+        }
+    }
+
+    /// Returns whether the number of decisions that the settings ask for has been taken.
+    pub fn is_done(&self) -> bool {
+        self.trainer.is_done()
+    }
+
+    /// Returns the reports of all updates up to now, in order, including those before an interruption.
+    pub fn learning_curve(&self) -> &[UpdateLog] {
+        self.trainer.learning_curve()
+    }
+
+    /// Encodes the training so that [`TrainingRun::resume`] can continue it; `metadata` goes into the header.
+    ///
+    /// The format is safetensors. The present networks can be read from it, too.
+    pub fn state(&self, metadata: &BTreeMap<String, String>) -> Vec<u8> {
+        self.trainer.state(&self.envs, metadata)
+    }
+
+    /// Ends the training.
+    pub fn finish(self) -> Trained {
+        self.trainer.finish()
+    }
+
+    /// Trains to the end, and shows the training to the observer after every update.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::update`]; or the break of the observer.
+    pub fn carry_on(
+        mut self,
+        observer: &mut dyn FnMut(&TrainingRun) -> ControlFlow<()>,
+    ) -> Result<Trained, TrainError> {
+        while !self.is_done() {
+            self.update()?;
+            if observer(&self).is_break() {
+                return Err(learn::TrainError::Stopped { update: self.trainer.updates() }.into());
+            }
+        }
+        Ok(self.finish())
+    }
+}
+
+/// An environment in which a rollout ends early: its next reward is not a number, which ends the update.
+struct Stoppable<'a> {
+    env: &'a mut TrainingGround,
+    stop: &'a (dyn Fn() -> bool + Sync),
+    given_up: &'a AtomicBool,
+}
+
+impl Env for Stoppable<'_> {
+    fn obs_dim(&self) -> usize {
+        self.env.obs_dim()
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.env.action_bounds()
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        self.env.reset(obs);
+    }
+
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+        if (self.stop)() {
+            self.given_up.store(true, Ordering::Relaxed);
+            return Step { reward: f64::NAN, terminated: true, truncated: false };
+        }
+        self.env.step(action, obs)
+    }
+
+    fn is_success(&self) -> bool {
+        self.env.is_success()
+    }
+
+    fn potential(&self) -> f64 {
+        self.env.potential()
+    }
+
+    fn set_curriculum(&mut self, share: f64) {
+        self.env.set_curriculum(share);
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        self.env.save()
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        self.env.load(state)
+    }
+}
+
+impl std::fmt::Debug for TrainingRun {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TrainingRun").field("updates", &self.trainer.updates()).finish_non_exhaustive()
+    }
+}
+
+fn environments_of(scenarios: &[Arc<Scenario>], environments: usize, seed: &Seed) -> Vec<TrainingGround> {
+    let episodes = seed.child("episodes");
+    (0..environments).map(|env| TrainingGround::new(scenarios, env, &episodes.index(env as u64))).collect()
+}

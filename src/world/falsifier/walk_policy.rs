@@ -1,0 +1,26 @@
+use crate::av::Fault;
+use crate::env::PedestrianEnv;
+use crate::sim::WalkCommand;
+use base::seed::Stream;
+
+/// A policy that chooses the commands of pedestrians.
+pub trait WalkPolicy {
+    /// Prepares for an episode that has just started; `stream` holds its random numbers.
+    fn begin(&mut self, stream: Stream);
+
+    /// Chooses the next decision: one command for each pedestrian, in the order of their numbers. It may read the whole present state of
+    /// the environment.
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]);
+
+    /// Why the last choice failed; the commands of that choice mean nothing, and the episode is in error. None for policies of this crate,
+    /// which cannot fail.
+    fn fault(&self) -> Option<Fault> {
+        None
+    }
+
+    /// Another policy that chooses as this one does, for episodes that run at the same time. None when this policy cannot be in two
+    /// episodes at once.
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        None
+    }
+}

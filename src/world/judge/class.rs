@@ -1,0 +1,103 @@
+use super::CLEAR;
+
+/// A car at this speed (m/s) or more drives into a pedestrian; a slower one pushes. Signals give pedestrians 1.0 to 1.2 m/s.
+pub const WALKING_PACE: f64 = 1.0;
+
+/// What a touch counts as. The first that applies, in this order:
+///
+/// | class | when |
+/// |---|---|
+/// | `bump` | the car was at most 0.1 m/s fast |
+/// | `not_preventable` | a careful human touches the pedestrian, too |
+/// | `unforeseeable` | the pedestrian did not move as people do |
+/// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear |
+/// | `slow` | the car was slower than [`WALKING_PACE`] |
+/// | `narrow` | a careful human has less than [`CLEAR`] to spare |
+/// | `fault` | none of these: the collision counts against the driver |
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+pub enum Class {
+    /// The car stood.
+    Bump,
+    /// A careful human touches the pedestrian, too.
+    NotPreventable,
+    /// The pedestrian did not move as people do.
+    Unforeseeable,
+    /// The pedestrian walked into the flank or the rear.
+    Flank,
+    /// The car was slower than walking pace.
+    Slow,
+    /// A careful human has less than 0.1 m to spare.
+    Narrow,
+    /// It counts against the driver.
+    Fault,
+}
+
+/// What decides about the class of a touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Facts {
+    /// Whether the car moved.
+    pub moved: bool,
+    /// Whether both careful humans avoid it.
+    pub preventable: bool,
+    /// Whether the pedestrian moved as people do.
+    pub foreseeable: bool,
+    /// Whether the pedestrian walked into the flank or the rear.
+    pub walked_into: bool,
+    /// The car's speed (m/s).
+    pub speed: f64,
+    /// What the careful human with less to spare has to spare (m).
+    pub margin: f64,
+}
+
+impl Class {
+    /// All of them, in their order.
+    pub const ALL: [Self; 7] =
+        [Self::Bump, Self::NotPreventable, Self::Unforeseeable, Self::Flank, Self::Slow, Self::Narrow, Self::Fault];
+
+    /// Its name in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bump => "bump",
+            Self::NotPreventable => "not_preventable",
+            Self::Unforeseeable => "unforeseeable",
+            Self::Flank => "flank",
+            Self::Slow => "slow",
+            Self::Narrow => "narrow",
+            Self::Fault => "fault",
+        }
+    }
+
+    pub(super) fn of(facts: &Facts) -> Self {
+        match facts {
+            Facts { moved: false, .. } => Self::Bump,
+            Facts { preventable: false, .. } => Self::NotPreventable,
+            Facts { foreseeable: false, .. } => Self::Unforeseeable,
+            Facts { walked_into: true, .. } => Self::Flank,
+            Facts { speed, .. } if *speed < WALKING_PACE => Self::Slow,
+            Facts { margin, .. } if *margin < CLEAR => Self::Narrow,
+            _ => Self::Fault,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_fact_is_enough_to_take_a_fault_away() {
+        let fault =
+            Facts { moved: true, preventable: true, foreseeable: true, walked_into: false, speed: 1.0, margin: CLEAR };
+        let found = [
+            fault,
+            Facts { margin: 0.09, ..fault },
+            Facts { speed: 0.99, ..fault },
+            Facts { walked_into: true, ..fault },
+            Facts { foreseeable: false, ..fault },
+            Facts { preventable: false, ..fault },
+            Facts { moved: false, ..fault },
+        ];
+        let classes: Vec<Class> = found.iter().rev().map(Class::of).collect();
+        assert_eq!(classes, Class::ALL);
+    }
+}

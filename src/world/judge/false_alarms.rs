@@ -1,0 +1,63 @@
+use super::reference::Model;
+use super::trial::FreeRun;
+use super::{Encounter, Reference, Trial};
+use crate::env::Pair;
+
+/// The reference drivers that would have braked for nothing in an episode without a touch.
+///
+/// The episode is cut into the approaches of the pedestrian, each from the start of its danger to five seconds after its end. Each approach is
+/// judged as a collision is: same path, same speed until it brakes, frozen pedestrian. A driver braked *for nothing* when it braked in an approach
+/// in which the recorded car does not touch the pedestrian. A reference that stops for everybody would avoid all collisions; this is its price.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FalseAlarms {
+    braked: [bool; Reference::COUNT],
+    stopped: [bool; Reference::COUNT],
+}
+
+impl FalseAlarms {
+    /// Looks for them; none when vehicle and pedestrian touched.
+    pub fn new(pair: &Pair<'_>) -> Option<Self> {
+        if pair.contact().is_some() {
+            return None;
+        }
+        let mut alarms = Self::default();
+        for mut encounter in Encounter::approaches(pair) {
+            alarms.add(&mut encounter);
+        }
+        Some(alarms)
+    }
+
+    fn add(&mut self, encounter: &mut Encounter<'_>) {
+        let free = FreeRun::new(encounter);
+        // A car that stands all the time cannot stop for nothing.
+        if free.trial.least_gap <= 0.0 || !free.trial.moved {
+            return;
+        }
+        for reference in Reference::ALL {
+            if self.stopped(reference) {
+                continue;
+            }
+            let trial = match reference.model() {
+                Model::Delayed(driver) => {
+                    let noticed = free.noticed(encounter, &driver);
+                    free.braked(encounter, driver, noticed)
+                }
+                // To steer is an answer to what braking alone does not avoid.
+                Model::Swerving(other) => Trial::new(encounter, other.driver().as_mut()),
+                Model::Other(mut driver) => Trial::new(encounter, driver.as_mut()),
+            };
+            self.braked[reference as usize] |= trial.braked;
+            self.stopped[reference as usize] |= trial.stopped;
+        }
+    }
+
+    /// Whether a driver braked for nothing.
+    pub fn braked(&self, reference: Reference) -> bool {
+        self.braked[reference as usize]
+    }
+
+    /// Whether it braked to a stop for nothing.
+    pub fn stopped(&self, reference: Reference) -> bool {
+        self.stopped[reference as usize]
+    }
+}

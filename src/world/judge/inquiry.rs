@@ -1,0 +1,203 @@
+use super::class::Facts;
+use super::reaction::{SLOWEST, share_of_drivers};
+use super::reference::Model;
+use super::trial::{FreeRun, Notice, STANDING};
+use super::{
+    Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, Sensitivity, Sight, Trial, Verdict, contact_side,
+};
+use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Evading, Gate};
+use crate::env::Pair;
+use crate::sim::Contact;
+
+/// The inquiry into a touch. It runs a reference driver when its result is first asked for, so that a caller pays only for what it needs: a
+/// reward that asks for the careful humans pays for two drivers and not for six.
+#[derive(Debug, Clone)]
+pub struct Inquiry<'a> {
+    pair: Pair<'a>,
+    contact: Contact,
+    encounter: Encounter<'a>,
+    free: FreeRun,
+    /// When a driver with the gate notices the pedestrian, once that is known.
+    noticed: Option<Option<Notice>>,
+    trials: [Option<Trial>; Reference::COUNT],
+}
+
+impl<'a> Inquiry<'a> {
+    /// The time to which the latest reaction is known (s).
+    const RESOLUTION: f64 = 0.01;
+
+    /// Starts an inquiry; none when vehicle and pedestrian did not touch.
+    pub fn new(pair: &Pair<'a>) -> Option<Self> {
+        let mut encounter = Encounter::new(pair)?;
+        let free = FreeRun::new(&mut encounter);
+        Some(Self {
+            pair: *pair,
+            contact: *pair.contact()?,
+            encounter,
+            free,
+            noticed: None,
+            trials: [None; Reference::COUNT],
+        })
+    }
+
+    /// The encounter from the start of the danger.
+    pub fn encounter(&self) -> &Encounter<'a> {
+        &self.encounter
+    }
+
+    /// The result of a driver.
+    pub fn trial(&mut self, reference: Reference) -> Trial {
+        if let Some(trial) = self.trials[reference as usize] {
+            return trial;
+        }
+        let trial = match reference.model() {
+            Model::Swerving(other) => self.swerved(other),
+            Model::Delayed(driver) => self.braked(driver),
+            Model::Other(mut driver) => Trial::new(&mut self.encounter, driver.as_mut()),
+        };
+        *self.trials[reference as usize].insert(trial)
+    }
+
+    /// The result of a driver that may also move to a side: that of the braking alone where that avoids the touch, or where the driver finds no
+    /// free way beside it.
+    fn swerved(&mut self, other: Reference) -> Trial {
+        let braked = self.trial(other);
+        if braked.is_avoided() || !self.encounter.has_ground() {
+            return braked;
+        }
+        let tried = Evading::WANTED.into_iter().find_map(|wanted| {
+            let mut driver = Evading::new(other.driver(), wanted);
+            let mut outlines = Vec::new();
+            let trial = Trial::swerving(&mut self.encounter, &mut driver, &mut outlines);
+            (trial.is_avoided() && self.encounter.is_free(&outlines)).then_some(trial)
+        });
+        tried.unwrap_or(braked)
+    }
+
+    fn braked(&mut self, driver: DelayedBrake) -> Trial {
+        let noticed = if driver.gate == Some(Gate::CAREFUL) {
+            *self.noticed.get_or_insert_with(|| self.free.noticed(&self.encounter, &driver))
+        } else {
+            self.free.noticed(&self.encounter, &driver)
+        };
+        self.free.braked(&mut self.encounter, driver, noticed)
+    }
+
+    /// The reduction of the impact speed by a driver (m/s): all of it when it avoids the touch, negative when it hits harder.
+    pub fn reduction(&mut self, reference: Reference) -> f64 {
+        self.contact.impact_speed - self.trial(reference).impact_speed.unwrap_or(0.0)
+    }
+
+    /// The share of drivers who would have avoided the touch: [`Verdict::preventable_probability`]; 0 for a standing car.
+    pub fn preventable_probability(&mut self) -> f64 {
+        self.latest_reaction().map_or(0.0, share_of_drivers)
+    }
+
+    /// The label; runs the drivers that it needs.
+    pub fn label(&mut self) -> Label {
+        if !self.has_moved() {
+            return Label::Standing;
+        }
+        Label::of_moving(|reference| self.trial(reference).is_avoided())
+    }
+
+    /// Whether the car moved and both careful humans avoid the touch.
+    pub fn is_preventable(&mut self) -> bool {
+        self.has_moved() && Label::humans().into_iter().all(|human| self.trial(human).is_avoided())
+    }
+
+    /// Whether the car was faster than 0.1 m/s when it touched the pedestrian.
+    fn has_moved(&self) -> bool {
+        self.contact.impact_speed > STANDING
+    }
+
+    /// The longest reaction time (s), counted from the gate, with which a driver who brakes like UN R157's human avoids the touch, at most 5 s.
+    /// None when such a driver touches the pedestrian even if it brakes at once, and when the car stood.
+    ///
+    /// It is found by bisection between the reactions of the two careful humans, or from there to the ends. A still slower driver may again be lucky
+    /// and pass in front of or behind the pedestrian; such luck does not count.
+    pub fn latest_reaction(&mut self) -> Option<f64> {
+        if !self.has_moved() {
+            return None;
+        }
+        let avoids = |inquiry: &mut Self, reaction| {
+            let driver = DelayedBrake::new(Some(Gate::CAREFUL), BrakeProfile::careful_human(reaction));
+            inquiry.braked(driver).is_avoided()
+        };
+        let [attentive, careful] = Label::humans().map(|human| (human.reaction(), self.trial(human).is_avoided()));
+        let (mut low, mut high) = match (attentive, careful) {
+            ((_, true), (reaction, true)) => (reaction, SLOWEST),
+            ((first, true), (second, false)) => (first, second),
+            ((first, false), _) => (0.0, first),
+        };
+        if low == 0.0 && !avoids(self, low) {
+            return None;
+        }
+        if high == SLOWEST && avoids(self, high) {
+            return Some(high);
+        }
+        while high - low > Self::RESOLUTION {
+            let middle = (low + high) / 2.0;
+            *if avoids(self, middle) { &mut low } else { &mut high } = middle;
+        }
+        Some(low)
+    }
+
+    /// What the touch counts as.
+    pub fn class(&mut self) -> Class {
+        let (_, walked_into) = self.touched();
+        let moved = self.has_moved();
+        let preventable = self.is_preventable();
+        let margin = match preventable {
+            true => Label::humans().map(|human| self.trial(human).least_gap).into_iter().fold(f64::INFINITY, f64::min),
+            false => 0.0,
+        };
+        let foreseeable = PedestrianMotion::new(&self.pair).is_foreseeable();
+        Class::of(&Facts { moved, preventable, foreseeable, walked_into, speed: self.contact.impact_speed, margin })
+    }
+
+    /// Whether it would count as a fault with other figures of the careful humans.
+    pub fn sensitivity(&mut self) -> Sensitivity {
+        let (_, walked_into) = self.touched();
+        let foreseeable = PedestrianMotion::new(&self.pair).is_foreseeable();
+        let (moved, speed) = (self.has_moved(), self.contact.impact_speed);
+        Sensitivity::of(|later, gate| {
+            // What the humans do is asked last: it costs most.
+            let others = Facts { moved, preventable: true, foreseeable, walked_into, speed, margin: f64::INFINITY };
+            if Class::of(&others) != Class::Fault {
+                return false;
+            }
+            let trials = Label::humans().map(|human| {
+                let profile = BrakeProfile::careful_human(human.reaction() + later);
+                let driver = DelayedBrake::new(Some(gate), profile);
+                let notice = self.free.noticed(&self.encounter, &driver);
+                self.free.braked(&mut self.encounter, driver, notice)
+            });
+            let margin = trials.iter().map(|trial| trial.least_gap).fold(f64::INFINITY, f64::min);
+            let preventable = trials.iter().all(Trial::is_avoided);
+            Class::of(&Facts { preventable, margin, ..others }) == Class::Fault
+        })
+    }
+
+    /// The side of the touch, and whether the pedestrian walked into the car.
+    fn touched(&self) -> (ContactSide, bool) {
+        contact_side::touched(&self.pair).expect("checked: they touched")
+    }
+
+    pub fn verdict(mut self) -> Verdict {
+        let (side, walked_into) = self.touched();
+        Verdict {
+            label: self.label(),
+            side,
+            walked_into,
+            warning: self.encounter.warning,
+            danger_speed: self.encounter.speeds[0],
+            foreseeable: PedestrianMotion::new(&self.pair).is_foreseeable(),
+            sight: Sight::new(&self.pair),
+            impact_speed: self.contact.impact_speed,
+            latest_reaction: self.latest_reaction(),
+            trials: Reference::ALL.map(|reference| self.trial(reference)),
+            sensitivity: self.sensitivity(),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+use super::{Recording, RecordingError};
+use crate::geometry::{Point, Pose};
+use crate::sim::{PedestrianState, VehicleState};
+
+/// Columns that a file needs.
+const NEEDED: [&str; 7] =
+    ["time_s", "ego_x_m", "ego_y_m", "ego_yaw_deg", "ego_speed_mps", "pedestrian_x_m", "pedestrian_y_m"];
+/// Columns of the pedestrian's velocity: both or none.
+const VELOCITY: [&str; 2] = ["pedestrian_yaw_deg", "pedestrian_speed_mps"];
+/// The most columns; what follows is not looked at.
+const MOST_COLUMNS: usize = 10_000;
+/// The greatest deviation of a time from a constant step, as a share of the step.
+const UNEVEN: f64 = 0.1;
+
+/// A file that holds no recording.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RecordingFileError {
+    /// A column is absent.
+    #[error("there is no column `{column}`; there is {}", if found.is_empty() { "none".to_owned() } else { found.join(", ") })]
+    Column {
+        column: &'static str,
+        /// The columns of the file.
+        found: Vec<String>,
+    },
+    /// A row has another number of fields than the header.
+    #[error("line {line}: there are {found} fields; the header has {wanted}")]
+    Fields {
+        /// Number of the line, from 1.
+        line: usize,
+        /// Fields of the row.
+        found: usize,
+        /// Columns of the header.
+        wanted: usize,
+    },
+    /// There are more rows than a recording may have.
+    #[error("line {line}: there are more than {most} rows; cut the recording", most = Recording::MOST_INSTANTS)]
+    Long {
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// A field is not a number.
+    #[error("line {line}, column `{column}`: `{text}` is not a number")]
+    Number {
+        /// Number of the line, from 1.
+        line: usize,
+        column: &'static str,
+        /// The field.
+        text: String,
+    },
+    /// The time between two rows is not constant.
+    #[error(
+        "line {line}: the time is {time} s; with the mean step of {step:.6} s it is {wanted:.6} s. Give rows at a constant step"
+    )]
+    Uneven {
+        /// Number of the line, from 1.
+        line: usize,
+        /// The time of the row (s).
+        time: f64,
+        /// The mean step (s).
+        step: f64,
+        /// The time that a constant step gives (s).
+        wanted: f64,
+    },
+    /// The numbers are not those of a recording. Instant 0 is line 2.
+    #[error("{0}; instant 0 is line 2")]
+    Recording(#[from] RecordingError),
+}
+
+impl Recording {
+    /// Reads a CSV file with a header and a row for each instant, in any order of columns. Names and units are those of the ticks of a
+    /// report: `time_s`, `ego_x_m`, `ego_y_m`, `ego_yaw_deg`, `ego_speed_mps`, `pedestrian_x_m`, `pedestrian_y_m`, and if the velocity is not to
+    /// come from positions, `pedestrian_yaw_deg` (direction of motion) and `pedestrian_speed_mps`. Other columns are ignored.
+    ///
+    /// # Errors
+    /// A column is absent, a field is not a number, times have no constant step, or what [`Recording::new`] refuses.
+    pub fn from_csv(text: &str) -> Result<Self, RecordingFileError> {
+        let mut lines =
+            text.trim_start_matches('\u{feff}').lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+        let header: Vec<&str> =
+            lines.next().map_or_else(Vec::new, |(_, line)| fields(line).take(MOST_COLUMNS).collect());
+        let place = |column: &'static str| header.iter().position(|name| *name == column);
+        let absent = |column: &'static str| {
+            let found = header.iter().take(40).map(|name| name.chars().take(40).collect()).collect();
+            RecordingFileError::Column { column, found }
+        };
+        let mut places: Vec<(&'static str, usize)> = Vec::new();
+        for column in NEEDED {
+            places.push((column, place(column).ok_or_else(|| absent(column))?));
+        }
+        let velocity = VELOCITY.map(|column| Some((column, place(column)?)));
+        let has_velocity = velocity.iter().any(Option::is_some);
+        if has_velocity {
+            for (column, found) in VELOCITY.into_iter().zip(velocity) {
+                places.push(found.ok_or_else(|| absent(column))?);
+            }
+        }
+        let (mut times, mut ego, mut positions, mut walkers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (index, line) in lines {
+            if times.len() == Self::MOST_INSTANTS {
+                return Err(RecordingFileError::Long { line: index + 1 });
+            }
+            let row: Vec<&str> = fields(line).take(MOST_COLUMNS).collect();
+            if row.len() != header.len() {
+                return Err(RecordingFileError::Fields { line: index + 1, found: row.len(), wanted: header.len() });
+            }
+            let mut numbers = [0.0; NEEDED.len() + VELOCITY.len()];
+            for (number, (column, place)) in numbers.iter_mut().zip(&places) {
+                *number = row[*place].parse().map_err(|_| RecordingFileError::Number {
+                    line: index + 1,
+                    column,
+                    text: row[*place].chars().take(40).collect(),
+                })?;
+            }
+            let [time, x, y, yaw, speed, walker_x, walker_y, walker_yaw, walker_speed] = numbers;
+            times.push((index + 1, time));
+            ego.push(VehicleState { pose: Pose::new(x, y, yaw.to_radians()), speed, ..VehicleState::default() });
+            positions.push(Point::new(walker_x, walker_y));
+            walkers.push(PedestrianState::moving(Pose::new(walker_x, walker_y, walker_yaw.to_radians()), walker_speed));
+        }
+        let dt = step(&times)?;
+        let pedestrian = if has_velocity { walkers } else { Self::walked(&positions, dt) };
+        Ok(Self::new(dt, ego, pedestrian)?)
+    }
+}
+
+fn fields(line: &str) -> impl Iterator<Item = &str> {
+    line.split(',').map(|field| field.trim().trim_matches('"'))
+}
+
+/// The constant step of some times (s); not a number for fewer than two.
+fn step(times: &[(usize, f64)]) -> Result<f64, RecordingFileError> {
+    let [(_, first), .., (_, last)] = times else { return Ok(f64::NAN) };
+    let dt = (last - first) / (times.len() - 1) as f64;
+    for (instant, (line, time)) in times.iter().enumerate() {
+        let wanted = first + instant as f64 * dt;
+        let is_even = (time - wanted).abs() <= UNEVEN * dt.abs();
+        if !is_even {
+            return Err(RecordingFileError::Uneven { line: *line, time: *time, step: dt, wanted });
+        }
+    }
+    Ok(dt)
+}

@@ -1,0 +1,251 @@
+use super::Encounter;
+use super::encounter::RecordedCar;
+use crate::av::reference_drivers::{Aside, DelayedBrake, Evading, OwnMotion, ReferenceDriver, Threat};
+use crate::geometry::{OrientedBox, first_touch};
+
+/// Number of steps of a tick: reference drivers react in hundredths of a second.
+const STEPS: u32 = 5;
+/// An upper bound of the distance (m) that the rotation of the car moves a corner of it within a step.
+const TURNING: f64 = 0.05;
+/// Up to this speed (m/s) the car stands.
+pub(super) const STANDING: f64 = OwnMotion::STANDING;
+
+/// The result of a reference driver in an encounter.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Trial {
+    /// Speed at which the car touched the pedestrian (m/s); none when it avoided the touch.
+    pub impact_speed: Option<f64>,
+    /// Time from the start of the question to that touch; without one, until the car had stopped or passed, or the time limit (s).
+    pub time: f64,
+    /// Least gap between car and pedestrian until the car stood (m); 0 at a touch.
+    pub least_gap: f64,
+    /// Whether the car was faster than 0.1 m/s at any time.
+    pub moved: bool,
+    /// Whether the driver braked.
+    pub braked: bool,
+    /// Whether it braked to a stop.
+    pub stopped: bool,
+}
+
+/// The car, driven by the reference driver: how much slower it is than the recorded one, and how far behind.
+///
+/// Its speed is the lesser of the recorded car's and of the reference driver's own, which starts from the recorded speed at which that driver
+/// noticed the pedestrian. So a driver that brakes as early and as hard as the reference driver is the recorded one, to the last bit, and what a
+/// driver braked before is not added to what the reference brakes.
+#[derive(Debug, Clone, Copy)]
+struct Car {
+    way: f64,
+    speed: f64,
+    acceleration: f64,
+    /// What it lacks of the recorded car's speed (m/s) and way (m).
+    slower: f64,
+    behind: f64,
+    fastest: f64,
+    /// The speed that the reference driver would have without the recorded car's braking (m/s); none until it interferes.
+    own: Option<f64>,
+}
+
+impl Car {
+    fn new(recorded: &RecordedCar) -> Self {
+        let RecordedCar { way, speed, acceleration } = *recorded;
+        Self { way, speed, acceleration, slower: 0.0, behind: 0.0, fastest: speed, own: None }
+    }
+
+    /// Brakes (m/s²) for a step (s), at whose end the recorded car is `next`. A driver that interferes for the first time had noticed the
+    /// pedestrian at this speed (m/s).
+    fn brake(&mut self, braking: f64, noticed_at: f64, next: &RecordedCar, dt: f64) {
+        let own = (self.own.unwrap_or(noticed_at) - braking * dt).max(0.0);
+        self.own = Some(own);
+        let (speed, way) = (self.speed, self.way);
+        let before = self.slower;
+        self.slower = (next.speed - own).max(0.0);
+        self.speed = next.speed - self.slower;
+        // A car that stops within the step moves for a part of it.
+        let lost = (speed - self.speed) / dt;
+        if self.speed <= 0.0 && speed > 0.0 {
+            let moving = if braking > lost { speed / braking } else { dt };
+            self.way = (way + speed / 2.0 * moving).min(next.way);
+            self.behind = next.way - self.way;
+        } else {
+            self.behind += (before + self.slower) / 2.0 * dt;
+            self.way = (next.way - self.behind).max(way);
+        }
+        self.acceleration = (self.speed - speed) / dt;
+    }
+
+    fn follow(&mut self, next: &RecordedCar) {
+        (self.way, self.speed, self.acceleration) = (next.way, next.speed, next.acceleration);
+        self.fastest = self.fastest.max(self.speed);
+    }
+
+    fn has_stopped(&self) -> bool {
+        self.own.is_some() && self.speed <= STANDING
+    }
+
+    fn trial(&self, impact_speed: Option<f64>, time: f64, least_gap: f64) -> Trial {
+        let moved = self.fastest > STANDING;
+        let stopped = self.has_stopped();
+        Trial { impact_speed, time, least_gap, moved, braked: self.own.is_some(), stopped }
+    }
+}
+
+/// A car that no reference driver brakes, and what a driver at its brake would notice. All drivers share it until they interfere.
+#[derive(Debug, Clone)]
+pub(super) struct FreeRun {
+    /// Its end.
+    pub trial: Trial,
+    /// The least gap up to each of its ticks (m).
+    least_gaps: Vec<f64>,
+}
+
+/// The instant at which a driver notices the pedestrian.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Notice {
+    /// From the start of the question (s).
+    pub time: f64,
+    /// Whether the car stands then.
+    pub stands: bool,
+}
+
+/// A driver that never brakes.
+struct Never;
+
+impl ReferenceDriver for Never {
+    fn begin(&mut self) {}
+
+    fn brake(&mut self, _: &OwnMotion, _: Option<&Threat>, _: f64) -> Option<f64> {
+        None
+    }
+}
+
+impl FreeRun {
+    pub(super) fn new(encounter: &mut Encounter<'_>) -> Self {
+        let mut least_gaps = Vec::new();
+        let trial = Trial::run(encounter, &mut Never, 0, None, &mut |gap, _| least_gaps.push(gap));
+        Self { trial, least_gaps }
+    }
+
+    /// When a driver notices the pedestrian; none when it does not before the end.
+    pub(super) fn noticed(&self, encounter: &Encounter<'_>, driver: &DelayedBrake) -> Option<Notice> {
+        let part = 1.0 / f64::from(STEPS);
+        let length = 2.0 * encounter.half.x;
+        (0..self.least_gaps.len()).find_map(|tick| {
+            (0..STEPS).map(|step| f64::from(step) * part).find_map(|share| {
+                let car = encounter.car(tick, share);
+                let intended = encounter.intended(tick, share);
+                let own = OwnMotion { speed: car.speed, acceleration: car.acceleration, intended, length };
+                let threat = encounter.threat(tick, share, car.way)?;
+                let notice = Notice { time: (tick as f64 + share) * encounter.dt, stands: own.stands() };
+                driver.notices(&own, &threat).then_some(notice)
+            })
+        })
+    }
+
+    /// The trial of a driver that has this notice, if any.
+    pub(super) fn braked(&self, encounter: &mut Encounter<'_>, driver: DelayedBrake, notice: Option<Notice>) -> Trial {
+        let Some(notice) = notice else { return self.trial };
+        // Who stands does not have to react: it does not drive off.
+        let reacted = if notice.stands { driver.profile.wait } else { 0.0 };
+        let first = ((notice.time + driver.profile.wait - reacted) / encounter.dt) as usize;
+        let Some(least_gap) = self.least_gaps.get(first) else { return self.trial };
+        let mut driver = driver.having_noticed(first as f64 * encounter.dt - notice.time + reacted);
+        Trial::run(encounter, &mut driver, first, Some(*least_gap), &mut |_, _| ())
+    }
+}
+
+impl Trial {
+    /// Simulates an encounter with a reference driver.
+    pub fn new(encounter: &mut Encounter<'_>, driver: &mut dyn ReferenceDriver) -> Self {
+        driver.begin();
+        Self::run(encounter, driver, 0, None, &mut |_, _| ())
+    }
+
+    /// Simulates an encounter with a driver that steers, and notes the outline of the car at each tick at which it is beside its path.
+    pub(super) fn swerving(
+        encounter: &mut Encounter<'_>,
+        driver: &mut Evading,
+        outlines: &mut Vec<(usize, OrientedBox)>,
+    ) -> Self {
+        driver.begin();
+        let mut tick = 0;
+        Self::run(encounter, driver, 0, None, &mut |_, outline| {
+            outlines.extend(outline.map(|outline| (tick, outline)));
+            tick += 1;
+        })
+    }
+
+    /// Simulates an encounter from a tick on, up to which the driver has not interfered and the gap was at least this (m). `ticked` gets the
+    /// least gap up to each tick, and the outline of a car that is beside its path.
+    fn run<D: ReferenceDriver + ?Sized>(
+        encounter: &mut Encounter<'_>,
+        driver: &mut D,
+        first: usize,
+        least_gap: Option<f64>,
+        ticked: &mut dyn FnMut(f64, Option<OrientedBox>),
+    ) -> Self {
+        let (tick, part) = (encounter.dt, 1.0 / f64::from(STEPS));
+        let dt = tick * part;
+        let mut car = Car::new(&encounter.car(first, 0.0));
+        let mut outline = encounter.outline(car.way);
+        let (half, radius) = (encounter.half, encounter.radius);
+        let gap = |outline: &OrientedBox, place| (outline.distance_to(place) - radius).max(0.0);
+        let far = half.norm() + radius;
+        let mut least_gap = least_gap.unwrap_or_else(|| gap(&outline, encounter.steps[first].position));
+        let mut number = first;
+        while encounter.has_step(number + 1) {
+            ticked(least_gap, (driver.aside() != Aside::default()).then_some(outline));
+            let (from, to) = (encounter.steps[number].position, encounter.steps[number + 1].position);
+            let chord = to - from;
+            for step in 0..STEPS {
+                let share = f64::from(step) * part;
+                let time = (number as f64 + share) * tick;
+                let next = encounter.car(number, share + part);
+                let intended = if car.own.is_some() { 0.0 } else { encounter.intended(number, share) };
+                let own =
+                    OwnMotion { speed: car.speed, acceleration: car.acceleration, intended, length: 2.0 * half.x };
+                let threat = encounter.threat(number, share, car.way);
+                let braking = driver.brake(&own, threat.as_ref(), dt);
+                let stood = car.has_stopped();
+                if car.own.is_some() || braking.is_some() {
+                    let noticed_at = match car.own {
+                        Some(_) => 0.0,
+                        None => encounter.fastest_since(time - driver.noticed_for(), time),
+                    };
+                    car.brake(braking.unwrap_or(0.0).min(encounter.grip), noticed_at, &next, dt);
+                } else {
+                    car.follow(&next);
+                }
+                if threat.is_none() || (stood && car.has_stopped()) {
+                    return car.trial(None, time, least_gap);
+                }
+                let before = outline;
+                let aside = driver.aside();
+                outline = encounter.outline_beside(car.way, car.speed, &aside);
+                let (start, end) = (from + chord * share, from + chord * (share + part));
+                // The distance of the centres bounds the gap from below; most steps need no more.
+                let moved = (own.speed + aside.speed.abs()) * dt + chord.norm() * part + TURNING;
+                let reach = far + least_gap.max(moved);
+                if (end - outline.pose.position()).norm_squared() > reach * reach {
+                    continue;
+                }
+                let left = gap(&outline, end);
+                least_gap = least_gap.min(left);
+                if left > moved {
+                    continue;
+                }
+                if let Some(touch) = first_touch(start, end, radius, &before, &outline) {
+                    let impact = own.speed + (car.speed - own.speed) * touch.fraction;
+                    let impact_speed = (impact > STANDING).then_some(impact);
+                    return car.trial(impact_speed, time + touch.fraction * dt, 0.0);
+                }
+            }
+            number += 1;
+        }
+        car.trial(None, number as f64 * tick, least_gap)
+    }
+
+    /// Whether the car did not touch the pedestrian while it moved.
+    pub fn is_avoided(&self) -> bool {
+        self.impact_speed.is_none()
+    }
+}

@@ -1,0 +1,228 @@
+use super::class::Facts;
+use super::{Class, ContactSide, Inquiry, Reference, Sensitivity, Sight, Trial, reaction, severity};
+use crate::env::Pair;
+
+/// A careful human who passes the pedestrian with less than this to spare (m) avoids the collision only narrowly. Our choice: a disc for the
+/// pedestrian, a box for the car and a path sampled 20 times a second are not more exact.
+pub const CLEAR: f64 = 0.1;
+
+/// The label of a failure, from the results of the reference drivers. The first that applies, in this order:
+///
+/// | label | when |
+/// |---|---|
+/// | `standing` | the car was at most 0.1 m/s fast when it was touched: there is no braking to judge |
+/// | `preventable` | both careful humans avoid it |
+/// | `unpreventable` | the physical bound hits the pedestrian too |
+/// | `machine_preventable` | of all drivers only the ideal brake or the bound avoid it |
+/// | `contested` | the drivers disagree in another way |
+///
+/// Which side of the car was touched does not matter: a pedestrian who walks into the flank of a car that a careful human would have stopped
+/// is a preventable collision. [`Verdict::side`] and [`Verdict::walked_into`] state the side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+pub enum Label {
+    /// A careful human avoids it, for both readings of the rule.
+    Preventable,
+    /// Reference drivers disagree.
+    Contested,
+    /// Only a machine avoids it.
+    MachinePreventable,
+    /// No driver avoids it by braking.
+    Unpreventable,
+    /// The car stood.
+    Standing,
+}
+
+impl Label {
+    /// The number of labels.
+    pub const COUNT: usize = 5;
+    /// All of them, in the order of the tables.
+    pub const ALL: [Self; Self::COUNT] =
+        [Self::Preventable, Self::Contested, Self::MachinePreventable, Self::Unpreventable, Self::Standing];
+
+    /// The one with this name in tables.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|label| label.name() == name)
+    }
+
+    /// Its name in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Preventable => "preventable",
+            Self::Contested => "contested",
+            Self::MachinePreventable => "machine_preventable",
+            Self::Unpreventable => "unpreventable",
+            Self::Standing => "standing",
+        }
+    }
+
+    /// The drivers that decide whether a collision is preventable, the one that brakes earlier first.
+    pub const fn humans() -> [Reference; 2] {
+        [Reference::AttentiveHuman, Reference::CarefulHuman]
+    }
+
+    /// The label of a collision with a moving car. `avoids` is asked only for the drivers that are needed.
+    pub(super) fn of_moving(mut avoids: impl FnMut(Reference) -> bool) -> Self {
+        let humans = Self::humans().map(&mut avoids);
+        if humans == [true; 2] {
+            Self::Preventable
+        } else if !avoids(Reference::Bound) {
+            Self::Unpreventable
+        } else if humans == [false; 2] && ![Reference::FuzzySafety, Reference::Rss].into_iter().any(avoids) {
+            Self::MachinePreventable
+        } else {
+            Self::Contested
+        }
+    }
+}
+
+/// The judgement of a failure.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Verdict {
+    pub label: Label,
+    /// The side of the car that was touched.
+    pub side: ContactSide,
+    /// Whether the pedestrian walked into the flank at more than 0.1 m/s, or ran into the rear, after the front had passed it.
+    pub walked_into: bool,
+    /// Time from the start of the danger to the touch (s).
+    pub warning: f64,
+    /// The car's speed when the danger started (m/s).
+    pub danger_speed: f64,
+    /// Whether the pedestrian moved as people do up to the touch: [`PedestrianMotion::is_foreseeable`](super::PedestrianMotion::is_foreseeable).
+    pub foreseeable: bool,
+    /// Whether the pedestrian could be seen before the touch.
+    pub sight: Sight,
+    /// The car's speed at the recorded touch (m/s).
+    pub impact_speed: f64,
+    /// The longest reaction time with which a careful driver avoids it (s): [`Inquiry::latest_reaction`].
+    pub latest_reaction: Option<f64>,
+    /// The result of each driver, in the order of [`Reference::ALL`].
+    pub trials: [Trial; Reference::COUNT],
+    /// Whether it would count as a fault with other figures of the careful humans.
+    pub sensitivity: Sensitivity,
+}
+
+impl Verdict {
+    /// The result of a driver.
+    pub fn trial(&self, reference: Reference) -> &Trial {
+        &self.trials[reference as usize]
+    }
+
+    /// Whether the car moved and both careful humans avoid it.
+    pub fn is_preventable(&self) -> bool {
+        self.label == Label::Preventable
+    }
+
+    /// What it counts as.
+    pub fn class(&self) -> Class {
+        Class::of(&Facts {
+            moved: !self.is_standing(),
+            preventable: self.is_preventable(),
+            foreseeable: self.foreseeable,
+            walked_into: self.walked_into,
+            speed: self.impact_speed,
+            margin: Label::humans().map(|human| self.margin(human)).into_iter().fold(f64::INFINITY, f64::min),
+        })
+    }
+
+    /// Whether it counts against the driver.
+    pub fn is_fault(&self) -> bool {
+        self.class() == Class::Fault
+    }
+
+    /// The risk of a severe injury that the driver would have spared the pedestrian by driving as a careful human does: that of the impact for
+    /// a fault, otherwise 0.
+    pub fn avoidable_injury(&self) -> f64 {
+        if self.is_fault() { severity::severe_injury_risk(self.impact_speed) } else { 0.0 }
+    }
+
+    /// The number of the [panel](Reference::PANEL) that avoid it.
+    pub fn panel(&self) -> usize {
+        Reference::PANEL.into_iter().filter(|reference| self.trial(*reference).is_avoided()).count()
+    }
+
+    /// Whether it is preventable, but one of the two careful humans has less than [`CLEAR`] to spare.
+    pub fn is_narrow(&self) -> bool {
+        self.is_preventable() && Label::humans().into_iter().any(|human| self.margin(human) < CLEAR)
+    }
+
+    /// Whether the car was at most 0.1 m/s fast when it was touched.
+    pub fn is_standing(&self) -> bool {
+        self.label == Label::Standing
+    }
+
+    /// Whether the car was at least 2 m/s fast.
+    pub fn is_hard(&self) -> bool {
+        self.impact_speed >= severity::HARD
+    }
+
+    /// The reduction of the impact speed by a driver (m/s): all of it when it avoids the failure, negative when it hits harder.
+    pub fn reduction(&self, reference: Reference) -> f64 {
+        self.impact_speed - self.trial(reference).impact_speed.unwrap_or(0.0)
+    }
+
+    /// The impact speed that the careful human would have spared the pedestrian (m/s), at least 0.
+    pub fn avoidable_speed(&self) -> f64 {
+        self.reduction(Reference::CarefulHuman).max(0.0)
+    }
+
+    /// The probability that a driver who is drawn at random avoids it: the share of drivers who react in time
+    /// ([`share_of_drivers`](reaction::share_of_drivers)). All of them notice the pedestrian at the gate and brake like UN R157's human.
+    pub fn preventable_probability(&self) -> f64 {
+        self.latest_reaction.map_or(0.0, reaction::share_of_drivers)
+    }
+
+    /// The least gap of a driver's car to the pedestrian (m); 0 when it touches it.
+    pub fn margin(&self, reference: Reference) -> f64 {
+        self.trial(reference).least_gap
+    }
+
+    /// The time before the touch for which the pedestrian could be seen without a break (s), at most 3 s.
+    pub fn in_sight(&self) -> f64 {
+        self.sight.seen
+    }
+}
+
+/// Judges an episode of a vehicle and a pedestrian; none when they did not touch. It depends on the recording alone.
+pub fn judge(pair: &Pair<'_>) -> Option<Verdict> {
+    Inquiry::new(pair).map(Inquiry::verdict)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_follow_who_avoids_it() {
+        // Careful human, attentive human, fuzzy, RSS, ideal, bound: `a` avoids, `h` hits.
+        for (who, wanted) in [
+            ("aahhaa", Label::Preventable),
+            ("aahhah", Label::Preventable),
+            ("hhhhhh", Label::Unpreventable),
+            ("haaaah", Label::Unpreventable),
+            ("hhhhaa", Label::MachinePreventable),
+            ("hhhhha", Label::MachinePreventable),
+            ("hahhaa", Label::Contested),
+            ("ahhhaa", Label::Contested),
+            ("hhahaa", Label::Contested),
+            ("hhhaaa", Label::Contested),
+        ] {
+            let avoids = |reference| {
+                use Reference::{AttentiveHuman, Bound, CarefulHuman, FuzzySafety, IdealBrake, Rss};
+                let asked = [CarefulHuman, AttentiveHuman, FuzzySafety, Rss, IdealBrake, Bound];
+                let place = asked.iter().position(|each| *each == reference).expect("no other is asked");
+                who.as_bytes()[place] == b'a'
+            };
+            assert_eq!(Label::of_moving(avoids), wanted, "{who}");
+        }
+    }
+
+    #[test]
+    fn a_preventable_collision_needs_no_other_driver() {
+        let mut asked = Vec::new();
+        Label::of_moving(|reference| {
+            asked.push(reference);
+            true
+        });
+        assert_eq!(asked, Label::humans());
+    }
+}

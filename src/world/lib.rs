@@ -1,0 +1,9 @@
+//! The simulated world: roads, cars and pedestrians that move on them, driving policies, episodes, verdicts and searches.
+
+pub mod geometry;
+pub mod road;
+pub mod sim;
+pub mod av;
+pub mod env;
+pub mod judge;
+pub mod falsifier;

@@ -1,0 +1,134 @@
+/// A cubic polynomial in the distance from its start: `a + b·ds + c·ds² + d·ds³`.
+///
+/// # Source
+/// OpenDRIVE: lane widths, lane offsets, borders.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cubic {
+    /// Where it starts to apply (m).
+    pub start: f64,
+    /// Value at `start`.
+    pub a: f64,
+    /// Slope at `start`.
+    pub b: f64,
+    /// Coefficient of the square.
+    pub c: f64,
+    /// Coefficient of the cube.
+    pub d: f64,
+}
+
+impl Cubic {
+    /// A value that stays the same.
+    pub fn constant(value: f64) -> Self {
+        Self { a: value, ..Self::default() }
+    }
+
+    /// The value at `s` (m).
+    pub fn value(&self, s: f64) -> f64 {
+        let ds = s - self.start;
+        self.a + ds * (self.b + ds * (self.c + ds * self.d))
+    }
+
+    /// The slope at `s` (m).
+    pub fn slope(&self, s: f64) -> f64 {
+        let ds = s - self.start;
+        self.b + ds * (2.0 * self.c + ds * 3.0 * self.d)
+    }
+}
+
+/// Consecutive cubics, sorted by their starts; the first one also applies before its start.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Profile(Vec<Cubic>);
+
+impl Profile {
+    /// Puts cubics in order.
+    pub fn new(mut cubics: Vec<Cubic>) -> Self {
+        cubics.sort_by(|a, b| a.start.total_cmp(&b.start));
+        Self(cubics)
+    }
+
+    /// A value that stays the same.
+    pub fn constant(value: f64) -> Self {
+        Self(vec![Cubic::constant(value)])
+    }
+
+    pub fn cubics(&self) -> &[Cubic] {
+        &self.0
+    }
+
+    /// The cubic that applies at `s` (m); none in an empty profile.
+    pub fn at(&self, s: f64) -> Option<&Cubic> {
+        let after = self.0.partition_point(|cubic| cubic.start <= s);
+        self.0.get(after.saturating_sub(1))
+    }
+
+    /// The value at `s` (m); 0 in an empty profile.
+    pub fn value(&self, s: f64) -> f64 {
+        self.at(s).map_or(0.0, |cubic| cubic.value(s))
+    }
+
+    /// The slope at `s` (m); 0 in an empty profile.
+    pub fn slope(&self, s: f64) -> f64 {
+        self.at(s).map_or(0.0, |cubic| cubic.slope(s))
+    }
+
+    /// A number that no value exceeds up to `end` (m); 0 for an empty profile.
+    pub fn bound(&self, end: f64) -> f64 {
+        let each = self.0.iter().map(|cubic| {
+            let u = (end - cubic.start).max(0.0);
+            cubic.a.abs() + u * (cubic.b.abs() + u * (cubic.c.abs() + u * cubic.d.abs()))
+        });
+        each.fold(0.0, f64::max)
+    }
+
+    /// The sum of profiles, each multiplied by a factor, from `start` to `end` (m); exact, since sums of cubics are cubics.
+    pub fn sum(terms: &[(&Self, f64)], start: f64, end: f64) -> Self {
+        let begins = terms.iter().flat_map(|(profile, _)| &profile.0).map(|cubic| cubic.start);
+        let mut begins: Vec<f64> = begins.filter(|s| *s > start && *s < end).collect();
+        begins.push(start);
+        begins.sort_by(f64::total_cmp);
+        begins.dedup();
+        let at = |s: f64| {
+            let mut sum = Cubic { start: s, ..Cubic::default() };
+            for (cubic, factor) in terms.iter().filter_map(|(profile, factor)| Some((profile.at(s)?, factor))) {
+                sum.a += factor * cubic.value(s);
+                sum.b += factor * cubic.slope(s);
+                sum.c += factor * (cubic.c + 3.0 * cubic.d * (s - cubic.start));
+                sum.d += factor * cubic.d;
+            }
+            sum
+        };
+        Self(begins.into_iter().map(at).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cubic_holds_from_its_beginning() {
+        let profile = Profile::new(vec![
+            Cubic { start: 10.0, a: 5.0, b: 1.0, c: 0.5, d: 0.25 },
+            Cubic { start: 0.0, a: 3.0, ..Cubic::default() },
+        ]);
+        assert_eq!((profile.value(-1.0), profile.value(9.0)), (3.0, 3.0));
+        assert_eq!(profile.value(12.0), 5.0 + 2.0 + 2.0 + 2.0);
+        assert_eq!(profile.slope(12.0), 1.0 + 2.0 + 3.0);
+        assert_eq!(Profile::default().value(1.0), 0.0);
+    }
+
+    #[test]
+    fn a_sum_has_the_values_and_slopes_of_its_terms_together() {
+        let one = Profile::new(vec![
+            Cubic { start: 0.0, a: 1.0, b: 0.1, c: 0.02, d: -0.003 },
+            Cubic { start: 7.0, a: 2.0, b: -0.2, ..Cubic::default() },
+        ]);
+        let two = Profile::new(vec![Cubic { start: -3.0, a: 0.5, b: 0.3, c: -0.01, d: 0.002 }]);
+        let sum = Profile::sum(&[(&one, 1.0), (&two, -0.5)], 2.0, 10.0);
+        assert_eq!(sum.cubics().len(), 2);
+        for s in [2.0, 4.5, 6.999, 7.0, 9.5] {
+            assert!((sum.value(s) - (one.value(s) - 0.5 * two.value(s))).abs() < 1e-12);
+            assert!((sum.slope(s) - (one.slope(s) - 0.5 * two.slope(s))).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+use roxmltree::Document;
+
+use super::attributes::{Context, children};
+use super::{OpenDriveError, budget, crosswalks, junctions, obstacles, roads, signals, traffic_lights, unused};
+use crate::road::TownParts;
+use crate::road::lane_network::LaneNetwork;
+
+/// Reads the text of an OpenDRIVE file; `name` becomes the town's name.
+///
+/// # Errors
+/// The text is not XML, not OpenDRIVE, has no usable road, or is larger than any town. Every other problem becomes a warning in
+/// [`TownParts::warnings`].
+///
+/// # Example
+/// ```
+/// use world::road::{OpenDriveError, opendrive};
+/// let error = opendrive::read("<map/>", "nowhere").unwrap_err();
+/// assert_eq!(error, OpenDriveError::NotOpenDrive { found: "map".to_owned() });
+/// ```
+pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
+    budget::check_text(xml)?;
+    let document = Document::parse_with_options(xml, budget::parsing(xml)).map_err(|error| {
+        let at = error.pos();
+        let message = error.to_string();
+        let said = message.strip_suffix(&format!(" at {at}")).unwrap_or(&message);
+        OpenDriveError::NotXml { line: at.row, column: at.col, message: said.to_owned() }
+    })?;
+    let root = document.root_element();
+    if root.tag_name().name() != "OpenDRIVE" {
+        return Err(OpenDriveError::NotOpenDrive { found: root.tag_name().name().to_owned() });
+    }
+    budget::check_roads(root)?;
+    let mut context = Context::new(xml);
+    let mut roads = roads::read(&mut context, root);
+    if roads.roads.is_empty() {
+        return Err(OpenDriveError::NoRoads { found: children(root, "road").count() });
+    }
+    let junctions = junctions::read(&mut context, root, &roads);
+    roads.link(&mut context, &junctions.by_id);
+    let network = LaneNetwork::new(&roads.roads, &junctions.junctions);
+    let signals = signals::signals(&mut context, &roads, &network);
+    let speed_signs = signals::speed_signs(&mut context, &roads, &network, &signals);
+    let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
+    let traffic_lights = traffic_lights::read(root, &roads, &junctions, &network, &signals);
+    let obstacles = obstacles::read(&mut context, &roads, &network);
+    unused::note(&mut context, root);
+    Ok(TownParts {
+        name: name.to_owned(),
+        roads: roads.roads,
+        junctions: junctions.junctions,
+        speed_signs,
+        traffic_lights,
+        crosswalks,
+        obstacles,
+        warnings: context.into_warnings(),
+        map: Some(xml.into()),
+    })
+}

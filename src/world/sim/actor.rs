@@ -1,0 +1,124 @@
+use super::{Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand};
+use crate::geometry::{Obstacles, OrientedBox};
+use crate::road::Town;
+
+/// Speed limit of a vehicle before its first sign (m/s).
+///
+/// # Source
+/// CARLA `Vehicle/WheeledVehicleAIController.h`: 30 km/h until the first sign.
+const FIRST_LIMIT: f64 = 30.0 / 3.6;
+
+/// The identity of an actor of a world: its number among the vehicles or among the pedestrians. It stays the same for a whole episode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ActorId {
+    Vehicle(u8),
+    Pedestrian(u8),
+}
+
+impl ActorId {
+    /// The car under test.
+    pub const EGO: Self = Self::Vehicle(0);
+
+    /// The most vehicles, and the most pedestrians, of a world.
+    pub const MOST: usize = 255;
+
+    /// The number among the actors of its kind.
+    pub fn number(self) -> usize {
+        match self {
+            Self::Vehicle(number) | Self::Pedestrian(number) => number.into(),
+        }
+    }
+}
+
+/// A vehicle of a world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vehicle {
+    /// Its model.
+    pub blueprint: VehicleBlueprint,
+    /// Its pose and speed.
+    pub state: VehicleState,
+    /// The limit of the last sign that it passed (m/s).
+    pub speed_limit: f64,
+    /// Its state one tick earlier.
+    pub(super) before: VehicleState,
+}
+
+impl Vehicle {
+    /// A vehicle that stands at the origin.
+    pub(super) fn new(blueprint: VehicleBlueprint) -> Self {
+        let state = VehicleState::default();
+        Self { blueprint, state, speed_limit: FIRST_LIMIT, before: state }
+    }
+
+    /// The box that the vehicle fills.
+    pub fn outline(&self) -> OrientedBox {
+        self.state.outline(&self.blueprint)
+    }
+
+    /// The traffic light in whose trigger box the vehicle stands: its place among the town's lights.
+    pub fn affecting_light(&self, town: &Town) -> Option<usize> {
+        let reach = self.blueprint.half_length + 3.0;
+        let outline = self.outline();
+        town.traffic_lights.iter().position(|light| {
+            let offset = light.trigger.pose.position() - self.state.pose.position();
+            offset.norm_squared() < reach * reach && light.trigger.overlaps(&outline)
+        })
+    }
+
+    /// Places the vehicle at the start of an episode.
+    pub(super) fn begin(&mut self, state: VehicleState, town: &Town) {
+        (self.state, self.before) = (state, state);
+        self.speed_limit = FIRST_LIMIT;
+        self.obey_signs(town);
+    }
+
+    /// Simulates one tick.
+    #[inline]
+    pub(super) fn step(&mut self, control: Control, town: &Town, dt: f64) {
+        self.before = self.state;
+        self.state = self.before.step(control, &self.blueprint, dt);
+        self.obey_signs(town);
+    }
+
+    #[inline]
+    fn obey_signs(&mut self, town: &Town) {
+        let reach = self.blueprint.half_length + 4.0;
+        for sign in &town.speed_signs {
+            let offset = sign.trigger.pose.position() - self.state.pose.position();
+            if offset.norm_squared() < reach * reach && sign.trigger.overlaps(&self.outline()) {
+                self.speed_limit = sign.limit;
+            }
+        }
+    }
+}
+
+/// A pedestrian of a world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pedestrian {
+    /// Its size and gait.
+    pub body: PedestrianBody,
+    /// Its pose and velocity.
+    pub state: PedestrianState,
+    /// Its state one tick earlier.
+    pub(super) before: PedestrianState,
+}
+
+impl Pedestrian {
+    /// A pedestrian that stands at the origin.
+    pub(super) fn new(body: PedestrianBody) -> Self {
+        let state = PedestrianState::default();
+        Self { body, state, before: state }
+    }
+
+    /// Places the pedestrian at the start of an episode.
+    pub(super) fn begin(&mut self, state: PedestrianState) {
+        (self.state, self.before) = (state, state);
+    }
+
+    /// Simulates one tick.
+    #[inline]
+    pub(super) fn step(&mut self, command: WalkCommand, obstacles: &Obstacles, dt: f64) {
+        self.before = self.state;
+        self.state = self.before.step(command, &self.body, obstacles, dt);
+    }
+}

@@ -1,0 +1,177 @@
+use std::sync::Arc;
+
+use super::{
+    ActorId, Contact, Control, LightClock, LightCycle, Pedestrian, PedestrianBody, Start, Vehicle, VehicleBlueprint,
+    WalkCommand,
+};
+use crate::geometry::Obstacles;
+use crate::road::Town;
+
+/// A town with vehicles and pedestrians in it. Vehicle 0 is the ego, the car under test.
+///
+/// A tick loops over the two lists of actors and allocates nothing. A list without actors costs no time.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// The roads.
+    pub town: Arc<Town>,
+    /// The obstacles that block pedestrians and sight.
+    pub obstacles: Arc<Obstacles>,
+    /// The vehicles, the ego first.
+    pub vehicles: Vec<Vehicle>,
+    pub pedestrians: Vec<Pedestrian>,
+    /// Ticks since the start of the episode.
+    pub ticks: u32,
+    /// Ticks before it, in which only the vehicles moved.
+    pub run_up: u32,
+    /// Length of a tick (s).
+    pub dt: f64,
+    /// The cycle of the traffic lights; none where they are switched off.
+    pub lights: Option<LightCycle>,
+    light_phase: f64,
+}
+
+impl World {
+    /// Makes a world with all actors at the origin; [`World::begin`] places them.
+    ///
+    /// # Panics
+    /// Without a vehicle, or with more than [`ActorId::MOST`] vehicles or pedestrians.
+    pub fn new(
+        town: Arc<Town>,
+        obstacles: Arc<Obstacles>,
+        vehicles: Vec<VehicleBlueprint>,
+        pedestrians: Vec<PedestrianBody>,
+        lights: Option<LightCycle>,
+        dt: f64,
+    ) -> Self {
+        assert!(!vehicles.is_empty(), "a world has an ego");
+        assert!(vehicles.len().max(pedestrians.len()) <= ActorId::MOST, "a world has at most 255 actors of a kind");
+        Self {
+            town,
+            obstacles,
+            vehicles: vehicles.into_iter().map(Vehicle::new).collect(),
+            pedestrians: pedestrians.into_iter().map(Pedestrian::new).collect(),
+            ticks: 0,
+            run_up: 0,
+            dt,
+            lights,
+            light_phase: 0.0,
+        }
+    }
+
+    /// Places the actors and starts the clock.
+    ///
+    /// # Panics
+    /// When the start does not have one place for each actor.
+    pub fn begin(&mut self, start: &Start<'_>) {
+        assert_eq!(start.vehicles.len(), self.vehicles.len(), "each vehicle has a start");
+        assert_eq!(start.pedestrians.len(), self.pedestrians.len(), "each pedestrian has a start");
+        for (vehicle, start) in self.vehicles.iter_mut().zip(start.vehicles) {
+            vehicle.begin(start.vehicle(), &self.town);
+        }
+        for (pedestrian, start) in self.pedestrians.iter_mut().zip(start.pedestrians) {
+            pedestrian.begin(start.pedestrian());
+        }
+        (self.ticks, self.run_up) = (0, 0);
+        self.light_phase = start.light_phase;
+    }
+
+    /// The car under test.
+    pub fn ego(&self) -> &Vehicle {
+        &self.vehicles[0]
+    }
+
+    /// Time since the start (s).
+    pub fn elapsed(&self) -> f64 {
+        f64::from(self.ticks) * self.dt
+    }
+
+    /// The clock of the traffic lights; none where they are switched off.
+    pub fn light_clock(&self) -> Option<LightClock> {
+        self.lights.map(|cycle| cycle.clock(self.light_phase + f64::from(self.run_up + self.ticks) * self.dt))
+    }
+
+    /// The traffic light in whose trigger box a vehicle stands: its place among the town's lights. None where lights are
+    /// switched off.
+    pub fn affecting_light(&self, vehicle: usize) -> Option<usize> {
+        self.lights?;
+        self.vehicles[vehicle].affecting_light(&self.town)
+    }
+
+    /// Distance from a pedestrian to a vehicle's box (m); 0 when they touch.
+    pub fn gap(&self, vehicle: usize, pedestrian: usize) -> f64 {
+        let (vehicle, pedestrian) = (&self.vehicles[vehicle], &self.pedestrians[pedestrian]);
+        pedestrian.state.gap_to(&vehicle.outline(), &pedestrian.body)
+    }
+
+    /// Simulates one tick of all actors and finds their first touch. There is one control for each vehicle and one command for each
+    /// pedestrian.
+    ///
+    /// Vehicles touch pedestrians and each other. Pedestrians pass through each other. Of two touches at the same time the one with a
+    /// pedestrian counts, then the one with the smaller numbers. After a touch the actors are where the tick ends; the [`Contact`] has the
+    /// touch itself.
+    ///
+    /// # Panics
+    /// When the number of controls or commands is not that of the vehicles or pedestrians.
+    pub fn tick(&mut self, controls: &[Control], commands: &[WalkCommand]) -> Option<Contact> {
+        assert_eq!(controls.len(), self.vehicles.len(), "each vehicle has a control");
+        assert_eq!(commands.len(), self.pedestrians.len(), "each pedestrian has a command");
+        for (vehicle, control) in self.vehicles.iter_mut().zip(controls) {
+            vehicle.step(*control, &self.town, self.dt);
+        }
+        for (pedestrian, command) in self.pedestrians.iter_mut().zip(commands) {
+            pedestrian.step(*command, &self.obstacles, self.dt);
+        }
+        self.ticks += 1;
+        self.first_contact()
+    }
+
+    /// Simulates one tick of all vehicles before the episode starts, and returns whether two of them touched. Pedestrians are not there yet;
+    /// traffic lights change.
+    ///
+    /// # Panics
+    /// When the number of controls is not that of the vehicles, and after the first [`World::tick`].
+    pub fn run_up(&mut self, controls: &[Control]) -> bool {
+        assert_eq!(controls.len(), self.vehicles.len(), "each vehicle has a control");
+        assert_eq!(self.ticks, 0, "the episode has not started");
+        for (vehicle, control) in self.vehicles.iter_mut().zip(controls) {
+            vehicle.step(*control, &self.town, self.dt);
+        }
+        self.run_up += 1;
+        let mut touched = false;
+        self.vehicle_contacts(|_| touched = true);
+        touched
+    }
+
+    #[inline]
+    fn first_contact(&self) -> Option<Contact> {
+        let mut first: Option<Contact> = None;
+        let mut note = |found: Contact| {
+            if first.is_none_or(|first| found.fraction < first.fraction) {
+                first = Some(found);
+            }
+        };
+        for (number, vehicle) in self.vehicles.iter().enumerate() {
+            for (other, pedestrian) in self.pedestrians.iter().enumerate() {
+                if Contact::is_pedestrian_near(vehicle, pedestrian, self.dt) {
+                    let pair = (ActorId::Vehicle(number as u8), ActorId::Pedestrian(other as u8));
+                    Contact::with_pedestrian(pair, vehicle, pedestrian).into_iter().for_each(&mut note);
+                }
+            }
+        }
+        self.vehicle_contacts(&mut note);
+        first
+    }
+
+    /// Passes on the touches of two vehicles in the last tick.
+    #[inline]
+    fn vehicle_contacts(&self, mut note: impl FnMut(Contact)) {
+        for (number, vehicle) in self.vehicles.iter().enumerate() {
+            for (other, second) in self.vehicles.iter().enumerate().skip(number + 1) {
+                if Contact::is_vehicle_near(vehicle, second, self.dt) {
+                    let pair = (ActorId::Vehicle(number as u8), ActorId::Vehicle(other as u8));
+                    Contact::with_vehicle(pair, vehicle, second).into_iter().for_each(&mut note);
+                }
+            }
+        }
+    }
+}

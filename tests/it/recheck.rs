@@ -1,0 +1,146 @@
+//! A new version of a driver meets the failures of an old report again, and both versions a fixed list of crossings.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::{error, falsify};
+
+const SCENARIO: &str = r#"
+edition 1
+import "std/drivers.scn"
+import "std/pedestrians.scn"
+import "std/towns.scn"
+param delay: time = 0 s
+param braking: acceleration = 7 m/s^2
+param view: angle = 360 deg
+sensors eyes { sector { width: view } }
+policy mine = idm(actuation_delay: delay, sensors: eyes)
+policy other = aeb()
+vehicle car = model3(full_brake: braking)
+spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
+episode until_passed { hold: 10  ticks: 240  end_when: ahead < -6 m }
+falsifier meet = intercept()
+falsifier plans = cem(tries: 20)
+campaign versions {
+  vehicle: car  adversary: plausible  spawn: near  episode: until_passed
+  evaluate { towns: [harbour] policies: [mine, other] pedestrians: [intercept, random] episodes: 60 }
+  search { towns: [harbour] policies: [mine, other] falsifiers: [meet, plans] budget: 20_000 runs: 1 episodes: 0 }
+}
+"#;
+
+fn run(here: &Path) {
+    std::fs::write(here.join("versions.scn"), SCENARIO).unwrap();
+    let output = falsify(&["run", "versions.scn"], here);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+fn recheck(here: &Path, more: &[&str]) -> Value {
+    let output = falsify(&[&["recheck", "reports/versions", "--format", "json"], more].concat(), here);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn rows<'a>(object: &'a Value, table: &str) -> &'a Vec<Value> {
+    object[table].as_array().unwrap()
+}
+
+fn sum(rows: &[Value], column: &str) -> u64 {
+    rows.iter().map(|row| row[column].as_u64().unwrap_or_else(|| panic!("{column} of {row}"))).sum()
+}
+
+#[test]
+fn the_same_driver_has_nothing_new_and_nothing_fixed() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here);
+    let same = recheck(here, &["--starts", "20"]);
+    for row in rows(&same, "crossings") {
+        assert_eq!((&row["starts"], &row["crossings"]), (&20.into(), &120.into()));
+        for column in [
+            "faults_new",
+            "faults_fixed",
+            "fault_starts_new",
+            "fault_starts_fixed",
+            "starts_worse",
+            "failed_encounters",
+        ] {
+            assert_eq!(row[column], 0, "{column} of {row}");
+        }
+        assert_eq!((&row["p"], &row["injury_difference"]), (&1.0.into(), &0.0.into()), "{row}");
+    }
+    assert!(sum(rows(&same, "crossings"), "faults_same") > 0, "the list finds faults: {same}");
+    let failures = rows(&same, "failures");
+    for row in failures {
+        assert_eq!((&row["gone"], &row["turned_faults"]), (&0.into(), &0.into()), "{row}");
+        assert_eq!(row["still_faults"], row["old_faults"], "{row}");
+        assert_eq!(row["still_collisions"], row["failures"], "{row}");
+    }
+    // Evaluations walk in both ways, and so does a search that only evaluates a controller.
+    let of = |found_in: &str, walked_by: &str| -> u64 {
+        let chosen = failures.iter().filter(|row| row["found_in"] == found_in && row["walked_by"] == walked_by);
+        chosen.map(|row| row["failures"].as_u64().unwrap()).sum()
+    };
+    assert!(of("evaluation", "controller") > 0 && of("evaluation", "controller") == of("evaluation", "commands"));
+    assert!(of("search", "controller") > 0 && of("search", "controller") < of("search", "commands"), "{failures:?}");
+    assert!(same["notes"].to_string().contains("by their recorded commands alone"), "{}", same["notes"]);
+    // From a file instead of the report, and once more: the same bytes.
+    let file = recheck(here, &["versions.scn", "--starts", "20"]);
+    assert_eq!((&file["crossings"], &file["failures"]), (&same["crossings"], &same["failures"]));
+
+    let gate = |condition: &str| {
+        falsify(&["recheck", "reports/versions", "--starts", "2", "--fail-if", condition], here).status.code()
+    };
+    assert_eq!(gate("faults_new > 0"), Some(0));
+    assert_eq!(gate("turned_faults > 0"), Some(0));
+    assert_eq!(gate("failures > 0"), Some(7));
+    assert_eq!(gate("starts >= 2 and policy == mine"), Some(7));
+    assert_eq!(gate("starts >= 2 and policy == none_such"), Some(2), "it speaks of nothing");
+    assert_eq!(gate("fault_new > 0"), Some(2), "no such column");
+}
+
+#[test]
+fn a_worse_driver_has_more_faults() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here);
+    for worse in ["delay=0.3 s", "braking=3 m/s^2", "view=20 deg"] {
+        let found = recheck(here, &["--set", worse, "--driver", "mine", "--starts", "20"]);
+        let row = &rows(&found, "crossings")[0];
+        let number = |column: &str| row[column].as_u64().unwrap();
+        assert!(number("faults_after") >= number("faults_before"), "{worse}: {row}");
+        assert!(number("faults_new") >= number("faults_fixed"), "{worse}: {row}");
+        assert!(number("starts_worse") > number("starts_better"), "{worse}: {row}");
+        assert!(row["injury_difference"].as_f64().unwrap() > 0.0, "{worse}: {row}");
+    }
+    let pair = recheck(here, &["--driver", "mine=other", "--starts", "2"]);
+    assert!(rows(&pair, "crossings").iter().all(|row| row["policy"] == "mine" && row["other_policy"] == "other"));
+    let shown = falsify(&["recheck", "reports/versions", "--set", "delay=0.3 s", "--starts", "2"], here);
+    let text = String::from_utf8_lossy(&shown.stdout).into_owned();
+    for part in ["met again by the new driver", "starts with a fault", "faults weigh "] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
+fn drivers_that_are_not_there_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here);
+    let refused = |more: &[&str]| {
+        let output = falsify(&[&["recheck", "reports/versions"], more].concat(), here);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        error(&output)
+    };
+    let text = refused(&["--driver", "mine=none_such"]);
+    assert!(text.contains("have no driver `none_such`; they have `mine`, `other`"), "{text}");
+    let text = refused(&["--driver", "none_such"]);
+    assert!(text.contains("the runs of the report have no driver `none_such`"), "{text}");
+    let renamed = SCENARIO.replace("mine", "yours").replace("other", "another");
+    std::fs::write(here.join("new.scn"), renamed).unwrap();
+    let text = refused(&["new.scn"]);
+    assert!(text.contains("`--driver OLD=NEW`"), "{text}");
+    let pair = recheck(here, &["new.scn", "--driver", "mine=yours", "--starts", "0"]);
+    assert!(rows(&pair, "crossings").is_empty());
+    assert_eq!(rows(&pair, "failures")[0]["other_policy"], "yours");
+}
