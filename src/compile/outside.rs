@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use base::signature::Signature;
+use base::signature::{Keys, Signature};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
-use world::av::external::{External, Opener, Program, Settings};
-use world::av::onnx::{Model, Onnx};
+use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
+use world::av::onnx::{Model, Onnx, OnnxKeys};
 use world::env::PolicyMaker;
 
 /// A kind of driving policy with a program or a file: its keys, and how its maker is built.
@@ -21,15 +21,15 @@ pub struct OutsideKind {
 /// All such kinds; a new one is a line here.
 pub fn kinds() -> Vec<OutsideKind> {
     vec![
-        OutsideKind { signature: External::signature, lower: external },
-        OutsideKind { signature: Onnx::signature, lower: onnx },
+        OutsideKind { signature: ExternalKeys::signature, lower: external },
+        OutsideKind { signature: OnnxKeys::signature, lower: onnx },
     ]
 }
 
 /// A program, if the user allows programs. It is not started here.
 fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let (program, opener) = lowering.allowed_program(declaration)?;
-    let settings = Settings::new(&declaration.block.arguments);
+    let settings = Settings::from(declaration.block.keys::<ExternalKeys>());
     Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
 }
 
@@ -37,7 +37,7 @@ impl Lowering<'_> {
     /// The program of the key `command` and its opener; none after reporting what is wrong. The program is not started.
     pub fn allowed_program(&mut self, declaration: &Declaration) -> Option<(Program, Arc<dyn Opener>)> {
         let place = declaration.block.place("command");
-        let command = declaration.block.arguments.text("command");
+        let ProgramKeys { command, .. } = &declaration.block.keys();
         let program = match Program::parse(command, self.beside(declaration, "")) {
             Ok(program) => program,
             Err(reason) => {
@@ -61,17 +61,15 @@ impl Lowering<'_> {
 
 /// A network from a file.
 fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let arguments = &declaration.block.arguments;
-    let path = arguments.text("model");
-    let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
+    let OnnxKeys { model: path, worlds } = declaration.block.keys();
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| reason(&error));
     match bytes.and_then(|bytes| Model::read(bytes).map_err(|error| error.to_string())) {
         Ok(model) => {
             let model = Arc::new(model);
-            let worlds = arguments.integer("worlds") as usize;
             Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
         }
         Err(reason) => {
-            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), path, &reason));
+            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), &path, &reason));
             None
         }
     }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+use base::keys;
+use base::signature::{Arguments, DeclarationId, Keys, Signature};
 use world::av::DrivingPolicy;
 
 /// Makes a driving policy from checked arguments.
@@ -17,29 +17,25 @@ pub struct PolicyKind {
 }
 
 impl PolicyKind {
-    /// A kind with this signature. `make` is called once for each driver that is needed, from any thread; it gets a value for each key of the
-    /// signature.
-    pub fn new<P: DrivingPolicy + 'static>(
-        signature: Signature,
-        make: impl Fn(&Arguments) -> P + Send + Sync + 'static,
-    ) -> Self {
-        Self { signature, make: Arc::new(move |arguments| Box::new(make(arguments))) }
+    /// A kind with these keys. `make` is called once for each driver that is needed, from any thread.
+    pub fn new<K: Keys, P: DrivingPolicy + 'static>(make: impl Fn(K) -> P + Send + Sync + 'static) -> Self {
+        Self { signature: K::signature(), make: Arc::new(move |arguments| Box::new(make(K::read(arguments)))) }
+    }
+}
+
+keys! {
+    /// What every kind takes in addition to its own keys.
+    pub struct CommonKeys {
+        /// What the driver perceives of other actors, and how late (`latency`); without any it knows of all exactly and at
+        /// once.
+        sensors: Option<DeclarationId> as Reference("sensors") = "perfect",
+        /// Time from a command of the driver until pedals and wheel follow it, in whole ticks.
+        actuation_delay: f64 as within(TIME, 0.0, 10.0) = "0 s",
     }
 }
 
 /// The signature of a kind with the keys that every kind takes.
 pub(super) fn with_common_keys(mut signature: Signature) -> Signature {
-    signature.params.push(Param::with_default(
-        "sensors",
-        Type::Reference("sensors"),
-        "perfect",
-        "What the driver perceives of other actors, and how late (`latency`); without any it knows of all exactly and at once.",
-    ));
-    signature.params.push(Param::with_default(
-        "actuation_delay",
-        Type::Quantity { dimension: Dimension::TIME, min: 0.0, max: 10.0 },
-        "0 s",
-        "Time from a command of the driver until pedals and wheel follow it, in whole ticks.",
-    ));
+    signature.params.extend(CommonKeys::signature().params);
     signature
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::reference;
 use base::seed::Seed;
+use base::signature::Choice;
 use ported::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
 use serde_json::Value;
 use world::av::{Actor, DrivingPolicy, Light, Perception};
@@ -141,10 +142,10 @@ fn replay(
     let name = case["name"].as_str().expect("a case has a name");
     let town_name = case["town"].as_str().expect("a case has a town");
     let Some(town) = towns.entry(town_name.to_owned()).or_insert_with(|| read_town(town_name)) else {
-        loud!("SKIPPED: {name} of CARLA {}, for want of its map", release.name());
+        loud!("SKIPPED: {name} of CARLA {}, for want of its map", release.word());
         return;
     };
-    let profile = case["behavior"].as_str().and_then(Profile::from_name).expect("a case has a behaviour");
+    let profile = case["behavior"].as_str().and_then(Profile::named).expect("a case has a behaviour");
     let rows = Table::read(&folder.join(format!("{name}_trace.csv")));
     let blueprint = VehicleBlueprint::model3();
     let open = Obstacles::new(&[]);
@@ -153,7 +154,7 @@ fn replay(
         .map(|at| carla_pose(at[0].as_f64().expect("a light's x"), at[1].as_f64().expect("a light's y"), 0.0));
     let mut agent = BehaviorAgent::new(AgentConfig { release, profile, quirks: Quirks::ALL, ..AgentConfig::default() });
     for row in 0..rows.rows.len() {
-        let place = format!("{} {name} tick {}", release.name(), rows.text(row, "tick"));
+        let place = format!("{} {name} tick {}", release.word(), rows.text(row, "tick"));
         let ego = car(rows.pose(row, "ego_").expect("the ego has a pose"), rows.get(row, "ego_v"));
         let pedestrians: Vec<Actor> = rows.pose(row, "ped_").map(walker).into_iter().collect();
         let vehicles: Vec<Actor> =
@@ -253,7 +254,7 @@ fn recorded_decisions_are_repeated_reference() {
     let mut replayed = 0;
     for folder in folders {
         let Some(version) = folder.file_name().and_then(|name| name.to_str()?.strip_prefix('v')) else { continue };
-        let Some(release) = Release::from_name(version) else {
+        let Some(release) = Release::named(version) else {
             loud!("SKIPPED: recordings of CARLA {version}, which no agent here claims to be");
             continue;
         };

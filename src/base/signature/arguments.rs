@@ -1,4 +1,4 @@
-use super::{Distribution, Formula};
+use super::{Distribution, Formula, Held};
 
 /// Names a declaration of a checked program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -74,6 +74,12 @@ impl Arguments {
     pub fn value(&self, key: &str) -> &Value {
         let found = self.values.iter().find(|(name, _)| *name == key);
         &found.unwrap_or_else(|| panic!("checked: the signature has a key `{key}`")).1
+    }
+
+    /// The value of a key, as this type.
+    pub fn read<T: Held>(&self, key: &str) -> T {
+        let value = self.value(key);
+        T::held(value).unwrap_or_else(|| panic!("checked: `{key}` holds {value:?}"))
     }
 
     /// Whether an optional key was given.

@@ -1,3 +1,4 @@
+use super::Held;
 use crate::units::Dimension;
 
 /// The least positive value, in SI: smaller divisors give quotients that are too large to use.
@@ -102,9 +103,34 @@ impl Type {
         Self::Quantity { dimension, min: LEAST, max: MOST }
     }
 
+    /// A quantity within inclusive bounds in SI.
+    pub fn within(dimension: Dimension, min: f64, max: f64) -> Self {
+        Self::Quantity { dimension, min, max }
+    }
+
     /// A plain number from 0 to 1.
     pub fn share() -> Self {
-        Self::Quantity { dimension: Dimension::RATIO, min: 0.0, max: 1.0 }
+        Self::within(Dimension::RATIO, 0.0, 1.0)
+    }
+
+    /// A range between inclusive bounds in SI.
+    pub fn range(dimension: Dimension, min: f64, max: f64) -> Self {
+        Self::Range { dimension, min, max }
+    }
+
+    /// A distribution between inclusive bounds in SI.
+    pub fn drawn(dimension: Dimension, min: f64, max: f64) -> Self {
+        Self::Distribution { dimension, min, max }
+    }
+
+    /// A whole number in inclusive bounds.
+    pub fn whole(min: i64, max: i64) -> Self {
+        Self::Integer { min, max }
+    }
+
+    /// A whole number of ticks in inclusive bounds.
+    pub fn ticks(min: i64, max: i64) -> Self {
+        Self::Ticks { min, max }
     }
 
     /// Its name for users, with its bounds if it has any.
@@ -201,6 +227,16 @@ impl Param {
     /// A required key.
     pub fn required(name: &'static str, ty: Type, doc: &'static str) -> Self {
         Self { name, ty, default: None, doc }
+    }
+
+    /// A key whose type is still unknown.
+    pub fn described(name: &'static str, default: Option<&'static str>, doc: &'static str) -> Self {
+        Self { name, ty: Type::Text, default, doc }
+    }
+
+    /// The same for values of this type, held in Rust as `T`.
+    pub fn held_as<T: Held>(self, single: Type) -> Self {
+        Self { ty: T::type_of(single), default: self.default.or(T::OPTIONAL.then_some("")), ..self }
     }
 
     /// A key with a default, written as in a file.
