@@ -62,8 +62,8 @@ pub mod language {
     pub use base::signature::{Arguments, Param, Signature, Type};
     #[doc(inline)]
     pub use compile::{
-        Campaign, Catalog, Compiled, Evaluation, MakePolicy, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
-        Training, TrainingKey,
+        Campaign, Catalog, Compiled, Evaluation, FalsifierKind, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
+        TownKind, Training, TrainingKey, WalkerKind,
     };
     #[doc(inline)]
     pub use lang::{Reader, Unreadable};

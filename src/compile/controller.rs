@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
-use super::campaign::PEDESTRIANS;
 use super::lowering::Lowering;
-use base::signature::{DeclarationId, Form, Signature};
+use base::signature::{DeclarationId, Form, Keys, Signature};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
+use world::av::external::ProgramKeys;
 use world::av::onnx::Network;
-use world::falsifier::{Controller, Networked, Programmed};
+use world::falsifier::{Controller, Networked, NetworkedKeys, Programmed, ProgrammedKeys};
 
 /// A kind of controller: its keys, and how it is made.
 struct ControllerKind {
@@ -18,8 +18,8 @@ struct ControllerKind {
 
 /// All kinds; a new one is a line here.
 const KINDS: [ControllerKind; 2] = [
-    ControllerKind { signature: Programmed::signature, lower: external },
-    ControllerKind { signature: Networked::signature, lower: onnx },
+    ControllerKind { signature: ProgrammedKeys::signature, lower: external },
+    ControllerKind { signature: NetworkedKeys::signature, lower: onnx },
 ];
 
 /// The form `controller`.
@@ -37,7 +37,7 @@ impl Lowering<'_> {
     /// The controller; none after reporting what is wrong.
     pub fn controller(&mut self, id: DeclarationId) -> Option<Controller> {
         let declaration = self.program.get(id);
-        if PEDESTRIANS.contains(&declaration.name.as_str()) {
+        if self.catalog.has_pedestrian(&declaration.name) {
             let message = format!("`{}` is the name of a built-in controller", declaration.name);
             let help = "give it another name, so that both can be evaluated";
             self.said.push(diagnostics::contradiction(declaration.block.head, message).help(help));
@@ -50,17 +50,16 @@ impl Lowering<'_> {
 
 /// A program, if the user allows programs. It is not started here.
 fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
-    let arguments = &declaration.block.arguments;
+    let ProgrammedKeys { program: ProgramKeys { timeout, start_timeout, .. } } = declaration.block.keys();
     let (program, opener) = lowering.allowed_program(declaration)?;
-    let (timeout, start_timeout) = (arguments.number("timeout"), arguments.number("start_timeout"));
     let make = move || Box::new(Programmed::new(program.clone(), timeout, start_timeout, opener.clone())) as _;
     Some(Controller::new(&declaration.name, make))
 }
 
 /// A network from a file.
 fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
-    let path = declaration.block.arguments.text("model");
-    let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
+    let NetworkedKeys { model: path } = declaration.block.keys();
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| reason(&error));
     let network = bytes.and_then(|bytes| Network::read(bytes).map_err(|error| error.to_string()));
     let fit = network.and_then(|network| match Networked::check(&network) {
         Ok(()) => Ok(Arc::new(network)),
@@ -69,7 +68,7 @@ fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Contro
     match fit {
         Ok(network) => Some(Controller::new(&declaration.name, move || Box::new(Networked::new(network.clone())) as _)),
         Err(reason) => {
-            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), path, &reason));
+            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), &path, &reason));
             None
         }
     }

@@ -6,7 +6,8 @@ use lang::diagnostics;
 use lang::hir::Declaration;
 use learn::PpoConfig;
 use world::falsifier::{
-    Archive, Controlled, ControlledKeys, Controller, Exhaustive, Falsifier, Learning, LearningKeys, OpenLoop, TreeSearch,
+    Archive, Controlled, ControlledKeys, Controller, Exhaustive, Falsifier, Learning, LearningKeys, OpenLoop,
+    TreeSearch,
 };
 
 /// What the keys of a falsifier may name.
@@ -58,13 +59,13 @@ pub fn kinds() -> Vec<FalsifierKind> {
 }
 
 /// The form `falsifier`.
-pub fn form(kinds: &[FalsifierKind]) -> Form {
+pub fn form() -> Form {
     Form {
         name: "falsifier",
         doc: "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.",
         plain: None,
         multiplies: false,
-        kinds: kinds.iter().map(|kind| kind.signature.clone()).collect(),
+        kinds: Vec::new(),
     }
 }
 

@@ -5,7 +5,6 @@
 //! signatures themselves; [`policy`](self) lists them.
 
 mod catalog;
-mod builtin;
 mod reference;
 mod explain;
 mod interface_pages;
@@ -24,6 +23,7 @@ mod sector;
 mod reward;
 mod episode;
 mod training;
+mod walker;
 mod falsifier;
 mod published;
 mod controller;
@@ -45,13 +45,16 @@ mod grid;
 
 pub use catalog::{Catalog, TakenKind};
 pub use chunks::CHUNK;
+pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, Plan, Published, PublishedCell,
     PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
 };
-pub use policy_kind::{MakePolicy, PolicyKind};
+pub use policy_kind::PolicyKind;
 pub use published::published_columns;
 pub use run_id::{NoRunId, RunId};
 pub use stopping::StoppingRule;
+pub use town::TownKind;
+pub use walker::WalkerKind;

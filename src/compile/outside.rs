@@ -3,31 +3,14 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use base::signature::{Keys, Signature};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys};
 use world::env::PolicyMaker;
 
-/// A kind of driving policy with a program or a file: its keys, and how its maker is built.
-pub struct OutsideKind {
-    /// Its keys.
-    pub signature: fn() -> Signature,
-    /// Builds a maker; none after reporting what is wrong.
-    pub lower: fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker>,
-}
-
-/// All such kinds; a new one is a line here.
-pub fn kinds() -> Vec<OutsideKind> {
-    vec![
-        OutsideKind { signature: ExternalKeys::signature, lower: external },
-        OutsideKind { signature: OnnxKeys::signature, lower: onnx },
-    ]
-}
-
 /// A program, if the user allows programs. It is not started here.
-fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let (program, opener) = lowering.allowed_program(declaration)?;
     let settings = Settings::from(declaration.block.keys::<ExternalKeys>());
     Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
@@ -60,7 +43,7 @@ impl Lowering<'_> {
 }
 
 /// A network from a file.
-fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let OnnxKeys { model: path, worlds } = declaration.block.keys();
     let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| reason(&error));
     match bytes.and_then(|bytes| Model::read(bytes).map_err(|error| error.to_string())) {

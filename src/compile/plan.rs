@@ -2,6 +2,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::campaign::{SAMPLED, TRAINED};
 use super::{Fingerprint, RunId};
 use base::seed::Seed;
 use base::signature::{Arguments, Keys};
@@ -246,19 +247,7 @@ impl ControllerKind {
             Self::Untrained(controller) => controller.name(),
         }
     }
-
-    /// The index of its training, if it has one.
-    pub fn training(&self) -> Option<usize> {
-        match self {
-            Self::Trained(training) | Self::Sampled(training) => Some(*training),
-            Self::Untrained(_) => None,
-        }
-    }
 }
-
-/// The words of trained pedestrians.
-pub(super) const TRAINED: &str = "trained";
-pub(super) const SAMPLED: &str = "sampled";
 
 /// One controller evaluated in one town against one policy.
 #[derive(Debug, Clone)]

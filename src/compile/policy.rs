@@ -2,16 +2,17 @@ use std::sync::Arc;
 
 use super::Catalog;
 use super::lowering::Lowering;
-use super::outside::{self, OutsideKind};
 use super::plan::Driver;
-use super::policy_kind::{CommonKeys, PolicyKind, with_common_keys};
-use super::sensors;
+use super::policy_kind::{CommonKeys, PolicyKind};
+use super::{outside, sensors};
 use base::signature::{Form, Keys, Signature};
 use lang::diagnostics;
 use lang::hir::Declaration;
 use ported::behavior_agent::BehaviorAgent;
 use ported::interfuser::InterFuser;
 use ported::lav::Lav;
+use world::av::external::ExternalKeys;
+use world::av::onnx::OnnxKeys;
 use world::av::sensors::SensorWrapper;
 use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, CruiseKeys, Idm, OracleBrake, Predictive, RssGuarded};
 use world::env::PolicyMaker;
@@ -29,20 +30,14 @@ pub fn kinds() -> Vec<PolicyKind> {
         PolicyKind::new(Predictive::new),
         PolicyKind::new(OracleBrake::new),
         PolicyKind::new(CarefulHuman::new),
+        PolicyKind::outside::<ExternalKeys>(outside::external),
+        PolicyKind::outside::<OnnxKeys>(outside::onnx),
     ]
 }
 
 /// The form `policy`. Every kind takes `sensors` and `actuation_delay` in addition to the keys of its own signature.
-pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
-    let own = kinds.iter().map(|kind| kind.signature.clone());
-    let others = outside.iter().map(|kind| (kind.signature)());
-    Form {
-        name: "policy",
-        doc: "A driver under test.",
-        plain: None,
-        multiplies: false,
-        kinds: own.chain(others).map(with_common_keys).collect(),
-    }
+pub fn form() -> Form {
+    Form { name: "policy", doc: "A driver under test.", plain: None, multiplies: false, kinds: Vec::new() }
 }
 
 /// A maker of new drivers with their sensors and their delay; none after reporting what is wrong.
@@ -90,12 +85,6 @@ pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
 }
 
 fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let kind = declaration.kind;
-    if let Some(outside) = outside::kinds().into_iter().find(|candidate| (candidate.signature)().name == kind) {
-        return (outside.lower)(declaration, lowering);
-    }
-    let found = lowering.catalog.policies.iter().find(|candidate| candidate.signature.name == kind);
-    let make = found.expect("checked: the kind is in the catalogue").make.clone();
-    let arguments = declaration.block.arguments.clone();
-    Some(Arc::new(move || make(&arguments)))
+    let found = lowering.catalog.policies.iter().find(|kind| kind.signature.name == declaration.kind);
+    (found.expect("checked: the kind is in the catalogue").lower)(declaration, lowering)
 }

@@ -1,25 +1,39 @@
 use std::sync::Arc;
 
+use super::lowering::Lowering;
 use base::keys;
-use base::signature::{Arguments, DeclarationId, Keys, Signature};
+use base::signature::{DeclarationId, Keys, Signature};
+use lang::hir::Declaration;
 use world::av::DrivingPolicy;
-
-/// Makes a driving policy from checked arguments.
-pub type MakePolicy = Arc<dyn Fn(&Arguments) -> Box<dyn DrivingPolicy> + Send + Sync>;
+use world::env::PolicyMaker;
 
 /// A kind of driving policy: the keys that it takes, and how one is made.
 #[derive(Clone)]
 pub struct PolicyKind {
     /// Its name, its keys and its documentation.
     pub signature: Signature,
-    /// Makes one from checked arguments.
-    pub make: MakePolicy,
+    /// Builds a maker; none after reporting what is wrong.
+    pub(super) lower: Lower,
 }
+
+/// From a declaration to what makes new drivers; none after reporting what is wrong.
+type Lower = Arc<dyn Fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker> + Send + Sync>;
 
 impl PolicyKind {
     /// A kind with these keys. `make` is called once for each driver that is needed, from any thread.
-    pub fn new<K: Keys, P: DrivingPolicy + 'static>(make: impl Fn(K) -> P + Send + Sync + 'static) -> Self {
-        Self { signature: K::signature(), make: Arc::new(move |arguments| Box::new(make(K::read(arguments)))) }
+    pub fn new<K: Keys + 'static, P: DrivingPolicy + 'static>(make: impl Fn(K) -> P + Send + Sync + 'static) -> Self {
+        let make = Arc::new(make);
+        Self::outside::<K>(move |declaration, _| {
+            let (arguments, make) = (declaration.block.arguments.clone(), make.clone());
+            Some(Arc::new(move || Box::new(make(K::read(&arguments)))))
+        })
+    }
+
+    /// A kind that needs a program or a file in addition to these keys.
+    pub(super) fn outside<K: Keys>(
+        lower: impl Fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker> + Send + Sync + 'static,
+    ) -> Self {
+        Self { signature: K::signature(), lower: Arc::new(lower) }
     }
 }
 

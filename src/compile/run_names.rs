@@ -64,7 +64,7 @@ impl Campaign {
             let names = names.and(&evaluation.town).and(&evaluation.policy);
             let names =
                 names.and(&evaluation.vehicle).and(&evaluation.adversary).and(&evaluation.fingerprint.to_string());
-            evaluation.id = register.name(match evaluation.controller.training() {
+            evaluation.id = register.name(match evaluation.training() {
                 Some(training) => names.and_training(&self.trainings[training]),
                 None => names,
             });

@@ -66,7 +66,7 @@ pub enum Type {
     /// The name of a declaration of this form.
     Reference(&'static str),
     /// One of these words, bare or in quotes, or the name of a declaration of this form.
-    WordOrReference(&'static [&'static str], &'static str),
+    WordOrReference(Vec<&'static str>, &'static str),
     /// `[a, b, …]` with at least one member; a single value may be written without brackets.
     List(Box<Type>),
     /// A condition over the variables that have a value at this event of the vocabulary.
@@ -85,6 +85,16 @@ impl Type {
             Self::Point | Self::Pose => Some(Dimension::LENGTH),
             Self::List(inner) => inner.dimension(),
             _ => None,
+        }
+    }
+
+    /// The words that it accepts, or that a member of it is; empty for types without words.
+    pub fn words(&self) -> &[&'static str] {
+        match self {
+            Self::Choice(words) | Self::Step(words) => words,
+            Self::WordOrReference(words, _) => words,
+            Self::List(item) => item.words(),
+            _ => &[],
         }
     }
 

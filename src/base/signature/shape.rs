@@ -89,6 +89,20 @@ pub struct Form {
     pub kinds: Vec<Signature>,
 }
 
+impl Form {
+    /// A form without kinds. Its name, its keys and its documentation are those of this signature.
+    pub fn plain(signature: Signature) -> Self {
+        let Signature { name, doc, .. } = signature;
+        let plain = Some(Signature { doc: "", ..signature });
+        Self { name, doc, plain, multiplies: false, kinds: Vec::new() }
+    }
+
+    /// A form with these kinds, one of which must be named.
+    pub fn of_kinds(name: &'static str, doc: &'static str, kinds: Vec<Signature>) -> Self {
+        Self { name, doc, plain: None, multiplies: false, kinds }
+    }
+}
+
 /// A quantity that a formula may name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {

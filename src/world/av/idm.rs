@@ -84,7 +84,8 @@ impl Idm {
         let free = free * free * free * free;
         let near = leader.map_or(0.0, |leader| {
             let dynamic = speed * self.keys.time_headway
-                + speed * (speed - leader.speed) / (2.0 * (self.keys.acceleration * self.keys.comfortable_braking).sqrt());
+                + speed * (speed - leader.speed)
+                    / (2.0 * (self.keys.acceleration * self.keys.comfortable_braking).sqrt());
             let ratio = (self.keys.least_gap + dynamic.max(0.0)) / leader.gap.max(0.1);
             ratio * ratio
         });

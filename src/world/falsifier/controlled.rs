@@ -16,7 +16,7 @@ keys! {
     }
 }
 
-/// A controller that a file declares: its name, and how a walk policy is made of it. Two are equal if their names are.
+/// A controller that learns nothing: its name, and how a walk policy is made of it. Two are equal if their names are.
 #[derive(Clone)]
 pub struct Controller {
     name: Arc<str>,

@@ -156,7 +156,8 @@ impl OpenLoop {
                     let leg = (decision / self.plan.decisions).min(self.plan.legs - 1);
                     decision += 1;
                     let cast = &env.scenario().cast;
-                    let components = point.chunks_exact(point.len() / self.plan.legs).nth(leg).expect("a plan has its legs");
+                    let components =
+                        point.chunks_exact(point.len() / self.plan.legs).nth(leg).expect("a plan has its legs");
                     for ((pedestrian, role), part) in cast.controlled().zip(components.as_chunks().0) {
                         commands[pedestrian] = command(&role.action, lines[pedestrian], *part);
                     }
