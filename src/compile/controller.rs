@@ -24,13 +24,8 @@ const KINDS: [ControllerKind; 2] = [
 
 /// The form `controller`.
 pub fn form() -> Form {
-    Form {
-        name: "controller",
-        doc: "A controller of your own for the pedestrian. `pedestrians` of an `evaluate` block and a falsifier of kind `controlled` name it.",
-        plain: None,
-        multiplies: false,
-        kinds: KINDS.iter().map(|kind| (kind.signature)()).collect(),
-    }
+    let doc = "A controller of your own for the pedestrian. `pedestrians` of an `evaluate` block and a falsifier of kind `controlled` name it.";
+    Form::of_kinds("controller", doc, KINDS.iter().map(|kind| (kind.signature)()).collect())
 }
 
 impl Lowering<'_> {

@@ -60,13 +60,8 @@ pub fn kinds() -> Vec<FalsifierKind> {
 
 /// The form `falsifier`.
 pub fn form() -> Form {
-    Form {
-        name: "falsifier",
-        doc: "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.",
-        plain: None,
-        multiplies: false,
-        kinds: Vec::new(),
-    }
+    let doc = "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.";
+    Form::of_kinds("falsifier", doc, Vec::new())
 }
 
 /// Whether a falsifier trains pedestrians.

@@ -37,7 +37,7 @@ pub fn kinds() -> Vec<PolicyKind> {
 
 /// The form `policy`. Every kind takes `sensors` and `actuation_delay` in addition to the keys of its own signature.
 pub fn form() -> Form {
-    Form { name: "policy", doc: "A driver under test.", plain: None, multiplies: false, kinds: Vec::new() }
+    Form::of_kinds("policy", "A driver under test.", Vec::new())
 }
 
 /// A maker of new drivers with their sensors and their delay; none after reporting what is wrong.

@@ -47,12 +47,13 @@ keys! {
 
 /// The form `published`.
 pub fn form() -> Form {
+    let figure = |name, ty, doc| Param::new::<Option<f64>>(name, ty, None, doc);
     let mut cells = CellKeys::signature();
     for (_, mean, spread, doc) in FIGURES {
-        cells.params.push(Param::optional(mean, Type::any(Dimension::RATIO), doc));
-        cells.params.push(Param::optional(spread, Type::non_negative(Dimension::RATIO), SPREAD));
+        cells.params.push(figure(mean, Type::any(Dimension::RATIO), doc));
+        cells.params.push(figure(spread, Type::non_negative(Dimension::RATIO), SPREAD));
     }
-    let margins = FIGURES.map(|(_, mean, _, doc)| Param::optional(mean, Type::positive(Dimension::RATIO), doc));
+    let margins = FIGURES.map(|(_, mean, _, doc)| figure(mean, Type::positive(Dimension::RATIO), doc));
     let margins = Signature::new(
         "margins",
         "For each figure, the difference that matters: ours is equivalent where the difference is shown to be smaller.",

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use crate::reference;
 use base::seed::Seed;
-use base::signature::Choice;
 use ported::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
 use serde_json::Value;
 use world::av::{Actor, DrivingPolicy, Light, Perception};
@@ -142,7 +141,7 @@ fn replay(
     let name = case["name"].as_str().expect("a case has a name");
     let town_name = case["town"].as_str().expect("a case has a town");
     let Some(town) = towns.entry(town_name.to_owned()).or_insert_with(|| read_town(town_name)) else {
-        loud!("SKIPPED: {name} of CARLA {}, for want of its map", release.word());
+        loud!("SKIPPED: {name} of CARLA {}, for want of its map", release.name());
         return;
     };
     let profile = case["behavior"].as_str().and_then(Profile::named).expect("a case has a behaviour");
@@ -154,7 +153,7 @@ fn replay(
         .map(|at| carla_pose(at[0].as_f64().expect("a light's x"), at[1].as_f64().expect("a light's y"), 0.0));
     let mut agent = BehaviorAgent::new(AgentConfig { release, profile, quirks: Quirks::ALL, ..AgentConfig::default() });
     for row in 0..rows.rows.len() {
-        let place = format!("{} {name} tick {}", release.word(), rows.text(row, "tick"));
+        let place = format!("{} {name} tick {}", release.name(), rows.text(row, "tick"));
         let ego = car(rows.pose(row, "ego_").expect("the ego has a pose"), rows.get(row, "ego_v"));
         let pedestrians: Vec<Actor> = rows.pose(row, "ped_").map(walker).into_iter().collect();
         let vehicles: Vec<Actor> =

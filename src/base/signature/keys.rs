@@ -16,8 +16,8 @@ pub trait Keys: Sized {
 
 /// A field of a struct of keys: one key whose type says all, or the keys of another struct.
 pub trait Field: Sized {
-    /// The keys; `key` describes the one key of a field that is not a struct of keys.
-    fn declare(key: Param) -> Vec<Param>;
+    /// The keys; a struct of keys has its own names, defaults and texts.
+    fn declare(name: &'static str, default: Option<&'static str>, doc: &'static str) -> Vec<Param>;
 
     /// The value of this key, or of the struct's own keys.
     fn read(arguments: &Arguments, key: &str) -> Self;
@@ -49,15 +49,12 @@ pub trait Choice: Copy + 'static {
     const WORDS: &'static [&'static str];
 
     /// The variant of a word.
-    fn named(word: &str) -> Option<Self>;
-
-    /// Its word; the last of several.
-    fn word(self) -> &'static str;
+    fn of(word: &str) -> Option<Self>;
 }
 
 impl<T: Plain> Field for T {
-    fn declare(key: Param) -> Vec<Param> {
-        vec![key.held_as::<T>(T::single())]
+    fn declare(name: &'static str, default: Option<&'static str>, doc: &'static str) -> Vec<Param> {
+        vec![Param::new::<T>(name, T::single(), default, doc)]
     }
 
     fn read(arguments: &Arguments, key: &str) -> Self {
@@ -67,7 +64,7 @@ impl<T: Plain> Field for T {
 
 impl<C: Choice> Held for C {
     fn held(value: &Value) -> Option<Self> {
-        if let Value::Choice(word) = value { Self::named(word) } else { None }
+        if let Value::Choice(word) = value { Self::of(word) } else { None }
     }
 }
 
@@ -198,12 +195,8 @@ macro_rules! keys {
                 #[allow(unused_imports)]
                 use $crate::units::dimensions::*;
                 let params: [Vec<$crate::signature::Param>; _] = [$({
-                    let key = $crate::signature::Param::described(
-                        stringify!($key),
-                        None$(.or(Some($default)))?,
-                        concat!($($doc),*).trim_ascii(),
-                    );
-                    $crate::keys!(@declare key, $held $(, $single $(($($bound),*))?)?)
+                    let (default, doc) = (None$(.or(Some($default)))?, concat!($($doc),*).trim_ascii());
+                    $crate::keys!(@declare $key, default, doc, $held $(, $single $(($($bound),*))?)?)
                 }),*];
                 $crate::signature::Signature::new(Self::KIND, concat!($($about),*).trim_ascii(), params.concat())
                     $(.$change($($with),*))*
@@ -215,7 +208,7 @@ macro_rules! keys {
         }
 
         impl $crate::signature::Field for $Keys {
-            fn declare(_: $crate::signature::Param) -> Vec<$crate::signature::Param> {
+            fn declare(_: &'static str, _: Option<&'static str>, _: &'static str) -> Vec<$crate::signature::Param> {
                 <Self as $crate::signature::Keys>::signature().params
             }
 
@@ -224,11 +217,16 @@ macro_rules! keys {
             }
         }
     };
-    (@declare $key:ident, $held:ty) => {
-        <$held as $crate::signature::Field>::declare($key)
+    (@declare $key:ident, $default:ident, $doc:ident, $held:ty) => {
+        <$held as $crate::signature::Field>::declare(stringify!($key), $default, $doc)
     };
-    (@declare $key:ident, $held:ty, $single:ident $(($($bound:expr),*))?) => {
-        vec![$key.held_as::<$held>($crate::signature::Type::$single $(($($bound),*))?)]
+    (@declare $key:ident, $default:ident, $doc:ident, $held:ty, $single:ident $(($($bound:expr),*))?) => {
+        vec![$crate::signature::Param::new::<$held>(
+            stringify!($key),
+            $crate::signature::Type::$single $(($($bound),*))?,
+            $default,
+            $doc,
+        )]
     };
     (@read $arguments:ident, $key:ident, $held:ty) => {
         <$held as $crate::signature::Field>::read($arguments, stringify!($key))
@@ -264,20 +262,32 @@ macro_rules! choice {
             $($(#[$doc])* $Variant),*
         }
 
-        impl $crate::signature::Choice for $Choice {
-            const WORDS: &'static [&'static str] = &[$($($word),+),*];
+        #[allow(dead_code)]
+        impl $Choice {
+            /// All of them, in order.
+            pub const ALL: [Self; [$(stringify!($Variant)),*].len()] = [$(Self::$Variant),*];
 
-            fn named(word: &str) -> Option<Self> {
-                match word {
+            /// The one of this name.
+            pub fn named(name: &str) -> Option<Self> {
+                match name {
                     $($($word)|+ => Some(Self::$Variant),)*
                     _ => None,
                 }
             }
 
-            fn word(self) -> &'static str {
+            /// Its name in scenarios and tables; the last of several.
+            pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$Variant => [$($word),+][[$($word),+].len() - 1]),*
                 }
+            }
+        }
+
+        impl $crate::signature::Choice for $Choice {
+            const WORDS: &'static [&'static str] = &[$($($word),+),*];
+
+            fn of(word: &str) -> Option<Self> {
+                Self::named(word)
             }
         }
     };

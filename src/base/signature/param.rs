@@ -234,28 +234,8 @@ pub struct Param {
 }
 
 impl Param {
-    /// A required key.
-    pub fn required(name: &'static str, ty: Type, doc: &'static str) -> Self {
-        Self { name, ty, default: None, doc }
-    }
-
-    /// A key whose type is still unknown.
-    pub fn described(name: &'static str, default: Option<&'static str>, doc: &'static str) -> Self {
-        Self { name, ty: Type::Text, default, doc }
-    }
-
-    /// The same for values of this type, held in Rust as `T`.
-    pub fn held_as<T: Held>(self, single: Type) -> Self {
-        Self { ty: T::type_of(single), default: self.default.or(T::OPTIONAL.then_some("")), ..self }
-    }
-
-    /// A key with a default, written as in a file.
-    pub fn with_default(name: &'static str, ty: Type, default: &'static str, doc: &'static str) -> Self {
-        Self { name, ty, default: Some(default), doc }
-    }
-
-    /// An optional key.
-    pub fn optional(name: &'static str, ty: Type, doc: &'static str) -> Self {
-        Self { name, ty, default: Some(""), doc }
+    /// A key whose values are held in Rust as `T`, of which a single one is of this type. The default is written as in a file.
+    pub fn new<T: Held>(name: &'static str, single: Type, default: Option<&'static str>, doc: &'static str) -> Self {
+        Self { name, ty: T::type_of(single), default: default.or(T::OPTIONAL.then_some("")), doc }
     }
 }

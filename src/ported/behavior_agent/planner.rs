@@ -344,7 +344,7 @@ mod tests {
             let way = drive(&town, &traits, AtDestination::Next, 1, 2000);
             // The old planner gets the next route before the car stands.
             let arrivals = if traits.buffered_planner { 0..=0 } else { 10..=200 };
-            assert!(arrivals.contains(&way.0.len()), "{} arrivals of {}", way.0.len(), release.word());
+            assert!(arrivals.contains(&way.0.len()), "{} arrivals of {}", way.0.len(), release.name());
             assert!(way.0.iter().all(|steps| *steps > 0), "a single tick of standing: {:?}", way.0);
             assert_ne!(way, drive(&town, &traits, AtDestination::Next, 2, 2000), "another stream, other ways");
             assert_eq!(way, drive(&town, &traits, AtDestination::Next, 1, 2000));

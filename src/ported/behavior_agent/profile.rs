@@ -53,9 +53,6 @@ impl ProfileTraits {
 }
 
 impl Profile {
-    /// All of them, from cautious to aggressive.
-    pub const ALL: [Self; 3] = [Self::Cautious, Self::Normal, Self::Aggressive];
-
     pub(super) const fn traits(self) -> ProfileTraits {
         let (max_speed, below_limit, speed_decrease, least_reach, braking_distance) = match self {
             Self::Cautious => (40.0, 6.0, 12.0, 12.0, 6.0),

@@ -123,9 +123,6 @@ const V0_9_11: ReleaseTraits = ReleaseTraits {
 };
 
 impl Release {
-    /// All of them, oldest first.
-    pub const ALL: [Self; 4] = [Self::V0_9_11, Self::V0_9_12, Self::V0_9_13, Self::V0_9_15];
-
     pub(super) const fn traits(self) -> ReleaseTraits {
         match self {
             Self::V0_9_11 => V0_9_11,
@@ -139,7 +136,6 @@ impl Release {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use base::signature::Choice;
 
     #[test]
     fn only_the_oldest_release_brakes_fully() {
@@ -150,7 +146,7 @@ mod tests {
     #[test]
     fn names_lead_back_to_releases() {
         for release in Release::ALL {
-            assert_eq!(Release::named(release.word()), Some(release));
+            assert_eq!(Release::named(release.name()), Some(release));
         }
         assert_eq!(Release::named("0.9.14"), Some(Release::V0_9_15));
         assert_eq!(Release::named("0.9.16"), None);

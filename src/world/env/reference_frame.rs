@@ -20,17 +20,6 @@ choice! {
 }
 
 impl ReferenceFrame {
-    /// Its word in scenarios.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Heading => "heading",
-            Self::Initial => "initial",
-            Self::LineOfSight => "line_of_sight",
-            Self::World => "world",
-            Self::Meeting => "meeting",
-        }
-    }
-
     /// The direction of angle 0, for people.
     pub fn meaning(self) -> &'static str {
         match self {

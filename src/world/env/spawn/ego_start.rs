@@ -99,15 +99,6 @@ impl EgoStart {
 }
 
 impl RoadShape {
-    /// Its word in scenarios.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Any => "any",
-            Self::Straight => "straight",
-            Self::Bend => "bend",
-        }
-    }
-
     /// Whether the road ahead of a pose has this shape.
     pub(super) fn admits(self, town: &Town, pose: &Pose) -> bool {
         let straight = || {
