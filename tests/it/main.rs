@@ -53,6 +53,7 @@ mod onnx;
 mod onnx_costs;
 mod onnx_file;
 mod outputs;
+mod own_kinds;
 mod losses;
 mod maps;
 mod memory;
