@@ -24,8 +24,10 @@ pub struct FalsifierKind {
     /// Its keys.
     pub signature: Signature,
     /// Makes one from checked arguments and what they name.
-    make: Arc<dyn Fn(&Arguments, &Named) -> Arc<dyn Falsifier> + Send + Sync>,
+    make: Make,
 }
+
+type Make = Arc<dyn Fn(&Arguments, &Named) -> Arc<dyn Falsifier> + Send + Sync>;
 
 impl FalsifierKind {
     /// A kind with these keys.

@@ -30,8 +30,11 @@ keys! {
     }
 }
 
-/// All models of car: the word, the sentence for the reference, and the figures. A new one is a line here.
-const MODELS: [(&str, &str, fn() -> VehicleBlueprint); 3] = [
+/// A model of car: its word, the sentence for the reference, and its figures.
+type Model = (&'static str, &'static str, fn() -> VehicleBlueprint);
+
+/// All models of car; a new one is a line here.
+const MODELS: [Model; 3] = [
     ("model3", "CARLA's Tesla Model 3.", VehicleBlueprint::model3),
     ("mkz_2017", "CARLA's Lincoln MKZ 2017, which LAV and InterFuser drive.", VehicleBlueprint::mkz_2017),
     ("generic", "A middle-class car without CARLA's oddities.", VehicleBlueprint::generic),

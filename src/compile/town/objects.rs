@@ -12,15 +12,18 @@ const MOST_TREES: f64 = 20_000.0;
 /// The greatest number of cars of a row.
 const MOST_CARS: f64 = 1000.0;
 
-/// A kind of obstacle: its keys, and the boxes that it fills, or why it cannot stand.
+/// The boxes that an obstacle fills, or why it cannot stand.
+type Boxes = Result<Vec<OrientedBox>, String>;
+
+/// A kind of obstacle: its keys, and its boxes.
 struct ObstacleKind {
     word: &'static str,
     signature: fn() -> Signature,
-    boxes: Box<dyn Fn(&Block) -> Result<Vec<OrientedBox>, String>>,
+    boxes: Box<dyn Fn(&Block) -> Boxes>,
 }
 
 impl ObstacleKind {
-    fn new<K: Keys>(boxes: impl Fn(K) -> Result<Vec<OrientedBox>, String> + 'static) -> Self {
+    fn new<K: Keys>(boxes: impl Fn(K) -> Boxes + 'static) -> Self {
         Self { word: K::KIND, signature: K::signature, boxes: Box::new(move |block| boxes(block.keys())) }
     }
 }
@@ -67,7 +70,7 @@ keys! {
     }
 }
 
-fn building(BuildingKeys { corner, opposite }: BuildingKeys) -> Result<Vec<OrientedBox>, String> {
+fn building(BuildingKeys { corner, opposite }: BuildingKeys) -> Boxes {
     let own = OrientedBox::spanning(corner.into(), opposite.into());
     if own.half.min() < 0.05 { Err("this building is thinner than 0.1 m".into()) } else { Ok(vec![own]) }
 }
@@ -84,7 +87,7 @@ keys! {
     }
 }
 
-fn wall(WallKeys { from, to, thickness }: WallKeys) -> Result<Vec<OrientedBox>, String> {
+fn wall(WallKeys { from, to, thickness }: WallKeys) -> Boxes {
     let (from, to) = (Point::from(from), Point::from(to));
     let (middle, along) = (nalgebra::center(&from, &to), to - from);
     let heading = libm::atan2(along.y, along.x);
@@ -125,7 +128,7 @@ keys! {
     }
 }
 
-fn grove(GroveKeys { corner, opposite, spacing, trunk }: GroveKeys) -> Result<Vec<OrientedBox>, String> {
+fn grove(GroveKeys { corner, opposite, spacing, trunk }: GroveKeys) -> Boxes {
     let (a, b) = (Point::from(corner), Point::from(opposite));
     let (low, high) = (a.inf(&b), a.sup(&b));
     let count = |extent: f64| (extent / spacing).floor() + 1.0;
@@ -173,7 +176,7 @@ keys! {
     }
 }
 
-fn parked_row(ParkedRowKeys { from, to, gap, length, width }: ParkedRowKeys) -> Result<Vec<OrientedBox>, String> {
+fn parked_row(ParkedRowKeys { from, to, gap, length, width }: ParkedRowKeys) -> Boxes {
     let from = Point::from(from);
     let along: Vector = Point::from(to) - from;
     let pitch = length + gap;
