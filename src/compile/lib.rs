@@ -1,8 +1,8 @@
 //! From the language to the simulation: the forms and kinds that a scenario may use, and HIR → [`Plan`].
 //!
-//! Every form has a file with two functions: its [`Form`](base::signature::Form), which the checker and the reference
-//! read, and a `lower` that turns checked values into something that runs. Kinds of driving policies own their
-//! signatures themselves; [`policy`](self) lists them.
+//! Every form has a file with its keys, its [`Form`](base::signature::Form), which the checker and the reference read, and a `lower` that turns
+//! the values of the keys into something that runs. Kinds of drivers, pedestrians and searches own their keys themselves. Each kind is a line of a
+//! table with its keys and its constructor; a [`Catalog`] holds those of the caller, too.
 
 mod catalog;
 mod reference;

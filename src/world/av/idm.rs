@@ -45,7 +45,7 @@ keys! {
 ///
 /// # Source
 /// Treiber, Hennecke, Helbing, *Congested traffic states in empirical observations and microscopic simulations*, Phys.
-/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `hardest`.
+/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `hardest_braking`.
 #[derive(Debug, Clone)]
 pub struct Idm {
     keys: IdmKeys,
