@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use base::choice;
+
 /// Why training ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TrainError {
@@ -24,32 +26,27 @@ pub enum TrainError {
     },
 }
 
-/// A number that training requires to be finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// An observation of an environment, in `f32`.
-    Observation,
-    /// A reward of an environment.
-    Reward,
-    /// An action of the policy.
-    Action,
-    /// The loss on a minibatch.
-    Loss,
-    /// The divergence between old and new policy on a minibatch.
-    Divergence,
-    /// The norm of the gradient on a minibatch.
-    Gradient,
+choice! {
+    /// A number that training requires to be finite.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Quantity {
+        /// An observation of an environment, in `f32`.
+        Observation = "observation",
+        /// A reward of an environment.
+        Reward = "reward",
+        /// An action of the policy.
+        Action = "action",
+        /// The loss on a minibatch.
+        Loss = "loss",
+        /// The divergence between old and new policy on a minibatch.
+        Divergence = "divergence",
+        /// The norm of the gradient on a minibatch.
+        Gradient = "gradient",
+    }
 }
 
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Observation => "observation",
-            Self::Reward => "reward",
-            Self::Action => "action",
-            Self::Loss => "loss",
-            Self::Divergence => "divergence",
-            Self::Gradient => "gradient",
-        })
+        f.write_str(self.name())
     }
 }

@@ -20,7 +20,6 @@ mod book;
 mod caches;
 mod cast;
 mod case_book;
-mod catalogue;
 mod comparing;
 mod controllers;
 mod command_line;

@@ -1,13 +1,40 @@
-//! A caller adds kinds of its own through the public facade: a town and a pedestrian. Scenarios name them as they name the built-in ones.
+//! A caller adds kinds of its own through the public facade: a driver, a town and a pedestrian. Scenarios name them as they name the built-in ones.
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
-use falsify::driving::Stream;
-use falsify::language::{Catalog, TakenKind, TownKind, WalkerKind, keys};
+use falsify::driving::{Control, DrivingMode, DrivingPolicy, Perception, Stream};
+use falsify::language::{Catalog, PolicyKind, TakenKind, TownKind, WalkerKind, keys};
 use falsify::session::{Input, RunOptions, Session};
-use falsify::towns::{Node, Point, Street, TownDesign, TownParts};
+use falsify::towns::{Carriageway, Node, Point, Street, TownDesign, TownParts};
 use falsify::walking::{PedestrianEnv, WalkCommand, WalkPolicy};
+
+keys! {
+    /// Brakes all the time.
+    struct BrakingKeys = "braking" {
+        /// Brake, 0 to 1.
+        force: f64 as share() = "1",
+    }
+}
+
+/// Always brakes with the same force.
+struct Braking {
+    force: f64,
+}
+
+impl DrivingPolicy for Braking {
+    fn reset(&mut self, _: &Perception<'_>, _: Stream) {}
+
+    fn drive(&mut self, _: &Perception<'_>) -> Control {
+        Control { throttle: 0.0, brake: self.force, steer: 0.0 }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        DrivingMode::EmergencyStop
+    }
+}
 
 keys! {
     /// One straight street.
@@ -19,8 +46,8 @@ keys! {
 
 fn avenue(AvenueKeys { length }: AvenueKeys) -> Result<TownParts, String> {
     let node = |x: f64| Node { name: format!("{x} m"), position: Point::new(x, 0.0), lights: false };
-    let name = "the avenue".to_string();
-    let street = Street { name, nodes: vec![0, 1], speed_limit: Some(10.0), carriageway: Default::default() };
+    let (name, carriageway) = ("the avenue".to_string(), Carriageway::default());
+    let street = Street { name, nodes: vec![0, 1], speed_limit: Some(10.0), carriageway };
     let design = TownDesign { nodes: vec![node(0.0), node(length)], streets: vec![street], ..TownDesign::default() };
     design.build().map_err(|faults| faults[0].to_string())
 }
@@ -54,28 +81,42 @@ impl WalkPolicy for Stroll {
     }
 }
 
-fn town() -> TownKind {
-    TownKind::new(avenue)
+/// The forces of the drivers that were made, in percent.
+type Made = Arc<Mutex<BTreeSet<i64>>>;
+
+fn braking(made: &Made) -> PolicyKind {
+    let made = made.clone();
+    PolicyKind::new(move |BrakingKeys { force }| {
+        made.lock().unwrap().insert((100.0 * force) as i64);
+        Braking { force }
+    })
 }
 
-fn walker() -> WalkerKind {
+fn stroll() -> WalkerKind {
     WalkerKind::new(|StrollKeys { pace }| Stroll { pace })
 }
 
-fn session(length: &'static str) -> Session {
-    let catalog = Catalog::builtin().with_town(town()).unwrap().with_walker(walker()).unwrap();
+/// A catalogue with all three kinds.
+fn catalog(made: &Made) -> Catalog {
+    let with_policy = Catalog::builtin().with_policy(braking(made)).unwrap();
+    with_policy.with_town(TownKind::new(avenue)).unwrap().with_walker(stroll()).unwrap()
+}
+
+fn session(catalog: Catalog, length: &'static str) -> Session {
     Session::new(catalog).with_reader(move |path: &Path| match path.to_str() {
         Some("own.scn") => Ok(format!(
             r#"
 edition 1
 import "std/paper.scn"
-import "std/drivers.scn"
+import "std/sensors.scn"
+policy firm = braking()
+policy soft = braking(force: 0.25, sensors: perfect)
 town broad = avenue(length: {length}) {{ tree {{ at: (50 m, 12 m) }} }}
 falsifier hasty = stroll(pace: 3 m/s)
 campaign own {{
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate {{ towns: [broad] policies: [blind] pedestrians: [stroll, random] episodes: 10 }}
-  search {{ towns: [broad] policies: [blind] falsifiers: [hasty] budget: 2_000 runs: 1 episodes: 2 }}
+  evaluate {{ towns: [broad] policies: [firm, soft] pedestrians: [stroll, random] episodes: 10 }}
+  search {{ towns: [broad] policies: [soft] falsifiers: [hasty] budget: 2_000 runs: 1 episodes: 2 }}
 }}
 "#
         )),
@@ -84,33 +125,36 @@ campaign own {{
 }
 
 #[test]
-fn a_town_and_a_pedestrian_of_the_caller_run_like_the_others() {
-    let out = tempfile::tempdir().unwrap();
+fn kinds_of_the_caller_are_checked_and_run_like_the_others() {
+    let (made, out) = (Made::default(), tempfile::tempdir().unwrap());
     let options =
         RunOptions { input: Input::file("own.scn"), out: out.path().join("reports"), ..RunOptions::default() };
-    let run = session("300 m").run(&options).unwrap();
+    let run = session(catalog(&made), "300 m").run(&options).unwrap();
     let report = run.reports().next().unwrap();
     assert!(report.is_sound());
-    let walked = |controller: &str| {
-        let cell = report.cells.iter().find(|cell| cell.key.controller == controller).unwrap();
+    for (policy, controller) in [("firm", "stroll"), ("firm", "random"), ("soft", "stroll"), ("soft", "random")] {
+        let is_it = |key: &&falsify::results::Cell| (&*key.key.policy, &*key.key.controller) == (policy, controller);
+        let cell = report.cells.iter().find(is_it).unwrap();
         assert_eq!((cell.key.town.as_str(), cell.episodes, cell.errors), ("broad", 10, 0));
-    };
-    walked("stroll");
-    walked("random");
-    let searches = std::fs::read_to_string(report.folder.join("searches.csv")).unwrap();
-    assert!(searches.lines().nth(1).is_some_and(|row| row.contains("hasty")), "{searches}");
+    }
+    assert_eq!(*made.lock().unwrap(), [25, 100].into(), "the default and the value of the key reach the driver");
+    let table = |name: &str| std::fs::read_to_string(report.folder.join(name)).unwrap();
+    assert_eq!(table("episodes.csv").lines().skip(1).filter(|row| row.contains("emergency_stop")).count(), 40);
+    assert!(table("searches.csv").lines().nth(1).is_some_and(|row| row.contains("hasty")));
 }
 
 #[test]
 fn a_town_that_cannot_be_built_says_why() {
-    let checked = session("1 m").check(&Input::file("own.scn")).unwrap();
+    let checked = session(catalog(&Made::default()), "1 m").check(&Input::file("own.scn")).unwrap();
     let said: Vec<String> = checked.compiled.diagnostics.iter().map(|each| each.message.clone()).collect();
     assert!(said.iter().any(|message| message.contains("the avenue")), "{said:?}");
 }
 
 #[test]
-fn a_name_has_one_kind() {
-    let catalog = || Catalog::builtin().with_town(town()).unwrap().with_walker(walker()).unwrap();
-    assert_eq!(catalog().with_town(town()).err(), Some(TakenKind { form: "town", kind: "avenue" }));
-    assert_eq!(catalog().with_walker(walker()).err(), Some(TakenKind { form: "pedestrian", kind: "stroll" }));
+fn a_kind_that_the_catalogue_lacks_is_an_error_and_so_is_one_that_it_has() {
+    assert!(session(Catalog::builtin(), "300 m").check(&Input::file("own.scn")).unwrap().plan().is_err());
+    let (made, taken) = (Made::default(), |form, kind| Some(TakenKind { form, kind }));
+    assert_eq!(catalog(&made).with_policy(braking(&made)).err(), taken("policy", "braking"));
+    assert_eq!(catalog(&made).with_town(TownKind::new(avenue)).err(), taken("town", "avenue"));
+    assert_eq!(catalog(&made).with_walker(stroll()).err(), taken("pedestrian", "stroll"));
 }

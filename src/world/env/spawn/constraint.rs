@@ -87,12 +87,7 @@ impl fmt::Display for Constraint {
         match self {
             Self::Clearance(least) => write!(f, "clearance: {least} m"),
             Self::Ground(grounds) => {
-                let name = |ground: &Ground| match ground {
-                    Ground::Driving => "driving",
-                    Ground::Sidewalk => "sidewalk",
-                    Ground::Beside => "beside",
-                    Ground::OffRoad => "off_road",
-                };
+                let name = |ground: &Ground| ground.name();
                 write!(f, "ground: [{}]", grounds.iter().map(name).collect::<Vec<_>>().join(", "))
             }
             Self::Sight(true) => f.write_str("sight: visible"),

@@ -76,7 +76,7 @@ fn ground(replay: &Replay, id: &str) -> Markup {
         g id=(id) {
             @for polygon in &replay.scenery {
                 @if let Some(surface) = Surface::ALL.get(polygon[0] as usize) {
-                    path class=(surface.class()) d=(corners(&polygon[1..])) {}
+                    path class=(surface.name()) d=(corners(&polygon[1..])) {}
                 }
             }
         }

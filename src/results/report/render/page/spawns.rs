@@ -177,7 +177,7 @@ fn over_towns(groups: &[Group<'_>]) -> (Markup, Vec<Panel>) {
                 g id={ "town-" (slug(name)) } {
                     @let scenery = Scenery::new(town).within(*low, *high);
                     @for same in scenery.polygons.chunk_by(|one, next| one.0 == next.0) {
-                        path class=(same[0].0.class()) d=(surface(same)) {}
+                        path class=(same[0].0.name()) d=(surface(same)) {}
                     }
                 }
             }

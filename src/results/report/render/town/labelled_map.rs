@@ -46,13 +46,13 @@ pub fn surfaces(town: &Town) -> Markup {
     let path = |corners: &[Point]| closed_path(corners.iter().map(|corner| (corner.x, -corner.y)), 2);
     html! {
         @for (number, (surface, lane)) in all_lanes(town).into_iter().enumerate() {
-            path class=(surface.class()) data-lane=(number) d=(path(&outline(town, lane, step))) { title { (lane_name(town, lane)) } }
+            path class=(surface.name()) data-lane=(number) d=(path(&outline(town, lane, step))) { title { (lane_name(town, lane)) } }
         }
         @for corners in &town.crosswalks {
-            path class=(Surface::Zebra.class()) d=(path(corners)) { title { "crosswalk" } }
+            path class=(Surface::Zebra.name()) d=(path(corners)) { title { "crosswalk" } }
         }
         @for obstacle in &town.obstacles {
-            path class=(Surface::House.class()) d=(path(&obstacle.corners())) { title { (box_name(obstacle)) } }
+            path class=(Surface::House.name()) d=(path(&obstacle.corners())) { title { (box_name(obstacle)) } }
         }
         @for light in &town.traffic_lights {
             circle.light cx=(px(light.stop.x)) cy=(px(-light.stop.y)) r="0.9" {

@@ -1,3 +1,4 @@
+use base::choice;
 use world::geometry::Point;
 use world::road::{LaneKind, LaneSection, Road, RoadIndex, Town, Waypoint};
 
@@ -8,31 +9,18 @@ const MOST_POINTS: (f64, f64) = (300_000.0, 4_000.0);
 /// Largest distance between an outline and the lane's edge (m).
 const TOLERANCE: f64 = 0.04;
 
-/// The parts of a town that are visible from above.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Surface {
-    /// A sidewalk, a shoulder: a lane that is not for driving.
-    Walk,
-    /// A lane for driving.
-    Lane,
-    /// A crosswalk.
-    Zebra,
-    /// Obstacles, which block pedestrians and sight.
-    House,
-}
-
-impl Surface {
-    /// All of them, from the ground up.
-    pub const ALL: [Self; 4] = [Self::Walk, Self::Lane, Self::Zebra, Self::House];
-
-    /// Its class in a style sheet.
-    pub fn class(self) -> &'static str {
-        match self {
-            Self::Walk => "walk",
-            Self::Lane => "lane",
-            Self::Zebra => "zebra",
-            Self::House => "house",
-        }
+choice! {
+    /// The parts of a town that are visible from above, from the ground up, with their classes in a style sheet.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Surface {
+        /// A sidewalk, a shoulder: a lane that is not for driving.
+        Walk = "walk",
+        /// A lane for driving.
+        Lane = "lane",
+        /// A crosswalk.
+        Zebra = "zebra",
+        /// Obstacles, which block pedestrians and sight.
+        House = "house",
     }
 }
 

@@ -140,6 +140,6 @@ impl Scenery {
     /// Its polygons, y down.
     pub fn drawn(&self) -> Markup {
         let corners = |corners: &[Point]| outline(corners.iter().map(|corner| (corner.x, -corner.y)), 2);
-        html! { @for (surface, each) in &self.polygons { path class=(surface.class()) d=(corners(each)) {} } }
+        html! { @for (surface, each) in &self.polygons { path class=(surface.name()) d=(corners(each)) {} } }
     }
 }
