@@ -108,6 +108,7 @@ fn session(catalog: Catalog, length: &'static str) -> Session {
             r#"
 edition 1
 import "std/paper.scn"
+import "std/drivers.scn"
 import "std/sensors.scn"
 policy firm = braking()
 policy soft = braking(force: 0.25, sensors: perfect)
