@@ -122,8 +122,7 @@ impl Session {
         };
         let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
         let episodes = Episodes::new(campaign, &results);
-        let mut gathered = report::gather(&folder, &episodes, &mut modes, &seed).map_err(written)?;
-        gathered.failures.add_searches(&finished.searches);
+        let gathered = report::gather(&folder, &episodes, &mut modes, &finished.searches).map_err(written)?;
         if let Some(error) = results.take_failure() {
             return Err(options.keep(error));
         }

@@ -2,16 +2,17 @@ use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
     ADVERSARY, AVOIDABLE_INJURY, BLOCK, COLLISION, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X,
-    EGO_Y, EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FALSE_STOP, FATALITY_RISK, FAULT,
-    FAULT_IF, FORESEEABLE, FRONT, HARD, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, ON_CROSSWALK,
-    OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY,
-    PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, RUN_UP, SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN,
-    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WALKED_INTO,
+    EGO_Y, EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FATALITY_RISK, FAULT, FAULT_IF, FORESEEABLE, FRONT,
+    HARD, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION,
+    PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN,
+    RUN_ID, RUN_UP, SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
+    VELOCITY_CHANGE, VERDICT, WALKED_INTO,
 };
 use super::metric::{self, Metric};
-use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, verdict_columns};
+use super::reference_drivers::{is_of_reference_driver, reference_columns};
+use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
 use world::env::{Ending, Outcome};
-use world::judge::{Class, FalseAlarms, Label, NearMiss, PedestrianMotion, Reference, Sensitivity};
+use world::judge::{Class, Label, NearMiss, PedestrianMotion, Sensitivity};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -44,13 +45,20 @@ pub(super) fn repeated_key(key: &RunKey, rows: usize) -> Vec<Values> {
     run_key(|key: &RunKey| key).iter().map(|entry| entry.repeated(key, rows)).collect()
 }
 
-/// The table of episodes: a row for each, first the key of its run.
+/// The table of episodes as it is in memory: a row for each, first the key of its run.
 pub fn episode_table() -> Table<'static, EpisodeRow> {
     let table = Table::new(
         EPISODES,
         "One row for each episode. Episodes with equal numbers in one town have equal starts for all controllers and driving policies (equal `start`), so rows can be paired.",
     );
     table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
+}
+
+/// The columns of the files of episodes: those of the table but for the reference drivers', which have a table of their own.
+pub fn episode_references() -> TableReference {
+    let mut table = episode_table().reference();
+    table.columns.retain(|column| !is_of_reference_driver(&column.name));
+    table
 }
 
 /// The metrics that runs and cells have of episodes, in the order of their tables.
@@ -149,18 +157,17 @@ fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
         entry.aggregated(metrics)
     });
     let mut entries: Vec<_> = judged.collect();
-    for (place, reference) in (0_u8..).zip(Reference::ALL) {
-        let name = reference.name();
-        let alarm = move |row: &EpisodeRow, alarmed: fn(&FalseAlarms, Reference) -> bool| {
-            row.false_alarms.map(|alarms| alarmed(&alarms, reference))
-        };
+    let of_drivers = reference_columns(|row: &EpisodeRow| row.verdict, |row: &EpisodeRow| row.false_alarms);
+    for (place, (reference, of_driver)) in (0_u8..).zip(of_drivers) {
         let metrics = |stops: bool| {
             let place = 32 + 4 * place + u8::from(stops);
-            let (count, rate) = (metric::false_alarms(reference, stops), metric::false_alarm_rate(reference, stops));
+            let count = metric::false_alarms(reference, stops);
+            let rate = metric::false_alarm_rate(reference, stops);
             [count.at(place), rate.at(place + 2)]
         };
-        entries.push(FALSE_BRAKE.of(name, move |row| alarm(row, FalseAlarms::braked)).aggregated(metrics(false)));
-        entries.push(FALSE_STOP.of(name, move |row| alarm(row, FalseAlarms::stopped)).aggregated(metrics(true)));
+        let [avoids, moved, margin, reduction, brake, stop] = of_driver;
+        entries.extend([avoids, moved, margin, reduction]);
+        entries.extend([brake.aggregated(metrics(false)), stop.aggregated(metrics(true))]);
     }
     entries
 }

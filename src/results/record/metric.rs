@@ -248,6 +248,14 @@ pub const fn false_alarm_rate(reference: Reference, stops: bool) -> Rate {
     Rate::new(name, false_alarms(reference, stops), PASSED, doc)
 }
 
+/// Whether a column of runs is of a reference driver.
+pub fn is_of_reference_driver(column: &str) -> bool {
+    let names =
+        |reference, stops| [false_alarms(reference, stops).name(), false_alarm_rate(reference, stops).name.into()];
+    let mut all = Reference::ALL.into_iter().flat_map(|each| [names(each, false), names(each, true)]).flatten();
+    all.any(|name| name == column)
+}
+
 /// The columns of episodes and the rates: brakes and stops, brakes and stops.
 const fn false_alarm_names(reference: Reference) -> [&'static str; 4] {
     macro_rules! names {

@@ -10,6 +10,7 @@ mod column;
 pub mod columns;
 pub mod metric;
 mod verdicts;
+mod reference_drivers;
 mod episodes;
 mod read;
 mod tally;
@@ -20,13 +21,16 @@ mod tests;
 
 pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Table, TableReference};
 pub use episodes::{
-    EPISODES, IN_ERROR, cell_key, cell_key_names, cell_key_references, episode_table, episodes, metrics, run_key_names,
-    run_key_references,
+    EPISODES, IN_ERROR, cell_key, cell_key_names, cell_key_references, episode_references, episode_table, episodes,
+    metrics, run_key_names, run_key_references,
 };
 pub use key::{CellKey, RunKey};
 pub use metric::Metric;
 pub use parquet_reader::read_parquet;
-pub use read::{EpisodeTable, HumanMargins};
+pub use read::EpisodeTable;
+pub use reference_drivers::{
+    REFERENCE_DRIVERS, reference_columns, reference_drivers, references as reference_driver_columns,
+};
 pub use row::EpisodeRow;
 pub use stored::{Chunk, Chunks, decode, encode, tally};
 pub use tally::Tally;

@@ -20,6 +20,7 @@ mod text_forms;
 mod folder;
 mod overview;
 mod findings;
+mod metric_table;
 mod write;
 
 pub use aggregate::{

@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 
-use super::aggregate::{CELLS, PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, protocol_table, results};
+use super::aggregate::{PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, protocol_table, results};
 use super::failure_modes::{self, CellModes};
+use super::metric_table::METRICS;
 use super::render::{
     Section, file_names, mode_panels, modes_section, protocol, published_section, rule_bars, search_section, summary,
     trainings_section, write_page,
@@ -25,9 +26,9 @@ pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
 pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -> Result<(), WriteError> {
     let Findings { campaign, finished, gathered, .. } = found;
     let evidence = &gathered.evidence;
-    folder.table(RUNS, &found.metrics.runs)?;
-    folder.table(RESULTS, &results(&found.cells, &gathered.failures))?;
-    folder.table(CELLS, &found.cell_table)?;
+    folder.table(RUNS, &found.runs)?;
+    folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
+    folder.table(METRICS, &found.metrics)?;
     folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &infer::transfer_table(&evidence.transfers))?;
     let modes_sections = write_failure_modes(folder, &found.modes)?;

@@ -15,8 +15,6 @@ const MOST_OF_A_DRIVER: usize = 100;
 pub enum FailureClass {
     /// A careful human would have avoided it, and the pedestrian moved as people do.
     Fault,
-    /// The same, but the careful human would have passed the pedestrian with less than [`CLEAR`](world::judge::CLEAR) to spare.
-    NarrowlyFault,
     /// A careful human would have avoided it.
     Preventable,
     /// Reference drivers disagree.
@@ -33,9 +31,8 @@ pub enum FailureClass {
 
 impl FailureClass {
     /// The class of a failure with this verdict.
-    pub fn new(label: Option<Label>, is_fault: bool, is_narrow: bool) -> Self {
+    pub fn new(label: Option<Label>, is_fault: bool) -> Self {
         match label {
-            _ if is_fault && is_narrow => Self::NarrowlyFault,
             _ if is_fault => Self::Fault,
             Some(Label::Preventable) => Self::Preventable,
             Some(Label::Contested) => Self::Contested,
@@ -50,7 +47,6 @@ impl FailureClass {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fault => "fault",
-            Self::NarrowlyFault => "fault, narrowly",
             Self::Preventable => "preventable",
             Self::Contested => "contested",
             Self::MachinePreventable => "by machine only",
@@ -162,7 +158,7 @@ impl Failures {
             let found = FoundFailure {
                 run: key.id,
                 number: episodes.episode(row),
-                class: FailureClass::new(episodes.label(row), episodes.is_fault(row), episodes.is_narrow(row)),
+                class: FailureClass::new(episodes.label(row), episodes.is_fault(row)),
                 impact_speed: episodes.impact_speed(row).unwrap_or_default(),
                 length: episodes.length(row).unwrap_or_default(),
                 by: FoundBy::Controller(Box::default()),
@@ -209,7 +205,6 @@ impl Failures {
                     class: FailureClass::new(
                         verdict.as_ref().map(|verdict| verdict.label),
                         verdict.as_ref().is_some_and(Verdict::is_fault),
-                        verdict.as_ref().is_some_and(Verdict::is_narrow),
                     ),
                     impact_speed: failure.outcome.impact_speed().unwrap_or_default(),
                     length: failure.outcome.duration,
@@ -268,10 +263,9 @@ mod tests {
             failure("a", 2, FailureClass::Fault, 7.0),
             failure("a", 1, FailureClass::Standing, 0.0),
             failure("a", 0, FailureClass::Preventable, 9.0),
-            failure("a", 5, FailureClass::NarrowlyFault, 11.0),
         ];
         all.sort_by(FoundFailure::worse_first);
-        assert_eq!(all.map(|found| found.number), [2, 3, 5, 0, 4, 1]);
+        assert_eq!(all.map(|found| found.number), [2, 3, 0, 4, 1]);
     }
 
     #[test]
@@ -290,11 +284,9 @@ mod tests {
     #[test]
     fn every_label_has_a_class() {
         let classes: Vec<FailureClass> =
-            Label::ALL.into_iter().map(|label| FailureClass::new(Some(label), false, false)).collect();
+            Label::ALL.into_iter().map(|label| FailureClass::new(Some(label), false)).collect();
         assert!(classes.is_sorted(), "{classes:?}");
-        assert_eq!(FailureClass::new(Some(Label::Preventable), true, false), FailureClass::Fault);
-        assert_eq!(FailureClass::new(Some(Label::Preventable), true, true), FailureClass::NarrowlyFault);
-        assert!(FailureClass::NarrowlyFault.is_preventable());
+        assert_eq!(FailureClass::new(Some(Label::Preventable), true), FailureClass::Fault);
         assert!(FailureClass::Preventable.is_preventable() && !FailureClass::Contested.is_preventable());
     }
 }

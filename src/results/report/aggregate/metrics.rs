@@ -91,7 +91,7 @@ pub struct Cell {
 
 /// The stem of the files of the table of runs.
 pub const RUNS: &str = "runs";
-/// The stem of the files of the table of cells.
+/// The name of the table of cells, which gates read.
 pub const CELLS: &str = "cells";
 
 /// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed are counted
@@ -122,8 +122,8 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
     Ok(cells)
 }
 
-/// Adds Wilson's intervals to runs or cells.
-pub(super) fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
+/// Adds Wilson's intervals to cells.
+fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
     for metric in metrics {
         let How::Rate(rate) = metric.how else { continue };
         let pairs = weighted(rate.part, table)?.into_iter().zip(weighted(rate.whole, table)?);
@@ -150,7 +150,8 @@ pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
     let mut runs = record::run_key_references();
     runs.extend(metrics.iter().filter(|metric| !is_rate(metric)).map(Metric::reference));
     runs.extend(metrics.iter().filter(is_rate).map(Metric::reference));
-    runs.extend(metrics.iter().flat_map(interval));
+    // Those of the reference drivers are in `metrics`.
+    runs.retain(|column| !metric::is_of_reference_driver(&column.name));
     let mut cells = record::cell_key_references();
     cells.push(metric::RUNS.at(0).reference());
     cells.extend(metrics.iter().filter(is_count).map(Metric::reference));
@@ -174,6 +175,12 @@ pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
             columns: cells,
         },
     ]
+}
+
+/// The names of the columns of the files of runs.
+pub fn run_columns() -> Vec<String> {
+    let [runs, _] = references(&record::metrics());
+    runs.columns.into_iter().map(|column| column.name.into_owned()).collect()
 }
 
 impl Metrics {

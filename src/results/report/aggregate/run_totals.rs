@@ -1,7 +1,6 @@
 use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
-use super::metrics::add_intervals;
 use crate::record::metric::{Count, How, Which};
 use crate::record::{self, Metric, columns};
 use base::statistics::RunningMean;
@@ -163,6 +162,5 @@ fn table(mut runs: DataFrame, metrics: &[Metric], totals: &[Vec<Total>]) -> Pola
             runs.with_column(column)?;
         }
     }
-    add_intervals(&mut runs, metrics)?;
     Ok(runs)
 }

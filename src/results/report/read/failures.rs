@@ -12,7 +12,7 @@ use crate::record::columns::{
     CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, MOTION, POLICY,
     REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
-use crate::record::{Column, EPISODES, EpisodeTable, HumanMargins, RunKey, Table};
+use crate::record::{Column, EPISODES, EpisodeTable, RunKey, Table};
 use crate::report::aggregate::{FAILURE, FAILURES, FALSIFIER, FailureClass, START};
 use world::av::DrivingMode;
 use world::judge::{Label, Sight};
@@ -47,8 +47,6 @@ pub struct ListedFailure {
     pub foreseeable: bool,
     /// Whether it counts against the driver: preventable and foreseeable.
     pub fault: bool,
-    /// Whether a careful human avoids it with less than [`CLEAR`](world::judge::CLEAR) to spare.
-    pub narrow: bool,
     /// The side of the car that was hit.
     pub impact: String,
     /// Whether the car moved.
@@ -85,15 +83,14 @@ impl ListedFailure {
         }
     }
 
-    /// The verdict for people, as `fault, narrowly`.
+    /// The verdict for people.
     pub fn verdict_text(&self) -> String {
-        let narrowly = if self.class() == FailureClass::NarrowlyFault { ", narrowly" } else { "" };
-        self.verdict_name().replace('_', " ") + narrowly
+        self.verdict_name().replace('_', " ")
     }
 
     /// How much it counts against the driver.
     pub fn class(&self) -> FailureClass {
-        FailureClass::new(self.verdict, self.fault, self.narrow)
+        FailureClass::new(self.verdict, self.fault)
     }
 }
 
@@ -202,7 +199,6 @@ pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> 
             verdict: table.label(row),
             foreseeable: foreseeable.get(row) == Some(true),
             fault: table.is_fault(row),
-            narrow: table.is_narrow(row),
             impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()).name().into(),
             moving: table.is_moving(row),
             occluded: is_occluded(table.in_sight(row)),
@@ -236,7 +232,6 @@ fn searched(rows: &DataFrame, filter: &FailureFilter, found: &mut Vec<ListedFail
             verdict: Label::named(&text(&VERDICT, row)?),
             foreseeable: FORESEEABLE.read(rows)?.get(row) == Some(true),
             fault: FAULT.read(rows)?.get(row) == Some(true),
-            narrow: HumanMargins::read(rows)?.is_narrow(row),
             impact: text(&IMPACT, row)?,
             moving: text(&MOTION, row)? == "moving",
             occluded: is_occluded(number(&IN_SIGHT, row)?),
@@ -312,7 +307,6 @@ mod tests {
             verdict,
             foreseeable: fault,
             fault,
-            narrow: false,
             impact: "front".into(),
             moving: speed > 0.1,
             occluded: false,

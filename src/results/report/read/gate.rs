@@ -103,7 +103,7 @@ impl TooFewRuns {
         if found.is_some() || runs >= LEAST_RUNS as f64 || stem == FIRST_FAILURE {
             return None;
         }
-        let bare = ["_simultaneous", "_student", "_bootstrap", "_difference"];
+        let bare = ["_student", "_difference"];
         let figure = bare.iter().find_map(|kind| stem.strip_suffix(kind)).unwrap_or(stem);
         let others = [format!("{figure}_wilson{end}"), format!("{figure}_p_holm"), MEAN.name(figure)];
         let instead = others.into_iter().find(|other| number(&value(cells, other, row)).is_some());
@@ -587,6 +587,6 @@ mod tests {
         for text in ["max over towns moving_rate > 0", "max over controllers > 0", "maximum moving_rate > 0"] {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
         }
-        assert!(Gate::parse("max over controllers preventable_rate_bootstrap_low > 0.05 and learnt == yes").is_ok());
+        assert!(Gate::parse("max over controllers preventable_rate_student_low > 0.05 and learnt == yes").is_ok());
     }
 }

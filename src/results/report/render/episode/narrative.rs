@@ -136,7 +136,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         ContactSide::Rear => "; the pedestrian ran into the rear",
         _ => "; the pedestrian walked into the side",
     };
-    let class = FailureClass::new(Some(verdict.label), verdict.is_fault(), verdict.is_narrow());
+    let class = FailureClass::new(Some(verdict.label), verdict.is_fault());
     let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", class.name())];
     if !verdict.is_standing() {
         let share = 100.0 * verdict.preventable_probability();

@@ -65,7 +65,7 @@ fn card(found: &FoundFailure) -> PlayerCard {
 /// The class of a verdict's colours.
 fn class(class: FailureClass) -> &'static str {
     match class {
-        FailureClass::Fault | FailureClass::NarrowlyFault | FailureClass::Preventable => "preventable",
+        FailureClass::Fault | FailureClass::Preventable => "preventable",
         FailureClass::Contested => "contested",
         _ => "other",
     }
@@ -107,8 +107,7 @@ fn list(listed: &[&FoundFailure], players: &Players) -> Markup {
             }
         }
         p.lead {
-            "One failure of each driver, then the others: fault ones first, then those that a careful human avoids narrowly, with less "
-            "than 0.1 m to spare, then preventable ones; in each class the fastest car first. "
+            "One failure of each driver, then the others: faults first, then preventable ones; in each class the fastest car first. "
             code { "falsify replay NAME" } " describes a failure, " code { "falsify export NAME --as animation" } " draws it. The tables "
             code { "episodes" } " and " code { "search_failures" } " have all failures."
         }
