@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::console;
 use crate::session::{CampaignReport, OverviewFiles};
-use results::report::{self, FoundFailure};
+use results::report::{self, ListedFailure};
 
 /// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
 pub fn show(report: &CampaignReport) {
@@ -38,11 +38,13 @@ pub fn show_overview(overview: &OverviewFiles) {
 }
 
 /// A failure in a line, and the commands that show it.
-fn worst_failure(worst: &FoundFailure, folder: &Path, options: &str) -> String {
-    let (driver, town, class, speed) = (worst.driver(), worst.town(), worst.class.name(), worst.impact_speed);
-    let (name, folder) = (worst.name(), quoted(&folder.display().to_string()));
+fn worst_failure(worst: &ListedFailure, folder: &Path, options: &str) -> String {
+    let ListedFailure { policy, town, impact_speed, .. } = worst;
+    let class = worst.class().name();
+    let name = worst.name();
+    let folder = quoted(&folder.display().to_string());
     format!(
-        "worst: {driver} in {town}, {class}, {speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}",
+        "worst: {policy} in {town}, {class}, {impact_speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}",
         worst.finder()
     )
 }

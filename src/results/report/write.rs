@@ -3,15 +3,17 @@ use std::collections::BTreeMap;
 use super::aggregate::{PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, protocol_table, results};
 use super::failure_modes::{self, CellModes};
 use super::metric_table::METRICS;
+use super::played::played;
 use super::render::{
-    Section, file_names, mode_panels, modes_section, protocol, published_section, rule_bars, search_section, summary,
-    trainings_section, write_page,
+    Section, file_names, mode_panels, modes_section, page_examples, protocol, published_section, rule_bars,
+    search_section, summary, trainings_section, write_page,
 };
 use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
     search_cell_table, search_comparison_table, search_comparisons, search_failures, search_kind_table, searches,
     town_map,
 };
+use base::seed::Seed;
 use compile::TrainingKey;
 
 /// The path of a trained pedestrian in a report, relative to the report's folder; the format is the file's extension.
@@ -85,7 +87,8 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
     sections.extend(trainings_section(&finished.trainings));
     folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
-    write_page(folder, found, manifest)
+    let played = played(&page_examples(found), found, &Seed::root(manifest.seed));
+    write_page(folder, found, &played, manifest)
 }
 
 /// Adds the tables and pictures of failure modes to a report; returns the section of its summary, none without any collision.

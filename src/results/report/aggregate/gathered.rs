@@ -4,7 +4,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::run_totals::RunTotals;
-use super::{Episodes, Failures, Run, search_references};
+use super::{Episodes, Failures, Run, search_failures, search_references};
 use crate::campaign::SearchResult;
 use crate::record::{self, EPISODES, EpisodeTable, REFERENCE_DRIVERS};
 use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
@@ -121,7 +121,7 @@ pub fn gather(
     file.finish()?;
     references.add(&record::reference_drivers(&search_references(searches)).map_err(failed)?)?;
     references.finish()?;
-    gathered.failures.add_searches(searches);
+    gathered.failures.add_searches(&search_failures(searches)).map_err(failed)?;
     gathered.evidence = evidence.finish();
     Ok(gathered)
 }

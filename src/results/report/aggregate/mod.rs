@@ -24,7 +24,7 @@ mod tick_file;
 
 pub use drivers::{DriverResult, SearchFailures, driver_results};
 pub use episodes::{Episodes, Run};
-pub use failures::{FailureClass, Failures, FoundBy, FoundFailure};
+pub use failures::Failures;
 pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references, run_columns};

@@ -9,7 +9,8 @@ use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::infer::{Comparison, Figure, adjust, sides};
-use crate::report::read::{StoredRun, listed};
+use crate::report::listed_failure::listed;
+use crate::report::read::StoredRun;
 use crate::report::{ListedFailure, ReadError};
 use world::judge::Label;
 

@@ -13,7 +13,7 @@ use super::severity::{near_misses, severity};
 use super::spawns::spawns;
 use super::verdicts::verdicts;
 use super::worst::{failures, worst};
-use crate::report::FoundFailure;
+use crate::report::ListedFailure;
 use crate::report::render::sections::{PROTOCOL, drivers};
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::svg::Figure;
@@ -47,7 +47,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let (leading, others): (Vec<_>, Vec<_>) = contents.sections.iter().partition(|section| section.id == PROTOCOL);
     let mut parts: Vec<Part> =
         leading.into_iter().map(|section| text(section.id, section.name, section.to_html())).collect();
-    let link = |found: &FoundFailure| contents.players.link(&found.name());
+    let link = |found: &ListedFailure| contents.players.link(&found.name());
     if let Some(section) = drivers(contents.drivers, contents.cells, link) {
         parts.push(text(section.id, section.name, section.to_html()));
         parts.push(text("failures", "Failures", failures(contents.drivers, contents.failures, contents.players)));
@@ -64,7 +64,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
         verdicts(&cells),
     ));
     if !contents.modes.is_empty() {
-        let worst: Vec<String> = worst(contents.drivers).map(FoundFailure::name).collect();
+        let worst: Vec<String> = worst(contents.drivers).map(ListedFailure::name).collect();
         let played: Vec<&str> = worst.iter().map(String::as_str).collect();
         parts.push(text("modes", "Kinds", modes(contents.modes, contents.players, &played)));
     }

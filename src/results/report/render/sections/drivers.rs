@@ -1,6 +1,6 @@
 use super::names::{place, who};
 use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Cell, DriverResult, FoundFailure};
+use crate::report::{Cell, DriverResult, ListedFailure};
 
 /// How to read the table.
 const READING: [&str; 2] = [
@@ -19,7 +19,7 @@ const READING: [&str; 2] = [
 pub fn drivers(
     results: &[DriverResult],
     cells: &[Cell],
-    link: impl Fn(&FoundFailure) -> Option<String>,
+    link: impl Fn(&ListedFailure) -> Option<String>,
 ) -> Option<Section> {
     let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
         results.iter().partition(|result| result.driver.sees_no_pedestrians());
@@ -57,7 +57,7 @@ fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
     })
 }
 
-fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure) -> Option<String>) -> Table {
+fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&ListedFailure) -> Option<String>) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
@@ -117,11 +117,11 @@ fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure
 fn worst(result: &DriverResult) -> String {
     match &result.worst {
         None => "no collision".into(),
-        Some(found) => format!("{}, {:.1} m/s", found.class.name(), found.impact_speed),
+        Some(found) => format!("{}, {:.1} m/s", found.class().name(), found.impact_speed),
     }
 }
 
-fn episode(worst: Option<&FoundFailure>, link: &impl Fn(&FoundFailure) -> Option<String>) -> Value {
+fn episode(worst: Option<&ListedFailure>, link: &impl Fn(&ListedFailure) -> Option<String>) -> Value {
     match worst {
         None => Value::Text("–".into()),
         Some(found) => match link(found) {
