@@ -90,9 +90,9 @@ fn a_joint_pedestrian_is_evaluated_in_each_town_against_each_driver_and_reported
         report(&here.join(out).join("joint"))
     };
     let one = run("one", "1");
-    let cells = String::from_utf8(one[Path::new("cells.csv")].clone()).unwrap();
-    let trained = cells.lines().filter(|line| line.contains("harbour+village") && line.contains("idm+blind"));
-    assert_eq!(trained.count(), 4, "{cells}");
+    let results = String::from_utf8(one[Path::new("results.csv")].clone()).unwrap();
+    let trained = results.lines().filter(|line| line.contains("harbour+village") && line.contains("idm+blind"));
+    assert_eq!(trained.count(), 4, "{results}");
     let mut two = run("two", "2");
     let mut one = one;
     for varies in ["manifest.toml", "report.html"] {

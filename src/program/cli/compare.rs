@@ -47,7 +47,7 @@ pub struct CompareOptions {
     pub page: Option<PathBuf>,
     /// Fail (exit code 7) when this is true of a place, driver and controller, as 'fault_rate_p_holm < 0.05 and
     /// fault_rate_difference > 0', or of a search, as 'found_p_holm < 0.05 and found_difference > 0'; may be given several times. Columns
-    /// `…_p_holm` and `…_simultaneous_low` are adjusted for all rows.
+    /// `…_p_holm`, `…_low` and `…_high` are adjusted for all rows.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
     /// Options of the repetition for the page.

@@ -14,7 +14,7 @@ pub const REFERENCE_DRIVERS: &str = "reference_drivers";
 const DRIVER: Column<String> = Column::new(
     "driver",
     "",
-    "the reference driver, see [the reference drivers](#the-reference-drivers): `cc`, `cc_attentive` and so on",
+    "the reference driver, see [Was it avoidable?](#was-it-avoidable): `cc`, `cc_attentive` and so on",
 );
 
 /// Its columns of a verdict and of false alarms, for a table whose rows may have either.

@@ -8,7 +8,7 @@ use crate::report::infer::cell_table;
 use base::statistics::LEAST_RUNS;
 use compile::{Campaign, SearchKey};
 
-/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about the table `cells`, or about `search_cells`
+/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about `search_cells`
 /// when it names a column that only that table has.
 ///
 /// Conditions on words of a cell's key choose the cells. All others must be true for the gate to be broken. With `max over controllers` or
@@ -28,8 +28,8 @@ pub enum GateError {
         "`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
     )]
     Form { text: String },
-    /// The table of cells has no such column.
-    #[error("`cells` has no column `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists its columns".to_string(), |near| format!("did you mean `{near}`?")))]
+    /// There is no such metric.
+    #[error("nothing that a gate can judge is called `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists the metrics".to_string(), |near| format!("did you mean `{near}`?")))]
     Column {
         /// The name that was written.
         name: String,
