@@ -138,7 +138,7 @@ impl Tried {
             }
         }
         for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
-            table.avoided(reference)?.for_each(|row| avoided.include(table.weight(row)));
+            table.avoided(reference).for_each(|row| avoided.include(table.weight(row)));
         }
         Ok(())
     }
