@@ -1,18 +1,16 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, AVOIDABLE_INJURY, BLOCK, COLLISION, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X,
-    EGO_Y, EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FATALITY_RISK, FAULT, FAULT_IF, FORESEEABLE, FRONT,
-    HARD, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION,
-    PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN,
-    RUN_ID, RUN_UP, SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
-    VELOCITY_CHANGE, VERDICT, WALKED_INTO,
+    ADVERSARY, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING,
+    ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED,
+    POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
+    VELOCITY_CHANGE,
 };
-use super::metric::{self, Metric};
 use super::reference_drivers::{is_of_reference_driver, reference_columns};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
 use world::env::{Ending, Outcome};
-use world::judge::{Class, Label, NearMiss, PedestrianMotion, Sensitivity};
+use world::judge::{NearMiss, PedestrianMotion};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -61,11 +59,6 @@ pub fn episode_references() -> TableReference {
     table
 }
 
-/// The metrics that runs and cells have of episodes, in the order of their tables.
-pub fn metrics() -> Vec<Metric> {
-    episode_table().metrics()
-}
-
 /// The names of the columns of a cell's key.
 pub fn cell_key_names() -> impl Iterator<Item = String> {
     cell_key_references().into_iter().map(|column| column.name.into_owned())
@@ -93,38 +86,22 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
 
 /// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan has.
 ///
-/// A new quantity of an episode is one entry here; [`Entry::aggregated`] states its aggregation over runs and cells.
+/// A new quantity of an episode is one entry here; [`metrics`](super::metric::metrics) has what runs and cells make of it.
 pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
     let table = Table::new(EPISODES, "The episodes of one run.");
     let table = table
         .column(EPISODE.of(|row: &EpisodeRow| row.episode))
-        .column(
-            OUTCOME
-                .of(|row: &EpisodeRow| ending(&row.outcome.ending))
-                .aggregated([metric::EPISODES.at(0), metric::ERRORS.at(1)]),
-        )
+        .column(OUTCOME.of(|row: &EpisodeRow| ending(&row.outcome.ending)))
         .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.outcome)))
-        .column(COLLISION.of(|row| hit(row).is_some()).aggregated([
-            metric::COLLISIONS.at(2),
-            metric::COLLISION_RATE.at(5),
-            metric::PASSED.at(31),
-        ]))
-        .column(
-            FRONT
-                .of(|row| hit(row).is_some_and(|hit| hit.front))
-                .aggregated([metric::FRONT_COLLISIONS.at(3), metric::FRONT_RATE.at(6)]),
-        )
-        .column(
-            MOVING
-                .of(|row| hit(row).is_some_and(|hit| hit.moving))
-                .aggregated([metric::MOVING_COLLISIONS.at(4), metric::MOVING_RATE.at(7)]),
-        )
-        .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)).aggregated([metric::IMPACT_SPEED.at(10)]))
+        .column(COLLISION.of(|row| hit(row).is_some()))
+        .column(FRONT.of(|row| hit(row).is_some_and(|hit| hit.front)))
+        .column(MOVING.of(|row| hit(row).is_some_and(|hit| hit.moving)))
+        .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)))
         .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
-        .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward).aggregated([metric::EPISODE_REWARD.at(8)]))
-        .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration).aggregated([metric::EPISODE_LENGTH.at(9)]))
+        .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward))
+        .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration))
         .column(TICKS.of(|row: &EpisodeRow| row.outcome.ticks))
-        .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap).aggregated([metric::LEAST_GAP.at(11)]))
+        .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap))
         .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.outcome.on_crosswalk)))
         .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
         .column(PET.of(|row| near_miss(row).pet))
@@ -137,7 +114,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
         .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
         .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
-        .column(PLACED.of(placed).aggregated([metric::PLACED_STARTS.at(68), metric::PLACED_RATE.at(69)]))
+        .column(PLACED.of(placed))
         .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
@@ -152,56 +129,8 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
 
 /// The results of the reference drivers: the verdict on a collision, and the false alarms in an episode without one.
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
-    let judged = verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().map(|entry| {
-        let metrics = verdict_metrics(entry.reference().name.as_ref());
-        entry.aggregated(metrics)
-    });
-    let mut entries: Vec<_> = judged.collect();
     let of_drivers = reference_columns(|row: &EpisodeRow| row.verdict, |row: &EpisodeRow| row.false_alarms);
-    for (place, (reference, of_driver)) in (0_u8..).zip(of_drivers) {
-        let metrics = |stops: bool| {
-            let place = 32 + 4 * place + u8::from(stops);
-            let count = metric::false_alarms(reference, stops);
-            let rate = metric::false_alarm_rate(reference, stops);
-            [count.at(place), rate.at(place + 2)]
-        };
-        let [avoids, moved, margin, reduction, brake, stop] = of_driver;
-        entries.extend([avoids, moved, margin, reduction]);
-        entries.extend([brake.aggregated(metrics(false)), stop.aggregated(metrics(true))]);
-    }
-    entries
-}
-
-/// What runs and cells make of a column of the verdict.
-fn verdict_metrics(column: &str) -> Vec<Metric> {
-    match column {
-        name if name == VERDICT.name => {
-            let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
-            labels.chain([metric::PREVENTABLE_RATE.at(21), metric::PREVENTABLE_SHARE.at(22)]).collect()
-        }
-        name if name == FORESEEABLE.name => {
-            vec![metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(29)]
-        }
-        name if name == FAULT.name => {
-            vec![metric::FAULT_COLLISIONS.at(18), metric::FAULT_RATE.at(23), metric::FAULT_SHARE.at(30)]
-        }
-        name if name == COUNTS_AS.name => (0_u8..)
-            .zip([Class::Flank, Class::Slow, Class::Narrow])
-            .map(|(place, class)| metric::counting(class).at(70 + place))
-            .collect(),
-        name if name == AVOIDABLE_INJURY.name => vec![metric::AVOIDABLE_INJURY.at(73)],
-        name if name == FAULT_IF.name(Sensitivity::NAMES[0]) => {
-            (0_u8..).zip(metric::FAULTS_IF).map(|(place, count)| count.at(74 + place)).collect()
-        }
-        name if name == PREVENTABLE_PROBABILITY.name => {
-            vec![metric::PREVENTABLE_PROBABILITY.at(25), metric::EXPECTED_PREVENTABLE.at(26)]
-        }
-        name if name == WALKED_INTO.name => vec![metric::WALKED_INTO_COLLISIONS.at(20)],
-        name if name == HARD.name => vec![metric::HARD_COLLISIONS.at(19), metric::HARD_RATE.at(24)],
-        name if name == FATALITY_RISK.name => vec![metric::FATALITY_RISK.at(27)],
-        name if name == SEVERE_INJURY_RISK.name => vec![metric::SEVERE_INJURY_RISK.at(28)],
-        _ => Vec::new(),
-    }
+    verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().chain(of_drivers).collect()
 }
 
 /// Whether the driver did not arrive at its start; none without a run-up.

@@ -21,23 +21,22 @@ const DRIVER: Column<String> = Column::new(
 pub fn reference_columns<'t, R>(
     verdict: impl Fn(&R) -> Option<Verdict> + Copy + 't,
     alarms: impl Fn(&R) -> Option<FalseAlarms> + Copy + 't,
-) -> Vec<(Reference, [Entry<'t, R>; 6])> {
+) -> Vec<Entry<'t, R>> {
     let of = |reference: Reference| {
         let name = reference.name();
         let trial = move |verdict: &Verdict| *verdict.trial(reference);
         let margin =
             move |verdict: &Verdict| Some(trial(verdict)).filter(Trial::is_avoided).map(|trial| trial.least_gap);
-        let entries = [
+        [
             AVOIDS.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).is_avoided())),
             MOVED.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).moved)),
             MARGIN.of(name, move |row| verdict(row).and_then(|verdict| margin(&verdict))),
             SPEED_REDUCTION.of(name, move |row| verdict(row).map(|verdict| verdict.reduction(reference))),
             FALSE_BRAKE.of(name, move |row| alarms(row).map(|alarms| alarms.braked(reference))),
             FALSE_STOP.of(name, move |row| alarms(row).map(|alarms| alarms.stopped(reference))),
-        ];
-        (reference, entries)
+        ]
     };
-    Reference::ALL.map(of).into()
+    Reference::ALL.into_iter().flat_map(of).collect()
 }
 
 /// The names of these columns for a reference driver.

@@ -2,7 +2,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::aggregate::Cell;
 use super::infer::{CellEvidence, Figure, Learning, QUANTILES, Quantiles, reference_metrics};
-use crate::record::metric::{How, MEAN, SD};
+use crate::record::metric::{MEAN, SD};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Metric, Table, TableReference, cell_key, metrics};
 use base::statistics::{Weighted, wilson};
 use world::judge::Reference;
@@ -71,7 +71,7 @@ fn of_metric<'a>(
         ends: None,
         interval: "",
     };
-    if let How::Count(count) = metric.how {
+    if let Metric::Count(count) = *metric {
         rows.push(row(episodes, count.read(frame)?.get(place).map(f64::from)));
         return Ok(());
     }
@@ -82,7 +82,7 @@ fn of_metric<'a>(
     let sd = SD.read(&name, frame)?.get(place);
     let across = Figure::ALL.into_iter().find(|figure| figure.name() == name).map(|figure| found.between(figure));
     let student = across.and_then(|across| across.interval);
-    if let How::Rate(rate) = metric.how {
+    if let Metric::Rate(rate) = *metric {
         let whole = u64::from(rate.whole.read(frame)?.get(place).unwrap_or_default());
         let part = u64::from(rate.part.read(frame)?.get(place).unwrap_or_default());
         let of = Size(if rate.whole.name() == "collisions" { "collisions" } else { "episodes" }, whole);
@@ -172,7 +172,7 @@ pub fn metric_table_reference() -> TableReference {
 
 /// The metrics that the table has, by name.
 pub fn metric_references() -> Vec<ColumnReference> {
-    let kept = |metric: &Metric| metric.is_averaged() || matches!(metric.how, How::Count(_));
+    let kept = |metric: &Metric| metric.is_averaged() || matches!(*metric, Metric::Count(_));
     let mut all: Vec<ColumnReference> = metrics().iter().filter(|metric| kept(metric)).map(Metric::reference).collect();
     all.extend(QUANTILES.iter().flat_map(|quantiles| quantiles.references()));
     all.push(TRAININGS_DISAGREE.reference());

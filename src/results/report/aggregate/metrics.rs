@@ -2,7 +2,7 @@ use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
 use super::run_totals::to_runs;
-use crate::record::metric::{self, How};
+use crate::record::metric;
 use crate::record::{self, CellKey, ColumnReference, Metric, TableReference};
 use base::statistics::{Weighted, wilson};
 use world::judge::{Label, Reference};
@@ -108,7 +108,7 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
     let mut cells = groups.table()?;
     cells.with_column(groups.sizes(&metric::RUNS.name()))?;
     for metric in metrics {
-        if let How::Count(count) = metric.how {
+        if let Metric::Count(count) = *metric {
             let counts = count.read(runs)?;
             cells.with_column(groups.sum(&count.name(), |row| counts.get(row).unwrap_or_default()))?;
         }
@@ -125,7 +125,7 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
 /// Adds Wilson's intervals to cells.
 fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
     for metric in metrics {
-        let How::Rate(rate) = metric.how else { continue };
+        let Metric::Rate(rate) = *metric else { continue };
         let pairs = weighted(rate.part, table)?.into_iter().zip(weighted(rate.whole, table)?);
         let (low, high): (Vec<f64>, Vec<f64>) = pairs.map(|(hits, trials)| wilson(hits, trials)).unzip();
         table.with_column(Column::new(metric::WILSON_LOW.name(rate.name).into(), low))?;
@@ -141,19 +141,19 @@ fn weighted(count: metric::Count, table: &DataFrame) -> PolarsResult<Vec<Weighte
 
 /// The reference of the tables of runs and of cells, without the columns that [`infer`](crate::report::infer) adds to the latter.
 pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
-    let interval = |metric: &Metric| match metric.how {
-        How::Rate(rate) => vec![metric::WILSON_LOW.reference(rate.name), metric::WILSON_HIGH.reference(rate.name)],
+    let interval = |metric: &Metric| match *metric {
+        Metric::Rate(rate) => vec![metric::WILSON_LOW.reference(rate.name), metric::WILSON_HIGH.reference(rate.name)],
         _ => Vec::new(),
     };
-    let is_rate = |metric: &&Metric| matches!(metric.how, How::Rate(_));
-    let is_count = |metric: &&Metric| matches!(metric.how, How::Count(_));
+    let is_rate = |metric: &&Metric| matches!(*metric, Metric::Rate(_));
+    let is_count = |metric: &&Metric| matches!(*metric, Metric::Count(_));
     let mut runs = record::run_key_references();
     runs.extend(metrics.iter().filter(|metric| !is_rate(metric)).map(Metric::reference));
     runs.extend(metrics.iter().filter(is_rate).map(Metric::reference));
     // Those of the reference drivers are in `metrics`.
     runs.retain(|column| !metric::is_of_reference_driver(&column.name));
     let mut cells = record::cell_key_references();
-    cells.push(metric::RUNS.at(0).reference());
+    cells.push(Metric::Count(metric::RUNS).reference());
     cells.extend(metrics.iter().filter(is_count).map(Metric::reference));
     for averaged in metrics.iter().filter(|metric| metric.is_averaged()).map(Metric::reference) {
         let over = |family: &record::Family<f64>| {
@@ -384,15 +384,12 @@ mod tests {
     }
 
     #[test]
-    fn a_new_quantity_of_an_episode_is_one_entry() {
+    fn a_new_quantity_of_an_episode_is_a_column_and_a_metric() {
         const HURRY: record::Column<f64> = record::Column::new("hurry", "1/s", "how soon it was over");
-        let entry = HURRY.of(|row: &EpisodeRow| 1.0 / f64::from(row.outcome.ticks)).aggregated([metric::Mean::new(
-            &HURRY,
-            "mean hurry",
-        )
-        .at(u8::MAX)]);
+        let entry = HURRY.of(|row: &EpisodeRow| 1.0 / f64::from(row.outcome.ticks));
         let table = record::episode_table().column(entry);
-        let all = table.metrics();
+        let mut all = record::metrics();
+        all.push(Metric::Mean(metric::Mean::new(&HURRY, "mean hurry")));
         let episodes = table.frame(&[row(0, 0, None), row(1, 0, Some((true, 4.0)))]);
         let runs = to_runs(&episodes, &all).unwrap();
         let cells = to_cells(&runs, &all).unwrap();

@@ -551,7 +551,7 @@ pub fn search_references(results: &[SearchResult]) -> DataFrame {
     Table::new("", "")
         .column(RUN_ID.of(|row: &Found<'_>| row.0.id.to_string()))
         .column(EPISODE.of(|row: &Found<'_>| row.2 as u32))
-        .columns(of_drivers.into_iter().flat_map(|(_, entries)| entries))
+        .columns(of_drivers)
         .frame(&found(results))
 }
 
