@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, PolarsResult, StringChunked};
 
 use super::aggregate::{FAILURE, FALSIFIER, START};
 use crate::analysis::Impact;
@@ -11,7 +11,7 @@ use crate::record::columns::{
     DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, MOTION, POLICY, REWARD, RUN_ID,
     TOWN, VERDICT,
 };
-use crate::record::{Column, EpisodeTable, RunKey};
+use crate::record::{EpisodeTable, RunKey};
 use world::av::DrivingMode;
 use world::judge::{Label, Sight};
 
@@ -226,34 +226,45 @@ pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> 
 /// # Errors
 /// A column is missing or holds something else.
 pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
-    let text = |column: &Column<String>, row: usize| -> PolarsResult<String> {
-        Ok(column.read(rows)?.get(row).unwrap_or_default().to_string())
+    let runs = RUN_ID.read(rows)?;
+    let numbers = FAILURE.read(rows)?;
+    let starts = START.read(rows)?;
+    let falsifiers = FALSIFIER.read(rows)?;
+    let rewards = REWARD.read(rows)?;
+    let towns = TOWN.read(rows)?;
+    let policies = POLICY.read(rows)?;
+    let verdicts = VERDICT.read(rows)?;
+    let foreseeable = FORESEEABLE.read(rows)?;
+    let faults = FAULT.read(rows)?;
+    let impacts = IMPACT.read(rows)?;
+    let motions = MOTION.read(rows)?;
+    let in_sight = IN_SIGHT.read(rows)?;
+    let modes = DRIVING_MODE.read(rows)?;
+    let impact_speeds = IMPACT_SPEED.read(rows)?;
+    let lengths = EPISODE_LENGTH.read(rows)?;
+    let text = |column: &StringChunked, row: usize| column.get(row).unwrap_or_default().to_string();
+    let failure = |row: usize| ListedFailure {
+        run: text(runs, row),
+        number: numbers.get(row).unwrap_or_default(),
+        start: starts.get(row).unwrap_or_default(),
+        controller: text(falsifiers, row),
+        searched: true,
+        reward: text(rewards, row),
+        train_town: String::new(),
+        train_policy: String::new(),
+        town: text(towns, row),
+        policy: text(policies, row),
+        verdict: verdicts.get(row).and_then(Label::named),
+        foreseeable: foreseeable.get(row) == Some(true),
+        fault: faults.get(row) == Some(true),
+        impact: text(impacts, row),
+        moving: motions.get(row) == Some("moving"),
+        occluded: is_occluded(in_sight.get(row)),
+        driving_mode: text(modes, row),
+        impact_speed: impact_speeds.get(row).unwrap_or_default(),
+        length: lengths.get(row).unwrap_or_default(),
     };
-    let number = |column: &Column<f64>, row: usize| -> PolarsResult<Option<f64>> { Ok(column.read(rows)?.get(row)) };
-    let failure = |row: usize| {
-        Ok(ListedFailure {
-            run: text(&RUN_ID, row)?,
-            number: FAILURE.read(rows)?.get(row).unwrap_or_default(),
-            start: START.read(rows)?.get(row).unwrap_or_default(),
-            controller: text(&FALSIFIER, row)?,
-            searched: true,
-            reward: text(&REWARD, row)?,
-            train_town: String::new(),
-            train_policy: String::new(),
-            town: text(&TOWN, row)?,
-            policy: text(&POLICY, row)?,
-            verdict: Label::named(&text(&VERDICT, row)?),
-            foreseeable: FORESEEABLE.read(rows)?.get(row) == Some(true),
-            fault: FAULT.read(rows)?.get(row) == Some(true),
-            impact: text(&IMPACT, row)?,
-            moving: text(&MOTION, row)? == "moving",
-            occluded: is_occluded(number(&IN_SIGHT, row)?),
-            driving_mode: text(&DRIVING_MODE, row)?,
-            impact_speed: number(&IMPACT_SPEED, row)?.unwrap_or_default(),
-            length: number(&EPISODE_LENGTH, row)?.unwrap_or_default(),
-        })
-    };
-    (0..rows.height()).map(failure).collect()
+    Ok((0..rows.height()).map(failure).collect())
 }
 
 fn is_occluded(in_sight: Option<f64>) -> bool {
