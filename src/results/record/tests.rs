@@ -91,7 +91,9 @@ fn rows_that_are_read_back_are_those_that_were_written() {
 
 #[test]
 fn each_reference_driver_of_an_episode_that_ended_has_a_row() {
-    let table = reference_drivers(&episodes(&rows())).unwrap();
+    let mut rows = rows();
+    rows[3].false_alarms = None;
+    let table = reference_drivers(&episodes(&rows)).unwrap();
     // The episode in error has none.
     assert_eq!(table.height(), 3 * Reference::COUNT);
     let said: Vec<_> = reference_driver_columns().columns.iter().map(|column| column.holds.clone()).collect();

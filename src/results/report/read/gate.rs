@@ -575,7 +575,7 @@ mod tests {
         assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
         assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().conditions[0].column, "preventable_rate_mean");
         assert!(said("preventible_rate > 0.05").contains("did you mean `preventable_rate_mean`?"));
-        assert!(said("xyz > 1").contains("reports/README.md lists its columns"));
+        assert!(said("xyz > 1").contains("reports/README.md lists the metrics"));
         for text in ["", "preventable_rate", "preventable_rate = 1", "> 1", "preventable_rate >", "a > 1 and "] {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. } | GateError::Column { .. })), "{text}");
         }
