@@ -108,9 +108,9 @@ pub fn document(title: &str, version: &str, body: &Markup, has_players: bool) ->
 
 /// The most doubts at the top of the page; the section on learning has all.
 const DOUBTS: usize = 3;
-const VERDICTS: &str = "Each collision was run again with reference drivers at the brake, from the instant at which the danger starts. The path is the \
-same, the pedestrian is at the same places at the same times, and no driver steers. The careful human is that of UN R157, in both readings. R157 is not written \
-for roads with pedestrians, so read the labels as a comparison.";
+const VERDICTS: &str = "Each collision was run again with reference drivers, from the instant at which the danger starts. Until one brakes, its car is the \
+recorded one. The pedestrian is at the same places at the same times. The careful human is that of UN R157, in both readings. R157 is not written for roads with \
+pedestrians, so read the labels as a comparison.";
 const NEAR: &str = "Episodes that end without a collision. Least time to collision: the shortest time to a touch at any tick while the car moves, \
 if both kept their velocities. Post-encroachment time: between the instant at which one leaves a place and the instant at which the other enters it.";
 const SPEED: &str =
