@@ -40,6 +40,8 @@ pub struct Cell {
     pub interval: (f64, f64),
     /// Frontal collisions of all collisions.
     pub front: Spread,
+    /// The number of collisions with a moving ego.
+    pub moving_collisions: u32,
     /// Collisions with a moving ego of all episodes.
     pub moving: Spread,
     /// Wilson's interval of that, over all episodes.
@@ -183,6 +185,13 @@ pub fn run_columns() -> Vec<String> {
     runs.columns.into_iter().map(|column| column.name.into_owned()).collect()
 }
 
+impl Cell {
+    /// The number of preventable collisions in all runs.
+    pub fn preventable_collisions(&self) -> u32 {
+        self.labels[Label::Preventable as usize]
+    }
+}
+
 impl Metrics {
     /// Aggregates runs to cells.
     ///
@@ -237,6 +246,7 @@ impl Metrics {
                 collision: spread(metric::COLLISION_RATE.name, row)?,
                 interval: interval(metric::COLLISION_RATE, row)?,
                 front: spread(metric::FRONT_RATE.name, row)?,
+                moving_collisions: count(metric::MOVING_COLLISIONS, row)?,
                 moving: spread(metric::MOVING_RATE.name, row)?,
                 moving_interval: interval(metric::MOVING_RATE, row)?,
                 reward_sum: spread(metric::EPISODE_REWARD.name, row)?,
