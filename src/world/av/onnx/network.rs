@@ -1,12 +1,11 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rten::{DataType, Dimension, NodeId, RunOptions, Value, ValueOrView, ValueType};
+use rten::{DataType, Dimension, NodeId, RunOptions, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
 use super::engine::{Batch, Engine};
-use super::trial::{evaluate, load};
-use super::vetting::vet;
+use super::vetting::load;
 use crate::av::Fault;
 use base::contained::contained;
 
@@ -56,14 +55,8 @@ impl Network {
     }
 
     fn read_and_try(bytes: Vec<u8>) -> Result<Self, NetworkError> {
-        let operators = vet(&bytes).map_err(NetworkError::Unreadable)?;
-        let load = |bytes, optimized| load(bytes, optimized).map_err(NetworkError::Unreadable);
-        let mut this = Self::of(load(bytes.clone(), false)?)?;
+        let mut this = Self::of(load(bytes).map_err(NetworkError::Unreadable)?)?;
         let zeros = vec![0.0; this.inputs];
-        let row: TensorView<f32> = TensorView::from_data(&[1, this.inputs], zeros.as_slice());
-        let values = vec![(this.input, Value::from(row.to_tensor()))];
-        evaluate(&this.network, &operators, values).map_err(NetworkError::Unrunnable)?;
-        this = Self::of(load(bytes, true)?)?;
         this.outputs = this.answer(&zeros, RunOptions::default()).map_err(NetworkError::Unrunnable)?.len();
         Ok(this)
     }
