@@ -16,32 +16,16 @@ const MOST_POINTS: usize = 40;
 /// Why a file contains no driver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
-    /// It is not ONNX, or has operators that are not supported here.
     #[error("{0}")]
     Unreadable(String),
-    /// An input has an unknown name.
     #[error("its input `{0}` is none of `ego`, `actors`, `route`")]
     UnknownInput(String),
-    /// An input has a shape that does not fit its name.
     #[error("its input `{name}` must have the shape {wanted}")]
-    Shape {
-        /// The input.
-        name: &'static str,
-        /// The required shape.
-        wanted: &'static str,
-    },
-    /// It has no input, or not exactly one output.
+    Shape { name: &'static str, wanted: &'static str },
     #[error("it needs at least one input and exactly one output, and has {inputs} and {outputs}")]
-    Count {
-        /// How many inputs it has.
-        inputs: usize,
-        /// How many outputs it has.
-        outputs: usize,
-    },
-    /// Its output is not two or three numbers.
+    Count { inputs: usize, outputs: usize },
     #[error("its output has {0} numbers instead of two (acceleration, steer) or three (throttle, brake, steer)")]
     Output(usize),
-    /// It fails on an empty road.
     #[error("it cannot be run: {0}")]
     Unrunnable(String),
 }

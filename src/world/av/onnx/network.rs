@@ -15,21 +15,12 @@ const MOST_NUMBERS: usize = 1 << 16;
 /// Why a file contains no network of plain numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NetworkError {
-    /// It is not ONNX, or has operators that are not supported here.
     #[error("{0}")]
     Unreadable(String),
-    /// It has another number of inputs or outputs than one.
     #[error("it needs exactly one input and one output, and has {inputs} and {outputs}")]
-    Count {
-        /// How many inputs it has.
-        inputs: usize,
-        /// How many outputs it has.
-        outputs: usize,
-    },
-    /// Its input has a shape or a type that is not one of a row of numbers.
+    Count { inputs: usize, outputs: usize },
     #[error("its input must have the shape (1, n) or (batch, n) in 32-bit floats or 64-bit floats")]
     Input,
-    /// It fails on zeros.
     #[error("it cannot be run: {0}")]
     Unrunnable(String),
 }

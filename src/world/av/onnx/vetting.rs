@@ -41,7 +41,6 @@ enum Kind {
     Entry,
 }
 
-/// The content of a field.
 #[derive(Clone, Copy)]
 enum Content<'a> {
     Number(u64),

@@ -47,7 +47,6 @@ impl<'a> Hello<'a> {
     }
 }
 
-/// A program's greeting.
 #[derive(Deserialize)]
 struct Greeting {
     protocol: String,
