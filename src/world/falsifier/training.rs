@@ -39,7 +39,7 @@ pub fn train(
     seed: &Seed,
     observer: &mut dyn FnMut(&UpdateLog) -> ControlFlow<()>,
 ) -> Result<Trained, TrainError> {
-    TrainingRun::begin(scenario, environments, config, seed)?.carry_on(&mut |run| {
+    TrainingRun::begin(std::slice::from_ref(scenario), environments, config, seed)?.carry_on(&mut |run| {
         let log = run.learning_curve().last().expect("an update has just ended");
         observer(log)
     })

@@ -74,11 +74,11 @@ impl Network {
 
     fn decide(&self, numbers: &[f32], options: RunOptions) -> Result<Vec<f32>, Fault> {
         let answer = self.answer(numbers, options).map_err(|_| Fault::Answer("the network failed"))?;
-        match answer.iter().all(|number| number.is_finite()) {
-            _ if answer.len() != self.outputs => Err(Fault::Answer("another number of outputs than before")),
-            true => Ok(answer),
-            false => Err(Fault::Answer("a number is not finite")),
+        if answer.len() != self.outputs {
+            return Err(Fault::Answer("another number of outputs than before"));
         }
+        let finite = answer.iter().all(|number| number.is_finite());
+        if finite { Ok(answer) } else { Err(Fault::Answer("a number is not finite")) }
     }
 
     fn answer(&self, numbers: &[f32], options: RunOptions) -> Result<Vec<f32>, String> {
