@@ -30,7 +30,7 @@ pub fn trial(words: &[&str], bytes: &[u8]) -> Result<(), String> {
 }
 
 fn started(words: &[&str], bytes: &[u8]) -> Result<(), String> {
-    let mut command = Command::new(this_program());
+    let mut command = Command::new(this_program().map_err(|error| not_tried(&error))?);
     command.args(words).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
     // Every thread reserves addresses, so one on each core could be beyond the limit.
     command.env("RTEN_NUM_THREADS", "1");
@@ -61,9 +61,9 @@ fn not_tried(error: &std::io::Error) -> String {
 }
 
 /// The file of this program; on Linux also after it was replaced by a new version.
-fn this_program() -> PathBuf {
+fn this_program() -> std::io::Result<PathBuf> {
     let own = PathBuf::from("/proc/self/exe");
-    if own.exists() { own } else { std::env::current_exe().unwrap_or_else(|_| "falsify".into()) }
+    if own.exists() { Ok(own) } else { std::env::current_exe() }
 }
 
 /// Waits for the end of a child; none if it had to be ended.
