@@ -22,6 +22,7 @@ impl Catalog {
             published::form(),
             campaign::form(),
         ];
-        Self { forms, vocabulary: world::env::vocabulary(), policies, opener: None, falsifiers }
+        let vocabulary = world::env::vocabulary();
+        Self { forms, vocabulary, policies, opener: None, network_trial: None, falsifiers }
     }
 }

@@ -5,6 +5,9 @@ use super::policy_kind::{PolicyKind, with_common_keys};
 use base::signature::{Form, Vocabulary};
 use world::av::external::Opener;
 
+/// Tries a network where it can do no harm, before it is loaded into this process; the error is the reason, as a part of a sentence.
+pub type NetworkTrial = dyn Fn(&[u8]) -> Result<(), String> + Send + Sync;
+
 /// A kind whose name another kind of the same form has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is a {form} of kind `{kind}` already")]
@@ -21,6 +24,7 @@ pub struct Catalog {
     pub vocabulary: Vocabulary,
     pub(super) policies: Vec<PolicyKind>,
     pub(super) opener: Option<Arc<dyn Opener>>,
+    pub(super) network_trial: Option<Arc<NetworkTrial>>,
     pub(super) falsifiers: Vec<FalsifierKind>,
 }
 
@@ -28,6 +32,11 @@ impl Catalog {
     /// The same; scenarios may start programs through this opener.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }
+    }
+
+    /// The same; networks in ONNX files are tried in this way first. Without a trial a network may take any memory and time.
+    pub fn with_network_trial(self, trial: Arc<NetworkTrial>) -> Self {
+        Self { network_trial: Some(trial), ..self }
     }
 
     /// Whether scenarios may start programs.

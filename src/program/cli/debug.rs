@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 
 use super::exit_code::ExitCode;
 use super::input::{GivenOptions, session};
-use super::{console, failure};
+use super::{console, failure, network_trial};
 use base::diagnostic::{Severity, Sources};
 use compile::{Catalog, Plan};
 use lang::{Checked, outline};
@@ -41,6 +41,9 @@ pub enum Tree {
     Hir,
     /// The plan of the run.
     Plan,
+    /// No tree: a network on the standard input is loaded and run once, within limits. The program starts itself with this.
+    #[value(hide = true)]
+    Network,
 }
 
 /// `falsify debug`
@@ -56,6 +59,7 @@ pub fn debug(options: &DebugOptions) -> ExitCode {
                 Err(error) => failure::failed(&error),
             }
         }
+        Tree::Network => network_trial::carry_out(),
         tree => show_tree(tree, &options.file, &options.given.set),
     }
 }

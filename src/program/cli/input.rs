@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::{console, failure, interrupt};
+use super::{console, failure, interrupt, network_trial};
 use crate::session::{Input, Notice, Observer, Session};
 use base::diagnostic::{Diagnostic, Sources};
 use compile::Catalog;
@@ -37,13 +37,15 @@ fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
     Ok((town.to_string(), PathBuf::from(file)))
 }
 
+/// The language of the commands: networks are tried before they are loaded, and programs are started if the user allows it.
+pub fn catalog(allow_external: bool) -> Catalog {
+    let catalog = Catalog::builtin().with_network_trial(network_trial::trial());
+    if allow_external { catalog.with_opener(Arc::new(ProcessOpener::default())) } else { catalog }
+}
+
 /// A session that reports on the error stream and stops at Ctrl-C.
 pub fn session(allow_external: bool) -> Session {
-    let catalog = match allow_external {
-        true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
-        false => Catalog::builtin(),
-    };
-    Session::new(catalog).with_observer(Arc::new(Reporter)).with_stop(interrupt::stop())
+    Session::new(catalog(allow_external)).with_observer(Arc::new(Reporter)).with_stop(interrupt::stop())
 }
 
 /// Reports diagnostics and notices on the error stream.

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use super::console;
 use super::exit_code::ExitCode;
+use super::input::catalog;
 use crate::lsp::{Ending, serve};
 
 /// Shown after the help.
@@ -22,7 +23,8 @@ fn cache() -> PathBuf {
 /// `falsify lsp`
 pub fn lsp() -> ExitCode {
     let shelf = cache().join("falsify").join(concat!("std-", env!("CARGO_PKG_VERSION")));
-    match serve(std::io::stdin().lock(), std::io::stdout().lock(), shelf) {
+    // The server looks up the programs that scenarios name, and never starts them.
+    match serve(catalog(true), std::io::stdin().lock(), std::io::stdout().lock(), shelf) {
         Ok(Ending::Orderly) => ExitCode::Done,
         Ok(Ending::Abrupt) => ExitCode::Internal,
         Err(error) => {

@@ -42,6 +42,7 @@ mod lsp;
 mod map;
 mod preview;
 mod driver_trial;
+mod network_trial;
 
 pub use args::Arguments;
 pub use exit_code::ExitCode;

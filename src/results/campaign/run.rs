@@ -205,9 +205,9 @@ impl Work<'_> {
         let (key, scenario, scenarios) = (&training.key, &training.scenario, training.scenarios());
         let seed =
             self.seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
-        let begin = || TrainingRun::begin_among(&scenarios, training.environments, &training.config, &seed);
+        let begin = || TrainingRun::begin(&scenarios, training.environments, &training.config, &seed);
         let resume = |state: Vec<u8>| {
-            TrainingRun::resume_among(&state, &scenarios, training.environments, &training.config, &seed).ok()
+            TrainingRun::resume(&state, &scenarios, training.environments, &training.config, &seed).ok()
         };
         // A state that does not fit counts as missing: the training restarts.
         let mut run = match self.results.begun(index).and_then(resume) {

@@ -17,14 +17,6 @@ pub enum ContactSide {
 }
 
 impl ContactSide {
-    /// All of them, in the order of the tables.
-    pub const ALL: [Self; 3] = [Self::Front, Self::Side, Self::Rear];
-
-    /// The one with this name in tables.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|side| side.name() == name)
-    }
-
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
