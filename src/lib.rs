@@ -88,7 +88,7 @@ pub mod results {
     #[doc(inline)]
     pub use export::{EgoDriver, ExportError, ExportFile, Exporter, Variant, Walking};
     #[doc(inline)]
-    pub use results::campaign::{Observer as CampaignObserver, Shard, Task};
+    pub use results::campaign::{Event as CampaignEvent, Shard, Task};
     #[doc(inline)]
     pub use results::report::{
         Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::{console, failure, interrupt};
-use crate::session::{Input, Notice, Observer, Session};
-use base::diagnostic::{Diagnostic, Sources};
+use crate::session::{Event, Input, Observer, Session};
 use compile::Catalog;
 use process::ProcessOpener;
 
@@ -43,7 +42,8 @@ pub fn session(allow_external: bool) -> Session {
         true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
         false => Catalog::builtin(),
     };
-    Session::new(catalog).with_observer(Arc::new(Reporter)).with_stop(interrupt::stop())
+    let session = Session::new(catalog).with_observer(Arc::new(Reporter)).with_stop(interrupt::stop());
+    session.with_folder(std::env::current_dir().unwrap_or_default())
 }
 
 /// Reports diagnostics and notices on the error stream.
@@ -51,11 +51,11 @@ pub fn session(allow_external: bool) -> Session {
 pub struct Reporter;
 
 impl Observer for Reporter {
-    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
-        console::show(diagnostics, sources);
-    }
-
-    fn notice(&self, notice: &Notice) {
-        failure::notice(notice);
+    fn event(&self, event: &Event<'_>) {
+        match event {
+            Event::Diagnostics(diagnostics, sources) => console::show(diagnostics, sources),
+            Event::Notice(notice) => failure::notice(notice),
+            _ => {}
+        }
     }
 }

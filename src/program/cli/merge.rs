@@ -8,10 +8,8 @@ use super::exit_code::ExitCode;
 use super::input::session;
 use super::run::{RunOptions, RunReporter, ended, finished};
 use super::{console, failure, interrupt};
-use crate::session::{self, CampaignOutcome, Incomplete, Notice, Observer};
-use base::diagnostic::{Diagnostic, Sources};
-use compile::Campaign;
-use results::campaign::{self, Task};
+use crate::session::{self, Event, Incomplete, Notice, Observer};
+use results::campaign::Task;
 use results::store::Taken;
 
 /// The most tasks that are named one by one.
@@ -78,27 +76,11 @@ struct MergeReporter {
 }
 
 impl Observer for MergeReporter {
-    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
-        self.inner.diagnostics(diagnostics, sources);
-    }
-
-    fn notice(&self, notice: &Notice) {
-        match notice {
-            Notice::Incomplete(incomplete) => console::fail(&lack(incomplete, self.shards)),
-            other => self.inner.notice(other),
+    fn event(&self, event: &Event<'_>) {
+        match event {
+            Event::Notice(Notice::Incomplete(incomplete)) => console::fail(&lack(incomplete, self.shards)),
+            other => self.inner.event(other),
         }
-    }
-
-    fn begun(&self) {
-        self.inner.begun();
-    }
-
-    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
-        self.inner.campaign(campaign, tasks)
-    }
-
-    fn ended(&self, outcome: &CampaignOutcome) {
-        self.inner.ended(outcome);
     }
 }
 

@@ -1,5 +1,5 @@
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
@@ -9,17 +9,15 @@ use super::exit_code::ExitCode;
 use super::gate::GateOptions;
 use super::input::{GivenOptions, session};
 use super::output::Output;
-use super::progress::{Event, Progress, Showing};
+use super::progress::{EventLine, Progress, Showing};
 use super::seconds::seconds;
 use super::shard::NamedShard;
 use super::{console, ending, failure, gate, interrupt, list};
 use crate::session::{
-    self, CampaignOutcome, CampaignReport, Error, Notice, Observer, RunReport, Session, ShardOptions, ShardReport,
-    Ticks,
+    self, CampaignOutcome, CampaignReport, Error, Event, Notice, Observer, RunReport, Session, ShardOptions,
+    ShardReport, Ticks,
 };
-use base::diagnostic::{Diagnostic, Sources};
-use compile::Campaign;
-use results::campaign::{self, Shard, Task};
+use results::campaign::Shard;
 use results::report::Formats;
 use results::store::Limits;
 
@@ -177,7 +175,7 @@ impl RunOptions {
 
     /// The observer of a run with these options.
     pub fn reporter(&self) -> RunReporter {
-        RunReporter { output: self.format, showing: self.progress }
+        RunReporter { output: self.format, showing: self.progress, progress: RwLock::default() }
     }
 }
 
@@ -195,7 +193,7 @@ pub fn run(options: &RunOptions) -> ExitCode {
 /// Reports the exit code of a command to programs.
 pub fn ended(output: Output, code: ExitCode) -> ExitCode {
     if output == Output::Json {
-        Event::RunEnded { exit_code: code as u8 }.tell();
+        EventLine::RunEnded { exit_code: code as u8 }.tell();
     }
     code
 }
@@ -228,7 +226,7 @@ pub fn finished(options: &RunOptions, run: &RunReport) -> Result<ExitCode, ExitC
     if let Some(overview) = &run.overview {
         match options.format {
             Output::Human => ending::show_overview(overview),
-            Output::Json => Event::OverviewWritten { page: &overview.page }.tell(),
+            Output::Json => EventLine::OverviewWritten { page: &overview.page }.tell(),
         }
     }
     if run.interrupted {
@@ -264,60 +262,64 @@ fn run_shard(
 }
 
 /// Shows the progress of a run, its problems and its reports.
-#[derive(Debug)]
 pub struct RunReporter {
     output: Output,
     showing: Showing,
+    /// The progress of the tasks that are under way.
+    progress: RwLock<Option<Progress>>,
 }
 
 impl Observer for RunReporter {
-    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
-        console::show(diagnostics, sources);
-    }
-
-    fn notice(&self, notice: &Notice) {
-        failure::notice(notice);
-        let (Notice::Unpaid { campaign, .. }
-        | Notice::EpisodesInError { campaign, .. }
-        | Notice::DoubtfulTraining { campaign, .. }) = notice
-        else {
-            return;
-        };
-        if self.output == Output::Json {
-            Event::Warning { campaign, message: &notice.to_string() }.tell();
-        }
-    }
-
-    fn begun(&self) {
-        interrupt::listen();
-    }
-
-    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
-        Box::new(Progress::new(campaign, tasks, self.showing, self.output, interrupt::stop()))
-    }
-
-    fn shard_ended(&self, report: &ShardReport) {
-        if self.output == Output::Human {
-            let ShardReport { shard: Shard { index, count }, name, finished, all } = report;
-            console::say(&format!("{name}, shard {index} of {count}: {finished} of {all} tasks are there"));
-        }
-    }
-
-    fn ended(&self, outcome: &CampaignOutcome) {
-        match outcome {
-            CampaignOutcome::Empty { .. } => console::fail("nothing was finished, so there is no report"),
-            CampaignOutcome::Reported(report) => self.reported(report),
+    fn event(&self, event: &Event<'_>) {
+        match *event {
+            Event::Diagnostics(diagnostics, sources) => console::show(diagnostics, sources),
+            Event::Notice(notice) => self.notice(notice),
+            Event::Begun => interrupt::listen(),
+            Event::TasksBegun(campaign, tasks) => {
+                let progress = Progress::new(campaign, tasks, self.showing, self.output, interrupt::stop());
+                self.set_progress(Some(progress));
+            }
+            Event::CurvesGrow(folder) => self.progress(|progress| progress.curves_grow(folder)),
+            Event::Campaign(event) => self.progress(|progress| progress.follow(event)),
+            Event::TasksEnded => self.set_progress(None),
+            Event::ShardEnded(report) => {
+                if self.output == Output::Human {
+                    let ShardReport { shard: Shard { index, count }, name, finished, all } = report;
+                    console::say(&format!("{name}, shard {index} of {count}: {finished} of {all} tasks are there"));
+                }
+            }
+            Event::Ended(CampaignOutcome::Empty { .. }) => console::fail("nothing was finished, so there is no report"),
+            Event::Ended(CampaignOutcome::Reported(report)) => self.reported(report),
         }
     }
 }
 
 impl RunReporter {
+    fn notice(&self, notice: &Notice) {
+        failure::notice(notice);
+        if let Notice::Unpaid { campaign, .. }
+        | Notice::EpisodesInError { campaign, .. }
+        | Notice::DoubtfulTraining { campaign, .. } = notice
+            && self.output == Output::Json
+        {
+            EventLine::Warning { campaign, message: &notice.to_string() }.tell();
+        }
+    }
+
+    fn set_progress(&self, progress: Option<Progress>) {
+        *self.progress.write().unwrap_or_else(PoisonError::into_inner) = progress;
+    }
+
+    fn progress(&self, follow: impl FnOnce(&Progress)) {
+        self.progress.read().unwrap_or_else(PoisonError::into_inner).as_ref().map(follow);
+    }
+
     /// For people, prints the cells of a report, narrow enough for a terminal; for programs, prints its folder.
     fn reported(&self, report: &CampaignReport) {
         let CampaignReport { name, folder, manifest, .. } = report;
         match self.output {
             Output::Human => ending::show(report),
-            Output::Json => Event::ReportWritten { campaign: name, folder, complete: manifest.complete }.tell(),
+            Output::Json => EventLine::ReportWritten { campaign: name, folder, complete: manifest.complete }.tell(),
         }
         gate::show(report);
     }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use super::run::{Work, pool};
-use super::{Error, Incomplete, Missing, Notice, RunOptions, RunReport, Session};
+use super::{Error, Event, Incomplete, Missing, Notice, RunOptions, RunReport, Session};
 use compile::Campaign;
 use results::campaign::{Task, tasks};
 use results::store::{Ids, Store, Taken, task_name};
@@ -34,10 +34,10 @@ impl Session {
         let store = Store::open(&options.run.out, options.run.cache.as_deref(), Box::new(|_| {}))?;
         let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
         for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
-            self.observer.notice(&Notice::NoTasks { folder: folder.clone() });
+            self.notice(&Notice::NoTasks { folder: folder.clone() });
         }
         let pool = pool(options.run.threads)?;
-        self.observer.begun();
+        self.tell(Event::Begun);
         let mut whole = true;
         for campaign in &planned.plan.campaigns {
             let incomplete = pool.install(|| self.take_over(campaign, &options.run, &store, &others))?;
@@ -46,7 +46,7 @@ impl Session {
             }
             if let Some(incomplete) = incomplete {
                 whole = false;
-                self.observer.notice(&Notice::Incomplete(Box::new(incomplete)));
+                self.notice(&Notice::Incomplete(Box::new(incomplete)));
             }
         }
         drop((store, pool));

@@ -1,6 +1,5 @@
 use super::run::pool;
-use super::{Error, RunOptions, Session, ShardReport};
-use base::seed::Seed;
+use super::{Error, Event, RunOptions, Session, ShardReport};
 use compile::Campaign;
 use results::campaign::{self, Shard, Task};
 use results::store::{CampaignStore, Ids, Index, State, Store};
@@ -24,11 +23,11 @@ impl Session {
         let planned = self.campaigns(options)?;
         let pool = pool(options.threads)?;
         let store = Store::open(&options.out, options.cache.as_deref(), self.note())?;
-        self.observer.begun();
+        self.tell(Event::Begun);
         let mut reports = Vec::new();
         for campaign in &planned.plan.campaigns {
             let report = pool.install(|| self.carry_out_shard(campaign, options, part, &store))?;
-            self.observer.shard_ended(&report);
+            self.tell(Event::ShardEnded(&report));
             reports.push(report);
             if self.stop.is_asked() {
                 break;
@@ -44,15 +43,14 @@ impl Session {
         part: &ShardOptions,
         store: &Store,
     ) -> Result<ShardReport, Error> {
-        let (name, tasks) = (options.report_name(campaign), part.tasks(campaign));
+        let name = options.report_name(campaign);
+        let tasks = part.tasks(campaign);
         let mut index = Index::read(store, &name).map_err(|error| options.keep(error))?;
         index.command.clone_from(&options.command);
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let results =
             CampaignStore::new(store, campaign, options.seed, options.limits).continuing(&index, options.seed);
-        let listener = self.listener(campaign, &tasks, store, options);
-        campaign::run_tasks(campaign, &tasks, &Seed::root(options.seed), &results, &listener);
-        drop(listener);
+        self.run_tasks(campaign, &tasks, options, store, &results);
         if let Some(error) = results.take_failure() {
             return Err(options.keep(error));
         }

@@ -52,7 +52,7 @@ impl Session {
             match StoredReport::open(each) {
                 Ok(report) => reports.push(report),
                 Err(error) if folders.len() == 1 => return Err(error.into()),
-                Err(error) => self.observer.notice(&Notice::UnreadableReport(error)),
+                Err(error) => self.notice(&Notice::UnreadableReport(error)),
             }
         }
         Ok(reports)
@@ -65,17 +65,17 @@ impl Session {
         if !changes.is_empty() && !options.anyway {
             return Err(Error::Changed { changes });
         }
-        changes.into_iter().for_each(|change| self.observer.notice(&Notice::Changed(change)));
+        changes.into_iter().for_each(|change| self.notice(&Notice::Changed(change)));
         Ok(source)
     }
 
     /// Reports what may make a repetition differ from a report with this manifest.
     pub(super) fn announce(&self, manifest: &Manifest) {
         if manifest.version != env!("CARGO_PKG_VERSION") {
-            self.observer.notice(&Notice::OtherVersion { version: manifest.version.clone() });
+            self.notice(&Notice::OtherVersion { version: manifest.version.clone() });
         }
         if manifest.call.allow_external && !self.catalog.starts_programs() {
-            self.observer.notice(&Notice::ProgramsNotAllowed);
+            self.notice(&Notice::ProgramsNotAllowed);
         }
     }
 
@@ -88,7 +88,7 @@ impl Session {
     ) -> Result<(Source, Vec<Change>), Error> {
         let manifest = report.manifest();
         let call = &manifest.call;
-        let root = options.root(Path::new(&call.folder));
+        let root = options.root(Path::new(&call.folder), &self.folder);
         let place = |path: &str| root.as_ref().map_or_else(|| PathBuf::from(path), |root| root.join(path));
         let maps = call.maps.iter().filter_map(|map| map.split_once('='));
         let input = Input {
@@ -124,11 +124,11 @@ fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
 }
 
 impl RepeatOptions {
-    /// The folder that paths are relative to; none for the current one.
-    fn root(&self, recorded: &Path) -> Option<PathBuf> {
+    /// The folder that paths are relative to; none for the current one, which is `here`.
+    fn root(&self, recorded: &Path, here: &Path) -> Option<PathBuf> {
         match &self.files {
             Some(folder) => Some(folder.clone()),
-            None if std::env::current_dir().is_ok_and(|here| here == recorded) => None,
+            None if here == recorded => None,
             None => Some(recorded.to_path_buf()).filter(|folder| folder.is_dir()),
         }
     }

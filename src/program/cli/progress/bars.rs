@@ -27,19 +27,19 @@ fn style(form: &str) -> ProgressStyle {
 
 impl Bars {
     /// Draws the bar of the campaign.
-    pub fn new(board: &Board<'_>) -> Self {
+    pub fn new(board: &Board) -> Self {
         let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(5));
         let whole = screen.add(ProgressBar::new(board.jobs.len() as u64));
         whole.set_style(style(
             "{prefix:.bold} {bar:16.green/black.bright} {pos}/{len} tasks, {elapsed_precise} elapsed{wide_msg}",
         ));
-        whole.set_prefix(board.campaign.name.clone());
+        whole.set_prefix(board.campaign.clone());
         whole.enable_steady_tick(Duration::from_millis(500));
         Self { screen, whole, shown: Mutex::default() }
     }
 
     /// Draws the pieces under way.
-    pub fn draw(&self, board: &Board<'_>) {
+    pub fn draw(&self, board: &Board) {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         shown.retain(|(place, bar)| {
             let stays = board.jobs[*place].is_under_way();

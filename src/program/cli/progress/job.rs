@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::learnt::Learnt;
 use compile::{Campaign, ControllerKind, Evaluation, NO_REWARD};
 use learn::UpdateLog;
-use results::campaign::Task;
+use results::campaign::{Task, units};
 
 /// What a job of work is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -85,7 +85,7 @@ impl Job {
                 jobs.push(Self::new(campaign, kind, place));
             }
             let job = jobs.last_mut().expect("one was put there");
-            job.total += amount(campaign, *task);
+            job.total += units(campaign, *task);
             job.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
         }
         jobs
@@ -106,8 +106,16 @@ impl Job {
             Kind::Evaluation => evaluation(&campaign.evaluations[place]),
             Kind::Search => campaign.searches[place].key.to_string(),
         };
-        let (done, before, state) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
-        Self { kind, place, name, total: 0, done, before, state, learnt: Mutex::default() }
+        Self {
+            kind,
+            place,
+            name,
+            total: 0,
+            done: AtomicU64::new(0),
+            before: AtomicU64::new(0),
+            state: Mutex::default(),
+            learnt: Mutex::default(),
+        }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -226,13 +234,4 @@ fn evaluation(evaluation: &Evaluation) -> String {
         other => format!("{} ({})", other.name(), key.reward),
     };
     format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
-}
-
-/// The size of a task, in units of its kind.
-pub fn amount(campaign: &Campaign, task: Task) -> u64 {
-    match task {
-        Task::Training(place) => campaign.trainings[place].config.total_steps,
-        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
-        Task::Search(place) => campaign.searches[place].budget,
-    }
 }

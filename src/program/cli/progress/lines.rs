@@ -6,7 +6,7 @@ use super::board::Board;
 use super::job::Job;
 
 /// The line of a job that has ended, with what came of it.
-pub fn line(board: &Board<'_>, job: &Job, note: &str) -> String {
+pub fn line(board: &Board, job: &Job, note: &str) -> String {
     let total = board.jobs.len();
     let place = format!("[{:width$}/{total}]", board.ended(), width = total.to_string().len());
     let note = if note.is_empty() { String::new() } else { format!(": {note}") };

@@ -9,10 +9,10 @@ use super::job::{Job, Kind};
 use super::learnt::Learnt;
 use crate::cli::console;
 
-/// An event.
+/// An event for programs.
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
-pub enum Event<'a> {
+pub enum EventLine<'a> {
     /// A campaign starts.
     CampaignBegun {
         /// Its name.
@@ -111,9 +111,10 @@ pub struct About<'a> {
 }
 
 impl<'a> About<'a> {
-    fn new(board: &'a Board<'_>, job: &'a Job) -> Self {
+    /// A job of a campaign, and how far it is now.
+    pub fn new(board: &'a Board, job: &'a Job) -> Self {
         Self {
-            campaign: &board.campaign.name,
+            campaign: &board.campaign,
             kind: job.kind,
             place: job.place,
             name: &job.name,
@@ -125,52 +126,7 @@ impl<'a> About<'a> {
     }
 }
 
-impl<'a> Event<'a> {
-    /// A campaign starts.
-    pub fn campaign_begun(board: &'a Board<'_>) -> Self {
-        let count = |kind| board.jobs.iter().filter(|job| job.kind == kind).count();
-        Self::CampaignBegun {
-            campaign: &board.campaign.name,
-            trainings: count(Kind::Training),
-            evaluations: count(Kind::Evaluation),
-            searches: count(Kind::Search),
-        }
-    }
-
-    /// Learning curves grow in files of this folder.
-    pub fn curves_grow(board: &'a Board<'_>, folder: &'a Path) -> Self {
-        Self::LearningCurves { campaign: &board.campaign.name, folder }
-    }
-
-    /// A job of work begins.
-    pub fn begun(board: &'a Board<'_>, job: &'a Job) -> Self {
-        Self::TaskBegun(About::new(board, job))
-    }
-
-    /// A job of work has come further.
-    pub fn progress(board: &'a Board<'_>, job: &'a Job) -> Self {
-        Self::Progress {
-            about: About::new(board, job),
-            rate_per_s: job.rate(),
-            left_s: job.left().map(|left| left.as_secs_f64()),
-            campaign_left_s: board.left().map(|left| left.as_secs_f64()),
-            learning: job.learnt(),
-        }
-    }
-
-    /// A job of work has ended.
-    pub fn finished(board: &'a Board<'_>, job: &'a Job, note: &'a str, error: Option<&'a str>) -> Self {
-        Self::TaskFinished {
-            about: About::new(board, job),
-            reused: job.before(),
-            took_s: job.time().as_secs_f64(),
-            rate_per_s: job.rate(),
-            note,
-            error,
-            learning: job.learnt(),
-        }
-    }
-
+impl EventLine<'_> {
     /// Prints it.
     pub fn tell(&self) {
         console::say(&serde_json::to_string(self).expect("texts and numbers have a form in JSON"));
