@@ -91,7 +91,7 @@ pub mod results {
     pub use results::campaign::{Event as CampaignEvent, Shard, Task};
     #[doc(inline)]
     pub use results::report::{
-        Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,
+        Cell, Difference, FileRecord, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,
         SearchCell, Spread, StoredReport, TooFewRuns, TrainingRecord, WriteError,
     };
     #[doc(inline)]

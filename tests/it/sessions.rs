@@ -101,7 +101,8 @@ fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
     let wanted = VerifyOptions {
         report: report.folder.clone(),
         episodes: Vec::new(),
-        sample: Some(7),
+        sample: 7,
+        all: false,
         trainings: false,
         seed: 1,
         repeat: RepeatOptions::default(),

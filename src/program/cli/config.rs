@@ -2,7 +2,6 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 
 use super::console;
-use super::exit_code::ExitCode;
 use super::settings::{self, FILE, Settings};
 
 /// Shown after the help.
@@ -38,7 +37,7 @@ impl FromArgMatches for ConfigOptions {
 }
 
 /// `falsify config`: every setting with its value and where it comes from, in the form of `falsify.toml`.
-pub fn config(matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
+pub fn config(matches: &ArgMatches, settings: Option<&Settings>) {
     match settings {
         Some(settings) => console::say(&format!("# {}", settings.path.display())),
         None => console::say(&format!("# no {FILE} here or in a folder above")),
@@ -52,7 +51,6 @@ pub fn config(matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
         .collect();
     let width = lines.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);
     lines.iter().for_each(|(line, origin)| console::say(&format!("{line:width$}  # {origin}")));
-    ExitCode::Done
 }
 
 /// The value of an option as TOML.

@@ -2,9 +2,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::exit_code::ExitCode;
+use super::console;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
 use super::input::{GivenOptions, session};
-use super::{console, failure};
 use base::diagnostic::{Severity, Sources};
 use compile::{Catalog, Plan};
 use lang::{Checked, outline};
@@ -44,33 +45,21 @@ pub enum Tree {
 }
 
 /// `falsify debug`
-pub fn debug(options: &DebugOptions) -> ExitCode {
-    match options.tree {
-        Tree::Plan => {
-            let input = options.given.input(std::slice::from_ref(&options.file));
-            match session(options.given.allow_external).plan(&input) {
-                Ok(planned) => {
-                    console::say(show_plan(&planned.plan).trim_end());
-                    ExitCode::Done
-                }
-                Err(error) => failure::failed(&error),
-            }
-        }
-        tree => show_tree(tree, &options.file, &options.given.set),
+pub fn debug(options: &DebugOptions) -> Ended {
+    let input = options.given.input(std::slice::from_ref(&options.file));
+    if options.tree != Tree::Plan {
+        return show_tree(options.tree, &options.file, &input.settings);
     }
+    let planned = session(options.given.allow_external).plan(&input).map_err(failed)?;
+    console::say(show_plan(&planned.plan).trim_end());
+    Ok(ExitCode::Done)
 }
 
 /// Shows the result of the front end for a file, up to the step that it reached.
-fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
+fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> Ended {
     let mut sources = Sources::default();
     let read = |path: &Path| base::files::text(path);
-    let mut loaded = match lang::load(&[file.to_path_buf()], &read, &mut sources) {
-        Ok(loaded) => loaded,
-        Err(error) => {
-            console::fail(&error.to_string());
-            return ExitCode::Usage;
-        }
-    };
+    let mut loaded = lang::load(&[file.to_path_buf()], &read, &mut sources).map_err(misused)?;
     let mut said = std::mem::take(&mut loaded.diagnostics);
     let (settings, wrong) = lang::settings(settings, &mut sources);
     said.extend(wrong);
@@ -87,7 +76,8 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
         console::say(outline(&program).trim_end());
     }
     console::show(&said, &sources);
-    if said.iter().any(|each| each.severity == Severity::Error) { ExitCode::Scenario } else { ExitCode::Done }
+    let wrong = said.iter().any(|each| each.severity == Severity::Error);
+    Ok(if wrong { ExitCode::Scenario } else { ExitCode::Done })
 }
 
 fn show_plan(plan: &Plan) -> String {

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Command, FromArgMatches};
 
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::unwritten;
 use super::new::write_new;
 use super::run::{self, RunOptions};
 
@@ -29,21 +30,19 @@ pub struct DemoOptions {
 const SCENARIO: &str = include_str!("templates/demo.scn");
 
 /// `falsify demo`
-pub fn demo(options: &DemoOptions) -> ExitCode {
+pub fn demo(options: &DemoOptions) -> Ended {
     let file = options.out.join("demo.scn");
-    if let Err(code) = place(&file) {
-        return code;
-    }
+    place(&file)?;
     console::note(
         "two pedestrians are trained to be hit by a car, and a search looks for faults of its driver: about ten seconds",
     );
-    let code = run::run(&run_options(&file, options));
+    let code = run::run(&run_options(&file, options))?;
     if code == ExitCode::Done {
         let report = options.out.join(if options.smoke { "demo-smoke" } else { "demo" });
         console::say(&format!("open {} in a browser", report.join("report.html").display()));
         console::say(&format!("next: read {}, or write a scenario with: falsify new my.scn", file.display()));
     }
-    code
+    Ok(code)
 }
 
 /// Writes the scenario. A file with the same text stays.
@@ -57,8 +56,7 @@ fn place(file: &Path) -> Result<(), ExitCode> {
     if let Some(folder) = file.parent()
         && let Err(error) = std::fs::create_dir_all(folder)
     {
-        console::fail(&format!("cannot make the folder `{}`: {error}", folder.display()));
-        return Err(ExitCode::WriteFailed);
+        return Err(unwritten(format!("cannot make the folder `{}`: {error}", folder.display())));
     }
     write_new(file, SCENARIO)
 }

@@ -11,8 +11,8 @@ use std::time::Instant;
 use clap::Args;
 
 use super::exit_code::ExitCode;
-use super::seconds::seconds;
 use super::{console, interrupt};
+use crate::session::seconds;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};

@@ -2,10 +2,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::console;
 use super::episode::{Named, RepeatOptions, resolved};
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
 use super::input::session;
-use super::{console, failure};
 use crate::session::{self, Animation, EpisodePath, Export, Strip};
 use export::{EXPORTERS, EgoDriver, Exporter, Variant, Walking};
 
@@ -136,27 +137,23 @@ impl ExportOptions {
 }
 
 /// `falsify export`
-pub fn export(options: &ExportOptions) -> ExitCode {
+pub fn export(options: &ExportOptions) -> Ended {
     let Some(format) = options.format.filter(|_| !options.formats) else {
         list();
-        return ExitCode::Done;
+        return Ok(ExitCode::Done);
     };
-    let episodes = match resolved(&options.names) {
-        Ok(episodes) => episodes,
-        Err(code) => return code,
-    };
+    let episodes = resolved(&options.names)?;
     let exporter = match format {
         Format::Foreign(exporter) => exporter,
         Format::Drawing(_) if options.variant() != Variant::default() => {
-            console::fail("a picture shows the recorded episode: leave out --ego and --pedestrians");
-            return ExitCode::Usage;
+            return Err(misused("a picture shows the recorded episode: leave out --ego and --pedestrians"));
         }
-        Format::Drawing(drawing) => return draw(drawing, episodes, options),
+        Format::Drawing(drawing) => return Ok(draw(drawing, episodes, options)),
     };
     let call = session::ExportOptions {
         episodes,
         report: options.report.clone(),
-        repeat: options.repeat.repeat(),
+        repeat: options.repeat.repeat.clone(),
         exporter,
         variant: options.variant(),
         out: options.out.clone(),
@@ -167,14 +164,9 @@ pub fn export(options: &ExportOptions) -> ExitCode {
             let files: Vec<String> = exported.files.iter().map(|file| file.display().to_string()).collect();
             console::say(&format!("{}  {}", exported.name, files.join("  ")));
         }
-        Err(error) => {
-            let failed = failure::failed(&error);
-            if code == ExitCode::Done {
-                code = failed;
-            }
-        }
+        Err(error) => code = code.or(failed(error)),
     });
-    code
+    Ok(code)
 }
 
 /// Lists the formats.
@@ -194,27 +186,21 @@ fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportOptions) -
     let mut ended = ExitCode::Done;
     for EpisodePath { report, name } in episodes {
         let report = report.unwrap_or_else(|| options.report.clone());
-        let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat() };
+        let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat.clone() };
         let path = options.out.join(format!("{}-{}.svg", name.run, name.number));
         let writer: Box<dyn Export> = match drawing {
             Drawing::Strip => Box::new(Strip { path: path.clone() }),
             Drawing::Animation => Box::new(Animation { path: path.clone() }),
         };
-        let code = match session.export(&which, writer.as_ref()) {
-            Ok(replay) if replay.episode.differences.is_empty() => {
-                console::say(&format!("{name}  {}", path.display()));
-                ExitCode::Done
+        let drawn = session.export(&which, writer.as_ref()).map_err(failed).and_then(|replay| {
+            console::say(&format!("{name}  {}", path.display()));
+            if replay.episode.differences.is_empty() {
+                return Ok(ExitCode::Done);
             }
-            Ok(_) => {
-                console::say(&format!("{name}  {}", path.display()));
-                console::fail(&format!("{name} differs from its report; `falsify replay {name}` shows where"));
-                ExitCode::Differs
-            }
-            Err(error) => failure::failed(&error),
-        };
-        if ended == ExitCode::Done {
-            ended = code;
-        }
+            console::fail(&format!("{name} differs from its report; `falsify replay {name}` shows where"));
+            Err(ExitCode::Differs)
+        });
+        ended = ended.or(drawn.unwrap_or_else(|code| code));
     }
     ended
 }

@@ -3,10 +3,10 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::console;
-use super::exit_code::ExitCode;
-use super::failure;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::failed;
 use super::input::session;
-use crate::session::FailuresOptions as Wanted;
+use crate::session::{self, FoundFailure};
 use results::report::{self, FailureFilter, FailureOrder, ListedFailure};
 
 /// The number of failures that a table shows by default.
@@ -94,9 +94,9 @@ fn verdict(text: &str) -> Result<String, String> {
 }
 
 /// `falsify failures`
-pub fn failures(options: &FailuresOptions) -> ExitCode {
+pub fn failures(options: &FailuresOptions) -> Ended {
     let named = !options.reports.is_empty();
-    let wanted = Wanted {
+    let wanted = session::FailuresOptions {
         reports: if named { options.reports.clone() } else { vec![options.report.clone()] },
         filter: FailureFilter {
             verdicts: options.verdict.clone(),
@@ -112,15 +112,12 @@ pub fn failures(options: &FailuresOptions) -> ExitCode {
             Order::Report => FailureOrder::Report,
         },
     };
-    let found = match session(false).failures(&wanted) {
-        Ok(found) => found,
-        Err(error) => return failure::failed(&error),
-    };
+    let found = session(false).failures(&wanted).map_err(failed)?;
     let is_table = options.format == Form::Table && !options.names;
     let shown = options.top.unwrap_or(if is_table { SHOWN } else { usize::MAX });
     let all = found.len();
-    let listed: Vec<(PathBuf, ListedFailure)> =
-        found.into_iter().take(shown).map(|found| (found.report, found.failure)).collect();
+    let listed = found.into_iter().take(shown).map(|FoundFailure { report, failure }| (report, failure));
+    let listed: Vec<(PathBuf, ListedFailure)> = listed.collect();
     match options.format {
         _ if options.names => {
             listed
@@ -131,7 +128,7 @@ pub fn failures(options: &FailuresOptions) -> ExitCode {
         Form::Json => console::say_objects(&report::json_rows(&report::failure_list(&listed))),
         Form::Csv => console::say(report::csv_text(&report::failure_list(&listed)).trim_end()),
     }
-    ExitCode::Done
+    Ok(ExitCode::Done)
 }
 
 /// Prints a table for people, how much it leaves out, and how to see the first failure again.

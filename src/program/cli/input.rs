@@ -11,14 +11,11 @@ use compile::Catalog;
 use process::ProcessOpener;
 
 /// Options that replace parts of the files.
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Args)]
 pub struct GivenOptions {
-    /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
-    #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file, help_heading = "Scenario")]
-    pub map: Vec<(String, PathBuf)>,
-    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`.
-    #[arg(long, value_name = "NAME=VALUE", help_heading = "Scenario")]
-    pub set: Vec<String>,
+    /// The replacements.
+    #[command(flatten)]
+    pub input: Input,
     /// Let scenarios name programs as drivers, which `run` starts; use it only with files that you trust.
     #[arg(long, help_heading = "Scenario")]
     pub allow_external: bool,
@@ -27,13 +24,8 @@ pub struct GivenOptions {
 impl GivenOptions {
     /// These files and their replacements.
     pub fn input(&self, files: &[PathBuf]) -> Input {
-        Input { files: files.to_vec(), maps: self.map.clone(), settings: self.set.clone() }
+        Input { files: files.to_vec(), ..self.input.clone() }
     }
-}
-
-fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
-    let (town, file) = text.split_once('=').ok_or("write TOWN=FILE")?;
-    Ok((town.to_string(), PathBuf::from(file)))
 }
 
 /// A session that reports on the error stream and stops at Ctrl-C.

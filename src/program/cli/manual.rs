@@ -6,7 +6,8 @@ use clap::{Args, CommandFactory};
 
 use super::args::Arguments;
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::unwritten;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -23,17 +24,10 @@ pub struct ManualOptions {
 }
 
 /// `falsify manual`
-pub fn manual(options: &ManualOptions) -> ExitCode {
+pub fn manual(options: &ManualOptions) -> Ended {
     let folder = &options.out;
     let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Arguments::command(), folder));
-    match written {
-        Ok(()) => {
-            console::say(&format!("manual pages are in {}", folder.display()));
-            ExitCode::Done
-        }
-        Err(error) => {
-            console::fail(&format!("cannot write manual pages to `{}`: {error}", folder.display()));
-            ExitCode::WriteFailed
-        }
-    }
+    written.map_err(|error| unwritten(format!("cannot write manual pages to `{}`: {error}", folder.display())))?;
+    console::say(&format!("manual pages are in {}", folder.display()));
+    Ok(ExitCode::Done)
 }

@@ -38,16 +38,16 @@ impl Checked {
     /// # Errors
     /// [`Error::Scenario`] and [`Error::UnusedMap`].
     pub fn plan(&self) -> Result<&Plan, Error> {
-        let plan = self.compiled.plan.as_ref().ok_or_else(|| self.errors())?;
+        let plan = self.compiled.plan.as_ref().ok_or_else(|| Error::Scenario { errors: self.errors() })?;
         match self.mapped.iter().find(|town| !plan.has_town(town)) {
             None => Ok(plan),
             Some(town) => Err(Error::UnusedMap { town: town.clone() }),
         }
     }
 
-    fn errors(&self) -> Error {
-        let errors = self.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error);
-        Error::Scenario { errors: errors.count() }
+    /// The number of diagnostics that are errors.
+    pub fn errors(&self) -> usize {
+        self.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count()
     }
 }
 

@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use clap::Args;
 use rayon::prelude::*;
 
 use super::run::{Work, pool};
@@ -9,13 +10,17 @@ use results::campaign::{Task, tasks};
 use results::store::{Ids, Store, Taken, task_name};
 
 /// Options of [`Session::merge`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct MergeOptions {
-    /// The options of the run. Those on how it was run (`fresh`, `limits`, `command`) have no effect here.
+    /// The options of the run. Those on how it was run (`fresh`, `checkpoint`, `task_time`, `max_ticks`, `command`) have no effect here.
+    #[arg(skip)]
     pub run: RunOptions,
-    /// Folders with the tasks of shards, in addition to the store of the reports.
+    /// Folders with the tasks of shards (their --out or their --cache), in addition to those that are in the folder for the reports
+    /// already.
+    #[arg(long, num_args = 1.., value_name = "DIR")]
     pub from: Vec<PathBuf>,
-    /// Whether reports are written even when tasks are missing.
+    /// Write the finished part as NAME-partial when something is missing.
+    #[arg(long, display_order = 100)]
     pub partial: bool,
 }
 

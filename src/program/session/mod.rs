@@ -61,7 +61,8 @@ pub use input::Input;
 pub use judge::JudgeOptions;
 pub use list::Listing;
 pub use merge::MergeOptions;
-pub use options::{RunOptions, Ticks};
+pub(crate) use options::seconds;
+pub use options::{RunOptions, TableFormat, Ticks};
 pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
 pub use preview::{Preview, PreviewOptions};
@@ -77,4 +78,4 @@ pub use stop::Stop;
 pub use stored::RepeatOptions;
 pub use verify::{Retrained, VerifyOptions, VerifyReport};
 
-pub use world::judge::{Encountered, Reference, Sizes, Verdict};
+pub use world::judge::{Encountered, Reference, Verdict};

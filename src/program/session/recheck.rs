@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::{Args, value_parser};
 use rayon::prelude::*;
 
 use super::driver_pairs::{driver_pairs, new_role, with_driver};
@@ -20,19 +21,26 @@ use world::falsifier::{Goal, crossings};
 const LEVELS: u32 = 2;
 
 /// Options of [`Session::recheck`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Args)]
 pub struct RecheckOptions {
     /// The old report.
+    #[arg(value_name = "REPORT")]
     pub report: PathBuf,
-    /// Scenario files whose campaigns have the new drivers; without any, those of the report.
+    /// Scenario files whose campaigns have the new drivers and their cars; those of the report without any. Starts and pedestrians stay
+    /// those of the report.
+    #[arg(id = "new", value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Settings of the new drivers, as `NAME=VALUE`.
-    pub settings: Vec<String>,
-    /// The drivers; without any, those of equal names.
+    /// A driver of the report and its new version, or one name for both; may be given several times. All drivers of equal names without it.
+    #[arg(long = "driver", value_name = "OLD=NEW", value_parser = str::parse::<DriverPair>)]
     pub drivers: Vec<DriverPair>,
-    /// The number of starts of the fixed list in each town; 0 leaves the list out.
+    /// Give a parameter or a key of the new drivers another value, as `v1.margin=1 m`.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub settings: Vec<String>,
+    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out.
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
     pub starts: u32,
     /// Options of the repetition of the old report.
+    #[arg(skip)]
     pub repeat: RepeatOptions,
 }
 

@@ -129,7 +129,7 @@ impl<'a> CampaignRun<'a> {
     fn begin_report(&self) -> Result<ReportFolder, Error> {
         let drafts = self.store.drafts().map_err(|error| self.options.keep(error))?;
         let folder = ReportFolder::begin(&self.options.out, &self.name, &drafts)?;
-        Ok(folder.in_formats(self.options.formats))
+        Ok(folder.in_formats(self.options.formats()))
     }
 
     /// Records in the store what the campaign wants, and forgets what is to be done again.
@@ -151,7 +151,7 @@ impl<'a> CampaignRun<'a> {
 
     /// What the store has of the campaign, and where the rest goes.
     fn results(&self, index: &Index) -> CampaignStore<'a> {
-        let results = CampaignStore::new(self.store, self.campaign, self.options.seed, self.options.limits);
+        let results = CampaignStore::new(self.store, self.campaign, self.options.seed, self.options.limits());
         if self.options.fresh { results } else { results.continuing(index, self.options.seed) }
     }
 

@@ -49,7 +49,7 @@ impl Session {
         index.command.clone_from(&options.command);
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let results =
-            CampaignStore::new(store, campaign, options.seed, options.limits).continuing(&index, options.seed);
+            CampaignStore::new(store, campaign, options.seed, options.limits()).continuing(&index, options.seed);
         self.run_tasks(campaign, &tasks, options, store, &results);
         if let Some(error) = results.take_failure() {
             return Err(options.keep(error));

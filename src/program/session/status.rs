@@ -1,5 +1,6 @@
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde::Serialize;
 
 use super::growing_curves::NewestUpdate;
@@ -11,11 +12,13 @@ use results::store::{CampaignStatus, Store, TaskStatus};
 const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("evaluate", "evaluations"), ("search", "searches")];
 
 /// Options of [`Session::status`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct StatusOptions {
-    /// The folder for reports, or one of its reports.
+    /// The folder for the reports, or one of its reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
-    /// The cache of the run.
+    /// The folder that `run` was given as --cache.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
 }
 

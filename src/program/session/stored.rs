@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
+
 use super::held_files::HeldFiles;
 use super::{Change, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
@@ -12,11 +14,13 @@ use results::campaign;
 use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
 
 /// Options for repeating a report.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct RepeatOptions {
-    /// Folder whose scenario files are read instead of those that the report holds; paths are relative to it.
+    /// Read the scenario files from this folder, instead of those that the report holds; paths are relative to it.
+    #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
-    /// Whether to continue although a scenario file has changed since the run.
+    /// Continue although a scenario file has changed since the run.
+    #[arg(long, display_order = 100)]
     pub anyway: bool,
 }
 
