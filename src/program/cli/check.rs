@@ -2,11 +2,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::driver_trial::{TrialOptions, try_driver};
+use super::driver_trial::{TrialArgs, try_driver};
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
 use super::fix::fix;
-use super::input::{GivenOptions, session};
+use super::input::{GivenArgs, session};
 use super::{console, sample};
 use crate::session::{Checked, Disk, Error};
 use base::diagnostic::{Record, records, sarif};
@@ -31,7 +31,7 @@ Exit codes: 0 no errors   2 missing file   3 errors   5 the driver failed";
 
 /// Options of `falsify check`.
 #[derive(Debug, Args)]
-pub struct CheckOptions {
+pub struct CheckArgs {
     /// Format of the diagnostics.
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
@@ -40,7 +40,7 @@ pub struct CheckOptions {
     pub files: Vec<PathBuf>,
     /// Replacements of parts of the files.
     #[command(flatten)]
-    pub given: GivenOptions,
+    pub given: GivenArgs,
     /// Apply each repair that a message offers without an alternative, then check again.
     #[arg(long, conflicts_with_all = ["map", "set"])]
     pub fix: bool,
@@ -56,7 +56,7 @@ pub struct CheckOptions {
     pub seed: u64,
     /// A driver of your own instead of files.
     #[command(flatten)]
-    pub trial: TrialOptions,
+    pub trial: TrialArgs,
 }
 
 /// Format of the diagnostics.
@@ -87,7 +87,7 @@ impl Reader for InputAndFiles {
 }
 
 /// `falsify check`
-pub fn check(options: &CheckOptions) -> Ended {
+pub fn check(options: &CheckArgs) -> Ended {
     if !options.trial.driver.is_empty() {
         return Ok(try_driver(&options.trial));
     }

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::condition::{self, Condition, Subject};
 use super::console;
-use super::episode;
+use super::episode::RepeatArgs;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused, unwritten};
 use super::input::session;
@@ -34,7 +34,7 @@ Exit codes: 0 done   2 no report, or nothing can be compared   7 a --fail-if con
 
 /// Options of `falsify compare`.
 #[derive(Debug, Args)]
-pub struct CompareOptions {
+pub struct CompareArgs {
     /// The report before and the report after; one report with --drivers.
     #[arg(required = true, num_args = 1..=2, value_name = "REPORT")]
     pub reports: Vec<PathBuf>,
@@ -54,7 +54,7 @@ pub struct CompareOptions {
     pub fail_if: Vec<String>,
     /// Options of the repetition for the page.
     #[command(flatten)]
-    pub repeat: episode::RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// The form of a comparison.
@@ -72,7 +72,7 @@ pub fn tables() -> [TableReference; 2] {
 }
 
 /// `falsify compare`
-pub fn compare(options: &CompareOptions) -> Ended {
+pub fn compare(options: &CompareArgs) -> Ended {
     let conditions = Condition::parse_all(&options.fail_if, &tables(), "comparison")?;
     let reports = match (options.reports.as_slice(), &options.drivers) {
         ([before, after], _) => [before.clone(), after.clone()],

@@ -14,9 +14,9 @@ A flag comes before the environment, which comes before falsify.toml, in this fo
 
 /// Options of `falsify config`: the settings themselves. Their values are read from the matches.
 #[derive(Debug)]
-pub struct ConfigOptions;
+pub struct ConfigArgs;
 
-impl Args for ConfigOptions {
+impl Args for ConfigArgs {
     fn augment_args(command: Command) -> Command {
         command.args(settings::options())
     }
@@ -26,7 +26,7 @@ impl Args for ConfigOptions {
     }
 }
 
-impl FromArgMatches for ConfigOptions {
+impl FromArgMatches for ConfigArgs {
     fn from_arg_matches(_: &ArgMatches) -> Result<Self, Error> {
         Ok(Self)
     }

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
-use super::input::{GivenOptions, session};
+use super::input::{GivenArgs, session};
 use base::diagnostic::{Severity, Sources};
 use compile::{Catalog, Plan};
 use lang::{Checked, outline};
@@ -21,7 +21,7 @@ Examples:
 
 /// Options of `falsify debug`.
 #[derive(Debug, Args)]
-pub struct DebugOptions {
+pub struct DebugArgs {
     /// Which tree.
     #[arg(value_enum)]
     pub tree: Tree,
@@ -30,7 +30,7 @@ pub struct DebugOptions {
     pub file: PathBuf,
     /// Replacements of parts of the file; maps affect only the plan.
     #[command(flatten)]
-    pub given: GivenOptions,
+    pub given: GivenArgs,
 }
 
 /// The trees of a file.
@@ -45,7 +45,7 @@ pub enum Tree {
 }
 
 /// `falsify debug`
-pub fn debug(options: &DebugOptions) -> Ended {
+pub fn debug(options: &DebugArgs) -> Ended {
     let input = options.given.input(std::slice::from_ref(&options.file));
     if options.tree != Tree::Plan {
         return show_tree(options.tree, &options.file, &input.settings);

@@ -8,7 +8,7 @@ use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::unwritten;
 use super::new::write_new;
-use super::run::{self, RunOptions};
+use super::run::{self, RunArgs};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -18,7 +18,7 @@ Examples:
 
 /// Options of `falsify demo`.
 #[derive(Debug, Args)]
-pub struct DemoOptions {
+pub struct DemoArgs {
     /// Folder for the scenario and its report.
     #[arg(long, short, default_value = "falsify-demo", value_name = "DIR")]
     pub out: PathBuf,
@@ -30,7 +30,7 @@ pub struct DemoOptions {
 const SCENARIO: &str = include_str!("templates/demo.scn");
 
 /// `falsify demo`
-pub fn demo(options: &DemoOptions) -> Ended {
+pub fn demo(options: &DemoArgs) -> Ended {
     let file = options.out.join("demo.scn");
     place(&file)?;
     console::note(
@@ -62,13 +62,13 @@ fn place(file: &Path) -> Result<(), ExitCode> {
 }
 
 /// The options of `falsify run` for this file, with the settings of the environment.
-fn run_options(file: &Path, options: &DemoOptions) -> RunOptions {
+fn run_options(file: &Path, options: &DemoArgs) -> RunArgs {
     let mut words = vec!["run".into(), file.as_os_str().to_owned(), "--out".into(), options.out.as_os_str().to_owned()];
     // Its scenario never changes, so what is there is the same report of this or of another version of the program.
     words.push("--replace".into());
     if options.smoke {
         words.push("--smoke".into());
     }
-    let matches = RunOptions::augment_args(Command::new("run").disable_help_flag(true)).get_matches_from(words);
-    RunOptions::from_arg_matches(&matches).expect("the words are those of `falsify run`")
+    let matches = RunArgs::augment_args(Command::new("run").disable_help_flag(true)).get_matches_from(words);
+    RunArgs::from_arg_matches(&matches).expect("the words are those of `falsify run`")
 }

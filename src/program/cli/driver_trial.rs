@@ -24,7 +24,7 @@ use world::falsifier::{Random, evaluate_noting};
 
 /// Options of the trial of a driver.
 #[derive(Debug, Args)]
-pub struct TrialOptions {
+pub struct TrialArgs {
     /// Try a driver instead: the program and its arguments, after `--`.
     #[arg(last = true, value_name = "DRIVER")]
     pub driver: Vec<String>,
@@ -69,7 +69,7 @@ const SHOWN: usize = 4;
 const SHOWN_BYTES: usize = 600;
 
 /// `falsify check -- DRIVER`
-pub fn try_driver(options: &TrialOptions) -> ExitCode {
+pub fn try_driver(options: &TrialArgs) -> ExitCode {
     let program = Program { words: options.driver.clone(), folder: ".".into() };
     let settings =
         Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };

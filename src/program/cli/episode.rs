@@ -13,7 +13,7 @@ use lang::reason;
 
 /// Options of all commands that repeat episodes of a report.
 #[derive(Debug, Args)]
-pub struct RepeatOptions {
+pub struct RepeatArgs {
     /// Those of a session.
     #[command(flatten)]
     pub repeat: session::RepeatOptions,
@@ -24,7 +24,7 @@ pub struct RepeatOptions {
 
 /// Which episodes, and where their reports are.
 #[derive(Debug, Args)]
-pub struct NameOptions {
+pub struct NameArgs {
     /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
     #[arg(required = true, value_name = "[PATH/]RUN:EPISODE", value_parser = str::parse::<Named>)]
     pub names: Vec<Named>,
@@ -33,7 +33,7 @@ pub struct NameOptions {
     pub report: PathBuf,
     /// Options of the repetition.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// An argument that names episodes.
@@ -85,7 +85,7 @@ fn on_input() -> Result<Vec<EpisodePath>, ExitCode> {
     if names.is_empty() { Err(misused("the input has no name of an episode")) } else { Ok(names) }
 }
 
-impl NameOptions {
+impl NameArgs {
     /// Options for a session for each of the episodes.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ Examples:
 
 /// Options of `falsify explain`.
 #[derive(Debug, Args)]
-pub struct ExplainOptions {
+pub struct ExplainArgs {
     /// A code; a form, a form and a kind, and a key of it; a word such as `param` or `normal`; an event, a variable; or `events`,
     /// `variables`, `units`, `state`, `action`.
     #[arg(value_name = "WORD")]
@@ -25,7 +25,7 @@ pub struct ExplainOptions {
 }
 
 /// `falsify explain`
-pub fn explain(options: &ExplainOptions) -> Ended {
+pub fn explain(options: &ExplainArgs) -> Ended {
     let text = Catalog::builtin().explain(&options.words).map_err(misused)?;
     console::say(console::wrapped(&text).trim_end());
     Ok(ExitCode::Done)

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::console;
-use super::episode::{Named, RepeatOptions, resolved};
+use super::episode::{Named, RepeatArgs, resolved};
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
 use super::input::session;
@@ -32,7 +32,7 @@ Exit codes: 0 done   2 no such episode, or the format cannot represent it   3 er
 
 /// Options of `falsify export`.
 #[derive(Debug, Args)]
-pub struct ExportOptions {
+pub struct ExportArgs {
     /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
     #[arg(value_name = "[PATH/]RUN:EPISODE", required_unless_present = "formats", value_parser = str::parse::<Named>)]
     pub names: Vec<Named>,
@@ -56,7 +56,7 @@ pub struct ExportOptions {
     pub report: PathBuf,
     /// Options of the repetition.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// A format of the command line.
@@ -122,7 +122,7 @@ pub enum Pedestrians {
     Released,
 }
 
-impl ExportOptions {
+impl ExportArgs {
     fn variant(&self) -> Variant {
         let ego = match self.ego {
             Ego::Recorded => EgoDriver::Recorded,
@@ -137,7 +137,7 @@ impl ExportOptions {
 }
 
 /// `falsify export`
-pub fn export(options: &ExportOptions) -> Ended {
+pub fn export(options: &ExportArgs) -> Ended {
     let Some(format) = options.format.filter(|_| !options.formats) else {
         list();
         return Ok(ExitCode::Done);
@@ -181,7 +181,7 @@ fn list() {
 }
 
 /// Draws episodes, each as `RUN-EPISODE.svg`.
-fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportOptions) -> ExitCode {
+fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportArgs) -> ExitCode {
     let session = session(options.repeat.allow_external);
     let mut ended = ExitCode::Done;
     for EpisodePath { report, name } in episodes {

@@ -27,7 +27,7 @@ Exit codes: 0 done, also when there is none   2 no report";
 
 /// Options of `falsify failures`.
 #[derive(Debug, Args)]
-pub struct FailuresOptions {
+pub struct FailuresArgs {
     /// Reports, or folders of reports.
     #[arg(value_name = "REPORT")]
     pub reports: Vec<PathBuf>,
@@ -94,7 +94,7 @@ fn verdict(text: &str) -> Result<String, String> {
 }
 
 /// `falsify failures`
-pub fn failures(options: &FailuresOptions) -> Ended {
+pub fn failures(options: &FailuresArgs) -> Ended {
     let named = !options.reports.is_empty();
     let wanted = session::FailuresOptions {
         reports: if named { options.reports.clone() } else { vec![options.report.clone()] },

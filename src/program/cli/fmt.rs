@@ -18,7 +18,7 @@ Examples:
 
 /// Options of `falsify fmt`.
 #[derive(Debug, Args)]
-pub struct FmtOptions {
+pub struct FmtArgs {
     /// Scenario files.
     #[arg(required_unless_present = "stdin", value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -31,7 +31,7 @@ pub struct FmtOptions {
 }
 
 /// `falsify fmt`
-pub fn fmt(options: &FmtOptions) -> Ended {
+pub fn fmt(options: &FmtArgs) -> Ended {
     if options.stdin {
         return input(options.check);
     }

@@ -15,7 +15,7 @@ use results::report::{self, Gate, Judged, SearchCell, Suite};
 
 /// Options that make a run pass or fail.
 #[derive(Debug, Args)]
-pub struct GateOptions {
+pub struct GateArgs {
     /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
     /// columns of the table `cells`, or of `search_cells`, as 'faults > 0'; may be given several times. `max over controllers
     /// COLUMN` judges the worst controller of each place, 'learnt != yes' requires that every training learnt.
@@ -30,7 +30,7 @@ pub struct GateOptions {
     pub junit: Option<PathBuf>,
 }
 
-impl GateOptions {
+impl GateArgs {
     /// Reads the conditions.
     ///
     /// # Errors

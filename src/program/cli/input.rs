@@ -12,7 +12,7 @@ use process::ProcessOpener;
 
 /// Options that replace parts of the files.
 #[derive(Debug, Args)]
-pub struct GivenOptions {
+pub struct GivenArgs {
     /// The replacements.
     #[command(flatten)]
     pub input: Input,
@@ -21,7 +21,7 @@ pub struct GivenOptions {
     pub allow_external: bool,
 }
 
-impl GivenOptions {
+impl GivenArgs {
     /// These files and their replacements.
     pub fn input(&self, files: &[PathBuf]) -> Input {
         Input { files: files.to_vec(), ..self.input.clone() }

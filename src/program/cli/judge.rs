@@ -28,7 +28,7 @@ Exit codes: 0 it was judged   2 the file cannot be read, or is no recording";
 
 /// Options of `falsify judge`.
 #[derive(Debug, Args)]
-pub struct JudgeOptions {
+pub struct JudgeArgs {
     /// The recording.
     #[command(flatten)]
     pub recording: session::JudgeOptions,
@@ -38,7 +38,7 @@ pub struct JudgeOptions {
 }
 
 /// `falsify judge`
-pub fn judge(options: &JudgeOptions) -> Ended {
+pub fn judge(options: &JudgeArgs) -> Ended {
     let found = session(false).judge(&options.recording).map_err(failed)?;
     if options.json {
         console::say(&as_json(&found).to_string());

@@ -17,14 +17,14 @@ Examples:
 
 /// Options of `falsify manual`.
 #[derive(Debug, Args)]
-pub struct ManualOptions {
+pub struct ManualArgs {
     /// Folder for the pages, one for each command: `falsify.1`, `falsify-run.1` and so on.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
     pub out: PathBuf,
 }
 
 /// `falsify manual`
-pub fn manual(options: &ManualOptions) -> Ended {
+pub fn manual(options: &ManualArgs) -> Ended {
     let folder = &options.out;
     let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Arguments::command(), folder));
     written.map_err(|error| unwritten(format!("cannot write manual pages to `{}`: {error}", folder.display())))?;

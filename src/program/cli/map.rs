@@ -3,7 +3,7 @@ use std::path::Path;
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{misused, unwritten};
-use super::preview::PreviewOptions;
+use super::preview::PreviewArgs;
 use lang::reason;
 use results::report;
 use world::road::{LaneKind, Town, opendrive};
@@ -18,7 +18,7 @@ pub fn spacing(text: &str) -> Result<f64, String> {
 }
 
 /// `falsify preview` of an OpenDRIVE map: its picture, its page, and what it holds.
-pub fn map(options: &PreviewOptions) -> Ended {
+pub fn map(options: &PreviewArgs) -> Ended {
     let town = read(&options.file)?;
     describe(&town);
     write(&town, options).map_err(unwritten)?;
@@ -63,7 +63,7 @@ fn describe(town: &Town) {
     }
 }
 
-fn write(town: &Town, options: &PreviewOptions) -> Result<(), report::WriteError> {
+fn write(town: &Town, options: &PreviewArgs) -> Result<(), report::WriteError> {
     let picture = options.out.join(format!("{}.svg", town.name));
     report::write_file(&picture, report::labelled_map(town).as_bytes())?;
     console::say(&format!("  {}", picture.display()));

@@ -6,7 +6,7 @@ use clap::Args;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
 use super::input::session;
-use super::run::{RunOptions, RunReporter, ended, finished};
+use super::run::{RunArgs, RunReporter, ended, finished};
 use super::{console, interrupt};
 use crate::session::{self, Event, Incomplete, Notice, Observer};
 use results::campaign::Task;
@@ -32,10 +32,10 @@ const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "task_t
 /// Options of `falsify merge`. The help omits options without effect there.
 #[derive(Debug, Args)]
 #[command(mut_args(|arg| if IDLE.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
-pub struct MergeOptions {
+pub struct MergeArgs {
     /// The options of the run.
     #[command(flatten)]
-    pub run: RunOptions,
+    pub run: RunArgs,
     /// Where the tasks are.
     #[command(flatten)]
     pub merge: session::MergeOptions,
@@ -45,11 +45,11 @@ pub struct MergeOptions {
 }
 
 /// `falsify merge`
-pub fn merge(options: &MergeOptions) -> Ended {
+pub fn merge(options: &MergeArgs) -> Ended {
     ended(options.run.format, put_together(options))
 }
 
-fn put_together(options: &MergeOptions) -> Ended {
+fn put_together(options: &MergeArgs) -> Ended {
     let run = &options.run;
     if run.shard.is_some() || run.list || run.run.fresh {
         return Err(misused("a merge runs nothing; --shard, --list and --fresh are options of `falsify run`"));

@@ -18,7 +18,7 @@ Examples:
 
 /// Options of `falsify new`.
 #[derive(Debug, Args)]
-pub struct NewOptions {
+pub struct NewArgs {
     /// The file; one that exists is never replaced.
     #[arg(default_value = "scenario.scn", value_name = "PATH")]
     pub path: PathBuf,
@@ -72,8 +72,8 @@ impl Template {
 }
 
 /// `falsify new`
-pub fn new(options: &NewOptions) -> Ended {
-    let NewOptions { path, template } = options;
+pub fn new(options: &NewArgs) -> Ended {
+    let NewArgs { path, template } = options;
     write_new(path, template.text())?;
     console::say(&format!("{} is written", path.display()));
     if let Some((name, text)) = template.companion() {

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::exit_code::{Ended, ExitCode};
 use super::failure::unwritten;
-use super::input::{GivenOptions, session};
+use super::input::{GivenArgs, session};
 use super::map::{map, spacing};
 use super::{console, interrupt};
 use crate::session::{self, Preview};
@@ -28,13 +28,13 @@ const PAUSE: Duration = Duration::from_millis(250);
 
 /// Options of `falsify preview`.
 #[derive(Debug, Args)]
-pub struct PreviewOptions {
+pub struct PreviewArgs {
     /// A scenario file, or an OpenDRIVE map.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Replacements of parts of the file.
     #[command(flatten)]
-    pub given: GivenOptions,
+    pub given: GivenArgs,
     /// Folder for the page, `NAME.preview.html`, and the script that tells it of a new version, `NAME.preview.js`; of a map for `NAME.svg` and
     /// `NAME.html`.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
@@ -51,7 +51,7 @@ pub struct PreviewOptions {
 }
 
 /// `falsify preview`
-pub fn preview(options: &PreviewOptions) -> Ended {
+pub fn preview(options: &PreviewArgs) -> Ended {
     if options.file.extension().is_none_or(|extension| extension != "scn") {
         return map(options);
     }
@@ -101,7 +101,7 @@ fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
 }
 
 /// Writes the page and, if it has a version, the script that names it; the error is the exit code, after the reason has been printed.
-fn write(preview: &Preview, options: &PreviewOptions, version: Option<String>) -> Result<PathBuf, ExitCode> {
+fn write(preview: &Preview, options: &PreviewArgs, version: Option<String>) -> Result<PathBuf, ExitCode> {
     let place = |ending: &str| {
         let mut name = OsString::from(options.file.file_stem().unwrap_or_default());
         name.push(ending);

@@ -4,7 +4,7 @@ use serde_json::json;
 use super::compare::Form;
 use super::condition::{self, Condition, Subject};
 use super::console;
-use super::episode::RepeatOptions;
+use super::episode::RepeatArgs;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::failed;
 use super::input::session;
@@ -31,7 +31,7 @@ Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5
 
 /// Options of `falsify recheck`.
 #[derive(Debug, Args)]
-pub struct RecheckOptions {
+pub struct RecheckArgs {
     /// The report, and the new drivers.
     #[command(flatten)]
     pub recheck: session::RecheckOptions,
@@ -44,11 +44,11 @@ pub struct RecheckOptions {
     pub fail_if: Vec<String>,
     /// Options of the repetition of the report.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// `falsify recheck`
-pub fn recheck(options: &RecheckOptions) -> Ended {
+pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_reference(), report::crossed_reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
     let wanted = session::RecheckOptions { repeat: options.repeat.repeat.clone(), ..options.recheck.clone() };

@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::console;
-use super::episode::NameOptions;
+use super::episode::NameArgs;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
 use super::input::session;
@@ -30,10 +30,10 @@ Exit codes: 0 it is as in the report   2 no such episode, or a file is missing  
 
 /// Options of `falsify replay`.
 #[derive(Debug, Args)]
-pub struct ReplayOptions {
+pub struct ReplayArgs {
     /// The episodes.
     #[command(flatten)]
-    pub which: NameOptions,
+    pub which: NameArgs,
     /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
     #[arg(long, value_name = "FILE", value_parser = table_file, display_order = 101)]
     pub ticks: Option<PathBuf>,
@@ -49,7 +49,7 @@ fn table_file(text: &str) -> Result<PathBuf, String> {
 }
 
 /// `falsify replay`
-pub fn replay(options: &ReplayOptions) -> Ended {
+pub fn replay(options: &ReplayArgs) -> Ended {
     let episodes = options.which.replays()?;
     if episodes.len() > 1 && options.ticks.is_some() {
         return Err(misused("--ticks writes one file, so it takes one episode"));
@@ -65,7 +65,7 @@ pub fn replay(options: &ReplayOptions) -> Ended {
     Ok(ended)
 }
 
-fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayOptions) -> Ended {
+fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayArgs) -> Ended {
     let replay = match &options.ticks {
         Some(path) => session.export(which, &TickTable { path: path.clone() }),
         None => session.replay(which),

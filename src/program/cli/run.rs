@@ -1,13 +1,13 @@
 use std::path::PathBuf;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use clap::{Args, ValueEnum};
 
 use super::ending::quoted;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
-use super::gate::GateOptions;
-use super::input::{GivenOptions, session};
+use super::gate::GateArgs;
+use super::input::{GivenArgs, session};
 use super::output::Output;
 use super::progress::{EventLine, Progress, Showing};
 use super::shard::NamedShard;
@@ -31,13 +31,13 @@ Exit codes: see falsify --help";
 
 /// Options of `falsify run`.
 #[derive(Debug, Args)]
-pub struct RunOptions {
+pub struct RunArgs {
     /// Scenario files; their campaigns are run in order.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Replacements of parts of the files.
     #[command(flatten)]
-    pub given: GivenOptions,
+    pub given: GivenArgs,
     /// What a session does with them.
     #[command(flatten)]
     pub run: session::RunOptions,
@@ -61,7 +61,7 @@ pub struct RunOptions {
     pub only: Option<Only>,
     /// Conditions under which it fails.
     #[command(flatten)]
-    pub gate: GateOptions,
+    pub gate: GateArgs,
     /// Print help.
     #[arg(long, short, action = clap::ArgAction::HelpShort)]
     pub help: Option<bool>,
@@ -74,7 +74,7 @@ pub enum Only {
     Trainings,
 }
 
-impl RunOptions {
+impl RunArgs {
     /// The same options for a session.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ impl RunOptions {
 
     /// The observer of a run with these options.
     pub fn reporter(&self) -> RunReporter {
-        RunReporter { output: self.format, showing: self.progress, progress: RwLock::default() }
+        RunReporter { output: self.format, showing: self.progress, progress: Mutex::default() }
     }
 }
 
@@ -108,7 +108,7 @@ fn command_line() -> String {
 }
 
 /// `falsify run`
-pub fn run(options: &RunOptions) -> Ended {
+pub fn run(options: &RunArgs) -> Ended {
     ended(options.format, run_or_list(options))
 }
 
@@ -121,7 +121,7 @@ pub fn ended(output: Output, ended: Ended) -> Ended {
     ended
 }
 
-fn run_or_list(options: &RunOptions) -> Ended {
+fn run_or_list(options: &RunArgs) -> Ended {
     let wanted = options.wanted()?;
     let session = session(options.given.allow_external).with_observer(Arc::new(options.reporter()));
     if options.list {
@@ -140,7 +140,7 @@ fn run_or_list(options: &RunOptions) -> Ended {
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
-pub fn finished(options: &RunOptions, run: &RunReport) -> Ended {
+pub fn finished(options: &RunArgs, run: &RunReport) -> Ended {
     options.gate.write(run)?;
     if let Some(overview) = &run.overview {
         match options.format {
@@ -165,7 +165,7 @@ pub fn finished(options: &RunOptions, run: &RunReport) -> Ended {
 }
 
 fn run_shard(
-    options: &RunOptions,
+    options: &RunArgs,
     session: &Session,
     wanted: &session::RunOptions,
     shard: Shard,
@@ -185,7 +185,7 @@ pub struct RunReporter {
     output: Output,
     showing: Showing,
     /// The progress of the tasks that are under way.
-    progress: RwLock<Option<Progress>>,
+    progress: Mutex<Option<Progress>>,
 }
 
 impl Observer for RunReporter {
@@ -196,11 +196,11 @@ impl Observer for RunReporter {
             Event::Begun => interrupt::listen(),
             Event::TasksBegun(campaign, tasks) => {
                 let progress = Progress::new(campaign, tasks, self.showing, self.output, interrupt::stop());
-                self.set_progress(Some(progress));
+                *self.progress() = Some(progress);
             }
-            Event::CurvesGrow(folder) => self.progress(|progress| progress.curves_grow(folder)),
-            Event::Campaign(event) => self.progress(|progress| progress.follow(event)),
-            Event::TasksEnded => self.set_progress(None),
+            Event::CurvesGrow(folder) => self.progress().iter().for_each(|progress| progress.curves_grow(folder)),
+            Event::Campaign(event) => self.progress().iter_mut().for_each(|progress| progress.follow(event)),
+            Event::TasksEnded => *self.progress() = None,
             Event::ShardEnded(report) => {
                 if self.output == Output::Human {
                     let ShardReport { shard: Shard { index, count }, name, finished, all } = report;
@@ -225,12 +225,8 @@ impl RunReporter {
         }
     }
 
-    fn set_progress(&self, progress: Option<Progress>) {
-        *self.progress.write().unwrap_or_else(PoisonError::into_inner) = progress;
-    }
-
-    fn progress(&self, follow: impl FnOnce(&Progress)) {
-        self.progress.read().unwrap_or_else(PoisonError::into_inner).as_ref().map(follow);
+    fn progress(&self) -> MutexGuard<'_, Option<Progress>> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// For people, prints the cells of a report, narrow enough for a terminal; for programs, prints its folder.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::check::{CheckOptions, Format};
+use super::check::{CheckArgs, Format};
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::unwritten;
@@ -33,7 +33,7 @@ struct Share {
 }
 
 /// Draws this number of starts for each spawn in each town of all campaigns.
-pub fn sample(plan: &Plan, count: u32, options: &CheckOptions) -> Ended {
+pub fn sample(plan: &Plan, count: u32, options: &CheckArgs) -> Ended {
     if plan.campaigns.is_empty() {
         console::fail("the files hold no campaign, so there is nothing to sample");
         return Err(ExitCode::Nothing);
@@ -49,7 +49,7 @@ pub fn sample(plan: &Plan, count: u32, options: &CheckOptions) -> Ended {
     Ok(ExitCode::Done)
 }
 
-fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckOptions) -> Result<Vec<Sample<'a>>, WriteError> {
+fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckArgs) -> Result<Vec<Sample<'a>>, WriteError> {
     let mut samples = Vec::new();
     for SampledStarts { town, scenario, survey } in sampled_starts(campaign, count, options.seed) {
         let spawn = scenario.spawn.name.clone();

@@ -31,7 +31,7 @@ Exit codes: 0 finished or running   2 nothing was run there   9 something is mis
 
 /// Options of `falsify status`.
 #[derive(Debug, Args)]
-pub struct StatusOptions {
+pub struct StatusArgs {
     /// The same, named as other commands name a report.
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub report: Option<PathBuf>,
@@ -53,7 +53,7 @@ pub struct StatusOptions {
 }
 
 /// `falsify status`
-pub fn status(options: &StatusOptions) -> Ended {
+pub fn status(options: &StatusArgs) -> Ended {
     let mut of = options.of.clone();
     of.out = options.report.clone().unwrap_or(of.out);
     if options.stored || options.prune {

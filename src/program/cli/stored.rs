@@ -3,12 +3,12 @@ use std::collections::BTreeSet;
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{misused, store_failed};
-use super::status::StatusOptions;
+use super::status::StatusArgs;
 use crate::session;
 use results::store::{References, Store, StoreError};
 
 /// `falsify status --stored` and `--prune` of a folder for reports and its cache.
-pub fn stored(of: &session::StatusOptions, options: &StatusOptions) -> Ended {
+pub fn stored(of: &session::StatusOptions, options: &StatusArgs) -> Ended {
     let cache = of.cache.as_deref();
     if let Some(missing) = cache.filter(|cache| !cache.exists()) {
         return Err(misused(format!("the cache `{}` does not exist", missing.display())));
@@ -20,7 +20,7 @@ pub fn stored(of: &session::StatusOptions, options: &StatusOptions) -> Ended {
     Ok(ExitCode::Done)
 }
 
-fn tell(store: &Store, options: &StatusOptions) -> Result<(), StoreError> {
+fn tell(store: &Store, options: &StatusArgs) -> Result<(), StoreError> {
     // While this is held, no campaign records new wants. So no task is removed between its request and its use.
     let _still = options.prune.then(|| store.hold_still());
     let sizes = store.sizes();

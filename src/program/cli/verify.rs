@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::console;
-use super::episode::{Named, RepeatOptions, resolved};
+use super::episode::{Named, RepeatArgs, resolved};
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
 use super::input::session;
@@ -26,7 +26,7 @@ Exit codes: 0 all are equal   2 no report   3 errors in a scenario   8 something
 
 /// Options of `falsify verify`.
 #[derive(Debug, Args)]
-pub struct VerifyOptions {
+pub struct VerifyArgs {
     /// A report; or `[PATH/]RUN:EPISODE`, to repeat these episodes and no others; `-` reads names from the input, one a line.
     #[arg(value_name = "REPORT", required_unless_present = "report")]
     pub what: Vec<String>,
@@ -38,18 +38,18 @@ pub struct VerifyOptions {
     pub verify: session::VerifyOptions,
     /// Options of the repetition.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// `falsify verify`
-pub fn verify(options: &VerifyOptions) -> Ended {
+pub fn verify(options: &VerifyArgs) -> Ended {
     let wanted = options.wanted()?;
     let session = session(options.repeat.allow_external);
     let codes = wanted.iter().map(|wanted| session.verify(wanted).map_or_else(failed, |verified| tell(&verified)));
     Ok(codes.fold(ExitCode::Done, ExitCode::or))
 }
 
-impl VerifyOptions {
+impl VerifyArgs {
     /// Options for a session, one for each report.
     fn wanted(&self) -> Result<Vec<session::VerifyOptions>, ExitCode> {
         let one = |report: PathBuf, episodes: Vec<EpisodeName>| session::VerifyOptions {

@@ -1,6 +1,5 @@
 //! Bars on a terminal: one for the campaign and one for each job under way, at most a screenful.
 
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{FormattedDuration, HumanCount, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -18,7 +17,7 @@ pub struct Bars {
     screen: MultiProgress,
     whole: ProgressBar,
     /// Bars of jobs under way, with the places of these on the board.
-    shown: Mutex<Vec<(usize, ProgressBar)>>,
+    shown: Vec<(usize, ProgressBar)>,
 }
 
 fn style(form: &str) -> ProgressStyle {
@@ -35,12 +34,12 @@ impl Bars {
         ));
         whole.set_prefix(board.campaign.clone());
         whole.enable_steady_tick(Duration::from_millis(500));
-        Self { screen, whole, shown: Mutex::default() }
+        Self { screen, whole, shown: Vec::new() }
     }
 
     /// Draws the pieces under way.
-    pub fn draw(&self, board: &Board) {
-        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+    pub fn draw(&mut self, board: &Board) {
+        let shown = &mut self.shown;
         shown.retain(|(place, bar)| {
             let stays = board.jobs[*place].is_under_way();
             if !stays {

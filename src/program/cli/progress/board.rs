@@ -22,10 +22,16 @@ impl Board {
         Self { campaign: campaign.name.clone(), began: Instant::now(), jobs: Job::all(campaign, wanted), threads }
     }
 
-    /// The job of a task.
-    pub fn job(&self, task: Task) -> &Job {
+    /// The place of a task's job.
+    pub fn place(&self, task: Task) -> usize {
         let place = self.jobs.binary_search_by_key(&Job::of(task), |job| (job.kind, job.place));
-        &self.jobs[place.expect("only what is wanted is done")]
+        place.expect("only what is wanted is done")
+    }
+
+    /// The job of a task.
+    pub fn job(&mut self, task: Task) -> &mut Job {
+        let place = self.place(task);
+        &mut self.jobs[place]
     }
 
     /// The number of jobs of a kind.

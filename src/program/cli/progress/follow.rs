@@ -1,14 +1,15 @@
 use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::Duration;
+
+use indicatif::HumanCount;
 
 use super::bars::Bars;
 use super::board::Board;
 use super::event_line::{About, EventLine};
 use super::job::{Job, Kind};
 use super::learnt::Learnt;
-use super::lines::line;
 use super::showing::Showing;
 use crate::cli::console;
 use crate::cli::output::Output;
@@ -16,8 +17,8 @@ use crate::session::Stop;
 use compile::Campaign;
 use results::campaign::{Event, Task};
 
-/// Least time between two updates of the display (ms).
-const GLANCE: u64 = 200;
+/// Least time between two updates of the display.
+const GLANCE: Duration = Duration::from_millis(200);
 /// Number of updates of the display per event for programs.
 const TOLD: u64 = 5;
 
@@ -29,10 +30,11 @@ pub struct Progress {
     events: bool,
     stop: Arc<Stop>,
     tasks: usize,
-    reused: AtomicUsize,
-    glances: AtomicU64,
-    /// Time of the next update, since the start of the campaign (ms).
-    next: AtomicU64,
+    reused: usize,
+    /// The number of updates of the display.
+    glances: u64,
+    /// Time of the next one, since the start of the campaign.
+    next: Duration,
 }
 
 impl Progress {
@@ -57,39 +59,30 @@ impl Progress {
         }
         let bars = (showing == Showing::Bars).then(|| Bars::new(&board));
         let lines = showing == Showing::Lines;
-        Self {
-            board,
-            bars,
-            lines,
-            events,
-            stop,
-            tasks: wanted.len(),
-            reused: AtomicUsize::new(0),
-            glances: AtomicU64::new(0),
-            next: AtomicU64::new(0),
-        }
+        Self { board, bars, lines, events, stop, tasks: wanted.len(), reused: 0, glances: 0, next: Duration::ZERO }
     }
 
     /// The job of a task, which is begun now if it was not before.
-    fn job(&self, task: Task) -> &Job {
-        let job = self.board.job(task);
-        if job.begin() && self.events {
-            EventLine::TaskBegun(About::new(&self.board, job)).tell();
+    fn job(&mut self, task: Task) -> &mut Job {
+        let place = self.board.place(task);
+        if self.board.jobs[place].begin() && self.events {
+            EventLine::TaskBegun(About::new(&self.board, &self.board.jobs[place])).tell();
         }
-        job
+        &mut self.board.jobs[place]
     }
 
     /// Updates the display, if it is time.
-    fn glance(&self) {
-        let now = self.board.began.elapsed().as_millis() as u64;
-        let next = self.next.load(Ordering::Relaxed);
-        if now < next || self.next.compare_exchange(next, now + GLANCE, Ordering::Relaxed, Ordering::Relaxed).is_err() {
+    fn glance(&mut self) {
+        let now = self.board.began.elapsed();
+        if now < self.next {
             return;
         }
-        if let Some(bars) = &self.bars {
+        self.next = now + GLANCE;
+        if let Some(bars) = &mut self.bars {
             bars.draw(&self.board);
         }
-        if self.glances.fetch_add(1, Ordering::Relaxed) % TOLD == TOLD - 1 && self.events {
+        self.glances += 1;
+        if self.glances.is_multiple_of(TOLD) && self.events {
             for job in self.board.jobs.iter().filter(|job| job.is_under_way()) {
                 EventLine::Progress {
                     about: About::new(&self.board, job),
@@ -104,7 +97,7 @@ impl Progress {
     }
 
     /// Ends a task; with the last one of a job comes what came of the job.
-    fn end(&self, task: Task, result: Result<String, String>) {
+    fn end(&mut self, task: Task, result: Result<String, String>) {
         let job = self.board.job(task);
         let (note, error) = match result {
             Ok(note) => (note, None),
@@ -113,7 +106,8 @@ impl Progress {
         if !job.end_task(error) {
             return;
         }
-        let error = job.error();
+        let job = &self.board.jobs[self.board.place(task)];
+        let error = &job.error;
         if self.stop.is_asked() && error.is_none() && job.done() < job.total {
             return;
         }
@@ -154,14 +148,14 @@ impl Progress {
     }
 
     /// Follows what happens in the campaign.
-    pub fn follow(&self, event: &Event<'_>) {
+    pub fn follow(&mut self, event: &Event<'_>) {
         match *event {
             Event::Begun(task) => {
                 self.job(task);
             }
             Event::Continued { task, units } => self.board.job(task).found(units),
             Event::Reused { task, units } => {
-                self.reused.fetch_add(1, Ordering::Relaxed);
+                self.reused += 1;
                 self.board.job(task).found(units);
                 self.end(task, Ok(String::new()));
             }
@@ -183,7 +177,7 @@ impl Progress {
                 self.end(Task::Training(training), told.map_err(ToString::to_string));
             }
             Event::Tried { evaluation } => {
-                self.board.job(Task::Chunk { evaluation, chunk: 0 }).advance(1);
+                self.board.job(Task::Chunk { evaluation, chunk: 0 }).advance();
                 self.glance();
             }
             Event::Evaluated { evaluation, chunk, error } => {
@@ -212,9 +206,27 @@ impl Drop for Progress {
         if let Some(bars) = &self.bars {
             bars.clear();
         }
-        let reused = *self.reused.get_mut();
+        let reused = self.reused;
         if reused > 0 && (self.lines || self.bars.is_some()) {
             console::note(&format!("{reused} of {} tasks were there already", self.tasks));
         }
+    }
+}
+
+/// The line of a job that has ended, with what came of it.
+fn line(board: &Board, job: &Job, note: &str) -> String {
+    let total = board.jobs.len();
+    let place = format!("[{:width$}/{total}]", board.ended(), width = total.to_string().len());
+    let note = if note.is_empty() { String::new() } else { format!(": {note}") };
+    let verb = if job.error.is_some() { job.kind.doing() } else { job.kind.done() };
+    format!("{place} {verb} {}{note} ({})", job.name, pace(job))
+}
+
+/// How long a job took, and how fast it was.
+fn pace(job: &Job) -> String {
+    let time = format!("{:.1} s", job.time().as_secs_f64());
+    match job.rate() {
+        Some(rate) => format!("{time}, {} {}/s", HumanCount(rate.round() as u64), job.kind.unit()),
+        None => time,
     }
 }

@@ -5,7 +5,6 @@ mod learnt;
 mod job;
 mod board;
 mod bars;
-mod lines;
 mod event_line;
 mod follow;
 
