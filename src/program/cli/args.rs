@@ -2,7 +2,7 @@ use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
 use super::{
     check, compare, config, debug, demo, explain, export, failures, fmt, judge, lsp, manual, merge, new, preview,
-    recheck, replay, run, status, verify,
+    recheck, replay, run, settings, status, verify,
 };
 
 const EXAMPLES: &str = "\
@@ -72,8 +72,8 @@ pub enum Command {
     #[command(after_help = status::EXAMPLES)]
     Status(status::StatusArgs),
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
-    #[command(after_help = config::EXAMPLES)]
-    Config(config::ConfigArgs),
+    #[command(after_help = config::EXAMPLES, args = settings::options())]
+    Config,
     /// Repeat an episode of a report, describe it, and compare it with the report.
     #[command(after_help = replay::EXAMPLES)]
     Replay(replay::ReplayArgs),

@@ -1,5 +1,5 @@
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches};
 
 use super::console;
 use super::settings::{self, FILE, Settings};
@@ -11,30 +11,6 @@ Examples:
   falsify config --seed 7 > falsify.toml     begin a file of settings
 
 A flag comes before the environment, which comes before falsify.toml, in this folder or the nearest one above.";
-
-/// Options of `falsify config`: the settings themselves. Their values are read from the matches.
-#[derive(Debug)]
-pub struct ConfigArgs;
-
-impl Args for ConfigArgs {
-    fn augment_args(command: Command) -> Command {
-        command.args(settings::options())
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl FromArgMatches for ConfigArgs {
-    fn from_arg_matches(_: &ArgMatches) -> Result<Self, Error> {
-        Ok(Self)
-    }
-
-    fn update_from_arg_matches(&mut self, _: &ArgMatches) -> Result<(), Error> {
-        Ok(())
-    }
-}
 
 /// `falsify config`: every setting with its value and where it comes from, in the form of `falsify.toml`.
 pub fn config(matches: &ArgMatches, settings: Option<&Settings>) {

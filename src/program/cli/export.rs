@@ -1,13 +1,14 @@
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::choice::choice;
 use super::console;
 use super::episode::{Named, RepeatArgs, resolved};
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
 use super::input::session;
-use crate::session::{self, Animation, EpisodePath, Export, Strip};
+use crate::session::{self, Drawing, EpisodePath, Picture};
 use export::{EXPORTERS, EgoDriver, Exporter, Variant, Walking};
 
 /// Shown after the help.
@@ -43,11 +44,17 @@ pub struct ExportArgs {
     #[arg(long)]
     pub formats: bool,
     /// The driver of the ego.
-    #[arg(long, value_enum, default_value = "recorded")]
-    pub ego: Ego,
+    #[arg(long, default_value = "recorded", value_parser = choice([
+        ("recorded", EgoDriver::Recorded, "The ego follows its recorded track"),
+        ("user", EgoDriver::User, "The ego starts as recorded, and your controller drives it"),
+    ]))]
+    pub ego: EgoDriver,
     /// When the pedestrians walk.
-    #[arg(long, value_enum, default_value = "recorded")]
-    pub pedestrians: Pedestrians,
+    #[arg(long, default_value = "recorded", value_parser = choice([
+        ("recorded", Walking::Recorded, "Pedestrians walk at the recorded times"),
+        ("released", Walking::Released, "Pedestrians start when the ego is as near as it was when they did"),
+    ]))]
+    pub pedestrians: Walking,
     /// The folder for the files.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
     pub out: PathBuf,
@@ -66,15 +73,6 @@ pub enum Format {
     Foreign(&'static dyn Exporter),
     /// A picture of ours.
     Drawing(Drawing),
-}
-
-/// A picture of an episode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Drawing {
-    /// Six frames side by side.
-    Strip,
-    /// An animation.
-    Animation,
 }
 
 /// The pictures: what they are called, what they are, and what they are drawn as.
@@ -104,38 +102,6 @@ fn format(text: &str) -> Result<Format, String> {
     found.ok_or_else(|| format!("the formats are {}", format_names()))
 }
 
-/// Who drives the ego (`--ego`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Ego {
-    /// The ego follows its recorded track
-    Recorded,
-    /// The ego starts as recorded, and your controller drives it
-    User,
-}
-
-/// When the pedestrians walk (`--pedestrians`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Pedestrians {
-    /// Pedestrians walk at the recorded times
-    Recorded,
-    /// Pedestrians start when the ego is as near as it was when they did
-    Released,
-}
-
-impl ExportArgs {
-    fn variant(&self) -> Variant {
-        let ego = match self.ego {
-            Ego::Recorded => EgoDriver::Recorded,
-            Ego::User => EgoDriver::User,
-        };
-        let walking = match self.pedestrians {
-            Pedestrians::Recorded => Walking::Recorded,
-            Pedestrians::Released => Walking::Released,
-        };
-        Variant { ego, walking }
-    }
-}
-
 /// `falsify export`
 pub fn export(options: &ExportArgs) -> Ended {
     let Some(format) = options.format.filter(|_| !options.formats) else {
@@ -143,9 +109,10 @@ pub fn export(options: &ExportArgs) -> Ended {
         return Ok(ExitCode::Done);
     };
     let episodes = resolved(&options.names)?;
+    let variant = Variant { ego: options.ego, walking: options.pedestrians };
     let exporter = match format {
         Format::Foreign(exporter) => exporter,
-        Format::Drawing(_) if options.variant() != Variant::default() => {
+        Format::Drawing(_) if variant != Variant::default() => {
             return Err(misused("a picture shows the recorded episode: leave out --ego and --pedestrians"));
         }
         Format::Drawing(drawing) => return Ok(draw(drawing, episodes, options)),
@@ -155,7 +122,7 @@ pub fn export(options: &ExportArgs) -> Ended {
         report: options.report.clone(),
         repeat: options.repeat.repeat.clone(),
         exporter,
-        variant: options.variant(),
+        variant,
         out: options.out.clone(),
     };
     let mut code = ExitCode::Done;
@@ -188,11 +155,8 @@ fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportArgs) -> E
         let report = report.unwrap_or_else(|| options.report.clone());
         let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat.clone() };
         let path = options.out.join(format!("{}-{}.svg", name.run, name.number));
-        let writer: Box<dyn Export> = match drawing {
-            Drawing::Strip => Box::new(Strip { path: path.clone() }),
-            Drawing::Animation => Box::new(Animation { path: path.clone() }),
-        };
-        let drawn = session.export(&which, writer.as_ref()).map_err(failed).and_then(|replay| {
+        let picture = Picture { drawing, path: path.clone() };
+        let drawn = session.export(&which, &picture).map_err(failed).and_then(|replay| {
             console::say(&format!("{name}  {}", path.display()));
             if replay.episode.differences.is_empty() {
                 return Ok(ExitCode::Done);

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::choice::choice;
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::failed;
@@ -51,8 +52,13 @@ pub struct FailuresArgs {
     #[arg(long, default_value_t = 0.0, value_name = "SPEED")]
     pub min_speed: f64,
     /// The order.
-    #[arg(long, value_enum, default_value_t = Order::Severity, value_name = "ORDER")]
-    pub sort: Order,
+    #[arg(long, default_value = "severity", value_name = "ORDER", value_parser = choice([
+        ("severity", FailureOrder::Severity, "Fault first, then by verdict; in each the fastest first"),
+        ("speed", FailureOrder::Speed, "The fastest first"),
+        ("time", FailureOrder::Time, "The shortest time to the touch first"),
+        ("report", FailureOrder::Report, "As in the report"),
+    ]))]
+    pub sort: FailureOrder,
     /// The number of failures; a table has 20 without it, other forms have all.
     #[arg(long, value_name = "N")]
     pub top: Option<usize>,
@@ -62,19 +68,6 @@ pub struct FailuresArgs {
     /// Print one `REPORT/RUN:EPISODE` a line, for other commands.
     #[arg(long, conflicts_with = "format")]
     pub names: bool,
-}
-
-/// The order of a list of failures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Order {
-    /// Fault first, then by verdict; in each the fastest first.
-    Severity,
-    /// The fastest first.
-    Speed,
-    /// The shortest time to the touch first.
-    Time,
-    /// As in the report.
-    Report,
 }
 
 /// The form of a list of failures.
@@ -105,12 +98,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
             kind: options.kind.clone(),
             min_speed: options.min_speed,
         },
-        order: match options.sort {
-            Order::Severity => FailureOrder::Severity,
-            Order::Speed => FailureOrder::Speed,
-            Order::Time => FailureOrder::Time,
-            Order::Report => FailureOrder::Report,
-        },
+        order: options.sort,
     };
     let found = session(false).failures(&wanted).map_err(failed)?;
     let is_table = options.format == Form::Table && !options.names;

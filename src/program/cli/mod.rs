@@ -18,6 +18,7 @@ mod merge;
 mod status;
 mod list;
 mod stored;
+mod choice;
 mod condition;
 mod gate;
 mod episode;
@@ -89,7 +90,7 @@ fn run_command() -> Ended {
         interrupt::end_when_asked();
     }
     match arguments.command {
-        args::Command::Config(_) => {
+        args::Command::Config => {
             let (_, options) = matches.subcommand().expect("it is the command `config`");
             config::config(options, settings.as_ref());
             Ok(ExitCode::Done)

@@ -35,10 +35,10 @@ pub struct ReplayArgs {
     #[command(flatten)]
     pub which: NameArgs,
     /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
-    #[arg(long, value_name = "FILE", value_parser = table_file, display_order = 101)]
+    #[arg(long, value_name = "FILE", value_parser = table_file, display_order = 16)]
     pub ticks: Option<PathBuf>,
     /// Print one JSON object, for programs.
-    #[arg(long, display_order = 102)]
+    #[arg(long, display_order = 17)]
     pub json: bool,
 }
 

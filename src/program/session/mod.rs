@@ -52,7 +52,7 @@ pub use driver_pairs::DriverPair;
 pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
 pub use error::{Change, Error, KeepError};
 pub use event::{Event, Notice, Observer, Silent};
-pub use export::{Animation, Export, Strip, TickTable};
+pub use export::{Drawing, Export, Picture, TickTable};
 pub use export_files::{ExportOptions, Exported};
 pub use failures::{FailuresOptions, FoundFailure};
 pub use growing_curves::NewestUpdate;

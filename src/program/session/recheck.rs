@@ -113,6 +113,14 @@ impl Session {
     }
 }
 
+/// A setup in which a report has a driver.
+struct Setup<'a> {
+    town: &'a str,
+    /// Its number in the town, from 0.
+    number: u64,
+    scenario: Arc<Scenario>,
+}
+
 /// The rows that encounters with a pair of drivers belong to.
 type Sets = BTreeMap<(String, FoundIn, WalkedBy), Vec<Encounter>>;
 
@@ -192,10 +200,12 @@ impl Sides {
         if starts == 0 {
             return Vec::new();
         }
-        let (goals, mut rows, mut other_start) = (crossings(LEVELS), Vec::new(), 0);
+        let goals = crossings(LEVELS);
+        let mut rows = Vec::new();
+        let mut other_start = 0;
         for pair in pairs {
-            for (town, setup, scenario) in self.setups(&pair.before) {
-                let row = self.cross(pair, (town, setup, &scenario), &goals, starts);
+            for setup in self.setups(&pair.before) {
+                let row = self.cross(pair, &setup, &goals, starts);
                 other_start += u64::from(starts) * goals.len() as u64 - row.encounters.len() as u64;
                 rows.push(row);
             }
@@ -206,20 +216,15 @@ impl Sides {
         rows
     }
 
-    fn cross(
-        &self,
-        pair: &DriverPair,
-        (town, setup, scenario): (&str, u64, &Arc<Scenario>),
-        goals: &[Goal],
-        starts: u32,
-    ) -> CrossedStarts {
+    fn cross(&self, pair: &DriverPair, setup: &Setup<'_>, goals: &[Goal], starts: u32) -> CrossedStarts {
+        let Setup { town, number, scenario } = setup;
         let role = new_role(&self.new, &pair.after, town, None).expect("the new driver is in a campaign");
         let before = self.is_there(&pair.before).then_some(scenario);
         let seed = self.old.seed.child("recheck").child(town);
         CrossedStarts {
             policies: [pair.before.clone(), pair.after.clone()],
-            town: town.to_owned(),
-            setup,
+            town: (*town).to_owned(),
+            setup: *number,
             crossings: goals.len() as u64,
             encounters: cross(goals, before, &with_driver(scenario, role), starts, seed),
             holm: None,
@@ -227,17 +232,18 @@ impl Sides {
     }
 
     /// The different setups in which the report has a driver, numbered in each town.
-    fn setups(&self, driver: &str) -> Vec<(&str, u64, Arc<Scenario>)> {
+    fn setups(&self, driver: &str) -> Vec<Setup<'_>> {
         let Campaign { evaluations, searches, .. } = &self.old.campaign;
         let evaluated = evaluations.iter().map(|each| (&*each.policy, &*each.town, &each.scenario));
         let searched = searches.iter().map(|each| (&*each.key.policy, &*each.key.town, &each.scenario));
-        let mut setups: Vec<(&str, u64, Arc<Scenario>)> = Vec::new();
+        let mut setups: Vec<Setup<'_>> = Vec::new();
         for (_, town, scenario) in evaluated.chain(searched).filter(|(policy, _, _)| *policy == driver) {
-            let of_town = || setups.iter().filter(|(other, _, _)| *other == town);
-            if !of_town().any(|(_, _, other)| is_alike(other, scenario)) {
+            let of_town = || setups.iter().filter(|other| other.town == town);
+            if !of_town().any(|other| is_alike(&other.scenario, scenario)) {
                 let number = of_town().count() as u64;
                 // Rewards are not of interest here.
-                setups.push((town, number, Arc::new(Scenario { oracle: None, ..Scenario::clone(scenario) })));
+                let scenario = Arc::new(Scenario { oracle: None, ..Scenario::clone(scenario) });
+                setups.push(Setup { town, number, scenario });
             }
         }
         setups

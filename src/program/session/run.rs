@@ -68,8 +68,15 @@ impl Session {
         }
         let mut campaigns = Vec::new();
         for campaign in &planned.plan.campaigns {
-            let name = options.report_name(campaign);
-            let run = CampaignRun { session: self, options, planned, store: &store, campaign, name, work };
+            let run = CampaignRun {
+                session: self,
+                options,
+                planned,
+                campaign,
+                store: &store,
+                work,
+                name: options.report_name(campaign),
+            };
             let outcome = pool.install(|| run.carry_out())?;
             self.tell(Event::Ended(&outcome));
             campaigns.push(outcome);
@@ -84,15 +91,15 @@ impl Session {
 }
 
 /// The run of one campaign.
-struct CampaignRun<'a> {
-    session: &'a Session,
-    options: &'a RunOptions,
-    planned: &'a Planned,
-    store: &'a Store,
-    campaign: &'a Campaign,
+pub(super) struct CampaignRun<'a> {
+    pub session: &'a Session,
+    pub options: &'a RunOptions,
+    pub planned: &'a Planned,
+    pub campaign: &'a Campaign,
+    pub store: &'a Store,
+    pub work: Work,
     /// The name of its report.
-    name: String,
-    work: Work,
+    pub name: String,
 }
 
 impl<'a> CampaignRun<'a> {
@@ -133,7 +140,7 @@ impl<'a> CampaignRun<'a> {
     }
 
     /// Records in the store what the campaign wants, and forgets what is to be done again.
-    fn begin_index(&self) -> Result<Index, Error> {
+    pub fn begin_index(&self) -> Result<Index, Error> {
         let Self { options, store, campaign, .. } = self;
         let begun = || {
             let mut index = Index::read(store, &self.name)?;
@@ -150,7 +157,7 @@ impl<'a> CampaignRun<'a> {
     }
 
     /// What the store has of the campaign, and where the rest goes.
-    fn results(&self, index: &Index) -> CampaignStore<'a> {
+    pub fn results(&self, index: &Index) -> CampaignStore<'a> {
         let results = CampaignStore::new(self.store, self.campaign, self.options.seed, self.options.limits());
         if self.options.fresh { results } else { results.continuing(index, self.options.seed) }
     }
@@ -161,7 +168,7 @@ impl<'a> CampaignRun<'a> {
         let finished = match self.work {
             Work::All => {
                 let tasks: Vec<Task> = campaign::tasks(campaign).collect();
-                self.session.run_tasks(campaign, &tasks, options, store, results)
+                self.run_tasks(&tasks, results)
             }
             Work::None => campaign::collect(campaign, results),
         };
@@ -171,7 +178,7 @@ impl<'a> CampaignRun<'a> {
     }
 
     /// Checks that nothing failed in the store.
-    fn check(&self, results: &CampaignStore<'_>) -> Result<(), Error> {
+    pub fn check(&self, results: &CampaignStore<'_>) -> Result<(), Error> {
         results.take_failure().map_or(Ok(()), |error| Err(self.options.keep(error)))
     }
 

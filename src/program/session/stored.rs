@@ -20,7 +20,7 @@ pub struct RepeatOptions {
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
     /// Continue although a scenario file has changed since the run.
-    #[arg(long, display_order = 100)]
+    #[arg(long, display_order = 15)]
     pub anyway: bool,
 }
 

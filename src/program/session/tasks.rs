@@ -5,33 +5,26 @@ use std::sync::Arc;
 
 use super::event_files::EventFiles;
 use super::growing_curves::GrowingCurves;
-use super::{Event, Observer, RunOptions, Session, Stop};
+use super::run::CampaignRun;
+use super::{Event, Observer, Stop};
 use base::seed::Seed;
-use compile::Campaign;
 use results::campaign::{self, Finished, Task};
-use results::store::{CampaignStore, Store};
+use results::store::CampaignStore;
 
-impl Session {
-    /// Runs tasks of a campaign until they are finished or the stop flag is raised.
-    pub(super) fn run_tasks(
-        &self,
-        campaign: &Campaign,
-        tasks: &[Task],
-        options: &RunOptions,
-        store: &Store,
-        results: &CampaignStore<'_>,
-    ) -> Finished {
-        let name = options.report_name(campaign);
-        let event_files = |folder: &Path| EventFiles::new(folder.join(&name), self.observer.clone());
+impl CampaignRun<'_> {
+    /// Runs tasks of the campaign until they are finished or the stop flag is raised.
+    pub fn run_tasks(&self, tasks: &[Task], results: &CampaignStore<'_>) -> Finished {
+        let Self { session, options, campaign, store, name, .. } = self;
+        let event_files = |folder: &Path| EventFiles::new(folder.join(name), session.observer.clone());
         let listener = Listener {
-            observer: self.observer.clone(),
-            curves: GrowingCurves::new(store.learning(&name), self.observer.clone()),
+            observer: session.observer.clone(),
+            curves: GrowingCurves::new(store.learning(name), session.observer.clone()),
             event_files: options.tensorboard.as_deref().map(event_files),
-            stop: self.stop.clone(),
+            stop: session.stop.clone(),
         };
-        self.tell(Event::TasksBegun(campaign, tasks));
+        session.tell(Event::TasksBegun(campaign, tasks));
         let finished = campaign::run_tasks(campaign, tasks, &Seed::root(options.seed), results, &listener);
-        self.tell(Event::TasksEnded);
+        session.tell(Event::TasksEnded);
         finished
     }
 }

@@ -13,29 +13,14 @@ use crate::cli::console;
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum EventLine<'a> {
-    /// A campaign starts.
-    CampaignBegun {
-        /// Its name.
-        campaign: &'a str,
-        /// How many jobs of each kind it has.
-        trainings: usize,
-        /// The number of evaluations.
-        evaluations: usize,
-        /// The number of searches.
-        searches: usize,
-    },
-    /// Learning curves grow in files while trainings run.
-    LearningCurves {
-        /// The campaign.
-        campaign: &'a str,
-        /// The folder of the files.
-        folder: &'a Path,
-    },
+    /// A campaign starts, with these numbers of jobs.
+    CampaignBegun { campaign: &'a str, trainings: usize, evaluations: usize, searches: usize },
+    /// Learning curves grow in files of this folder while trainings run.
+    LearningCurves { campaign: &'a str, folder: &'a Path },
     /// A job of work begins.
     TaskBegun(About<'a>),
     /// A job of work has come further; told about once a second.
     Progress {
-        /// The piece and its progress.
         #[serde(flatten)]
         about: About<'a>,
         /// Units per second.
@@ -50,7 +35,6 @@ pub enum EventLine<'a> {
     },
     /// A job of work has ended.
     TaskFinished {
-        /// The piece and its progress.
         #[serde(flatten)]
         about: About<'a>,
         /// Units that an earlier run of the program had done.
@@ -61,38 +45,19 @@ pub enum EventLine<'a> {
         rate_per_s: Option<f64>,
         /// Its result, for people.
         note: &'a str,
-        /// Its error.
         error: Option<&'a str>,
         /// What a training has learnt.
         #[serde(skip_serializing_if = "Option::is_none")]
         learning: Option<Learnt>,
     },
     /// A problem that does not end the run.
-    Warning {
-        /// The campaign.
-        campaign: &'a str,
-        /// The problem, for people.
-        message: &'a str,
-    },
+    Warning { campaign: &'a str, message: &'a str },
     /// A report is in its place.
-    ReportWritten {
-        /// The campaign.
-        campaign: &'a str,
-        /// Its folder.
-        folder: &'a Path,
-        /// Whether it is complete.
-        complete: bool,
-    },
+    ReportWritten { campaign: &'a str, folder: &'a Path, complete: bool },
     /// The overview of several reports is in its place.
-    OverviewWritten {
-        /// Its page.
-        page: &'a Path,
-    },
+    OverviewWritten { page: &'a Path },
     /// The program ends.
-    RunEnded {
-        /// The exit code.
-        exit_code: u8,
-    },
+    RunEnded { exit_code: u8 },
 }
 
 /// A job of work, and how far it is.
