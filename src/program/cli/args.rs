@@ -46,7 +46,8 @@ const GROUPS: [(&str, &[&str]); 5] = [
 /// The commands and options, with a help that lists the commands in groups.
 pub fn command() -> clap::Command {
     let command = Arguments::command();
-    let (heading, literal) = (*command.get_styles().get_header(), *command.get_styles().get_literal());
+    let heading = *command.get_styles().get_header();
+    let literal = *command.get_styles().get_literal();
     let mut help = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
     for (group, names) in GROUPS {
         help.push_str(&format!("\n{heading}{group}:{heading:#}\n"));

@@ -84,7 +84,8 @@ pub fn try_driver(options: &TrialArgs) -> ExitCode {
     }
     let ground = proving_ground();
     let drive = |worlds: usize| {
-        let (program, opener) = (program.clone(), opener.clone());
+        let program = program.clone();
+        let opener = opener.clone();
         let settings = Settings { worlds, ..settings };
         let maker = move || {
             Box::new(External::new(program.clone(), settings, opener.clone())) as Box<dyn world::av::DrivingPolicy>
@@ -92,7 +93,8 @@ pub fn try_driver(options: &TrialArgs) -> ExitCode {
         let mut scenario = ground.clone();
         scenario.cast.ego.policy = Arc::new(maker);
         let scenario = Arc::new(scenario);
-        let (seed, began) = (Seed::root(1), Instant::now());
+        let seed = Seed::root(1);
+        let began = Instant::now();
         let mut walker = Random::default();
         // One failure is enough; the others would show the same.
         let fell = Cell::new(false);

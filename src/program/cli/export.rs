@@ -139,8 +139,8 @@ pub fn export(options: &ExportArgs) -> Ended {
 /// Lists the formats.
 fn list() {
     for exporter in EXPORTERS {
-        let (name, about) = (exporter.name(), exporter.about());
-        console::say(&format!("{name:12} {about}\n{:12} approximated: {}", "", exporter.approximates()));
+        console::say(&format!("{:12} {}", exporter.name(), exporter.about()));
+        console::say(&format!("{:12} approximated: {}", "", exporter.approximates()));
     }
     for (name, about, _) in DRAWINGS {
         console::say(&format!("{name:12} {about}"));

@@ -107,7 +107,8 @@ fn write(preview: &Preview, options: &PreviewArgs, version: Option<String>) -> R
         name.push(ending);
         options.out.join(name)
     };
-    let (page, script) = (place(".preview.html"), place(".preview.js"));
+    let page = place(".preview.html");
+    let script = place(".preview.js");
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let follows = version.as_ref().map(|version| (address(&name(&script)), version.clone()));
     let text = preview.page(&name(&options.file), follows);

@@ -62,9 +62,7 @@ pub fn status(options: &StatusArgs) -> Ended {
     let campaigns = session(false).status(&of).map_err(failed)?;
     for campaign in &campaigns {
         match options.format {
-            Output::Json => {
-                console::say(&serde_json::to_string(campaign).expect("texts and numbers have a form in JSON"));
-            }
+            Output::Json => console::say_object(campaign),
             Output::Human => tell(campaign),
         }
     }
@@ -109,7 +107,8 @@ fn tell(campaign: &CampaignProgress) {
         }
         (None, Some(left)) => console::say(&format!("  about {} left for one thread", clock(left))),
         (None, None) if campaign.measured_s > 0.0 => {
-            let (known, unknown) = (clock(campaign.measured_s), campaign.unmeasured.join(" and "));
+            let known = clock(campaign.measured_s);
+            let unknown = campaign.unmeasured.join(" and ");
             console::say(&format!("  about {known} left for one thread, and the {unknown}, of which none is done yet"));
         }
         (None, None) => console::say("  too little is done to say how long the rest will take"),

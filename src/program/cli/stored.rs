@@ -30,8 +30,8 @@ fn tell(store: &Store, options: &StatusArgs) -> Result<(), StoreError> {
     for References { campaign, tasks, elsewhere, .. } in gone.iter().chain(&kept) {
         let there: Vec<u64> = tasks.iter().filter_map(|id| sizes.get(id).copied()).collect();
         let of = elsewhere.as_ref().map_or(String::new(), |out| format!(" of `{}`", out.display()));
-        let (count, all, size) = (there.len(), tasks.len(), megabytes(there.iter().sum()));
-        console::say(&format!("campaign {campaign}{of}: {count} of {all} tasks, {size}"));
+        let size = megabytes(there.iter().sum());
+        console::say(&format!("campaign {campaign}{of}: {} of {} tasks, {size}", there.len(), tasks.len()));
     }
     kept.iter().for_each(|wants| used.extend(&wants.tasks));
     let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(id)).collect();

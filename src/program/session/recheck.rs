@@ -68,7 +68,8 @@ impl Session {
         notes.extend(changed.map(|pair| RecheckNote::OldDriverGone { reason: reason(pair) }));
         let failures = sides.meet_failures(&pairs, &mut notes)?;
         let crossings = sides.cross_all(&pairs, options.starts, &mut notes);
-        let (report, files) = (options.report.clone(), options.files.clone());
+        let report = options.report.clone();
+        let files = options.files.clone();
         let mut recheck = Recheck { report, files, notes, failures, crossings };
         recheck.adjust();
         Ok(recheck)
@@ -103,7 +104,8 @@ impl Session {
 
     /// The campaigns of the new files: that of the report's name, or else all.
     fn new_campaigns(&self, options: &RecheckOptions, report: &StoredReport) -> Result<Vec<Campaign>, Error> {
-        let (files, settings) = (options.files.clone(), options.settings.clone());
+        let files = options.files.clone();
+        let settings = options.settings.clone();
         let plan = self.plan(&Input { files, maps: Vec::new(), settings })?.plan;
         if plan.campaigns.is_empty() {
             return Err(Error::NoCampaign { advice: plan.without_campaigns() });
@@ -143,8 +145,7 @@ impl Sides {
             let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
             // A touch of a standing car is no failure.
             for failure in self.old.report.failures(&filter)?.into_iter().filter(|failure| failure.moving) {
-                let name = failure.name();
-                let name: EpisodeName = name.parse().map_err(|_| Error::BadName { name })?;
+                let name = EpisodeName::of_table(failure.name())?;
                 runs.entry(name.run).or_default().push(failure);
             }
             for (run, failures) in runs {

@@ -59,9 +59,16 @@ impl Source {
         let row = EpisodeRow::new(&key, name.number, &outcome, &pair);
         let verdict = row.verdict;
         let again = record::episodes(&[row]);
-        let scenario = evaluation.scenario.clone();
-        let (title, differences, divergence) = (key.to_string(), Vec::new(), None);
-        let repeated = Repeated { name, title, scenario, outcome, trace, verdict, differences, divergence };
+        let repeated = Repeated {
+            name,
+            title: key.to_string(),
+            scenario: evaluation.scenario.clone(),
+            outcome,
+            trace,
+            verdict,
+            differences: Vec::new(),
+            divergence: None,
+        };
         self.compared(repeated, &stored, &again)
     }
 
@@ -86,9 +93,16 @@ impl Source {
             }
             None => Default::default(),
         };
-        let title = format!("found by {}", search.key);
-        let (scenario, differences, divergence) = (search.scenario.clone(), Vec::new(), None);
-        let repeated = Repeated { name, title, scenario, outcome, trace, verdict, differences, divergence };
+        let repeated = Repeated {
+            name,
+            title: format!("found by {}", search.key),
+            scenario: search.scenario.clone(),
+            outcome,
+            trace,
+            verdict,
+            differences: Vec::new(),
+            divergence: None,
+        };
         self.compared(repeated, &stored, &again)
     }
 

@@ -163,7 +163,8 @@ fn count(tasks: &[TaskStatus], word: &str, kind: &'static str) -> Option<KindPro
 
 /// The time of the remaining work on one thread (s), estimated from the finished part, and the kinds without a measurement.
 fn left(tasks: &[TaskStatus]) -> (f64, Vec<&'static str>) {
-    let (mut seconds, mut unmeasured) = (0.0, Vec::new());
+    let mut seconds = 0.0;
+    let mut unmeasured = Vec::new();
     for (word, kind) in KINDS {
         let left: u64 = of_kind(tasks, word).map(|task| task.amount - task.done()).sum();
         if left == 0 {

@@ -20,6 +20,7 @@ pub struct RepeatOptions {
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
     /// Continue although a scenario file has changed since the run.
+    // The help lists it behind --allow-external.
     #[arg(long, display_order = 15)]
     pub anyway: bool,
 }
@@ -102,8 +103,8 @@ impl Session {
         };
         let held = HeldFiles::new(&report, &place, self.reader.as_ref(), options.files.is_some());
         if let Some(file) = held.missing() {
-            let (path, report) = (file.path.clone(), report.folder().to_path_buf());
-            return Err(Error::NotHeld { path, report, blake3: file.blake3.clone() });
+            let report = report.folder().to_path_buf();
+            return Err(Error::NotHeld { path: file.path.clone(), report, blake3: file.blake3.clone() });
         }
         let planned = self.plan_from(&held, &input)?;
         let changes = changes(manifest, &planned.records, root.as_deref());

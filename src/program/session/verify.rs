@@ -102,8 +102,7 @@ fn chosen(source: &Source, options: &VerifyOptions) -> Result<Vec<EpisodeName>, 
     };
     let name = |place: usize| {
         let (run, number) = &all[place];
-        let name = format!("{run}:{number}");
-        name.parse().map_err(|_| Error::BadName { name })
+        EpisodeName::of_table(format!("{run}:{number}"))
     };
     places.into_iter().map(name).collect()
 }

@@ -94,6 +94,6 @@ impl<'a> About<'a> {
 impl EventLine<'_> {
     /// Prints it.
     pub fn tell(&self) {
-        console::say(&serde_json::to_string(self).expect("texts and numbers have a form in JSON"));
+        console::say_object(self);
     }
 }
