@@ -65,10 +65,10 @@ pub fn command() -> clap::Command {
 pub enum Command {
     /// Run campaigns: train pedestrians, evaluate them, search for failures, write reports.
     #[command(after_help = run::EXAMPLES, disable_help_flag = true)]
-    Run(run::RunArgs),
+    Run(Box<run::RunArgs>),
     /// Merge the work of the shards of a run, and write its reports.
     #[command(after_help = merge::EXAMPLES, disable_help_flag = true)]
-    Merge(merge::MergeArgs),
+    Merge(Box<merge::MergeArgs>),
     /// Show how far campaigns are and how to go on; show and remove what is stored.
     #[command(after_help = status::EXAMPLES)]
     Status(status::StatusArgs),
