@@ -42,7 +42,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("toml", &["results/report", "program/cli"]),
     ("lsp_server", &["program/lsp"]),
     ("lsp_types", &["program/lsp"]),
-    ("clap", &["program/cli"]),
+    ("clap", &["program/cli", "program/session"]),
     ("indicatif", &["program/cli"]),
     ("ctrlc", &["program/cli"]),
 ];

@@ -218,7 +218,7 @@ fn listed<T: std::fmt::Display>(all: &[T]) -> String {
     all.iter().map(|each| format!("  {each}")).collect::<Vec<_>>().join("\n")
 }
 
-fn named(names: &[String]) -> String {
+pub(super) fn named(names: &[String]) -> String {
     if names.is_empty() {
         return "none".into();
     }
