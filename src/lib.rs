@@ -47,7 +47,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A caller adds its own driving policy to the language with [`Catalog::with_policy`](language::Catalog::with_policy).
+//! A caller adds kinds of its own to the language: a driving policy with [`Catalog::with_policy`](language::Catalog::with_policy), a town with
+//! [`Catalog::with_town`](language::Catalog::with_town), a pedestrian that walks with [`Catalog::with_walker`](language::Catalog::with_walker).
+//! [`keys!`](language::keys) declares what a kind takes.
 #![doc = include_str!("ARCHITECTURE.md")]
 #![warn(missing_docs)]
 
@@ -59,11 +61,13 @@ pub mod language {
     #[doc(inline)]
     pub use base::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
     #[doc(inline)]
-    pub use base::signature::{Arguments, Param, Signature, Type};
+    pub use base::signature::{Choice, Keys, Param, Signature, Type};
+    #[doc(inline)]
+    pub use base::{choice, keys};
     #[doc(inline)]
     pub use compile::{
-        Campaign, Catalog, Compiled, Evaluation, MakePolicy, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
-        Training, TrainingKey,
+        Campaign, Catalog, Compiled, Evaluation, FalsifierKind, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
+        TownKind, Training, TrainingKey, WalkerKind,
     };
     #[doc(inline)]
     pub use lang::{Reader, Unreadable};
@@ -81,6 +85,26 @@ pub mod driving {
     pub use world::av::{DrivingMode, DrivingPolicy, Fault, Perception};
     #[doc(inline)]
     pub use world::sim::Control;
+}
+
+/// What a town is made of.
+pub mod towns {
+    #[doc(inline)]
+    pub use world::geometry::{OrientedBox, Point, Pose};
+    #[doc(inline)]
+    pub use world::road::TownParts;
+    #[doc(inline)]
+    pub use world::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
+}
+
+/// What a pedestrian that walks gets and returns.
+pub mod walking {
+    #[doc(inline)]
+    pub use world::env::PedestrianEnv;
+    #[doc(inline)]
+    pub use world::falsifier::WalkPolicy;
+    #[doc(inline)]
+    pub use world::sim::WalkCommand;
 }
 
 /// The data of a run, a report and a repeated episode.

@@ -15,6 +15,20 @@ pub struct Dimension {
     kilogram: i8,
 }
 
+/// The dimensions of quantities, by their short names.
+pub mod dimensions {
+    use super::Dimension;
+
+    pub const RATIO: Dimension = Dimension::RATIO;
+    pub const LENGTH: Dimension = Dimension::LENGTH;
+    pub const TIME: Dimension = Dimension::TIME;
+    pub const ANGLE: Dimension = Dimension::ANGLE;
+    pub const SPEED: Dimension = Dimension::SPEED;
+    pub const ACCELERATION: Dimension = Dimension::ACCELERATION;
+    pub const FREQUENCY: Dimension = Dimension::FREQUENCY;
+    pub const TURN_RATE: Dimension = Dimension::TURN_RATE;
+}
+
 impl Dimension {
     const fn new(metre: i8, second: i8, radian: i8, kilogram: i8) -> Self {
         Self { metre, second, radian, kilogram }

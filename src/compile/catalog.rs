@@ -1,8 +1,15 @@
 use std::sync::Arc;
 
+use super::campaign::{SAMPLED, TRAINED};
 use super::falsifier::FalsifierKind;
 use super::policy_kind::{PolicyKind, with_common_keys};
-use base::signature::{Form, Vocabulary};
+use super::town::{TownKind, with_objects};
+use super::walker::WalkerKind;
+use super::{
+    adversary, campaign, controller, episode, falsifier, policy, published, reward, sensors, spawn, town, training,
+    vehicle, walker,
+};
+use base::signature::{Form, Signature, Type, Vocabulary};
 use world::av::external::Opener;
 
 /// Tries a network where it can do no harm, before it is loaded into this process; the error is the reason, as a part of a sentence.
@@ -23,12 +30,47 @@ pub struct Catalog {
     /// Variables and events.
     pub vocabulary: Vocabulary,
     pub(super) policies: Vec<PolicyKind>,
+    pub(super) towns: Vec<TownKind>,
+    pub(super) walkers: Vec<WalkerKind>,
+    pub(super) falsifiers: Vec<FalsifierKind>,
     pub(super) opener: Option<Arc<dyn Opener>>,
     pub(super) network_trial: Option<Arc<NetworkTrial>>,
-    pub(super) falsifiers: Vec<FalsifierKind>,
 }
 
 impl Catalog {
+    /// The catalogue of this program; scenarios may not start programs.
+    pub fn builtin() -> Self {
+        let forms = vec![
+            town::form(),
+            policy::form(),
+            sensors::form(),
+            vehicle::form(),
+            adversary::form(),
+            spawn::form(),
+            reward::form(),
+            episode::form(),
+            training::form(),
+            controller::form(),
+            falsifier::form(),
+            published::form(),
+            campaign::form(),
+        ];
+        let bare = Self {
+            forms,
+            vocabulary: world::env::vocabulary(),
+            policies: Vec::new(),
+            towns: vec![town::drawn()],
+            walkers: Vec::new(),
+            falsifiers: Vec::new(),
+            opener: None,
+            network_trial: None,
+        };
+        let with_towns = town::kinds().into_iter().try_fold(bare, Self::with_town);
+        let with_policies = policy::kinds().into_iter().try_fold(with_towns.expect(DIFFER), Self::with_policy);
+        let with_walkers = walker::kinds().into_iter().try_fold(with_policies.expect(DIFFER), Self::with_walker);
+        falsifier::kinds().into_iter().try_fold(with_walkers.expect(DIFFER), Self::with_falsifier).expect(DIFFER)
+    }
+
     /// The same; scenarios may start programs through this opener.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }
@@ -49,13 +91,69 @@ impl Catalog {
     /// # Errors
     /// A kind of this name exists.
     pub fn with_policy(mut self, kind: PolicyKind) -> Result<Self, TakenKind> {
-        let form = self.forms.iter_mut().find(|form| form.name == "policy").expect("the form is built in");
-        let name = kind.signature.name;
-        if form.kinds.iter().any(|known| known.name == name) {
-            return Err(TakenKind { form: "policy", kind: name });
-        }
-        form.kinds.push(with_common_keys(kind.signature.clone()));
+        self.add("policy", with_common_keys(kind.signature.clone()))?;
         self.policies.push(kind);
         Ok(self)
     }
+
+    /// The same with one more kind of town. Obstacles may stand in it as in any town.
+    ///
+    /// # Errors
+    /// A kind of this name exists.
+    pub fn with_town(mut self, kind: TownKind) -> Result<Self, TakenKind> {
+        self.add("town", with_objects(kind.signature.clone()))?;
+        self.towns.push(kind);
+        Ok(self)
+    }
+
+    /// The same with one more kind of pedestrian that walks: a word for the `pedestrians` of an evaluation, and a kind of falsifier.
+    ///
+    /// # Errors
+    /// A pedestrian or a falsifier of this name exists.
+    pub fn with_walker(mut self, kind: WalkerKind) -> Result<Self, TakenKind> {
+        if self.has_pedestrian(kind.word()) {
+            return Err(TakenKind { form: "pedestrian", kind: kind.word() });
+        }
+        self = self.with_falsifier(kind.falsifier.clone())?;
+        let evaluate = self.form_of("campaign").plain.iter_mut().flat_map(|campaign| &mut campaign.children);
+        for param in evaluate.flat_map(|block| &mut block.params) {
+            if let Type::List(item) = &mut param.ty
+                && let Type::WordOrReference(words, "controller") = &mut **item
+            {
+                words.push(kind.word());
+            }
+        }
+        self.walkers.push(kind);
+        Ok(self)
+    }
+
+    /// The same with one more kind of falsifier.
+    ///
+    /// # Errors
+    /// A kind of this name exists.
+    pub fn with_falsifier(mut self, kind: FalsifierKind) -> Result<Self, TakenKind> {
+        self.add("falsifier", kind.signature.clone())?;
+        self.falsifiers.push(kind);
+        Ok(self)
+    }
+
+    /// Whether a built-in pedestrian has this name.
+    pub(super) fn has_pedestrian(&self, name: &str) -> bool {
+        [TRAINED, SAMPLED].contains(&name) || self.walkers.iter().any(|kind| kind.word() == name)
+    }
+
+    fn form_of(&mut self, name: &str) -> &mut Form {
+        self.forms.iter_mut().find(|form| form.name == name).expect("the form is built in")
+    }
+
+    fn add(&mut self, form: &'static str, signature: Signature) -> Result<(), TakenKind> {
+        let Form { kinds, plain, .. } = self.form_of(form);
+        if kinds.iter().chain(&*plain).any(|known| known.name == signature.name) {
+            return Err(TakenKind { form, kind: signature.name });
+        }
+        kinds.push(signature);
+        Ok(())
+    }
 }
+
+const DIFFER: &str = "the built-in kinds have different names";

@@ -38,7 +38,7 @@ impl Evaluation {
     pub fn training(&self) -> Option<usize> {
         match self.controller {
             ControllerKind::Trained(training) | ControllerKind::Sampled(training) => Some(training),
-            _ => None,
+            ControllerKind::Untrained(_) => None,
         }
     }
 }

@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
-use super::campaign::PEDESTRIANS;
 use super::lowering::Lowering;
-use base::signature::{DeclarationId, Form, Signature};
+use base::signature::{DeclarationId, Form, Keys, Signature};
 use lang::diagnostics;
 use lang::hir::Declaration;
+use world::av::external::ProgramKeys;
 use world::av::onnx::Network;
-use world::falsifier::{Controller, Networked, Programmed};
+use world::falsifier::{Controller, Networked, NetworkedKeys, Programmed, ProgrammedKeys};
 
 /// A kind of controller: its keys, and how it is made.
 struct ControllerKind {
@@ -18,26 +18,21 @@ struct ControllerKind {
 
 /// All kinds; a new one is a line here.
 const KINDS: [ControllerKind; 2] = [
-    ControllerKind { signature: Programmed::signature, lower: external },
-    ControllerKind { signature: Networked::signature, lower: onnx },
+    ControllerKind { signature: ProgrammedKeys::signature, lower: external },
+    ControllerKind { signature: NetworkedKeys::signature, lower: onnx },
 ];
 
 /// The form `controller`.
 pub fn form() -> Form {
-    Form {
-        name: "controller",
-        doc: "A controller of your own for the pedestrian. `pedestrians` of an `evaluate` block and a falsifier of kind `controlled` name it.",
-        plain: None,
-        multiplies: false,
-        kinds: KINDS.iter().map(|kind| (kind.signature)()).collect(),
-    }
+    let doc = "A controller of your own for the pedestrian. `pedestrians` of an `evaluate` block and a falsifier of kind `controlled` name it.";
+    Form::of_kinds("controller", doc, KINDS.iter().map(|kind| (kind.signature)()).collect())
 }
 
 impl Lowering<'_> {
     /// The controller; none after reporting what is wrong.
     pub fn controller(&mut self, id: DeclarationId) -> Option<Controller> {
         let declaration = self.program.get(id);
-        if PEDESTRIANS.contains(&declaration.name.as_str()) {
+        if self.catalog.has_pedestrian(&declaration.name) {
             let message = format!("`{}` is the name of a built-in controller", declaration.name);
             let help = "give it another name, so that both can be evaluated";
             self.said.push(diagnostics::contradiction(declaration.block.head, message).help(help));
@@ -50,16 +45,16 @@ impl Lowering<'_> {
 
 /// A program, if the user allows programs. It is not started here.
 fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
-    let arguments = &declaration.block.arguments;
+    let ProgrammedKeys { program: ProgramKeys { timeout, start_timeout, .. } } = declaration.block.keys();
     let (program, opener) = lowering.allowed_program(declaration)?;
-    let (timeout, start_timeout) = (arguments.number("timeout"), arguments.number("start_timeout"));
     let make = move || Box::new(Programmed::new(program.clone(), timeout, start_timeout, opener.clone())) as _;
     Some(Controller::new(&declaration.name, make))
 }
 
 /// A network from a file.
 fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
-    let network = lowering.network(declaration, |bytes| {
+    let NetworkedKeys { model } = declaration.block.keys();
+    let network = lowering.network(declaration, &model, |bytes| {
         let network = Network::read(bytes).map_err(|error| error.to_string())?;
         Networked::check(&network).map(|()| Arc::new(network)).map_err(|unsuitable| unsuitable.to_string())
     })?;

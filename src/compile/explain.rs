@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::{Catalog, interface_pages};
-use base::signature::{Event, Param, Signature, Type, Variable, bounds};
+use base::signature::{Event, Param, Signature, Variable, bounds};
 use base::units::{Dimension, UNIT_NAMES, parse_unit};
 use lang::error_index::{Mistake, mistakes};
 use lang::keywords::{WORDS, Word};
@@ -108,14 +108,7 @@ impl Catalog {
     /// The keys that accept a word.
     fn choosing(&self, word: &str) -> Vec<String> {
         fn gather(head: &str, signature: &Signature, word: &str, found: &mut Vec<String>) {
-            let takes = |ty: &Type| match ty {
-                Type::Choice(words) | Type::Step(words) | Type::WordOrReference(words, _) => words.contains(&word),
-                Type::List(item) => {
-                    matches!(&**item, Type::Choice(words) | Type::Step(words) | Type::WordOrReference(words, _) if words.contains(&word))
-                }
-                _ => false,
-            };
-            let params = signature.params.iter().filter(|param| takes(&param.ty));
+            let params = signature.params.iter().filter(|param| param.ty.words().contains(&word));
             found.extend(params.map(|param| format!("{head}\n\n{}", key(param))));
             for child in &signature.children {
                 gather(&format!("{head}, inside: {} {{ … }}", child.name), child, word, found);

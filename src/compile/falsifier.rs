@@ -1,13 +1,13 @@
 use std::sync::Arc;
 
 use base::diagnostic::Diagnostic;
-use base::signature::{Arguments, DeclarationId, Form, Signature, Value};
+use base::signature::{Arguments, DeclarationId, Form, Keys, Signature, Value};
 use lang::diagnostics;
 use lang::hir::Declaration;
 use learn::PpoConfig;
 use world::falsifier::{
-    Archive, Controlled, Controller, Exhaustive, Falsifier, Homing, Intercept, Learning, Natural, OpenLoop, Random,
-    Scripted, TreeSearch, Walking,
+    Archive, Controlled, ControlledKeys, Controller, Exhaustive, Falsifier, Learning, LearningKeys, OpenLoop,
+    TreeSearch,
 };
 
 /// What the keys of a falsifier may name.
@@ -19,69 +19,57 @@ pub struct Named {
 }
 
 /// A kind of falsifier: its keys, and how it is made.
+#[derive(Clone)]
 pub struct FalsifierKind {
     /// Its keys.
-    pub signature: fn() -> Signature,
+    pub signature: Signature,
     /// Makes one from checked arguments and what they name.
-    pub make: fn(&Arguments, &Named) -> Arc<dyn Falsifier>,
+    make: Make,
 }
 
-/// All kinds of falsifiers; a new one is a line here.
+type Make = Arc<dyn Fn(&Arguments, &Named) -> Arc<dyn Falsifier> + Send + Sync>;
+
+impl FalsifierKind {
+    /// A kind with these keys.
+    pub fn new<K: Keys, F: Falsifier + 'static>(make: impl Fn(K) -> F + Send + Sync + 'static) -> Self {
+        Self::naming(move |keys, _| make(keys))
+    }
+
+    /// A kind with these keys, which name what it is made of.
+    fn naming<K: Keys, F: Falsifier + 'static>(make: impl Fn(K, &Named) -> F + Send + Sync + 'static) -> Self {
+        let make = move |arguments: &_, named: &_| Arc::new(make(K::read(arguments), named)) as _;
+        Self { signature: K::signature(), make: Arc::new(make) }
+    }
+}
+
+/// All kinds of falsifiers but those that only walk; a new one is a line here.
 pub fn kinds() -> Vec<FalsifierKind> {
     vec![
-        FalsifierKind {
-            signature: Walking::<Random>::signature,
-            make: |_, _| Arc::new(Walking::new(Random::default())),
-        },
-        FalsifierKind { signature: Walking::<Homing>::signature, make: |_, _| Arc::new(Walking::new(Homing)) },
-        FalsifierKind { signature: Walking::<Intercept>::signature, make: |_, _| Arc::new(Walking::new(Intercept)) },
-        FalsifierKind {
-            signature: Walking::<Natural>::signature,
-            make: |arguments, _| Arc::new(Walking::natural(arguments)),
-        },
-        FalsifierKind { signature: Walking::<Scripted>::signature, make: |_, _| Arc::new(Walking::new(Scripted)) },
-        FalsifierKind {
-            signature: OpenLoop::cross_entropy_signature,
-            make: |arguments, _| Arc::new(OpenLoop::cross_entropy(arguments)),
-        },
-        FalsifierKind {
-            signature: OpenLoop::cma_es_signature,
-            make: |arguments, _| Arc::new(OpenLoop::cma_es(arguments)),
-        },
-        FalsifierKind { signature: TreeSearch::signature, make: |arguments, _| Arc::new(TreeSearch::new(arguments)) },
-        FalsifierKind { signature: Archive::signature, make: |arguments, _| Arc::new(Archive::new(arguments)) },
-        FalsifierKind { signature: Exhaustive::signature, make: |arguments, _| Arc::new(Exhaustive::new(arguments)) },
-        FalsifierKind {
-            signature: Learning::signature,
-            make: |_, named| {
-                let (config, environments) = named.training.clone().expect("checked: it has a training");
-                Arc::new(Learning::new(config, environments))
-            },
-        },
-        FalsifierKind {
-            signature: Controlled::signature,
-            make: |_, named| {
-                Arc::new(Controlled::new(named.controller.clone().expect("checked: it names a controller")))
-            },
-        },
+        FalsifierKind::new(OpenLoop::cross_entropy),
+        FalsifierKind::new(OpenLoop::cma_es),
+        FalsifierKind::new(TreeSearch::new),
+        FalsifierKind::new(Archive::new),
+        FalsifierKind::new(Exhaustive::new),
+        FalsifierKind::naming(|_: LearningKeys, named| {
+            let (config, environments) = named.training.clone().expect("checked: it has a training");
+            Learning::new(config, environments)
+        }),
+        FalsifierKind::naming(|_: ControlledKeys, named| {
+            Controlled::new(named.controller.clone().expect("checked: it names a controller"))
+        }),
     ]
 }
 
 /// The form `falsifier`.
-pub fn form(kinds: &[FalsifierKind]) -> Form {
-    Form {
-        name: "falsifier",
-        doc: "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.",
-        plain: None,
-        multiplies: false,
-        kinds: kinds.iter().map(|kind| (kind.signature)()).collect(),
-    }
+pub fn form() -> Form {
+    let doc = "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.";
+    Form::of_kinds("falsifier", doc, Vec::new())
 }
 
 /// Whether a falsifier trains pedestrians.
 pub fn learns(kinds: &[FalsifierKind], declaration: &Declaration) -> bool {
-    let signature = kinds.iter().map(|kind| (kind.signature)()).find(|signature| signature.name == declaration.kind);
-    signature.is_some_and(|signature| signature.params.iter().any(|param| param.name == "training"))
+    let kind = kinds.iter().find(|kind| kind.signature.name == declaration.kind);
+    kind.is_some_and(|kind| kind.signature.params.iter().any(|param| param.name == "training"))
 }
 
 /// The falsifier; one that [learns] needs a training.
@@ -91,7 +79,7 @@ pub fn lower(
     named: &Named,
     said: &mut Vec<Diagnostic>,
 ) -> Arc<dyn Falsifier> {
-    let found = kinds.iter().find(|candidate| (candidate.signature)().name == declaration.kind);
+    let found = kinds.iter().find(|candidate| candidate.signature.name == declaration.kind);
     let arguments = &declaration.block.arguments;
     let number = |key: &str| match optional(arguments, key) {
         Some(Value::Integer(number)) => Some(*number),

@@ -1,68 +1,39 @@
-use super::spawn::{ego_route, ego_route_param};
-use super::target_walk::numbers;
+use super::spawn::RouteKeys;
 use base::diagnostic::Diagnostic;
-use base::signature::{Distribution, Param, Signature, Type, Value};
-use base::units::Dimension;
+use base::keys;
+use base::signature::Distribution;
 use lang::diagnostics;
 use lang::hir::Declaration;
 use world::env::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, RoadShape, SpawnRule};
 use world::geometry::{Point, Pose};
 
-/// The word of a `spawn` with a given path of the pedestrian.
-pub const GIVEN_PATH: &str = "given_path";
-
-/// The kind of `spawn` with a given path of the pedestrian.
-pub fn signature() -> Signature {
-    Signature::new(
-        GIVEN_PATH,
-        "The pedestrian walks a stated path, whatever the car does. `scripted` follows it as it is given; other controllers choose its pace and turn it about its first point by their first command.",
-        vec![
-            Param::required("ego_poses", Type::List(Box::new(Type::Pose)), "Poses of which the ego takes one."),
-            Param::optional(
-                "ego_speed",
-                Type::Distribution { dimension: Dimension::SPEED, min: 0.0, max: 60.0 },
-                "Speed of the ego at the start. Without it the driver is in its steady state.",
-            ),
-            Param::optional(
-                "test_speed",
-                Type::positive(Dimension::SPEED),
-                "Speed that the driver holds before the start, instead of its own.",
-            ),
-            ego_route_param(),
-            Param::required(
-                "through",
-                Type::List(Box::new(Type::Point)),
-                "The points of the path, two at least. The pedestrian starts at the first and stands at the last.",
-            ),
-            Param::optional(
-                "speeds",
-                Type::List(Box::new(Type::positive(Dimension::SPEED))),
-                "The speed on each piece between two points, or one for all pieces.",
-            ),
-            Param::optional(
-                "times",
-                Type::List(Box::new(Type::non_negative(Dimension::TIME))),
-                "Instead of `speeds`: when it is at each point, the first at 0 s. A point that stands twice is a stop.",
-            ),
-            Param::with_default(
-                "delay",
-                Type::Distribution { dimension: Dimension::TIME, min: 0.0, max: 3600.0 },
-                "0 s",
-                "How long it stands at the first point, drawn for each episode.",
-            ),
-        ],
-    )
+keys! {
+    /// The pedestrian walks a stated path, whatever the car does. `scripted` follows it as it is given; other controllers choose
+    /// its pace and turn it about its first point by their first command.
+    pub struct GivenPathKeys = "given_path" {
+        /// Poses of which the ego takes one.
+        ego_poses: Vec<[f64; 3]>,
+        /// Speed of the ego at the start. Without it the driver is in its steady state.
+        ego_speed: Option<Distribution> as drawn(SPEED, 0.0, 60.0),
+        /// Speed that the driver holds before the start, instead of its own.
+        test_speed: Option<f64> as positive(SPEED),
+        ..route: RouteKeys,
+        /// The points of the path, two at least. The pedestrian starts at the first and stands at the last.
+        through: Vec<[f64; 2]>,
+        /// The speed on each piece between two points, or one for all pieces.
+        speeds: Option<Vec<f64>> as positive(SPEED),
+        /// Instead of `speeds`: when it is at each point, the first at 0 s. A point that stands twice is a stop.
+        times: Option<Vec<f64>> as non_negative(TIME),
+        /// How long it stands at the first point, drawn for each episode.
+        delay: Distribution as drawn(TIME, 0.0, 3600.0) = "0 s",
+    }
 }
 
 /// The rule for a declaration of this kind; none after reporting what is wrong.
 pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
-    let (block, arguments) = (&declaration.block, &declaration.block.arguments);
-    let place = |value: &Value| match *value {
-        Value::Point(x, y) => Point::new(x, y),
-        ref other => panic!("checked: a point, not {other:?}"),
-    };
-    let through: Vec<Point> = arguments.list("through").iter().map(place).collect();
-    let given = |key: &str| arguments.has(key).then(|| numbers(arguments, key));
+    let block = &declaration.block;
+    let keys: GivenPathKeys = block.keys();
+    let through: Vec<Point> = keys.through.into_iter().map(Point::from).collect();
     let mut wrong = |key: &str, message: String, help: &str| {
         said.push(diagnostics::contradiction(block.place(key), message).help(help.to_string()));
     };
@@ -72,7 +43,7 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         return None;
     }
     let pieces = through.len() - 1;
-    let times = match (given("speeds"), given("times")) {
+    let times = match (keys.speeds, keys.times) {
         (Some(_), Some(_)) => {
             wrong("times", "a path has either `speeds` or `times`".into(), "remove one of them");
             return None;
@@ -115,32 +86,27 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
             times
         }
     };
-    if arguments.has("ego_speed") && arguments.has("test_speed") {
+    if keys.ego_speed.is_some() && keys.test_speed.is_some() {
         wrong("test_speed", "the ego has either an `ego_speed` or a `test_speed`".into(), "remove one of them");
         return None;
     }
-    let pose = |value: &Value| match *value {
-        Value::Pose(x, y, yaw) => Pose::new(x, y, yaw),
-        ref other => panic!("checked: a pose, not {other:?}"),
-    };
-    let egos: Vec<Pose> = arguments.list("ego_poses").iter().map(pose).collect();
+    let egos: Vec<Pose> = keys.ego_poses.into_iter().map(Pose::from).collect();
     let apart = egos.iter().map(|ego| (ego.position() - through[0]).norm()).fold(f64::INFINITY, f64::min);
     let points = through.iter().zip(times).map(|(place, time)| PathPoint { place: *place, time }).collect();
-    let speed = arguments.has("ego_speed").then(|| arguments.distribution("ego_speed").clone());
     Some(SpawnRule {
         name: declaration.name.clone(),
         bearing: Distribution::Constant(0.0),
         distance: Distribution::Constant(apart),
         measure: Measure::Range,
         ego_start: EgoStart::Poses(egos),
-        test_speed: arguments.has("test_speed").then(|| arguments.number("test_speed")),
-        ego_route: ego_route(arguments),
+        test_speed: keys.test_speed,
+        ego_route: keys.route.turns(),
         road_shape: RoadShape::Any,
-        ego_speed: speed.map_or(EgoSpeed::Steady, EgoSpeed::Drawn),
+        ego_speed: keys.ego_speed.map_or(EgoSpeed::Steady, EgoSpeed::Drawn),
         heading: None,
         constraints: vec![Constraint::Clearance(CLEARANCE)],
         target_walk: None,
-        given_path: Some(GivenPath { points, delay: arguments.distribution("delay").clone() }),
+        given_path: Some(GivenPath { points, delay: keys.delay }),
     })
 }
 

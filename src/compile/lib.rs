@@ -1,11 +1,10 @@
 //! From the language to the simulation: the forms and kinds that a scenario may use, and HIR → [`Plan`].
 //!
-//! Every form has a file with two functions: its [`Form`](base::signature::Form), which the checker and the reference
-//! read, and a `lower` that turns checked values into something that runs. Kinds of driving policies own their
-//! signatures themselves; [`policy`](self) lists them.
+//! Every form has a file with its keys, its [`Form`](base::signature::Form), which the checker and the reference read, and a `lower` that turns
+//! the values of the keys into something that runs. Kinds of drivers, pedestrians and searches own their keys themselves. Each kind is a line of a
+//! table with its keys and its constructor; a [`Catalog`] holds those of the caller, too.
 
 mod catalog;
-mod builtin;
 mod reference;
 mod explain;
 mod interface_pages;
@@ -24,6 +23,7 @@ mod sector;
 mod reward;
 mod episode;
 mod training;
+mod walker;
 mod falsifier;
 mod published;
 mod controller;
@@ -45,13 +45,16 @@ mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use chunks::CHUNK;
+pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, Plan, Published, PublishedCell,
     PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
 };
-pub use policy_kind::{MakePolicy, PolicyKind};
+pub use policy_kind::PolicyKind;
 pub use published::published_columns;
 pub use run_id::{NoRunId, RunId};
 pub use stopping::StoppingRule;
+pub use town::TownKind;
+pub use walker::WalkerKind;

@@ -182,7 +182,7 @@ impl Lowering<'_> {
             return built.clone();
         }
         let map = self.maps.get(&declaration.name).map(PathBuf::as_path);
-        let built = town::lower(declaration, map, self.sources, self.read, self.said)
+        let built = town::lower(&self.catalog.towns, declaration, map, self.sources, self.read, self.said)
             .map(|town| BuiltTown { obstacles: Arc::new(Obstacles::new(&town.obstacles)), town: Arc::new(town) });
         self.shared.towns.entry(id).or_default().push((declaration.block.clone(), built.clone()));
         built

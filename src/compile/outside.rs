@@ -3,33 +3,16 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use base::signature::Signature;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
-use world::av::external::{External, Opener, Program, Settings};
-use world::av::onnx::{Model, Onnx};
+use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
+use world::av::onnx::{Model, Onnx, OnnxKeys};
 use world::env::PolicyMaker;
 
-/// A kind of driving policy with a program or a file: its keys, and how its maker is built.
-pub struct OutsideKind {
-    /// Its keys.
-    pub signature: fn() -> Signature,
-    /// Builds a maker; none after reporting what is wrong.
-    pub lower: fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker>,
-}
-
-/// All such kinds; a new one is a line here.
-pub fn kinds() -> Vec<OutsideKind> {
-    vec![
-        OutsideKind { signature: External::signature, lower: external },
-        OutsideKind { signature: Onnx::signature, lower: onnx },
-    ]
-}
-
 /// A program, if the user allows programs. It is not started here.
-fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let (program, opener) = lowering.allowed_program(declaration)?;
-    let settings = Settings::new(&declaration.block.arguments);
+    let settings = Settings::from(declaration.block.keys::<ExternalKeys>());
     Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
 }
 
@@ -37,7 +20,7 @@ impl Lowering<'_> {
     /// The program of the key `command` and its opener; none after reporting what is wrong. The program is not started.
     pub fn allowed_program(&mut self, declaration: &Declaration) -> Option<(Program, Arc<dyn Opener>)> {
         let place = declaration.block.place("command");
-        let command = declaration.block.arguments.text("command");
+        let ProgramKeys { command, .. } = &declaration.block.keys();
         let program = match Program::parse(command, self.beside(declaration, "")) {
             Ok(program) => program,
             Err(reason) => {
@@ -62,9 +45,10 @@ impl Lowering<'_> {
     pub fn network<T>(
         &mut self,
         declaration: &Declaration,
+        path: &str,
         load: impl FnOnce(Vec<u8>) -> Result<T, String>,
     ) -> Option<T> {
-        let (place, path) = (declaration.block.place("model"), declaration.block.arguments.text("model"));
+        let place = declaration.block.place("model");
         let bytes = self.read.bytes(&self.beside(declaration, path)).map_err(|error| reason(&error));
         if let (Ok(bytes), Some(trial)) = (&bytes, &self.catalog.network_trial)
             && let Err(reason) = trial(bytes)
@@ -78,9 +62,9 @@ impl Lowering<'_> {
 }
 
 /// A network from a file.
-fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let worlds = declaration.block.arguments.integer("worlds") as usize;
-    let model = lowering.network(declaration, |bytes| Model::read(bytes).map_err(|error| error.to_string()))?;
+pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let OnnxKeys { model, worlds } = declaration.block.keys();
+    let model = lowering.network(declaration, &model, |bytes| Model::read(bytes).map_err(|error| error.to_string()))?;
     let model = Arc::new(model);
     Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
 }

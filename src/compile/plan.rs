@@ -2,12 +2,13 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::campaign::{SAMPLED, TRAINED};
 use super::{Fingerprint, RunId};
 use base::seed::Seed;
-use base::signature::Arguments;
+use base::signature::{Arguments, Keys};
 use learn::PpoConfig;
-use world::av::Cruise;
-use world::av::external::External;
+use world::av::CruiseKeys;
+use world::av::external::ExternalKeys;
 use world::av::sensors::SensorModel;
 use world::env::Scenario;
 use world::falsifier::{Controller, Falsifier};
@@ -156,12 +157,12 @@ pub struct Driver {
 impl Driver {
     /// Whether it perceives no pedestrians, so that each of them can hit it. Reports show such a driver apart from those under test.
     pub fn sees_no_pedestrians(&self) -> bool {
-        self.kind == Cruise::KIND
+        self.kind == CruiseKeys::KIND
     }
 
     /// Whether it is a program of the user.
     pub fn is_external(&self) -> bool {
-        self.kind == External::KIND
+        self.kind == ExternalKeys::KIND
     }
 }
 
@@ -233,32 +234,17 @@ pub enum ControllerKind {
     Trained(usize),
     /// The same policy, with commands drawn from it as in training.
     Sampled(usize),
-    /// Draws every command uniformly from its range.
-    Random,
-    /// Walks straight at the ego.
-    Homing,
-    /// Walks to where it would meet an ego that keeps its velocity.
-    Intercept,
-    /// Crosses before the car as recorded pedestrians do.
-    Natural,
-    /// Walks as the test of its spawn rule states.
-    Scripted,
-    /// A controller that the files declare.
-    Declared(Controller),
+    /// A controller that learns nothing: a built-in one, or one that the files declare.
+    Untrained(Controller),
 }
 
 impl ControllerKind {
     /// Its name in tables.
     pub fn name(&self) -> &str {
         match self {
-            Self::Trained(_) => "trained",
-            Self::Sampled(_) => "sampled",
-            Self::Random => "random",
-            Self::Homing => "homing",
-            Self::Intercept => "intercept",
-            Self::Natural => "natural",
-            Self::Scripted => "scripted",
-            Self::Declared(controller) => controller.name(),
+            Self::Trained(_) => TRAINED,
+            Self::Sampled(_) => SAMPLED,
+            Self::Untrained(controller) => controller.name(),
         }
     }
 }

@@ -2,66 +2,58 @@ use std::sync::Arc;
 
 use super::Catalog;
 use super::lowering::Lowering;
-use super::outside::{self, OutsideKind};
 use super::plan::Driver;
-use super::policy_kind::{PolicyKind, with_common_keys};
-use super::sensors;
-use base::signature::{Form, Signature};
+use super::policy_kind::{CommonKeys, PolicyKind};
+use super::{outside, sensors};
+use base::signature::{Form, Keys, Signature};
 use lang::diagnostics;
 use lang::hir::Declaration;
 use ported::behavior_agent::BehaviorAgent;
 use ported::interfuser::InterFuser;
 use ported::lav::Lav;
+use world::av::external::ExternalKeys;
+use world::av::onnx::OnnxKeys;
 use world::av::sensors::SensorWrapper;
-use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, Idm, OracleBrake, Predictive, RssGuarded};
+use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, CruiseKeys, Idm, OracleBrake, Predictive, RssGuarded};
 use world::env::PolicyMaker;
 
 /// All kinds of driving policies; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
     vec![
-        PolicyKind::new(BehaviorAgent::signature(), BehaviorAgent::from_arguments),
-        PolicyKind::new(Lav::signature(), Lav::from_arguments),
-        PolicyKind::new(InterFuser::signature(), InterFuser::from_arguments),
-        PolicyKind::new(Idm::signature(), Idm::new),
-        PolicyKind::new(Cruise::signature(), Cruise::new),
-        PolicyKind::new(Aeb::signature(), Aeb::new),
-        PolicyKind::new(RssGuarded::signature(), RssGuarded::new),
-        PolicyKind::new(Predictive::signature(), Predictive::new),
-        PolicyKind::new(OracleBrake::signature(), OracleBrake::new),
-        PolicyKind::new(CarefulHuman::signature(), CarefulHuman::new),
+        PolicyKind::new(BehaviorAgent::from_keys),
+        PolicyKind::new(Lav::from_keys),
+        PolicyKind::new(InterFuser::from_keys),
+        PolicyKind::new(Idm::new),
+        PolicyKind::new(Cruise::new),
+        PolicyKind::new(Aeb::new),
+        PolicyKind::new(RssGuarded::new),
+        PolicyKind::new(Predictive::new),
+        PolicyKind::new(OracleBrake::new),
+        PolicyKind::new(CarefulHuman::new),
+        PolicyKind::outside::<ExternalKeys>(outside::external),
+        PolicyKind::outside::<OnnxKeys>(outside::onnx),
     ]
 }
 
 /// The form `policy`. Every kind takes `sensors` and `actuation_delay` in addition to the keys of its own signature.
-pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
-    let own = kinds.iter().map(|kind| kind.signature.clone());
-    let others = outside.iter().map(|kind| (kind.signature)());
-    Form {
-        name: "policy",
-        doc: "A driver under test.",
-        plain: None,
-        multiplies: false,
-        kinds: own.chain(others).map(with_common_keys).collect(),
-    }
+pub fn form() -> Form {
+    Form::of_kinds("policy", "A driver under test.", Vec::new())
 }
 
 /// A maker of new drivers with their sensors and their delay; none after reporting what is wrong.
 pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let mut make = driver(declaration, lowering)?;
-    let arguments = &declaration.block.arguments;
-    let delay = arguments.number("actuation_delay");
-    if delay > 0.0 {
+    let CommonKeys { sensors, actuation_delay } = declaration.block.keys();
+    if actuation_delay > 0.0 {
         let prompt = make;
-        make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), delay)));
+        make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), actuation_delay)));
     }
-    if !arguments.has("sensors") {
-        return Some(make);
-    }
+    let Some(sensors) = sensors else { return Some(make) };
     let written = declaration.block.places.iter().find(|(key, _)| *key == "sensors");
-    if let Some((_, span)) = written.filter(|_| declaration.kind == Cruise::KIND) {
+    if let Some((_, span)) = written.filter(|_| declaration.kind == CruiseKeys::KIND) {
         lowering.said.push(diagnostics::sensors_without_effect(*span, declaration.kind));
     }
-    let sensors = lowering.program.get(arguments.reference("sensors"));
+    let sensors = lowering.program.get(sensors);
     let model = Arc::new(sensors::lower(&sensors.block));
     Some(Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone()))))
 }
@@ -76,7 +68,8 @@ pub fn signature<'a>(declaration: &Declaration, catalog: &'a Catalog) -> Option<
 pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
     let kind = signature(declaration, lowering.catalog);
     let arguments = &declaration.block.arguments;
-    let sensors = arguments.has("sensors").then(|| lowering.program.get(arguments.reference("sensors")));
+    let CommonKeys { sensors, .. } = declaration.block.keys();
+    let sensors = sensors.map(|sensors| lowering.program.get(sensors));
     Driver {
         name: declaration.name.clone(),
         kind: declaration.kind,
@@ -92,12 +85,6 @@ pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
 }
 
 fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let kind = declaration.kind;
-    if let Some(outside) = outside::kinds().into_iter().find(|candidate| (candidate.signature)().name == kind) {
-        return (outside.lower)(declaration, lowering);
-    }
-    let found = lowering.catalog.policies.iter().find(|candidate| candidate.signature.name == kind);
-    let make = found.expect("checked: the kind is in the catalogue").make.clone();
-    let arguments = declaration.block.arguments.clone();
-    Some(Arc::new(move || make(&arguments)))
+    let found = lowering.catalog.policies.iter().find(|kind| kind.signature.name == declaration.kind);
+    (found.expect("checked: the kind is in the catalogue").lower)(declaration, lowering)
 }

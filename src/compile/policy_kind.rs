@@ -1,45 +1,55 @@
 use std::sync::Arc;
 
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+use super::lowering::Lowering;
+use base::keys;
+use base::signature::{DeclarationId, Keys, Signature};
+use lang::hir::Declaration;
 use world::av::DrivingPolicy;
-
-/// Makes a driving policy from checked arguments.
-pub type MakePolicy = Arc<dyn Fn(&Arguments) -> Box<dyn DrivingPolicy> + Send + Sync>;
+use world::env::PolicyMaker;
 
 /// A kind of driving policy: the keys that it takes, and how one is made.
 #[derive(Clone)]
 pub struct PolicyKind {
     /// Its name, its keys and its documentation.
     pub signature: Signature,
-    /// Makes one from checked arguments.
-    pub make: MakePolicy,
+    /// Builds a maker; none after reporting what is wrong.
+    pub(super) lower: Lower,
 }
 
+/// From a declaration to what makes new drivers; none after reporting what is wrong.
+type Lower = Arc<dyn Fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker> + Send + Sync>;
+
 impl PolicyKind {
-    /// A kind with this signature. `make` is called once for each driver that is needed, from any thread; it gets a value for each key of the
-    /// signature.
-    pub fn new<P: DrivingPolicy + 'static>(
-        signature: Signature,
-        make: impl Fn(&Arguments) -> P + Send + Sync + 'static,
+    /// A kind with these keys. `make` is called once for each driver that is needed, from any thread.
+    pub fn new<K: Keys + 'static, P: DrivingPolicy + 'static>(make: impl Fn(K) -> P + Send + Sync + 'static) -> Self {
+        let make = Arc::new(make);
+        Self::outside::<K>(move |declaration, _| {
+            let (arguments, make) = (declaration.block.arguments.clone(), make.clone());
+            Some(Arc::new(move || Box::new(make(K::read(&arguments)))))
+        })
+    }
+
+    /// A kind that needs a program or a file in addition to these keys.
+    pub(super) fn outside<K: Keys>(
+        lower: impl Fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker> + Send + Sync + 'static,
     ) -> Self {
-        Self { signature, make: Arc::new(move |arguments| Box::new(make(arguments))) }
+        Self { signature: K::signature(), lower: Arc::new(lower) }
+    }
+}
+
+keys! {
+    /// What every kind takes in addition to its own keys.
+    pub struct CommonKeys {
+        /// What the driver perceives of other actors, and how late (`latency`); without any it knows of all exactly and at
+        /// once.
+        sensors: Option<DeclarationId> as Reference("sensors") = "perfect",
+        /// Time from a command of the driver until pedals and wheel follow it, in whole ticks.
+        actuation_delay: f64 as within(TIME, 0.0, 10.0) = "0 s",
     }
 }
 
 /// The signature of a kind with the keys that every kind takes.
 pub(super) fn with_common_keys(mut signature: Signature) -> Signature {
-    signature.params.push(Param::with_default(
-        "sensors",
-        Type::Reference("sensors"),
-        "perfect",
-        "What the driver perceives of other actors, and how late (`latency`); without any it knows of all exactly and at once.",
-    ));
-    signature.params.push(Param::with_default(
-        "actuation_delay",
-        Type::Quantity { dimension: Dimension::TIME, min: 0.0, max: 10.0 },
-        "0 s",
-        "Time from a command of the driver until pedals and wheel follow it, in whole ticks.",
-    ));
+    signature.params.extend(CommonKeys::signature().params);
     signature
 }

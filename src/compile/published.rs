@@ -1,6 +1,7 @@
 use super::plan::{Published, PublishedCell, PublishedFigure};
 use base::diagnostic::Diagnostic;
-use base::signature::{DeclarationId, Form, Param, Signature, Type};
+use base::keys;
+use base::signature::{DeclarationId, Form, Keys, Param, Signature, Type};
 use base::units::Dimension;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration, Program};
@@ -22,78 +23,80 @@ pub fn published_columns() -> impl Iterator<Item = &'static str> {
     FIGURES.into_iter().map(|(column, ..)| column)
 }
 
+keys! {
+    /// Figures that others have published, to stand beside those of a campaign that names them.
+    pub struct PublishedKeys = "published" {
+        /// Where the figures are from, for the report.
+        source: String,
+        /// How many trainings the figures are averaged over.
+        runs: u32 as whole(1, 1_000_000) = "3",
+    }
+}
+
+keys! {
+    /// Figures of one cell of a published table, as they are printed.
+    pub struct CellKeys = "cell" {
+        /// Rewards that this cell is for.
+        rewards: Vec<DeclarationId> as Reference("reward"),
+        /// Towns that its pedestrians were tried in.
+        towns: Vec<DeclarationId> as Reference("town"),
+        /// Drivers that they were tried against.
+        policies: Vec<DeclarationId> as Reference("policy"),
+    }
+}
+
 /// The form `published`.
 pub fn form() -> Form {
-    let names = |form| Type::List(Box::new(Type::Reference(form)));
-    let mut cell = vec![
-        Param::required("rewards", names("reward"), "Rewards that this cell is for."),
-        Param::required("towns", names("town"), "Towns that its pedestrians were tried in."),
-        Param::required("policies", names("policy"), "Drivers that they were tried against."),
-    ];
+    let figure = |name, ty, doc| Param::new::<Option<f64>>(name, ty, None, doc);
+    let mut cells = CellKeys::signature();
     for (_, mean, spread, doc) in FIGURES {
-        cell.push(Param::optional(mean, Type::any(Dimension::RATIO), doc));
-        cell.push(Param::optional(spread, Type::non_negative(Dimension::RATIO), SPREAD));
+        cells.params.push(figure(mean, Type::any(Dimension::RATIO), doc));
+        cells.params.push(figure(spread, Type::non_negative(Dimension::RATIO), SPREAD));
     }
-    let params = vec![
-        Param::required("source", Type::Text, "Where the figures are from, for the report."),
-        Param::with_default(
-            "runs",
-            Type::Integer { min: 1, max: 1_000_000 },
-            "3",
-            "How many trainings the figures are averaged over.",
-        ),
-    ];
-    let cells = Signature::new("cell", "Figures of one cell of a published table, as they are printed.", cell);
-    let margins = FIGURES.map(|(_, mean, _, doc)| Param::optional(mean, Type::positive(Dimension::RATIO), doc));
+    let margins = FIGURES.map(|(_, mean, _, doc)| figure(mean, Type::positive(Dimension::RATIO), doc));
     let margins = Signature::new(
         "margins",
         "For each figure, the difference that matters: ours is equivalent where the difference is shown to be smaller.",
         margins.into(),
     );
-    Form {
-        name: "published",
-        doc: "Figures that others have published, to stand beside those of a campaign that names them.",
-        plain: Some(Signature { children: vec![margins, cells], ..Signature::new("published", "", params) }),
-        multiplies: false,
-        kinds: Vec::new(),
-    }
+    Form::plain(PublishedKeys::signature().holding(vec![margins, cells]))
 }
 
 /// The figures of a declaration.
 pub fn lower(declaration: &Declaration, program: &Program, said: &mut Vec<Diagnostic>) -> Published {
-    let arguments = &declaration.block.arguments;
+    let PublishedKeys { source, runs } = declaration.block.keys();
     let mut margins = declaration.block.nested("margins");
     let stated = margins.next();
     if let Some(second) = margins.next() {
         said.push(diagnostics::contradiction(second.head, "`margins` is given twice".to_string()));
     }
-    Published {
-        source: arguments.text("source").to_string(),
-        docs: declaration.docs.join(" "),
-        runs: arguments.integer("runs") as u32,
-        cells: declaration.block.nested("cell").map(|block| cell(block, stated, program, said)).collect(),
-    }
+    let cells = declaration.block.inside().map(|(block, keys)| cell(block, keys, stated, program, said)).collect();
+    Published { source, docs: declaration.docs.join(" "), runs, cells }
 }
 
-fn cell(block: &Block, margins: Option<&Block>, program: &Program, said: &mut Vec<Diagnostic>) -> PublishedCell {
-    let arguments = &block.arguments;
+fn cell(
+    block: &Block,
+    keys: CellKeys,
+    margins: Option<&Block>,
+    program: &Program,
+    said: &mut Vec<Diagnostic>,
+) -> PublishedCell {
+    let given = |key| block.arguments.read::<Option<f64>>(key);
     for (_, mean, spread, _) in FIGURES {
-        if arguments.has(spread) && !arguments.has(mean) {
+        if given(spread).is_some() && given(mean).is_none() {
             let message = format!("`{spread}` is the spread of `{mean}`, which is not given");
             said.push(diagnostics::contradiction(block.place(spread), message));
         }
     }
-    let name = |id: DeclarationId| program.get(id).name.clone();
-    let names = |key| arguments.references(key).into_iter().map(name).collect();
-    let given = |key| arguments.has(key).then(|| arguments.number(key));
-    let margin = |mean| margins.filter(|block| block.arguments.has(mean)).map(|block| block.arguments.number(mean));
+    let names = |ids: Vec<DeclarationId>| ids.into_iter().map(|id| program.get(id).name.clone()).collect();
+    let margin = |mean| margins.and_then(|block| block.arguments.read(mean));
     let figure = |(column, mean, spread, _)| {
         Some(PublishedFigure { column, mean: given(mean)?, sd: given(spread), margin: margin(mean) })
     };
     PublishedCell {
-        rewards: names("rewards"),
-        towns: names("towns"),
-        policies: names("policies"),
+        rewards: names(keys.rewards),
+        towns: names(keys.towns),
+        policies: names(keys.policies),
         figures: FIGURES.into_iter().filter_map(figure).collect(),
     }
 }

@@ -1,26 +1,20 @@
-use base::signature::{Form, Param, Signature, Type};
+use base::keys;
+use base::signature::{Form, Formula, Keys, Signature};
 use lang::hir::Block;
 use world::env::{HitClass, RewardRule};
 
-/// The form `reward`.
-pub fn form() -> Form {
-    Form {
-        name: "reward",
-        doc: "What the pedestrian is paid for: `on event => formula`, a plain number each. \
-              An event without a clause is worth nothing.",
-        plain: Some(Signature { clauses: true, ..Signature::new("reward", "", vec![potential()]) }),
-        multiplies: false,
-        kinds: Vec::new(),
+keys! {
+    /// What the pedestrian is paid for: `on event => formula`, a plain number each. An event without a clause is worth nothing.
+    pub struct RewardKeys = "reward" {
+        /// Potential Φ of a state, by which a learner finds its way: a decision earns it γ Φ(after) − Φ(before) more, and Φ is 0
+        /// once the episode has ended. Shifts what is optimal nowhere; every reward in reports is without it.
+        potential: Option<Formula> as Formula("step"),
     }
 }
 
-fn potential() -> Param {
-    Param::optional(
-        "potential",
-        Type::Formula("step"),
-        "Potential Φ of a state, by which a learner finds its way: a decision earns it γ Φ(after) − Φ(before) more, and Φ is 0 once \
-         the episode has ended. Shifts what is optimal nowhere; every reward in reports is without it.",
-    )
+/// The form `reward`.
+pub fn form() -> Form {
+    Form::plain(Signature { clauses: true, ..RewardKeys::signature() })
 }
 
 pub fn lower(block: &Block) -> RewardRule {
@@ -33,6 +27,6 @@ pub fn lower(block: &Block) -> RewardRule {
         step: find("step", None),
         lost: find("lost", None),
         timeout: find("timeout", None),
-        potential: block.arguments.condition("potential").cloned(),
+        potential: block.keys::<RewardKeys>().potential,
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 #[cfg(doc)]
 use super::Fingerprint;
-use super::plan::{Campaign, ControllerKind, Training};
+use super::plan::{Campaign, Training};
 use super::run_id::RunId;
 
 /// The number of bytes that the names of most runs take together.
@@ -64,16 +64,9 @@ impl Campaign {
             let names = names.and(&evaluation.town).and(&evaluation.policy);
             let names =
                 names.and(&evaluation.vehicle).and(&evaluation.adversary).and(&evaluation.fingerprint.to_string());
-            evaluation.id = register.name(match &evaluation.controller {
-                ControllerKind::Trained(training) | ControllerKind::Sampled(training) => {
-                    names.and_training(&self.trainings[*training])
-                }
-                ControllerKind::Random
-                | ControllerKind::Homing
-                | ControllerKind::Intercept
-                | ControllerKind::Natural
-                | ControllerKind::Scripted
-                | ControllerKind::Declared(_) => names,
+            evaluation.id = register.name(match evaluation.training() {
+                Some(training) => names.and_training(&self.trainings[training]),
+                None => names,
             });
         }
         for search in &mut self.searches {

@@ -1,133 +1,111 @@
 use base::diagnostic::Diagnostic;
-use base::signature::{Arguments, Distribution, Param, Signature, Type, Value};
-use base::units::Dimension;
+use base::signature::Distribution;
+use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::Declaration;
 use world::env::{
     EgoSpeed, EgoStart, Measure, RoadShape, SpawnRule, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
-use world::geometry::Pose;
 
 /// Half the length of the longest car of the catalogue (m), for checks that do not know the car.
 const LONGEST_HALF: f64 = 2.5;
-/// The word of a test in which the target crosses the path of the car.
-const CROSSING: &str = "crossing_test";
-
-/// The kinds of `spawn` that are tests with a pedestrian target.
-pub fn signatures() -> Vec<Signature> {
-    let common = |speed: &'static str, headway: &'static str| {
-        vec![
-            Param::required(
-                "meeting",
-                Type::Pose,
-                "The middle of the car's front when the car meets the target: on the middle of a straight lane and along it.",
-            ),
-            Param::required(
-                "test_speeds",
-                Type::List(Box::new(Type::positive(Dimension::SPEED))),
-                "Speeds that the driver holds before the start. The cases are all pairs of a speed and an overlap, in this order; episodes take them in turn.",
-            ),
-            Param::required(
-                "overlaps",
-                Type::List(Box::new(Type::share())),
-                "Places on the car's front that meet the target's impact point, as shares of its width: from the side of the target, or from the right along the path.",
-            ),
-            Param::with_default(
-                "walking_speed",
-                Type::non_negative(Dimension::SPEED),
-                speed,
-                "Speed of the `scripted` target. Other controllers choose speed and heading of the line by their first command.",
-            ),
-            Param::with_default(
-                "reach",
-                Type::non_negative(Dimension::LENGTH),
-                "1 m",
-                "Way within which the target reaches its speed, at a constant acceleration. The body of the adversary must be able to: `ramp: 0 s`.",
-            ),
-            Param::with_default(
-                "headway",
-                Type::positive(Dimension::TIME),
-                headway,
-                "Time from the start to the meeting if the car keeps its speed. A target whose way takes longer starts nearer.",
-            ),
-            Param::with_default(
-                "target",
-                Type::Choice(&["adult", "child"]),
-                "adult",
-                "The box of the target with its impact point: 0.6 m by 0.5 m and 0.36 m behind its front, or 0.711 m by 0.298 m and 0.396 m.",
-            ),
-            Param::with_default(
-                "criterion",
-                Type::Choice(&["no_contact", "euro_ncap", "un_r152"]),
-                "no_contact",
-                "How reports judge an impact speed: passed without contact, the colours of Euro NCAP, or the limits of UN R152 for M1 and N1.",
-            ),
-        ]
-    };
-    let mut crossing = common("5 km/h", "6 s");
-    crossing.extend([
-        Param::with_default(
-            "from",
-            Type::Choice(&["right", "left"]),
-            "right",
-            "Side of the car from which the target comes.",
-        ),
-        Param::with_default(
-            "distance",
-            Type::positive(Dimension::LENGTH),
-            "4 m",
-            "Distance of the target's start from the line on which the middle of the car drives.",
-        ),
-        Param::with_default(
-            "approach",
-            Type::Distribution { dimension: Dimension::RATIO, min: 0.05, max: 2.0 },
-            "100 percent",
-            "Share of its way that the target starts from, drawn for each episode.",
-        ),
-    ]);
-    vec![
-        Signature::new(
-            CROSSING,
-            "A test in which a target crosses the path of the car on a straight line. The target is released once, so that it would meet the stated share of the car's width if the car kept its speed.",
-            crossing,
-        ),
-        Signature::new(
-            "along_test",
-            "A test in which a target walks ahead in the path of the car, or stands there at a `walking_speed` of 0.",
-            common("5 km/h", "6 s"),
-        ),
-    ]
+choice! {
+    /// The target of a test.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Target {
+        Adult = "adult",
+        Child = "child",
+    }
 }
 
-/// The rule for a declaration of one of these kinds; none after reporting what is wrong.
-pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
-    let (block, arguments) = (&declaration.block, &declaration.block.arguments);
-    let crossing = declaration.kind == CROSSING;
-    let overlaps = numbers(arguments, "overlaps");
-    let case = |test_speed: f64| overlaps.iter().map(move |overlap| TestCase { test_speed, overlap: *overlap });
-    let cases: Vec<TestCase> = numbers(arguments, "test_speeds").into_iter().flat_map(case).collect();
-    let Value::Pose(x, y, yaw) = *arguments.value("meeting") else { panic!("checked: a pose") };
-    let (distance, approach, from) = if crossing {
-        let from = if arguments.choice("from") == "left" { TargetSide::Left } else { TargetSide::Right };
-        (arguments.number("distance"), arguments.distribution("approach").clone(), from)
-    } else {
-        (0.0, Distribution::Constant(1.0), TargetSide::Along)
+keys! {
+    /// What all tests take.
+    pub struct TestKeys {
+        /// The middle of the car's front when the car meets the target: on the middle of a straight lane and along it.
+        meeting: [f64; 3],
+        /// Speeds that the driver holds before the start. The cases are all pairs of a speed and an overlap, in this order;
+        /// episodes take them in turn.
+        test_speeds: Vec<f64> as positive(SPEED),
+        /// Places on the car's front that meet the target's impact point, as shares of its width: from the side of the target,
+        /// or from the right along the path.
+        overlaps: Vec<f64> as share(),
+        /// Speed of the `scripted` target. Other controllers choose speed and heading of the line by their first command.
+        walking_speed: f64 as non_negative(SPEED) = "5 km/h",
+        /// Way within which the target reaches its speed, at a constant acceleration. The body of the adversary must be able
+        /// to: `ramp: 0 s`.
+        reach: f64 as non_negative(LENGTH) = "1 m",
+        /// Time from the start to the meeting if the car keeps its speed. A target whose way takes longer starts nearer.
+        headway: f64 as positive(TIME) = "6 s",
+        /// The box of the target with its impact point: 0.6 m by 0.5 m and 0.36 m behind its front, or 0.711 m by 0.298 m and
+        /// 0.396 m.
+        target: Target = "adult",
+        /// How reports judge an impact speed: passed without contact, the colours of Euro NCAP, or the limits of UN R152 for M1
+        /// and N1.
+        criterion: TestCriterion = "no_contact",
+    }
+}
+
+keys! {
+    /// A test in which a target crosses the path of the car on a straight line. The target is released once, so that it would
+    /// meet the stated share of the car's width if the car kept its speed.
+    pub struct CrossingTestKeys = "crossing_test" {
+        ..test: TestKeys,
+        /// Side of the car from which the target comes.
+        from: TargetSide as Choice(&["right", "left"]) = "right",
+        /// Distance of the target's start from the line on which the middle of the car drives.
+        distance: f64 as positive(LENGTH) = "4 m",
+        /// Share of its way that the target starts from, drawn for each episode.
+        approach: Distribution as drawn(RATIO, 0.05, 2.0) = "100 percent",
+    }
+}
+
+keys! {
+    /// A test in which a target walks ahead in the path of the car, or stands there at a `walking_speed` of 0.
+    pub struct AlongTestKeys = "along_test" {
+        ..test: TestKeys,
+    }
+}
+
+/// The rule of a test in which the target crosses; none after reporting what is wrong.
+pub fn crossing(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
+    let CrossingTestKeys { test, from, distance, approach } = declaration.block.keys();
+    lower(declaration, test, from, distance, approach, said)
+}
+
+/// The rule of a test in which the target walks ahead; none after reporting what is wrong.
+pub fn along(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
+    let AlongTestKeys { test } = declaration.block.keys();
+    lower(declaration, test, TargetSide::Along, 0.0, Distribution::Constant(1.0), said)
+}
+
+fn lower(
+    declaration: &Declaration,
+    test: TestKeys,
+    from: TargetSide,
+    distance: f64,
+    approach: Distribution,
+    said: &mut Vec<Diagnostic>,
+) -> Option<SpawnRule> {
+    let block = &declaration.block;
+    let crossing = from != TargetSide::Along;
+    let case = |test_speed: &f64| {
+        let test_speed = *test_speed;
+        test.overlaps.iter().map(move |overlap| TestCase { test_speed, overlap: *overlap })
     };
     let walk = TargetWalk {
-        meeting: Pose::new(x, y, yaw),
+        meeting: test.meeting.into(),
         from,
-        cases,
-        speed: arguments.number("walking_speed"),
+        cases: test.test_speeds.iter().flat_map(case).collect(),
+        speed: test.walking_speed,
         distance,
         approach,
-        reach: arguments.number("reach"),
-        headway: arguments.number("headway"),
-        target: if arguments.choice("target") == "child" { TargetBox::CHILD } else { TargetBox::ADULT },
-        criterion: match arguments.choice("criterion") {
-            "euro_ncap" => TestCriterion::EuroNcap,
-            "un_r152" => TestCriterion::UnR152,
-            _ => TestCriterion::NoContact,
+        reach: test.reach,
+        headway: test.headway,
+        target: match test.target {
+            Target::Adult => TargetBox::ADULT,
+            Target::Child => TargetBox::CHILD,
         },
+        criterion: test.criterion,
     };
     let slow = walk.cases.iter().map(|case| case.test_speed).fold(f64::INFINITY, f64::min);
     if !crossing && walk.speed >= slow {
@@ -175,13 +153,4 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         target_walk: Some(walk),
         given_path: None,
     })
-}
-
-/// The quantities of a list.
-pub(super) fn numbers(arguments: &Arguments, key: &str) -> Vec<f64> {
-    let number = |value: &Value| match value {
-        Value::Number(number) => *number,
-        other => panic!("checked: a quantity, not {other:?}"),
-    };
-    arguments.list(key).iter().map(number).collect()
 }

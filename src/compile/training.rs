@@ -1,193 +1,130 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use base::signature::{Arguments, Form, LEAST, Param, Signature, Type};
-use base::units::Dimension;
+use base::keys;
+use base::signature::{Form, Keys, LEAST};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use learn::{ActorCritic, PpoConfig, Schedule};
 
-const SCHEDULES: &[&str] = &["constant", "linear"];
-
-/// The form `training`.
-pub fn form() -> Form {
-    Form {
-        name: "training",
-        doc: "How pedestrians are trained. The defaults are the paper's, and stable-baselines3's where it is silent.",
-        plain: None,
-        multiplies: false,
-        kinds: vec![Signature::new("ppo", "Proximal policy optimisation.", params())],
+keys! {
+    /// Proximal policy optimisation.
+    pub struct PpoKeys = "ppo" {
+        /// Decisions after which no further update begins.
+        steps: u64 as whole(1, 10_000_000_000) = "70_000",
+        /// Decisions of every environment between two updates.
+        steps_per_update: usize as whole(2, 10_000_000) = "150",
+        /// Environments that are stepped side by side.
+        environments: usize as whole(1, 4096) = "1",
+        /// Passes over the decisions of an update.
+        epochs: usize as whole(1, 10_000) = "10",
+        /// Decisions of a minibatch.
+        batch_size: usize as whole(2, 10_000_000) = "64",
+        /// Adam's step size, for actor and critic.
+        learning_rate: f64 as within(RATIO, LEAST, 1.0) = "3e-4",
+        /// Discount of the future, a decision.
+        gamma: f64 as share() = "0.98",
+        /// Decay of generalised advantage estimation.
+        gae_lambda: f64 as share() = "0.95",
+        /// Half width of the interval of the probability ratio.
+        clip: f64 as within(RATIO, LEAST, 100.0) = "0.2",
+        /// Weight of the critic's error.
+        value_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.5",
+        /// Weight of the entropy.
+        entropy_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.01",
+        /// Greatest norm of a gradient.
+        max_gradient_norm: f64 as within(RATIO, LEAST, 1e6) = "0.5",
+        /// Whether advantages are standardised within a minibatch.
+        normalize_advantages: bool = "true",
+        /// First logarithm of the action's standard deviation.
+        initial_log_std: f64 as within(RATIO, -10.0, 5.0) = "0",
+        /// Whether the learning rate falls to 0 over the training.
+        learning_rate_schedule: Schedule = "constant",
+        /// Whether the clip falls to 0 over the training.
+        clip_schedule: Schedule = "constant",
+        /// Ends an update early when policies differ by 1.5 times this.
+        target_kl: Option<f64> as within(RATIO, LEAST, 1e6),
+        /// How far the critic's values may move in an update and still be corrected, in units of the reward.
+        value_clip: Option<f64> as within(RATIO, LEAST, 1e6),
+        /// Last states that the pedestrian sees, the newest included; zeros stand for those before the first.
+        frame_stack: usize as whole(1, 256) = "1",
+        /// Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances
+        /// to all of them. A `search` has no curriculum.
+        curriculum: f64 as share() = "0",
+        /// Whether states are standardised by what was seen so far.
+        normalize_observations: bool = "false",
+        /// Whether rewards are scaled by the spread of returns so far.
+        normalize_rewards: bool = "false",
+        /// What is added to the denominator of Adam's steps.
+        adam_epsilon: f64 as within(RATIO, 1e-12, 1.0) = "1e-5",
+        /// Ended episodes over which the learning curve averages reward and length.
+        statistics_window: usize as whole(1, 1_000_000) = "100",
+        /// Most threads that the environments of a training are stepped on; all there are unless given. Changes no number.
+        threads: Option<usize> as whole(1, 4096),
+        /// Whether a training gives the same bits on every processor; it takes about twice as long.
+        portable_bits: bool = "false",
+        /// Networks that a report has written (`pedestrians/NAME.safetensors`): the training starts with their weights and
+        /// their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and
+        /// `normalize_observations` must be theirs.
+        from: Option<String> as Path,
+        /// Widths of the hidden layers.
+        hidden: Vec<usize> as whole(1, 4096) = "[64, 64]",
     }
 }
 
-fn params() -> Vec<Param> {
-    let count = |max| Type::Integer { min: 1, max };
-    let ratio = |min, max| Type::Quantity { dimension: Dimension::RATIO, min, max };
-    vec![
-        Param::with_default(
-            "steps",
-            count(10_000_000_000),
-            "70_000",
-            "Decisions after which no further update begins.",
-        ),
-        Param::with_default(
-            "steps_per_update",
-            Type::Integer { min: 2, max: 10_000_000 },
-            "150",
-            "Decisions of every environment between two updates.",
-        ),
-        Param::with_default("environments", count(4096), "1", "Environments that are stepped side by side."),
-        Param::with_default("epochs", count(10_000), "10", "Passes over the decisions of an update."),
-        Param::with_default("batch_size", Type::Integer { min: 2, max: 10_000_000 }, "64", "Decisions of a minibatch."),
-        Param::with_default("learning_rate", ratio(LEAST, 1.0), "3e-4", "Adam's step size, for actor and critic."),
-        Param::with_default("gamma", Type::share(), "0.98", "Discount of the future, a decision."),
-        Param::with_default("gae_lambda", Type::share(), "0.95", "Decay of generalised advantage estimation."),
-        Param::with_default("clip", ratio(LEAST, 100.0), "0.2", "Half width of the interval of the probability ratio."),
-        Param::with_default("value_coefficient", ratio(0.0, 1e3), "0.5", "Weight of the critic's error."),
-        Param::with_default("entropy_coefficient", ratio(0.0, 1e3), "0.01", "Weight of the entropy."),
-        Param::with_default("max_gradient_norm", ratio(LEAST, 1e6), "0.5", "Greatest norm of a gradient."),
-        Param::with_default(
-            "normalize_advantages",
-            Type::Boolean,
-            "true",
-            "Whether advantages are standardised within a minibatch.",
-        ),
-        Param::with_default(
-            "initial_log_std",
-            ratio(-10.0, 5.0),
-            "0",
-            "First logarithm of the action's standard deviation.",
-        ),
-        Param::with_default(
-            "learning_rate_schedule",
-            Type::Choice(SCHEDULES),
-            "constant",
-            "Whether the learning rate falls to 0 over the training.",
-        ),
-        Param::with_default(
-            "clip_schedule",
-            Type::Choice(SCHEDULES),
-            "constant",
-            "Whether the clip falls to 0 over the training.",
-        ),
-        Param::optional("target_kl", ratio(LEAST, 1e6), "Ends an update early when policies differ by 1.5 times this."),
-        Param::optional(
-            "value_clip",
-            ratio(LEAST, 1e6),
-            "How far the critic's values may move in an update and still be corrected, in units of the reward.",
-        ),
-        Param::with_default(
-            "frame_stack",
-            count(256),
-            "1",
-            "Last states that the pedestrian sees, the newest included; zeros stand for those before the first.",
-        ),
-        Param::with_default(
-            "curriculum",
-            Type::share(),
-            "0",
-            "Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances to all of them. A `search` has no curriculum.",
-        ),
-        Param::with_default(
-            "normalize_observations",
-            Type::Boolean,
-            "false",
-            "Whether states are standardised by what was seen so far.",
-        ),
-        Param::with_default(
-            "normalize_rewards",
-            Type::Boolean,
-            "false",
-            "Whether rewards are scaled by the spread of returns so far.",
-        ),
-        Param::with_default(
-            "adam_epsilon",
-            ratio(1e-12, 1.0),
-            "1e-5",
-            "What is added to the denominator of Adam's steps.",
-        ),
-        Param::with_default(
-            "statistics_window",
-            count(1_000_000),
-            "100",
-            "Ended episodes over which the learning curve averages reward and length.",
-        ),
-        Param::optional(
-            "threads",
-            count(4096),
-            "Most threads that the environments of a training are stepped on; all there are unless given. Changes no number.",
-        ),
-        Param::with_default(
-            "portable_bits",
-            Type::Boolean,
-            "false",
-            "Whether a training gives the same bits on every processor; it takes about twice as long.",
-        ),
-        Param::optional(
-            "from",
-            Type::Path,
-            "Networks that a report has written (`pedestrians/NAME.safetensors`): the training starts with their weights and their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and `normalize_observations` must be theirs.",
-        ),
-        Param::with_default("hidden", Type::List(Box::new(count(4096))), "[64, 64]", "Widths of the hidden layers."),
-    ]
+/// The form `training`.
+pub fn form() -> Form {
+    let doc = "How pedestrians are trained. The defaults are the paper's, and stable-baselines3's where it is silent.";
+    Form::of_kinds("training", doc, vec![PpoKeys::signature()])
 }
 
 /// The settings and the number of environments.
-pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
-    let count = |key: &str| arguments.integer(key) as usize;
-    let width = |value: &base::signature::Value| match value {
-        base::signature::Value::Integer(width) => *width as usize,
-        other => panic!("checked: a whole number, not {other:?}"),
-    };
-    let schedule = |key: &str| match arguments.choice(key) {
-        "linear" => Schedule::Linear,
-        _ => Schedule::Constant,
-    };
+pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
     let config = PpoConfig {
-        total_steps: arguments.integer("steps") as u64,
-        rollout_steps: count("steps_per_update"),
-        epochs: count("epochs"),
+        total_steps: keys.steps,
+        rollout_steps: keys.steps_per_update,
+        epochs: keys.epochs,
         // Never larger than the number of samples.
-        batch_size: count("batch_size").min(count("steps_per_update").saturating_mul(count("environments"))),
-        learning_rate: arguments.number("learning_rate"),
-        gamma: arguments.number("gamma"),
-        gae_lambda: arguments.number("gae_lambda"),
-        clip_coef: arguments.number("clip"),
-        vf_coef: arguments.number("value_coefficient"),
-        ent_coef: arguments.number("entropy_coefficient"),
-        max_grad_norm: arguments.number("max_gradient_norm"),
-        norm_adv: arguments.boolean("normalize_advantages"),
-        initial_log_std: arguments.number("initial_log_std"),
-        learning_rate_schedule: schedule("learning_rate_schedule"),
-        clip_schedule: schedule("clip_schedule"),
-        target_kl: arguments.has("target_kl").then(|| arguments.number("target_kl")),
-        clip_range_vf: arguments.has("value_clip").then(|| arguments.number("value_clip")),
-        curriculum: arguments.number("curriculum"),
-        frame_stack: count("frame_stack"),
-        adam_eps: arguments.number("adam_epsilon"),
-        stats_window: count("statistics_window"),
-        threads: arguments.has("threads").then(|| count("threads")),
-        normalize_obs: arguments.boolean("normalize_observations"),
-        normalize_reward: arguments.boolean("normalize_rewards"),
-        portable_bits: arguments.boolean("portable_bits"),
-        hidden: arguments.list("hidden").iter().map(width).collect(),
+        batch_size: keys.batch_size.min(keys.steps_per_update.saturating_mul(keys.environments)),
+        learning_rate: keys.learning_rate,
+        gamma: keys.gamma,
+        gae_lambda: keys.gae_lambda,
+        clip_coef: keys.clip,
+        vf_coef: keys.value_coefficient,
+        ent_coef: keys.entropy_coefficient,
+        max_grad_norm: keys.max_gradient_norm,
+        norm_adv: keys.normalize_advantages,
+        initial_log_std: keys.initial_log_std,
+        learning_rate_schedule: keys.learning_rate_schedule,
+        clip_schedule: keys.clip_schedule,
+        target_kl: keys.target_kl,
+        clip_range_vf: keys.value_clip,
+        curriculum: keys.curriculum,
+        frame_stack: keys.frame_stack,
+        adam_eps: keys.adam_epsilon,
+        stats_window: keys.statistics_window,
+        threads: keys.threads,
+        normalize_obs: keys.normalize_observations,
+        normalize_reward: keys.normalize_rewards,
+        portable_bits: keys.portable_bits,
+        hidden: keys.hidden,
         initial: None,
     };
-    (config, count("environments"))
+    (config, keys.environments)
 }
 
 /// The networks of the key `from`, for pedestrians with four numbers of a state and two of an action; none without it, or after reporting what is
 /// wrong.
 pub fn initial(declaration: &Declaration, config: &PpoConfig, lowering: &mut Lowering<'_>) -> Option<Arc<ActorCritic>> {
     let block = &declaration.block;
-    let path = block.arguments.has("from").then(|| block.arguments.text("from"))?;
-    let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
+    let path = block.keys::<PpoKeys>().from?;
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| reason(&error));
     let read = bytes.and_then(|bytes| ActorCritic::from_safetensors(&bytes).map_err(|error| error.to_string()));
     let fitting = read.and_then(|(networks, _)| {
         config.accepts(&networks, 4, 2).map_err(|error| error.to_string())?;
         Ok(Arc::new(networks))
     });
-    fitting.map_err(|reason| lowering.said.push(diagnostics::unusable_model(block.place("from"), path, &reason))).ok()
+    fitting.map_err(|reason| lowering.said.push(diagnostics::unusable_model(block.place("from"), &path, &reason))).ok()
 }
 
 #[cfg(test)]
@@ -204,7 +141,7 @@ mod tests {
         let (program, said) =
             lang::check(&loaded, &sources, &catalog.forms, &mut lang::Checked::new(&catalog.vocabulary));
         assert_eq!(said, []);
-        lower(&program.declarations[0].block.arguments)
+        lower(program.declarations[0].block.keys())
     }
 
     #[test]

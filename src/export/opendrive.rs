@@ -320,7 +320,7 @@ fn write_section(xml: &mut Xml, road: &Road, section: &LaneSection) {
 }
 
 fn write_lane(xml: &mut Xml, road: &Road, section: &LaneSection, lane: &Lane) {
-    let attributes: [(&str, &dyn Display); 3] = [("id", &lane.id), ("type", &lane.kind.opendrive()), ("level", &false)];
+    let attributes: [(&str, &dyn Display); 3] = [("id", &lane.id), ("type", &lane.kind.name()), ("level", &false)];
     xml.element("lane", &attributes, |xml| {
         if lane.predecessor.is_some() || lane.successor.is_some() {
             xml.element("link", &[], |xml| {

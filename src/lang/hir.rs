@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use base::diagnostic::{SourceId, Span};
-use base::signature::{Arguments, DeclarationId, Formula};
+use base::signature::{Arguments, DeclarationId, Formula, Keys};
 
 /// All declarations of all files.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -97,6 +97,16 @@ pub struct Block {
 }
 
 impl Block {
+    /// The values of its keys.
+    pub fn keys<K: Keys>(&self) -> K {
+        K::read(&self.arguments)
+    }
+
+    /// The blocks of a kind inside, each with the values of its keys.
+    pub fn inside<K: Keys>(&self) -> impl Iterator<Item = (&Self, K)> {
+        self.nested(K::KIND).map(|child| (child, child.keys()))
+    }
+
     /// The place of a key's value, or the block's head for a default.
     pub fn place(&self, key: &str) -> Span {
         self.places.iter().find(|(name, _)| *name == key).map_or(self.head, |(_, span)| *span)

@@ -278,15 +278,8 @@ impl<'a> Params<'a> {
 
     /// Whether a key accepts this word.
     fn is_choice(&self, word: &str) -> bool {
-        fn offers(ty: &Type, word: &str) -> bool {
-            match ty {
-                Type::Choice(words) | Type::Step(words) | Type::WordOrReference(words, _) => words.contains(&word),
-                Type::List(item) => offers(item, word),
-                _ => false,
-            }
-        }
         fn takes(signature: &Signature, word: &str) -> bool {
-            signature.params.iter().any(|param| offers(&param.ty, word))
+            signature.params.iter().any(|param| param.ty.words().contains(&word))
                 || signature.children.iter().any(|child| takes(child, word))
         }
         self.forms.iter().flat_map(|form| form.kinds.iter().chain(&form.plain)).any(|signature| takes(signature, word))

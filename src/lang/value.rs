@@ -172,7 +172,8 @@ pub(super) fn value(
                     if context.names.of_form(form).next().is_none()
                         && context.names.other_form(context.forms, word).is_none() =>
                 {
-                    value(expression, &Type::Choice(words), context, diagnostics)
+                    diagnostics.push(diagnostics::unknown_choice(span, word, words));
+                    None
                 }
                 _ => value(expression, &Type::Reference(form), context, diagnostics),
             }

@@ -1,19 +1,22 @@
 //! How a setting changes during training.
 
+use base::choice;
 use serde::Serialize;
 
-/// The course of a setting from the first update to the last.
-///
-/// # Source
-/// The schedules of stable-baselines3: functions of the remaining share of training.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Schedule {
-    /// The setting is constant.
-    #[default]
-    Constant,
-    /// The setting falls linearly with the steps, to zero at the last one.
-    Linear,
+choice! {
+    /// The course of a setting from the first update to the last.
+    ///
+    /// # Source
+    /// The schedules of stable-baselines3: functions of the remaining share of training.
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Schedule {
+        /// The setting is constant.
+        #[default]
+        Constant = "constant",
+        /// The setting falls linearly with the steps, to zero at the last one.
+        Linear = "linear",
+    }
 }
 
 impl Schedule {

@@ -144,7 +144,7 @@ fn replay(
         loud!("SKIPPED: {name} of CARLA {}, for want of its map", release.name());
         return;
     };
-    let profile = case["behavior"].as_str().and_then(Profile::from_name).expect("a case has a behaviour");
+    let profile = case["behavior"].as_str().and_then(Profile::named).expect("a case has a behaviour");
     let rows = Table::read(&folder.join(format!("{name}_trace.csv")));
     let blueprint = VehicleBlueprint::model3();
     let open = Obstacles::new(&[]);
@@ -253,7 +253,7 @@ fn recorded_decisions_are_repeated_reference() {
     let mut replayed = 0;
     for folder in folders {
         let Some(version) = folder.file_name().and_then(|name| name.to_str()?.strip_prefix('v')) else { continue };
-        let Some(release) = Release::from_name(version) else {
+        let Some(release) = Release::named(version) else {
             loud!("SKIPPED: recordings of CARLA {version}, which no agent here claims to be");
             continue;
         };

@@ -5,12 +5,20 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use base::diagnostic::Sources;
+use base::keys;
 use base::seed::{Seed, Stream};
-use base::signature::{Param, Signature, Type};
 use compile::{Catalog, Compiled, PolicyKind, TakenKind, compile};
 use results::campaign::{InMemory, Silent, run};
 use world::av::{DrivingMode, DrivingPolicy, Perception};
 use world::sim::Control;
+
+keys! {
+    /// Brakes all the time.
+    struct BrakingKeys = "braking" {
+        /// Brake, 0 to 1.
+        force: f64 as share() = "1",
+    }
+}
 
 /// Always brakes with the same force.
 struct Braking {
@@ -32,10 +40,7 @@ impl DrivingPolicy for Braking {
 /// The kind. It records the force of each driver that it makes, in percent.
 fn kind(made: &Arc<Mutex<BTreeSet<i64>>>) -> PolicyKind {
     let made = made.clone();
-    let force = Param::with_default("force", Type::share(), "1", "Brake, 0 to 1.");
-    let signature = Signature::new("braking", "Brakes all the time.", vec![force]);
-    PolicyKind::new(signature, move |arguments| {
-        let force = arguments.number("force");
+    PolicyKind::new(move |BrakingKeys { force }| {
         made.lock().unwrap().insert((100.0 * force) as i64);
         Braking { force }
     })

@@ -74,7 +74,7 @@ fn outcomes(scenario: &Arc<Scenario>, walker: &mut dyn WalkPolicy) -> Vec<Outcom
 /// The outcomes of the controller `mine` of a campaign.
 fn own(campaign: &Campaign) -> Vec<Outcome> {
     let evaluation = &campaign.evaluations[0];
-    let ControllerKind::Declared(controller) = &evaluation.controller else { panic!("{:?}", evaluation.controller) };
+    let ControllerKind::Untrained(controller) = &evaluation.controller else { panic!("{:?}", evaluation.controller) };
     assert_eq!(controller.name(), "mine");
     outcomes(&evaluation.scenario, controller.walk_policy().as_mut())
 }

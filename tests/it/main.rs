@@ -52,6 +52,7 @@ mod natural_walking;
 mod onnx;
 mod onnx_file;
 mod outputs;
+mod own_kinds;
 mod losses;
 mod maps;
 mod memory;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use base::seed::Seed;
-use compile::{Catalog, ControllerKind, Plan, compile};
+use compile::{Catalog, Plan, compile};
 use world::env::{Outcome, Scenario, Trace};
 use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_noting};
 use world::geometry::Obstacles;
@@ -36,7 +36,7 @@ fn plan() -> Plan {
 fn scenario(plan: &Plan, adversary: &str) -> Arc<Scenario> {
     let mut evaluations = plan.campaigns[0].evaluations.iter();
     let found = evaluations.find(|each| *each.adversary == *adversary).unwrap();
-    assert!(matches!(found.controller, ControllerKind::Random));
+    assert_eq!(found.controller.name(), "random");
     found.scenario.clone()
 }
 

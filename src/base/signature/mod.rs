@@ -7,11 +7,13 @@
 mod arguments;
 mod distribution;
 mod formula;
+mod keys;
 mod param;
 mod shape;
 
 pub use arguments::{Arguments, DeclarationId, Value};
 pub use distribution::Distribution;
 pub use formula::{BinaryOperator, Bounds, Formula, Function, VariableId};
+pub use keys::{Choice, Field, Held, Keys, Plain};
 pub use param::{LEAST, MOST, Param, Type, bounds, short};
 pub use shape::{Event, Form, Signature, Variable, Vocabulary};

@@ -1,3 +1,4 @@
+use super::Held;
 use crate::units::Dimension;
 
 /// The least positive value, in SI: smaller divisors give quotients that are too large to use.
@@ -65,7 +66,7 @@ pub enum Type {
     /// The name of a declaration of this form.
     Reference(&'static str),
     /// One of these words, bare or in quotes, or the name of a declaration of this form.
-    WordOrReference(&'static [&'static str], &'static str),
+    WordOrReference(Vec<&'static str>, &'static str),
     /// `[a, b, …]` with at least one member; a single value may be written without brackets.
     List(Box<Type>),
     /// A condition over the variables that have a value at this event of the vocabulary.
@@ -87,6 +88,16 @@ impl Type {
         }
     }
 
+    /// The words that it accepts, or that a member of it is; empty for types without words.
+    pub fn words(&self) -> &[&'static str] {
+        match self {
+            Self::Choice(words) | Self::Step(words) => words,
+            Self::WordOrReference(words, _) => words,
+            Self::List(item) => item.words(),
+            _ => &[],
+        }
+    }
+
     /// A quantity of any size.
     pub fn any(dimension: Dimension) -> Self {
         Self::Quantity { dimension, min: f64::NEG_INFINITY, max: f64::INFINITY }
@@ -102,9 +113,34 @@ impl Type {
         Self::Quantity { dimension, min: LEAST, max: MOST }
     }
 
+    /// A quantity within inclusive bounds in SI.
+    pub fn within(dimension: Dimension, min: f64, max: f64) -> Self {
+        Self::Quantity { dimension, min, max }
+    }
+
     /// A plain number from 0 to 1.
     pub fn share() -> Self {
-        Self::Quantity { dimension: Dimension::RATIO, min: 0.0, max: 1.0 }
+        Self::within(Dimension::RATIO, 0.0, 1.0)
+    }
+
+    /// A range between inclusive bounds in SI.
+    pub fn range(dimension: Dimension, min: f64, max: f64) -> Self {
+        Self::Range { dimension, min, max }
+    }
+
+    /// A distribution between inclusive bounds in SI.
+    pub fn drawn(dimension: Dimension, min: f64, max: f64) -> Self {
+        Self::Distribution { dimension, min, max }
+    }
+
+    /// A whole number in inclusive bounds.
+    pub fn whole(min: i64, max: i64) -> Self {
+        Self::Integer { min, max }
+    }
+
+    /// A whole number of ticks in inclusive bounds.
+    pub fn ticks(min: i64, max: i64) -> Self {
+        Self::Ticks { min, max }
     }
 
     /// Its name for users, with its bounds if it has any.
@@ -198,18 +234,8 @@ pub struct Param {
 }
 
 impl Param {
-    /// A required key.
-    pub fn required(name: &'static str, ty: Type, doc: &'static str) -> Self {
-        Self { name, ty, default: None, doc }
-    }
-
-    /// A key with a default, written as in a file.
-    pub fn with_default(name: &'static str, ty: Type, default: &'static str, doc: &'static str) -> Self {
-        Self { name, ty, default: Some(default), doc }
-    }
-
-    /// An optional key.
-    pub fn optional(name: &'static str, ty: Type, doc: &'static str) -> Self {
-        Self { name, ty, default: Some(""), doc }
+    /// A key whose values are held in Rust as `T`, of which a single one is of this type. The default is written as in a file.
+    pub fn new<T: Held>(name: &'static str, single: Type, default: Option<&'static str>, doc: &'static str) -> Self {
+        Self { name, ty: T::type_of(single), default: default.or(T::OPTIONAL.then_some("")), doc }
     }
 }

@@ -38,6 +38,31 @@ impl Signature {
         self
     }
 
+    /// The same with another explanation of a key.
+    ///
+    /// # Panics
+    /// It is not a key.
+    pub fn explained(self, key: &str, doc: &'static str) -> Self {
+        let default = self.params.iter().find(|param| param.name == key).and_then(|param| param.default);
+        self.usually(key, default, doc)
+    }
+
+    /// The same with another default of a key, and another explanation.
+    ///
+    /// # Panics
+    /// It is not a key.
+    pub fn usually(mut self, key: &str, default: Option<&'static str>, doc: &'static str) -> Self {
+        let param = self.params.iter_mut().find(|param| param.name == key);
+        let param = param.unwrap_or_else(|| panic!("`{key}` is no key of `{}`", self.name));
+        (param.default, param.doc) = (default, doc);
+        self
+    }
+
+    /// The same with these blocks, any number of each.
+    pub fn holding(self, children: Vec<Signature>) -> Self {
+        Self { children, ..self }
+    }
+
     /// The same, made for ticks of this length (s).
     pub fn made_for(self, tick: f64) -> Self {
         Self { tick: Some(tick), ..self }
@@ -62,6 +87,20 @@ pub struct Form {
     pub multiplies: bool,
     /// The kinds of `form name = kind(…)`.
     pub kinds: Vec<Signature>,
+}
+
+impl Form {
+    /// A form without kinds. Its name, its keys and its documentation are those of this signature.
+    pub fn plain(signature: Signature) -> Self {
+        let Signature { name, doc, .. } = signature;
+        let plain = Some(Signature { doc: "", ..signature });
+        Self { name, doc, plain, multiplies: false, kinds: Vec::new() }
+    }
+
+    /// A form with these kinds, one of which must be named.
+    pub fn of_kinds(name: &'static str, doc: &'static str, kinds: Vec<Signature>) -> Self {
+        Self { name, doc, plain: None, multiplies: false, kinds }
+    }
 }
 
 /// A quantity that a formula may name.

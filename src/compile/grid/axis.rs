@@ -6,7 +6,6 @@ use crate::lowering::{BuiltTown, Lowering};
 use crate::{adversary, episode, reward, training, vehicle};
 use base::signature::DeclarationId;
 use lang::diagnostics;
-use lang::hir::Block;
 use learn::PpoConfig;
 use world::env::{EpisodeRule, PedestrianRole, PolicyMaker, RewardRule, SpawnRule};
 use world::sim::VehicleBlueprint;
@@ -37,30 +36,30 @@ pub(super) struct Usual {
 impl Lowering<'_> {
     pub(super) fn vehicle(&self, id: DeclarationId) -> Axis<VehicleBlueprint> {
         let declaration = self.program.get(id);
-        let value = vehicle::lower(declaration.kind, &declaration.block.arguments);
-        Axis { id, name: declaration.name.as_str().into(), value }
+        let value = vehicle::lower(declaration.kind, declaration.block.keys());
+        Axis { id, name: self.axis_name(id), value }
     }
 
     pub(super) fn adversary(&mut self, id: DeclarationId) -> Axis<PedestrianRole> {
-        let declaration = self.program.get(id);
-        adversary::check(&declaration.block, self.said);
-        Axis { id, name: declaration.name.as_str().into(), value: adversary::lower(&declaration.block.arguments) }
+        let block = &self.program.get(id).block;
+        adversary::check(block, self.said);
+        Axis { id, name: self.axis_name(id), value: adversary::lower(block.keys()) }
     }
 
     pub(super) fn episode(&mut self, id: DeclarationId) -> Axis<EpisodeRule> {
-        let declaration = self.program.get(id);
-        let Block { arguments, places, .. } = &declaration.block;
-        let given = |key: &str| places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
-        if let Some(hold) = given("hold").filter(|_| arguments.integer("hold") > arguments.integer("ticks")) {
-            self.said.push(diagnostics::not_rising(hold, "hold", "ticks", None));
+        let block = &self.program.get(id).block;
+        let value = episode::lower(block.keys());
+        let given = block.places.iter().find(|(name, _)| *name == "hold");
+        if let Some((_, hold)) = given.filter(|_| value.hold > value.ticks) {
+            self.said.push(diagnostics::not_rising(*hold, "hold", "ticks", None));
         }
-        Axis { id, name: declaration.name.as_str().into(), value: episode::lower(&declaration.block.arguments) }
+        Axis { id, name: self.axis_name(id), value }
     }
 
     pub(super) fn training(&mut self, id: DeclarationId) -> Axis<(PpoConfig, usize)> {
         let declaration = self.program.get(id);
         let block = &declaration.block;
-        let (mut config, environments) = training::lower(&block.arguments);
+        let (mut config, environments) = training::lower(block.keys());
         config.initial = training::initial(declaration, &config, self);
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
@@ -78,40 +77,28 @@ impl Lowering<'_> {
             let message = format!("networks of {weights} weights do not fit in memory; at most {MOST_WEIGHTS} do");
             self.said.push(diagnostics::contradiction(block.place("hidden"), message));
         }
-        Axis { id, name: declaration.name.as_str().into(), value: (config, environments) }
+        Axis { id, name: self.axis_name(id), value: (config, environments) }
     }
 
-    pub(super) fn towns(&mut self, block: &Block) -> Vec<Axis<BuiltTown>> {
-        let mut axis = Vec::new();
-        for id in block.arguments.references("towns") {
-            let name: Arc<str> = self.program.get(id).name.as_str().into();
-            axis.extend(self.town(id).map(|value| Axis { id, name, value }));
-        }
-        axis
+    pub(super) fn towns(&mut self, ids: &[DeclarationId]) -> Vec<Axis<BuiltTown>> {
+        let named = |id: &DeclarationId| Some(Axis { id: *id, name: self.axis_name(*id), value: self.town(*id)? });
+        ids.iter().filter_map(named).collect()
     }
 
-    pub(super) fn policies(&mut self, block: &Block) -> Vec<Axis<PolicyMaker>> {
-        let mut axis = Vec::new();
-        for id in block.arguments.references("policies") {
-            let name: Arc<str> = self.program.get(id).name.as_str().into();
-            axis.extend(self.policy(id).map(|value| Axis { id, name, value }));
-        }
-        axis
-    }
-
-    pub(super) fn rewards(&self, block: &Block) -> Vec<Axis<RewardRule>> {
-        block.arguments.references("rewards").into_iter().map(|id| self.reward(id)).collect()
+    pub(super) fn policies(&mut self, ids: &[DeclarationId]) -> Vec<Axis<PolicyMaker>> {
+        let named = |id: &DeclarationId| Some(Axis { id: *id, name: self.axis_name(*id), value: self.policy(*id)? });
+        ids.iter().filter_map(named).collect()
     }
 
     pub(super) fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
-        let declaration = self.program.get(id);
-        Axis { id, name: declaration.name.as_str().into(), value: reward::lower(&declaration.block) }
+        Axis { id, name: self.axis_name(id), value: reward::lower(&self.program.get(id).block) }
     }
 
-    pub(super) fn spawn(&mut self, campaign: &Block, block: &Block) -> Option<Axis<SpawnRule>> {
-        let owner = if block.arguments.has("spawn") { block } else { campaign };
-        let id = owner.arguments.reference("spawn");
-        let name: Arc<str> = self.program.get(id).name.as_str().into();
-        self.spawn_rule(id).map(|value| Axis { id, name, value })
+    pub(super) fn spawn(&mut self, id: DeclarationId) -> Option<Axis<SpawnRule>> {
+        Some(Axis { id, name: self.axis_name(id), value: self.spawn_rule(id)? })
+    }
+
+    fn axis_name(&self, id: DeclarationId) -> Arc<str> {
+        self.program.get(id).name.as_str().into()
     }
 }

@@ -4,8 +4,10 @@ use std::sync::Arc;
 use super::axis::{Axis, Usual};
 use super::ground::note_towns;
 use crate::RunId;
+use crate::campaign::{EvaluateKeys, SAMPLED, TRAINED};
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, ControllerKind, Evaluation, NO_REWARD, Training, TrainingKey};
+use crate::walker::WalkerKind;
 use base::signature::{DeclarationId, Value};
 use lang::diagnostics;
 use lang::hir::Block;
@@ -22,26 +24,31 @@ impl Lowering<'_> {
         campaign: &mut Campaign,
         rewards: &BTreeMap<String, Axis<RewardRule>>,
     ) {
-        let named = |key: &str| block.arguments.has(key).then(|| block.arguments.references(key));
-        let cars = named("vehicles").map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
-        let walkers = named("adversaries").map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
+        let EvaluateKeys { places, episodes, halfwidth, pedestrians, vehicles, adversaries, start } = block.keys();
+        let cars = vehicles.map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
+        let walkers = adversaries.map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
         let cars: Vec<_> = cars.unwrap_or_else(|| vec![usual.car.clone()]);
         let walkers: Vec<_> = walkers.unwrap_or_else(|| vec![usual.walker.clone()]);
         let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
         let all: Vec<_> = bodies().collect();
-        let Some(ground) = self.ground(campaign_block, block, &all) else { return };
-        let words = block.arguments.list("pedestrians");
-        let scripted = words.iter().any(|word| matches!(word, Value::Choice("scripted")));
-        if scripted && ground.spawn.value.scripted().is_none() {
-            let message = "a `scripted` pedestrian walks as a test or a path states, and the spawn rule of this block is no test and has no path";
+        let Some(ground) = self.ground(campaign_block, block, &places, &start, &all) else { return };
+        let mut kinds = self.catalog.walkers.iter();
+        let scripted = kinds.find(|kind| kind.is_scripted && pedestrians.contains(&Value::Choice(kind.word())));
+        if let Some(scripted) = scripted
+            && ground.spawn.value.scripted().is_none()
+        {
+            let message = format!(
+                "a `{}` pedestrian walks as a test or a path states, and the spawn rule of this block is no test and has no path",
+                scripted.word()
+            );
             let help = "use a `spawn` of kind `crossing_test`, `along_test` or `given_path`";
-            return self.said.push(diagnostics::contradiction(block.place("pedestrians"), message.into()).help(help));
+            return self.said.push(diagnostics::contradiction(block.place("pedestrians"), message).help(help));
         }
         let untrained = campaign_block.nested("train").next().is_none();
-        if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
+        if untrained && pedestrians.iter().any(|word| matches!(word, Value::Choice(TRAINED | SAMPLED))) {
             return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
         }
-        let Some(chosen) = self.chosen(words) else { return };
+        let Some(chosen) = self.chosen(&pedestrians) else { return };
         let controllers =
             if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &campaign.trainings) };
         let each = controllers.len().max(rewards.len());
@@ -80,9 +87,9 @@ impl Lowering<'_> {
                 adversary: walker.name.clone(),
                 block: number,
                 scenario: of(controller, trained).0,
-                episodes: block.arguments.integer("episodes") as u32,
+                episodes,
                 fingerprint: of(controller, trained).1,
-                halfwidth: block.arguments.has("halfwidth").then(|| block.arguments.number("halfwidth")),
+                halfwidth,
             }));
         }
     }
@@ -90,35 +97,25 @@ impl Lowering<'_> {
 
 /// A member of the list of pedestrians.
 enum Chosen {
-    /// A built-in controller.
-    Word(&'static str),
-    Declared(DeclarationId, Controller),
+    Trained,
+    Sampled,
+    Untrained {
+        controller: Controller,
+        /// Whether it draws, so that every run is another.
+        draws: bool,
+        /// The declaration that it comes from, if it is not built in.
+        declared: Option<DeclarationId>,
+    },
 }
 
 impl Chosen {
     fn declared(&self) -> Option<DeclarationId> {
-        match self {
-            Self::Word(_) => None,
-            Self::Declared(id, _) => Some(*id),
-        }
+        if let Self::Untrained { declared, .. } = self { *declared } else { None }
     }
 
-    /// Whether it is this declared controller.
-    fn is(&self, controller: &ControllerKind) -> bool {
-        matches!((self, controller), (Self::Declared(_, own), ControllerKind::Declared(other)) if own == other)
-    }
-
-    /// Its kind, if it depends on no training.
-    fn untrained(&self) -> Option<ControllerKind> {
-        Some(match self {
-            Self::Word("random") => ControllerKind::Random,
-            Self::Word("homing") => ControllerKind::Homing,
-            Self::Word("intercept") => ControllerKind::Intercept,
-            Self::Word("natural") => ControllerKind::Natural,
-            Self::Word("scripted") => ControllerKind::Scripted,
-            Self::Word(_) => return None,
-            Self::Declared(_, controller) => ControllerKind::Declared(controller.clone()),
-        })
+    /// Whether it is this controller, which learns nothing.
+    fn is(&self, other: &ControllerKind) -> bool {
+        matches!((self, other), (Self::Untrained { controller, .. }, ControllerKind::Untrained(other)) if controller == other)
     }
 }
 
@@ -126,9 +123,17 @@ impl Lowering<'_> {
     /// The chosen controllers; none after reporting what is wrong with a declared one.
     fn chosen(&mut self, words: &[Value]) -> Option<Vec<Chosen>> {
         let each = |word: &Value| match word {
-            Value::Choice(word) => Some(Chosen::Word(word)),
-            Value::Reference(id) => self.controller(*id).map(|controller| Chosen::Declared(*id, controller)),
-            other => panic!("checked: `pedestrians` holds {other:?}"),
+            Value::Choice(TRAINED) => Some(Chosen::Trained),
+            Value::Choice(SAMPLED) => Some(Chosen::Sampled),
+            Value::Reference(id) => {
+                let controller = self.controller(*id)?;
+                Some(Chosen::Untrained { controller, draws: false, declared: Some(*id) })
+            }
+            word => {
+                let found = self.catalog.walkers.iter().find(|kind| *word == Value::Choice(kind.word()));
+                let WalkerKind { controller, draws, .. } = found.expect("checked: the word is in the catalogue");
+                Some(Chosen::Untrained { controller: controller.clone(), draws: *draws, declared: None })
+            }
         };
         words.iter().map(each).collect()
     }
@@ -138,29 +143,29 @@ impl Lowering<'_> {
 fn untrained_controllers(chosen: &[Chosen]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let reward = NO_REWARD.to_string();
     let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
-    chosen.iter().filter_map(Chosen::untrained).map(|controller| (controller, key.clone())).collect()
+    let untrained = chosen.iter().filter_map(|each| match each {
+        Chosen::Untrained { controller, .. } => Some(ControllerKind::Untrained(controller.clone())),
+        Chosen::Trained | Chosen::Sampled => None,
+    });
+    untrained.map(|controller| (controller, key.clone())).collect()
 }
 
-/// The controllers of a campaign with trainings: every trained one, and for every run of a reward a random or natural one with draws of
-/// its own.
-/// The homing, the intercepting and the scripted controller draw nothing, so they are evaluated once for each reward; so is a declared one.
+/// The controllers of a campaign with trainings: every trained one, and for every run of a reward one that draws, with draws of its own.
+/// One that draws nothing is evaluated once for each reward; so is a declared one.
 fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let mut all = Vec::new();
     for each in chosen {
         let mut seen = BTreeSet::new();
-        for (index, training) in trainings.iter().enumerate() {
-            let controller = each.untrained().unwrap_or(match each {
-                Chosen::Word("sampled") => ControllerKind::Sampled(index),
-                _ => ControllerKind::Trained(index),
-            });
-            let mut key = training.key.clone();
-            if !matches!(controller, ControllerKind::Trained(_) | ControllerKind::Sampled(_)) {
-                key.town = String::new();
-                key.policy = String::new();
-                if !matches!(controller, ControllerKind::Random | ControllerKind::Natural) {
-                    key.run = 0;
+        for (index, Training { key, .. }) in trainings.iter().enumerate() {
+            let (controller, key) = match each {
+                Chosen::Trained => (ControllerKind::Trained(index), key.clone()),
+                Chosen::Sampled => (ControllerKind::Sampled(index), key.clone()),
+                Chosen::Untrained { controller, draws, .. } => {
+                    let (reward, run) = (key.reward.clone(), if *draws { key.run } else { 0 });
+                    let key = TrainingKey { town: String::new(), policy: String::new(), reward, run };
+                    (ControllerKind::Untrained(controller.clone()), key)
                 }
-            }
+            };
             let key = Arc::new(key);
             if seen.insert((controller.clone(), key.clone())) {
                 all.push((controller, key));

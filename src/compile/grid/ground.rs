@@ -3,9 +3,12 @@
 use std::sync::Arc;
 
 use super::axis::Axis;
+use crate::campaign::{CampaignKeys, PlaceKeys, StartKeys};
+use crate::episode::EpisodeKeys;
 use crate::lowering::{BuiltTown, Lowering};
 use crate::plan::NamedTown;
 use crate::policy;
+use base::diagnostic::Span;
 use base::seed::Seed;
 use base::signature::{DeclarationId, short};
 use lang::diagnostics;
@@ -83,21 +86,25 @@ impl Lowering<'_> {
         &mut self,
         campaign: &Block,
         block: &Block,
+        places: &PlaceKeys,
+        start: &StartKeys,
         bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
     ) -> Option<Ground> {
-        let spawn = self.spawn(campaign, block)?;
-        let ground = Ground { towns: self.towns(block), policies: self.policies(block), spawn };
-        self.compare_ticks(campaign, block);
-        self.probe(campaign, block, &ground.towns, &ground.spawn.value, bodies);
+        let CampaignKeys { spawn: usual, episode, .. } = campaign.keys();
+        let spawn = self.spawn(start.spawn.unwrap_or(usual))?;
+        let ground = Ground { towns: self.towns(&places.towns), policies: self.policies(&places.policies), spawn };
+        self.compare_ticks(episode, block, &places.policies);
+        let place = if start.spawn.is_some() { block.place("spawn") } else { campaign.place("spawn") };
+        self.probe(place, &ground.towns, &ground.spawn.value, bodies);
         Some(ground)
     }
 
     /// Reports the drivers of a block that are made for a tick of another length.
-    pub(super) fn compare_ticks(&mut self, campaign: &Block, block: &Block) {
-        let episode = self.program.get(campaign.arguments.reference("episode"));
-        let tick = episode.block.arguments.number("tick");
-        for (place, id) in block.arguments.references("policies").into_iter().enumerate() {
-            let policy = self.program.get(id);
+    fn compare_ticks(&mut self, episode: DeclarationId, block: &Block, policies: &[DeclarationId]) {
+        let episode = self.program.get(episode);
+        let EpisodeKeys { tick, .. } = episode.block.keys();
+        for (place, id) in policies.iter().enumerate() {
+            let policy = self.program.get(*id);
             let made_for = policy::signature(policy, self.catalog).and_then(|signature| signature.tick);
             if let Some(made_for) = made_for.filter(|made_for| *made_for != tick) {
                 let span = block.members("policies").get(place).copied().unwrap_or(block.head);
@@ -108,15 +115,13 @@ impl Lowering<'_> {
     }
 
     /// Checks that a pedestrian can be placed in every town, and not inside any of the cars.
-    pub(super) fn probe(
+    fn probe(
         &mut self,
-        campaign: &Block,
-        block: &Block,
+        place: Span,
         towns: &[Axis<BuiltTown>],
         spawn: &SpawnRule,
         bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
     ) {
-        let place = if block.arguments.has("spawn") { block.place("spawn") } else { campaign.place("spawn") };
         for (Axis { name, value: car, .. }, Axis { value: walker, .. }) in bodies {
             let corner = (car.half_length * car.half_length + car.half_width * car.half_width).sqrt();
             let reach = corner + walker.body.reach();

@@ -8,10 +8,12 @@ mod search;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::campaign::{CampaignKeys, PlaceKeys};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
 use super::{policy, published};
 use axis::Usual;
+use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 
@@ -22,12 +24,12 @@ impl Lowering<'_> {
     /// Lays out the grid of a campaign.
     pub fn campaign(&mut self, declaration: &Declaration) -> Campaign {
         let block = &declaration.block;
-        let referred = |key: &str| block.arguments.reference(key);
+        let keys: CampaignKeys = block.keys();
         let usual = Usual {
-            car: self.vehicle(referred("vehicle")),
-            walker: self.adversary(referred("adversary")),
-            rule: self.episode(referred("episode")),
-            training: block.arguments.has("training").then(|| self.training(referred("training"))),
+            car: self.vehicle(keys.vehicle),
+            walker: self.adversary(keys.adversary),
+            rule: self.episode(keys.episode),
+            training: keys.training.map(|id| self.training(id)),
         };
         let mut campaign = Campaign {
             name: declaration.name.clone(),
@@ -39,7 +41,7 @@ impl Lowering<'_> {
             trainings: Vec::new(),
             evaluations: Vec::new(),
             searches: Vec::new(),
-            published: self.published(block),
+            published: self.published(keys.beside),
         };
         let mut rewards = BTreeMap::new();
         for train in block.nested("train") {
@@ -77,13 +79,11 @@ impl Lowering<'_> {
     fn drivers(&self, campaign: &Block) -> Vec<Driver> {
         let blocks = ["train", "evaluate", "search"].into_iter().flat_map(|word| campaign.nested(word));
         let mut seen = BTreeSet::new();
-        let all = blocks.flat_map(|block| block.arguments.references("policies"));
+        let all = blocks.flat_map(|block| block.keys::<PlaceKeys>().policies);
         all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
     }
 
-    fn published(&mut self, campaign: &Block) -> Vec<Published> {
-        let arguments = &campaign.arguments;
-        let named = if arguments.has("beside") { arguments.references("beside") } else { Vec::new() };
-        named.into_iter().map(|id| published::lower(self.program.get(id), self.program, self.said)).collect()
+    fn published(&mut self, beside: Option<Vec<DeclarationId>>) -> Vec<Published> {
+        beside.into_iter().flatten().map(|id| published::lower(self.program.get(id), self.program, self.said)).collect()
     }
 }

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::axis::{Axis, Usual};
 use super::ground::note_towns;
+use crate::campaign::SearchKeys;
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, Search, SearchKey};
 use crate::{RunId, falsifier};
@@ -31,13 +32,14 @@ impl Lowering<'_> {
         usual: &Usual,
         campaign: &mut Campaign,
     ) {
-        let own = block.arguments.has("adversary").then(|| self.adversary(block.arguments.reference("adversary")));
+        let keys: SearchKeys = block.keys();
+        let own = keys.adversary.map(|id| self.adversary(id));
         let adversary = own.as_ref().unwrap_or(&usual.walker);
         let (car, walker) = (&usual.car.value, &adversary.value);
-        let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, adversary)]) else { return };
-        let falsifiers = self.falsifiers(campaign_block, block, usual.training.as_ref());
-        let runs = block.arguments.integer("runs") as u32;
-        if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), runs as usize]) {
+        let bodies = [(&usual.car, adversary)];
+        let Some(ground) = self.ground(campaign_block, block, &keys.places, &keys.start, &bodies) else { return };
+        let falsifiers = self.falsifiers(campaign_block, &keys.falsifiers, usual.training.as_ref());
+        if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), keys.runs as usize]) {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
@@ -45,7 +47,7 @@ impl Lowering<'_> {
             let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
             let ground = place.declarations(&usual.car, adversary, &usual.rule);
             let fingerprint = self.fingerprint(&[ground.as_slice(), &rival.declarations].concat());
-            campaign.searches.extend((0..runs).map(|run| Search {
+            campaign.searches.extend((0..keys.runs).map(|run| Search {
                 key: SearchKey {
                     id: RunId::default(),
                     falsifier: rival.name.clone(),
@@ -58,17 +60,22 @@ impl Lowering<'_> {
                 },
                 scenario: scenario.clone(),
                 falsifier: rival.falsifier.clone(),
-                budget: block.arguments.integer("budget") as u64,
-                tries: block.arguments.integer("episodes") as u32,
+                budget: keys.budget,
+                tries: keys.episodes,
                 fingerprint,
             }));
         }
     }
 
-    fn falsifiers(&mut self, campaign: &Block, block: &Block, usual: Option<&Axis<(PpoConfig, usize)>>) -> Vec<Rival> {
+    fn falsifiers(
+        &mut self,
+        campaign: &Block,
+        ids: &[DeclarationId],
+        usual: Option<&Axis<(PpoConfig, usize)>>,
+    ) -> Vec<Rival> {
         let mut rivals = Vec::new();
-        for id in block.arguments.references("falsifiers") {
-            let declaration = self.program.get(id);
+        for id in ids {
+            let declaration = self.program.get(*id);
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
                 Some(id) => Some(self.training(id)),
@@ -91,7 +98,10 @@ impl Lowering<'_> {
                 name: declaration.name.clone(),
                 method: declaration.kind,
                 reward: reward.map(|reward| (reward.name.to_string(), reward.value)).unwrap_or_default(),
-                declarations: [Some(id), training.as_ref().map(|training| training.id)].into_iter().flatten().collect(),
+                declarations: [Some(*id), training.as_ref().map(|training| training.id)]
+                    .into_iter()
+                    .flatten()
+                    .collect(),
                 falsifier: falsifier::lower(&self.catalog.falsifiers, declaration, &named, self.said),
             });
         }

@@ -2,6 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::axis::{Axis, Usual};
 use super::ground::{Place, note_towns};
+use crate::campaign::{Together, TrainKeys};
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, Training, TrainingKey};
 use base::signature::DeclarationId;
@@ -23,14 +24,16 @@ impl Lowering<'_> {
         let Some(training) = &usual.training else {
             return self.said.push(diagnostics::no_training(campaign_block.head, block.head));
         };
-        let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, &usual.walker)]) else { return };
-        let (paid, runs) = (self.rewards(block), block.arguments.integer("runs") as u32);
+        let TrainKeys { places, rewards: paid, runs, together, start } = block.keys();
+        let bodies = [(&usual.car, &usual.walker)];
+        let Some(ground) = self.ground(campaign_block, block, &places, &start, &bodies) else { return };
+        let paid: Vec<_> = paid.into_iter().map(|id| self.reward(id)).collect();
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), paid.len(), runs as usize]) {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
         let (config, environments) = &training.value;
-        for places in groups(ground.places().collect(), together(block)) {
+        for places in groups(ground.places().collect(), together) {
             for reward in &paid {
                 let scenario_of = |place: &Place<'_>| place.scenario(car, walker, &usual.rule.value, &reward.value);
                 let scenarios: Vec<_> =
@@ -74,19 +77,14 @@ impl Lowering<'_> {
     }
 }
 
-/// What a `train` block trains one pedestrian for.
-fn together(block: &Block) -> Option<&str> {
-    block.arguments.has("together").then(|| block.arguments.choice("together"))
-}
-
 /// The places of each training: one each, or all that share what is not trained together.
-fn groups<'a>(places: Vec<Place<'a>>, together: Option<&str>) -> Vec<Vec<Place<'a>>> {
+fn groups<'a>(places: Vec<Place<'a>>, together: Option<Together>) -> Vec<Vec<Place<'a>>> {
     let mut groups: Vec<Vec<Place<'a>>> = Vec::new();
     for place in places {
         let joins = |group: &&mut Vec<Place<'a>>| match together {
-            Some("policies") => group[0].town.id == place.town.id,
-            Some("towns") => group[0].policy.id == place.policy.id,
-            Some(_) => true,
+            Some(Together::Policies) => group[0].town.id == place.town.id,
+            Some(Together::Towns) => group[0].policy.id == place.policy.id,
+            Some(Together::All) => true,
             None => false,
         };
         match groups.iter_mut().find(joins) {

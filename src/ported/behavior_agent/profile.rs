@@ -1,16 +1,20 @@
-/// The driving profile of the agent.
-///
-/// # Source
-/// CARLA `agents/navigation/behavior_types.py`, the same in all releases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Profile {
-    /// Slower and with more distance.
-    Cautious,
-    /// CARLA's default.
-    #[default]
-    Normal,
-    /// Faster and with less distance.
-    Aggressive,
+use base::choice;
+
+choice! {
+    /// The driving profile of the agent.
+    ///
+    /// # Source
+    /// CARLA `agents/navigation/behavior_types.py`, the same in all releases.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum Profile {
+        /// Slower and with more distance.
+        Cautious = "cautious",
+        /// CARLA's default.
+        #[default]
+        Normal = "normal",
+        /// Faster and with less distance.
+        Aggressive = "aggressive",
+    }
 }
 
 /// The figures of a profile, in CARLA's units.
@@ -49,23 +53,6 @@ impl ProfileTraits {
 }
 
 impl Profile {
-    /// All of them, from cautious to aggressive.
-    pub const ALL: [Self; 3] = [Self::Cautious, Self::Normal, Self::Aggressive];
-
-    /// Its name, as CARLA writes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cautious => "cautious",
-            Self::Normal => "normal",
-            Self::Aggressive => "aggressive",
-        }
-    }
-
-    /// Finds a profile by its name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|profile| profile.name() == name)
-    }
-
     pub(super) const fn traits(self) -> ProfileTraits {
         let (max_speed, below_limit, speed_decrease, least_reach, braking_distance) = match self {
             Self::Cautious => (40.0, 6.0, 12.0, 12.0, 6.0),
@@ -84,7 +71,6 @@ mod tests {
     fn bolder_profiles_brake_later() {
         let gaps = Profile::ALL.map(|profile| profile.traits().braking_distance);
         assert!(gaps.is_sorted_by(|a, b| a > b));
-        assert_eq!(Profile::from_name("aggressive"), Some(Profile::Aggressive));
     }
 
     #[test]

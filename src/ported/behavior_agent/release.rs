@@ -1,18 +1,17 @@
 use super::controller::{CITY_GAINS_0_9_11, GAINS, Gains, HIGHWAY_GAINS_0_9_11};
+use base::choice;
 use world::road::LaneFilter;
 
-/// The release of CARLA that the agent reproduces. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Release {
-    /// 0.9.10.1 and 0.9.11.
-    V0_9_11,
-    /// 0.9.12.
-    V0_9_12,
-    /// 0.9.13.
-    V0_9_13,
-    /// 0.9.14 and 0.9.15.
-    #[default]
-    V0_9_15,
+choice! {
+    /// The release of CARLA that the agent reproduces. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum Release {
+        V0_9_11 = "0.9.10.1" | "0.9.11",
+        V0_9_12 = "0.9.12",
+        V0_9_13 = "0.9.13",
+        #[default]
+        V0_9_15 = "0.9.14" | "0.9.15",
+    }
 }
 
 /// The points between which an obstacle's distance and bearing are measured outside junctions.
@@ -124,30 +123,6 @@ const V0_9_11: ReleaseTraits = ReleaseTraits {
 };
 
 impl Release {
-    /// All of them, oldest first.
-    pub const ALL: [Self; 4] = [Self::V0_9_11, Self::V0_9_12, Self::V0_9_13, Self::V0_9_15];
-
-    /// Its number in CARLA's notation.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::V0_9_11 => "0.9.11",
-            Self::V0_9_12 => "0.9.12",
-            Self::V0_9_13 => "0.9.13",
-            Self::V0_9_15 => "0.9.15",
-        }
-    }
-
-    /// Finds the release that behaves like a CARLA version; none before 0.9.10.1 and after 0.9.15.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "0.9.10.1" | "0.9.11" => Some(Self::V0_9_11),
-            "0.9.12" => Some(Self::V0_9_12),
-            "0.9.13" => Some(Self::V0_9_13),
-            "0.9.14" | "0.9.15" => Some(Self::V0_9_15),
-            _ => None,
-        }
-    }
-
     pub(super) const fn traits(self) -> ReleaseTraits {
         match self {
             Self::V0_9_11 => V0_9_11,
@@ -171,9 +146,9 @@ mod tests {
     #[test]
     fn names_lead_back_to_releases() {
         for release in Release::ALL {
-            assert_eq!(Release::from_name(release.name()), Some(release));
+            assert_eq!(Release::named(release.name()), Some(release));
         }
-        assert_eq!(Release::from_name("0.9.14"), Some(Release::V0_9_15));
-        assert_eq!(Release::from_name("0.9.16"), None);
+        assert_eq!(Release::named("0.9.14"), Some(Release::V0_9_15));
+        assert_eq!(Release::named("0.9.16"), None);
     }
 }

@@ -1,3 +1,4 @@
+use base::choice;
 use world::road::ForkRule;
 
 /// How the agent finds its way without a plan.
@@ -16,13 +17,15 @@ impl Default for WayFinding {
     }
 }
 
-/// What the agent does at the end of its route.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum AtDestination {
-    /// Draws the next destination after one tick of full brake, as CARLA's example scripts do. The planner of 0.9.11 gets
-    /// the next route as soon as the last five points are in its buffer, and does not brake.
-    #[default]
-    Next,
-    /// Brakes and stays, as CARLA's agent does without further commands.
-    Stop,
+choice! {
+    /// What the agent does at the end of its route.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum AtDestination {
+        /// Draws the next destination after one tick of full brake, as CARLA's example scripts do. The planner of 0.9.11 gets
+        /// the next route as soon as the last five points are in its buffer, and does not brake.
+        #[default]
+        Next = "next",
+        /// Brakes and stays, as CARLA's agent does without further commands.
+        Stop = "stop",
+    }
 }

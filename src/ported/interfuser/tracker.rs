@@ -1,19 +1,22 @@
 use std::f64::consts::PI;
 
 use super::object_map::{Cell, centre};
+use base::choice;
 use world::geometry::{Point, Vector};
 
-/// How the tracker corrects the speeds of a single frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TrackerMode {
-    /// As published: the speed is blended with the heading's channel. From the third update of a track on,
-    /// every road user is therefore forecast at about as many m/s as its heading has half turns.
-    #[default]
-    Published,
-    /// The speed is blended with itself, as was intended.
-    FixedSpeed,
-    /// No tracker.
-    Off,
+choice! {
+    /// How the tracker corrects the speeds of a single frame.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum TrackerMode {
+        /// As published: the speed is blended with the heading's channel. From the third update of a track on,
+        /// every road user is therefore forecast at about as many m/s as its heading has half turns.
+        #[default]
+        Published = "published",
+        /// The speed is blended with itself, as was intended.
+        FixedSpeed = "fixed_speed",
+        /// No tracker.
+        Off = "off",
+    }
 }
 
 /// Updates a second.

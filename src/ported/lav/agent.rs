@@ -8,13 +8,29 @@ use super::frame::{EgoPoint, clockwise_yaw};
 use super::hazards;
 use super::plan::{Tempo, write_plan};
 use super::version::{LONGEST, Version};
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
 use world::av::{DrivingMode, DrivingPolicy, Path, Perception};
 use world::sim::Control;
 
-const VERSIONS: &[&str] = &["v1", "v2", "v2_fast"];
+keys! {
+    /// LAV, a surrogate. It does not see through buildings. Made for `mkz_2017`.
+    pub struct LavKeys = "lav" {
+        /// The agent: of the paper, of the leaderboard, or the leaderboard's fast variant.
+        version: Version = "v2",
+        /// Time constant of the brake classifier; an assumption.
+        response: f64 as non_negative(TIME) = "0.1 s",
+        /// Factor on the distances at which it brakes for hazards; 0.7 to 1.3 is plausible.
+        brake_range: f64 as positive(RATIO) = "1",
+    }
+    .made_for(0.05)
+    .surrogate(
+        "Exact: LAV's controller and rules. Assumed: its networks, which are not run; its route and what it perceives take the \
+         place of its plan, detections and forecasts, and the rules that labelled its training data that of its brake classifier. \
+         So its rates show the limits of LAV's rules and not the mistakes of its networks.",
+    )
+}
+
 /// Half of the length of the car that LAV was trained in (m); its networks know no other car.
 const TRAINED_HALF_LENGTH: f64 = 2.450_842;
 /// The detector's score for a vehicle that it sees.
@@ -73,46 +89,8 @@ pub struct Lav {
 }
 
 impl Lav {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        Signature::new(
-            "lav",
-            "LAV, a surrogate. It does not see through buildings. Made for `mkz_2017`.",
-            vec![
-                Param::with_default(
-                    "version",
-                    Type::Choice(VERSIONS),
-                    "v2",
-                    "The agent: of the paper, of the leaderboard, or the leaderboard's fast variant.",
-                ),
-                Param::with_default(
-                    "response",
-                    Type::non_negative(Dimension::TIME),
-                    "0.1 s",
-                    "Time constant of the brake classifier; an assumption.",
-                ),
-                Param::with_default(
-                    "brake_range",
-                    Type::positive(Dimension::RATIO),
-                    "1",
-                    "Factor on the distances at which it brakes for hazards; 0.7 to 1.3 is plausible.",
-                ),
-            ],
-        )
-        .made_for(0.05)
-        .surrogate(
-            "Exact: LAV's controller and rules. Assumed: its networks, which are not run; its route and what it perceives take the place of its plan, detections and forecasts, and the rules that labelled its training data that of its brake classifier. So its rates show the limits of LAV's rules and not the mistakes of its networks.",
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn from_arguments(arguments: &Arguments) -> Self {
-        let version = match arguments.choice("version") {
-            "v1" => Version::V1,
-            "v2_fast" => Version::V2Fast,
-            _ => Version::V2,
-        };
-        Self::new(version, arguments.number("response"), arguments.number("brake_range"))
+    pub fn from_keys(keys: LavKeys) -> Self {
+        Self::new(keys.version, keys.response, keys.brake_range)
     }
 
     /// Makes one whose classifier has a time constant (s) and whose braking distances are scaled.

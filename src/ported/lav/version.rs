@@ -1,15 +1,18 @@
 use super::pid::Gains;
+use base::choice;
 
-/// The version of LAV's agent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Version {
-    /// The agent of the paper.
-    V1,
-    /// The agent of the leaderboard.
-    #[default]
-    V2,
-    /// The fast variant of the leaderboard's agent, which differs here in the detections that its detector accepts.
-    V2Fast,
+choice! {
+    /// The version of LAV's agent.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum Version {
+        /// The agent of the paper.
+        V1 = "v1",
+        /// The agent of the leaderboard.
+        #[default]
+        V2 = "v2",
+        /// The fast variant of the leaderboard's agent, which differs here in the detections that its detector accepts.
+        V2Fast = "v2_fast",
+    }
 }
 
 /// The number of points of the longest plan.
@@ -81,15 +84,6 @@ const V2: Traits = Traits {
 const V2_FAST: Traits = Traits { peak_score: 0.2, fast_gates: true, ..V2 };
 
 impl Version {
-    /// Its name in scenarios.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::V1 => "v1",
-            Self::V2 => "v2",
-            Self::V2Fast => "v2_fast",
-        }
-    }
-
     pub(super) fn traits(self) -> &'static Traits {
         match self {
             Self::V1 => &V1,

@@ -22,7 +22,7 @@ impl Default for Session {
 }
 
 impl Session {
-    /// Reads files from the disk, without observer and stop flag, and with this language. The catalogue may have policies of the caller,
+    /// Reads files from the disk, without observer and stop flag, and with this language. The catalogue may have kinds of the caller,
     /// and an opener that lets scenarios start programs.
     pub fn new(catalog: Catalog) -> Self {
         Self {

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::growing_curves::NewestUpdate;
 use super::{Error, Session};
+use base::choice;
 use results::report::StoredReport;
 use results::store::{CampaignStatus, Store, TaskStatus};
 
@@ -56,25 +57,17 @@ pub struct CampaignProgress {
     pub under_way: Vec<TaskStatus>,
 }
 
-/// The state of a campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CampaignState {
-    /// All tasks are finished.
-    Finished,
-    /// A process works on the folder.
-    Running,
-    /// Tasks are missing, and no process works on the folder.
-    Stopped,
-}
-
-impl CampaignState {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Running => "running",
-            Self::Stopped => "stopped",
-        }
+choice! {
+    /// The state of a campaign.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum CampaignState {
+        /// All tasks are finished.
+        Finished = "finished",
+        /// A process works on the folder.
+        Running = "running",
+        /// Tasks are missing, and no process works on the folder.
+        Stopped = "stopped",
     }
 }
 

@@ -8,7 +8,7 @@ use clap::Args;
 use super::held_files::HeldFiles;
 use super::{Change, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
-use compile::{Campaign, ControllerKind, Evaluation, Search};
+use compile::{Campaign, Evaluation, Search};
 use learn::ActorCritic;
 use results::campaign;
 use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
@@ -197,11 +197,6 @@ impl Source {
     /// # Errors
     /// Their file cannot be read.
     pub fn trained(&self, evaluation: &Evaluation) -> Result<Option<ActorCritic>, ReadError> {
-        match evaluation.controller {
-            ControllerKind::Trained(_) | ControllerKind::Sampled(_) => {
-                self.report.pedestrian(&evaluation.trained).map(Some)
-            }
-            _ => Ok(None),
-        }
+        evaluation.training().map(|_| self.report.pedestrian(&evaluation.trained)).transpose()
     }
 }

@@ -1,20 +1,23 @@
 use std::fmt;
 
 use super::Approach;
+use base::choice;
 use world::av::DrivingMode;
 use world::judge::Label;
 
-/// The side of the car that was hit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Impact {
-    /// Within the front sector.
-    Front,
-    /// Beside it, to the car's left.
-    Left,
-    /// Beside it, to the car's right.
-    Right,
-    /// Within 60° of straight behind.
-    Rear,
+choice! {
+    /// The side of the car that was hit.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Impact {
+        /// Within the front sector.
+        Front = "front",
+        /// Beside it, to the car's left.
+        Left = "left",
+        /// Beside it, to the car's right.
+        Right = "right",
+        /// Within 60° of straight behind.
+        Rear = "rear",
+    }
 }
 
 impl Impact {
@@ -26,16 +29,6 @@ impl Impact {
             b if b.abs() >= 120_f64.to_radians() => Self::Rear,
             b if b > 0.0 => Self::Left,
             _ => Self::Right,
-        }
-    }
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Left => "left",
-            Self::Right => "right",
-            Self::Rear => "rear",
         }
     }
 }

@@ -4,9 +4,7 @@ use base::seed::Seed;
 use compile::{ControllerKind, Evaluation, episodes_seed};
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};
-use world::falsifier::{
-    ActionMode, Homing, Intercept, Natural, Random, Scripted, TrainedWalker, WalkPolicy, evaluate_noting,
-};
+use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_noting};
 
 /// Runs the episodes of an evaluation with these numbers, and returns what `note` makes of each.
 ///
@@ -44,12 +42,7 @@ pub(super) fn watch_numbered<T>(
         Box::new(TrainedWalker::new(trained.clone(), evaluation.scenario.cast.obs_dim(), mode))
     };
     let mut walker: Box<dyn WalkPolicy> = match &evaluation.controller {
-        ControllerKind::Random => Box::new(Random::default()),
-        ControllerKind::Homing => Box::new(Homing),
-        ControllerKind::Intercept => Box::new(Intercept),
-        ControllerKind::Natural => Box::new(Natural::default()),
-        ControllerKind::Scripted => Box::new(Scripted),
-        ControllerKind::Declared(controller) => controller.walk_policy(),
+        ControllerKind::Untrained(controller) => controller.walk_policy(),
         ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),
         ControllerKind::Sampled(_) => learnt(ActionMode::Stochastic),
     };

@@ -12,26 +12,29 @@ use crate::record::columns::{
     TOWN, VERDICT,
 };
 use crate::record::{EpisodeTable, RunKey};
+use base::choice;
 use world::av::DrivingMode;
 use world::judge::{Label, Sight};
 
-/// How much a failure counts against the driver under test, the most serious first. All lists of failures have this order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum FailureClass {
-    /// A careful human would have avoided it, and the pedestrian moved as people do.
-    Fault,
-    /// A careful human would have avoided it.
-    Preventable,
-    /// Reference drivers disagree.
-    Contested,
-    /// Only a machine avoids it.
-    MachinePreventable,
-    /// No driver avoids it by braking.
-    Unpreventable,
-    /// The car stood.
-    Standing,
-    /// There is no verdict: a driver that is not deterministic did not repeat it.
-    Unjudged,
+choice! {
+    /// How much a failure counts against the driver under test, the most serious first. All lists of failures have this order.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum FailureClass {
+        /// A careful human would have avoided it, and the pedestrian moved as people do.
+        Fault = "fault",
+        /// A careful human would have avoided it.
+        Preventable = "preventable",
+        /// Reference drivers disagree.
+        Contested = "contested",
+        /// Only a machine avoids it.
+        MachinePreventable = "by machine only",
+        /// No driver avoids it by braking.
+        Unpreventable = "unpreventable",
+        /// The car stood.
+        Standing = "car standing",
+        /// There is no verdict: a driver that is not deterministic did not repeat it.
+        Unjudged = "not judged",
+    }
 }
 
 impl FailureClass {
@@ -45,19 +48,6 @@ impl FailureClass {
             Some(Label::Unpreventable) => Self::Unpreventable,
             Some(Label::Standing) => Self::Standing,
             None => Self::Unjudged,
-        }
-    }
-
-    /// Its name, for people.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fault => "fault",
-            Self::Preventable => "preventable",
-            Self::Contested => "contested",
-            Self::MachinePreventable => "by machine only",
-            Self::Unpreventable => "unpreventable",
-            Self::Standing => "car standing",
-            Self::Unjudged => "not judged",
         }
     }
 

@@ -1,10 +1,34 @@
-use super::lane_follower::LaneFollower;
+use super::crosswalks::CrosswalkKeys;
+use super::lane_follower::{LaneFollower, LaneKeys};
 use super::route_trace::OnTrace;
 use super::{DrivingMode, DrivingPolicy, Perception};
 use crate::sim::Control;
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+
+keys! {
+    /// A driver that sees no actors, with automatic emergency braking by time to collision. It trusts the positions that it is
+    /// given: add sensors.
+    pub struct AebKeys = "aeb" {
+        ..lane: LaneKeys,
+        /// Time to collision from which the throttle is let go (assumed).
+        warning: f64 as non_negative(TIME) = "2 s",
+        /// Time to collision from which it brakes partially (assumed).
+        partial: f64 as non_negative(TIME) = "1.5 s",
+        /// Time to collision from which it brakes fully (assumed).
+        full: f64 as non_negative(TIME) = "1 s",
+        /// Deceleration of the partial brake (assumed).
+        partial_brake: f64 as positive(ACCELERATION) = "4 m/s^2",
+        /// Deceleration of the full brake: 0.85 g, UN R157's model of an automatic brake.
+        full_brake: f64 as positive(ACCELERATION) = "8.34 m/s^2",
+        /// Time from none to full braking, from the same model.
+        ramp: f64 as positive(TIME) = "0.6 s",
+        /// How far beside the car an actor is still in its way (assumed).
+        margin: f64 as non_negative(LENGTH) = "0.3 m",
+        ..at_crosswalks: CrosswalkKeys,
+    }
+    .rising(&["full", "partial", "warning"])
+}
 
 /// A driver that ignores all road users, with automatic emergency braking for road users that will be in its way.
 ///
@@ -18,13 +42,7 @@ use base::units::Dimension;
 /// their values here are assumptions, stated at each key.
 #[derive(Debug, Clone)]
 pub struct Aeb {
-    warning: f64,
-    partial: f64,
-    full: f64,
-    partial_brake: f64,
-    full_brake: f64,
-    jerk: f64,
-    margin: f64,
+    keys: AebKeys,
     driver: LaneFollower,
     /// The present deceleration of the brakes (m/s²).
     braking: f64,
@@ -35,78 +53,16 @@ pub struct Aeb {
 const HOLD: (f64, f64) = (0.5, 2.0);
 
 impl Aeb {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let time = || Type::non_negative(Dimension::TIME);
-        let acceleration = || Type::positive(Dimension::ACCELERATION);
-        LaneFollower::signature(
-            "aeb",
-            "A driver that sees no actors, with automatic emergency braking by time to collision. It trusts the positions that it is given: add sensors.",
-            vec![
-                Param::with_default(
-                    "warning",
-                    time(),
-                    "2 s",
-                    "Time to collision from which the throttle is let go (assumed).",
-                ),
-                Param::with_default(
-                    "partial",
-                    time(),
-                    "1.5 s",
-                    "Time to collision from which it brakes partially (assumed).",
-                ),
-                Param::with_default("full", time(), "1 s", "Time to collision from which it brakes fully (assumed)."),
-                Param::with_default(
-                    "partial_brake",
-                    acceleration(),
-                    "4 m/s^2",
-                    "Deceleration of the partial brake (assumed).",
-                ),
-                Param::with_default(
-                    "full_brake",
-                    acceleration(),
-                    "8.34 m/s^2",
-                    "Deceleration of the full brake: 0.85 g, UN R157's model of an automatic brake.",
-                ),
-                Param::with_default(
-                    "ramp",
-                    Type::positive(Dimension::TIME),
-                    "0.6 s",
-                    "Time from none to full braking, from the same model.",
-                ),
-                Param::with_default(
-                    "margin",
-                    Type::non_negative(Dimension::LENGTH),
-                    "0.3 m",
-                    "How far beside the car an actor is still in its way (assumed).",
-                ),
-            ],
-        )
-        .rising(&["full", "partial", "warning"])
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        let full_brake = arguments.number("full_brake");
-        Self {
-            warning: arguments.number("warning"),
-            partial: arguments.number("partial"),
-            full: arguments.number("full"),
-            partial_brake: arguments.number("partial_brake"),
-            full_brake,
-            jerk: full_brake / arguments.number("ramp"),
-            margin: arguments.number("margin"),
-            driver: LaneFollower::new(arguments),
-            braking: 0.0,
-            mode: DrivingMode::Cruise,
-        }
+    pub fn new(keys: AebKeys) -> Self {
+        let driver = LaneFollower::new(keys.lane, keys.at_crosswalks);
+        Self { keys, driver, braking: 0.0, mode: DrivingMode::Cruise }
     }
 
     /// The least time to collision (s) with any actor.
     fn time_to_collision(&self, perception: &Perception<'_>) -> f64 {
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         let found = actors.filter_map(|actor| self.driver.trace.locate(actor));
-        found.map(|actor| time_to(&actor, perception, self.margin)).fold(f64::INFINITY, f64::min)
+        found.map(|actor| time_to(&actor, perception, self.keys.margin)).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -144,18 +100,18 @@ impl DrivingPolicy for Aeb {
         let intent = self.driver.intend(perception);
         let time = self.time_to_collision(perception);
         let target = match time {
-            time if time < self.full => self.full_brake,
-            time if time < self.partial => self.partial_brake,
+            time if time < self.keys.full => self.keys.full_brake,
+            time if time < self.keys.partial => self.keys.partial_brake,
             _ => 0.0,
         };
-        let step = self.jerk * perception.dt;
+        let step = self.keys.full_brake / self.keys.ramp * perception.dt;
         self.braking = if target > self.braking { (self.braking + step).min(target) } else { target };
         self.mode = match target {
-            target if target >= self.full_brake => DrivingMode::EmergencyStop,
-            target if target > 0.0 || time < self.warning => DrivingMode::Yield,
+            target if target >= self.keys.full_brake => DrivingMode::EmergencyStop,
+            target if target > 0.0 || time < self.keys.warning => DrivingMode::Yield,
             _ => intent.mode,
         };
-        let allowed = if time < self.warning { -self.braking } else { f64::INFINITY };
+        let allowed = if time < self.keys.warning { -self.braking } else { f64::INFINITY };
         intent.control(intent.acceleration.min(allowed), perception)
     }
 

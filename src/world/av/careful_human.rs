@@ -1,10 +1,29 @@
-use super::lane_follower::LaneFollower;
+use super::crosswalks::CrosswalkKeys;
+use super::lane_follower::{LaneFollower, LaneKeys};
 use super::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion, ReferenceDriver, Threat};
 use super::{Actor, DrivingMode, DrivingPolicy, Perception};
 use crate::sim::Control;
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+
+keys! {
+    /// UN R157's careful human, who decides in a verdict what was preventable, as a driver. Weaken it to see what the verdict
+    /// makes of it.
+    pub struct CarefulHumanKeys = "careful_human" {
+        ..lane: LaneKeys,
+        /// Time for which it evaluates a risk before it reacts.
+        evaluation: f64 as non_negative(TIME) = "0.4 s",
+        /// Time from then until it begins to brake.
+        reaction: f64 as non_negative(TIME) = "0.75 s",
+        /// Time from none to full braking.
+        ramp: f64 as non_negative(TIME) = "0.6 s",
+        /// Its full braking: 0.774 g.
+        full_braking: f64 as positive(ACCELERATION) = "7.593 m/s^2",
+        /// How far it sees a pedestrian; 0 m for a driver that sees no pedestrian.
+        range: f64 as non_negative(LENGTH) = "200 m",
+        ..at_crosswalks: CrosswalkKeys,
+    }
+}
 
 /// The careful human of the verdicts as a driver under test: UN R157's, at the gate of [`DelayedBrake`].
 ///
@@ -34,48 +53,13 @@ const PUSHES: [f64; 5] = [0.0, 0.5, 1.0, 1.5, 2.0];
 const PATIENCE: f64 = 5.0;
 
 impl CarefulHuman {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let time = || Type::non_negative(Dimension::TIME);
-        LaneFollower::signature(
-            "careful_human",
-            "UN R157's careful human, who decides in a verdict what was preventable, as a driver. Weaken it to see what the verdict makes of it.",
-            vec![
-                Param::with_default(
-                    "evaluation",
-                    time(),
-                    "0.4 s",
-                    "Time for which it evaluates a risk before it reacts.",
-                ),
-                Param::with_default("reaction", time(), "0.75 s", "Time from then until it begins to brake."),
-                Param::with_default("ramp", time(), "0.6 s", "Time from none to full braking."),
-                Param::with_default(
-                    "full_braking",
-                    Type::positive(Dimension::ACCELERATION),
-                    "7.593 m/s^2",
-                    "Its full braking: 0.774 g.",
-                ),
-                Param::with_default(
-                    "range",
-                    Type::non_negative(Dimension::LENGTH),
-                    "200 m",
-                    "How far it sees a pedestrian; 0 m for a driver that sees no pedestrian.",
-                ),
-            ],
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        let profile = BrakeProfile {
-            wait: arguments.number("evaluation") + arguments.number("reaction"),
-            ramp: arguments.number("ramp"),
-            full: arguments.number("full_braking"),
-        };
+    pub fn new(keys: CarefulHumanKeys) -> Self {
+        let wait = keys.evaluation + keys.reaction;
+        let profile = BrakeProfile { wait, ramp: keys.ramp, full: keys.full_braking };
         Self {
             brake: DelayedBrake::new(Some(Gate::CAREFUL), profile),
-            range: arguments.number("range"),
-            driver: LaneFollower::new(arguments),
+            range: keys.range,
+            driver: LaneFollower::new(keys.lane, keys.at_crosswalks),
             mode: DrivingMode::Cruise,
         }
     }

@@ -3,7 +3,33 @@
 use super::{Actor, Path, Perception};
 use crate::geometry::{Point, Pose};
 use crate::road::crosswalk;
-use base::signature::{Arguments, Param, Type};
+use base::{choice, keys};
+
+choice! {
+    /// What a driver does at crosswalks.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum AtCrosswalk {
+        Ignore = "ignore",
+        Yield = "yield",
+    }
+}
+
+keys! {
+    /// The key of a driver that can yield.
+    #[derive(Copy)]
+    pub struct CrosswalkKeys {
+        /// Whether it stops before a crosswalk on which it sees a pedestrian, or one within 1.5 m of it that has not
+        /// crossed yet.
+        crosswalks: AtCrosswalk = "ignore",
+    }
+}
+
+impl CrosswalkKeys {
+    /// Whether the driver yields to pedestrians.
+    pub fn yields(&self) -> bool {
+        self.crosswalks == AtCrosswalk::Yield
+    }
+}
 
 /// A pedestrian this near to a crosswalk wants to use it (m).
 ///
@@ -19,21 +45,6 @@ const PASSED: f64 = 1.0;
 const AT_REST: f64 = 0.2;
 /// How far before a crosswalk a car stops, if its gap at rest were 0 (m): there is the line of a stop.
 const STOP_LINE: f64 = 1.0;
-
-/// The key of a driver that can yield.
-pub(super) fn param() -> Param {
-    Param::with_default(
-        "crosswalks",
-        Type::Choice(&["ignore", "yield"]),
-        "ignore",
-        "Whether it stops before a crosswalk on which it sees a pedestrian, or one within 1.5 m of it that has not crossed yet.",
-    )
-}
-
-/// Whether a driver with these arguments yields.
-pub(super) fn yields(arguments: &Arguments) -> bool {
-    arguments.choice("crosswalks") == "yield"
-}
 
 /// The distance from the ego's front to the line of a stop (m) before the first crosswalk at which it must yield; none when it may drive on.
 pub(super) fn gap(perception: &Perception<'_>, path: &Path) -> Option<f64> {

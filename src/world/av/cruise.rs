@@ -1,16 +1,22 @@
 use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
 use crate::sim::Control;
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+
+keys! {
+    /// Keeps its lane and its speed. It sees neither pedestrians nor lights.
+    pub struct CruiseKeys = "cruise" {
+        /// Share of the speed limit that it drives.
+        limit_share: f64 as share() = "0.9",
+        /// Lateral acceleration that it takes in bends.
+        lateral_acceleration: f64 as positive(ACCELERATION) = "2 m/s^2",
+    }
+}
 
 /// Keeps its lane and its speed and ignores all road users. It is a lower bound, since every pedestrian can hit it.
 #[derive(Debug, Clone)]
 pub struct Cruise {
-    /// Share of the speed limit that it drives.
-    limit_share: f64,
-    /// Its greatest lateral acceleration in bends (m/s²).
-    lateral: f64,
+    keys: CruiseKeys,
     path: Path,
     mode: DrivingMode,
 }
@@ -19,39 +25,14 @@ pub struct Cruise {
 const COMFORTABLE: f64 = 2.0;
 
 impl Cruise {
-    pub const KIND: &'static str = "cruise";
-
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        Signature::new(
-            Self::KIND,
-            "Keeps its lane and its speed. It sees neither pedestrians nor lights.",
-            vec![
-                Param::with_default("limit_share", Type::share(), "0.9", "Share of the speed limit that it drives."),
-                Param::with_default(
-                    "lateral_acceleration",
-                    Type::positive(Dimension::ACCELERATION),
-                    "2 m/s^2",
-                    "Lateral acceleration that it takes in bends.",
-                ),
-            ],
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        Self {
-            limit_share: arguments.number("limit_share"),
-            lateral: arguments.number("lateral_acceleration"),
-            path: Path::default(),
-            mode: DrivingMode::Cruise,
-        }
+    pub fn new(keys: CruiseKeys) -> Self {
+        Self { keys, path: Path::default(), mode: DrivingMode::Cruise }
     }
 }
 
 impl DrivingPolicy for Cruise {
     fn speed_limit_for(&self, speed: f64) -> f64 {
-        speed / self.limit_share
+        speed / self.keys.limit_share
     }
 
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
@@ -62,8 +43,8 @@ impl DrivingPolicy for Cruise {
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         self.path.advance(perception);
         let speed = perception.ego.speed();
-        let wanted = self.limit_share * perception.speed_limit;
-        let allowed = lane_keeping::speed_for_bends(&self.path, wanted, self.lateral, COMFORTABLE);
+        let wanted = self.keys.limit_share * perception.speed_limit;
+        let allowed = lane_keeping::speed_for_bends(&self.path, wanted, self.keys.lateral_acceleration, COMFORTABLE);
         self.mode = if allowed < 0.1 {
             DrivingMode::Arrived
         } else if allowed < wanted - 0.1 {

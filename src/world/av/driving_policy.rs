@@ -1,59 +1,29 @@
 use super::{Fault, Perception};
 use crate::sim::Control;
+use base::choice;
 use base::seed::Stream;
 
-/// The present manoeuvre of a driver, for tables and replays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, serde::Serialize, serde::Deserialize)]
-pub enum DrivingMode {
-    /// Along its route, at the speed it wants.
-    #[default]
-    Cruise,
-    /// Through a turn, slower.
-    Turn,
-    /// Behind another vehicle.
-    Follow,
-    /// Slowing down smoothly for another road user.
-    Yield,
-    /// Braking hard for another road user.
-    EmergencyStop,
-    /// Standing at a red light.
-    RedLight,
-    /// Standing at the end of its route.
-    Arrived,
-    /// An external driver that does not report its mode.
-    Unknown,
-}
-
-impl DrivingMode {
-    /// All of them.
-    const ALL: [Self; 8] = [
-        Self::Cruise,
-        Self::Turn,
-        Self::Follow,
-        Self::Yield,
-        Self::EmergencyStop,
-        Self::RedLight,
-        Self::Arrived,
-        Self::Unknown,
-    ];
-
-    /// The one with this name in tables.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|mode| mode.name() == name)
-    }
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cruise => "cruise",
-            Self::Turn => "turn",
-            Self::Follow => "follow",
-            Self::Yield => "yield",
-            Self::EmergencyStop => "emergency_stop",
-            Self::RedLight => "red_light",
-            Self::Arrived => "arrived",
-            Self::Unknown => "unknown",
-        }
+choice! {
+    /// The present manoeuvre of a driver, for tables and replays.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, serde::Serialize, serde::Deserialize)]
+    pub enum DrivingMode {
+        /// Along its route, at the speed it wants.
+        #[default]
+        Cruise = "cruise",
+        /// Through a turn, slower.
+        Turn = "turn",
+        /// Behind another vehicle.
+        Follow = "follow",
+        /// Slowing down smoothly for another road user.
+        Yield = "yield",
+        /// Braking hard for another road user.
+        EmergencyStop = "emergency_stop",
+        /// Standing at a red light.
+        RedLight = "red_light",
+        /// Standing at the end of its route.
+        Arrived = "arrived",
+        /// An external driver that does not report its mode.
+        Unknown = "unknown",
     }
 }
 

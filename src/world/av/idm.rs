@@ -1,37 +1,54 @@
-use super::{DrivingMode, DrivingPolicy, Path, Perception, crosswalks, lane_keeping};
+use super::crosswalks::{self, CrosswalkKeys};
+use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
 use crate::geometry::{Point, wrap_angle};
 use crate::sim::{Control, LightColour};
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+
+keys! {
+    /// The Intelligent Driver Model along its lane, with an emergency brake for actors in its way. It does not see through
+    /// buildings.
+    pub struct IdmKeys = "idm" {
+        /// Share of the speed limit that it wants to drive.
+        limit_share: f64 as share() = "0.9",
+        /// Time gap that it keeps.
+        time_headway: f64 as positive(TIME) = "1.5 s",
+        /// Gap that it keeps at rest.
+        least_gap: f64 as positive(LENGTH) = "2 m",
+        /// Its greatest acceleration.
+        acceleration: f64 as positive(ACCELERATION) = "1.5 m/s^2",
+        /// Deceleration that it likes.
+        comfortable_braking: f64 as positive(ACCELERATION) = "2 m/s^2",
+        /// Its hardest braking in normal driving, and the deceleration that its emergency brake counts on: less makes
+        /// it brake earlier.
+        hardest_braking: f64 as positive(ACCELERATION) = "8 m/s^2",
+        /// Reaction time that its emergency brake allows for, though it has none: a longer one makes it brake
+        /// earlier. `actuation_delay` is a true delay.
+        reaction_allowance: f64 as non_negative(TIME) = "0.2 s",
+        /// How far beside its body its corridor reaches.
+        margin: f64 as non_negative(LENGTH) = "0.5 m",
+        ..at_crosswalks: CrosswalkKeys,
+    }
+}
 
 /// The Intelligent Driver Model along its lane, with an emergency brake for road users that enter its corridor.
 ///
 /// Acceleration `a [1 − (v/v₀)⁴ − (s*/s)²]` with `s* = s₀ + max(0, v T + v Δv / (2 √(a b)))`.
 ///
-/// | symbol | field | unit |
+/// | symbol | key | unit |
 /// |---|---|---|
-/// | a, b | `acceleration`, `comfortable` | m/s² |
-/// | T | `headway` | s |
+/// | a, b | `acceleration`, `comfortable_braking` | m/s² |
+/// | T | `time_headway` | s |
 /// | s₀ | `least_gap` | m |
 /// | v₀ | share of the limit, less in bends | m/s |
 /// | s, Δv | gap to and closing speed with the first road user in the corridor | m, m/s |
 ///
 /// # Source
 /// Treiber, Hennecke, Helbing, *Congested traffic states in empirical observations and microscopic simulations*, Phys.
-/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `hardest`.
+/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `hardest_braking`.
 #[derive(Debug, Clone)]
 pub struct Idm {
-    limit_share: f64,
-    headway: f64,
-    least_gap: f64,
-    acceleration: f64,
-    comfortable: f64,
-    hardest: f64,
-    reaction_allowance: f64,
-    margin: f64,
-    /// Whether it yields to pedestrians at crosswalks.
-    yields: bool,
+    keys: IdmKeys,
     path: Path,
     mode: DrivingMode,
 }
@@ -57,71 +74,8 @@ enum LeaderKind {
 }
 
 impl Idm {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let acceleration = || Type::positive(Dimension::ACCELERATION);
-        Signature::new(
-            "idm",
-            "The Intelligent Driver Model along its lane, with an emergency brake for actors in its way. It does not see through buildings.",
-            vec![
-                Param::with_default(
-                    "limit_share",
-                    Type::share(),
-                    "0.9",
-                    "Share of the speed limit that it wants to drive.",
-                ),
-                Param::with_default(
-                    "time_headway",
-                    Type::positive(Dimension::TIME),
-                    "1.5 s",
-                    "Time gap that it keeps.",
-                ),
-                Param::with_default(
-                    "least_gap",
-                    Type::positive(Dimension::LENGTH),
-                    "2 m",
-                    "Gap that it keeps at rest.",
-                ),
-                Param::with_default("acceleration", acceleration(), "1.5 m/s^2", "Its greatest acceleration."),
-                Param::with_default("comfortable_braking", acceleration(), "2 m/s^2", "Deceleration that it likes."),
-                Param::with_default(
-                    "hardest_braking",
-                    acceleration(),
-                    "8 m/s^2",
-                    "Its hardest braking in normal driving, and the deceleration that its emergency brake counts on: less makes it brake earlier.",
-                ),
-                Param::with_default(
-                    "reaction_allowance",
-                    Type::non_negative(Dimension::TIME),
-                    "0.2 s",
-                    "Reaction time that its emergency brake allows for, though it has none: a longer one makes it brake earlier. `actuation_delay` is a true delay.",
-                ),
-                Param::with_default(
-                    "margin",
-                    Type::non_negative(Dimension::LENGTH),
-                    "0.5 m",
-                    "How far beside its body its corridor reaches.",
-                ),
-                crosswalks::param(),
-            ],
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        Self {
-            limit_share: arguments.number("limit_share"),
-            headway: arguments.number("time_headway"),
-            least_gap: arguments.number("least_gap"),
-            acceleration: arguments.number("acceleration"),
-            comfortable: arguments.number("comfortable_braking"),
-            hardest: arguments.number("hardest_braking"),
-            reaction_allowance: arguments.number("reaction_allowance"),
-            margin: arguments.number("margin"),
-            yields: crosswalks::yields(arguments),
-            path: Path::default(),
-            mode: DrivingMode::Cruise,
-        }
+    pub fn new(keys: IdmKeys) -> Self {
+        Self { keys, path: Path::default(), mode: DrivingMode::Cruise }
     }
 
     /// The acceleration of the model (m/s²).
@@ -129,18 +83,19 @@ impl Idm {
         let free = (speed / wanted.max(0.1)).min(4.0);
         let free = free * free * free * free;
         let near = leader.map_or(0.0, |leader| {
-            let dynamic = speed * self.headway
-                + speed * (speed - leader.speed) / (2.0 * (self.acceleration * self.comfortable).sqrt());
-            let ratio = (self.least_gap + dynamic.max(0.0)) / leader.gap.max(0.1);
+            let dynamic = speed * self.keys.time_headway
+                + speed * (speed - leader.speed)
+                    / (2.0 * (self.keys.acceleration * self.keys.comfortable_braking).sqrt());
+            let ratio = (self.keys.least_gap + dynamic.max(0.0)) / leader.gap.max(0.1);
             ratio * ratio
         });
-        self.acceleration * (1.0 - free - near)
+        self.keys.acceleration * (1.0 - free - near)
     }
 
     /// The first of the actors, red lights and crosswalks in the corridor.
     fn leader(&self, perception: &Perception<'_>) -> Option<Leader> {
         let ego = &perception.ego;
-        let corridor = ego.half.y + self.margin;
+        let corridor = ego.half.y + self.keys.margin;
         let here = ego.pose.position();
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         let bodies = actors.filter_map(|actor| {
@@ -169,7 +124,7 @@ impl Idm {
                 kind: LeaderKind::RedLight,
             })
         });
-        let yielding = self.yields.then(|| crosswalks::gap(perception, &self.path)).flatten();
+        let yielding = self.keys.at_crosswalks.yields().then(|| crosswalks::gap(perception, &self.path)).flatten();
         let crosswalk = yielding.map(|gap| Leader { gap, speed: 0.0, kind: LeaderKind::Crosswalk });
         bodies.chain(lights).chain(crosswalk).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
@@ -200,7 +155,7 @@ impl Idm {
 
 impl DrivingPolicy for Idm {
     fn speed_limit_for(&self, speed: f64) -> f64 {
-        speed / self.limit_share
+        speed / self.keys.limit_share
     }
 
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
@@ -211,13 +166,13 @@ impl DrivingPolicy for Idm {
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         self.path.advance(perception);
         let speed = perception.ego.speed();
-        let limit = self.limit_share * perception.speed_limit;
-        let wanted = lane_keeping::speed_for_bends(&self.path, limit, LATERAL, self.comfortable);
+        let limit = self.keys.limit_share * perception.speed_limit;
+        let wanted = lane_keeping::speed_for_bends(&self.path, limit, LATERAL, self.keys.comfortable_braking);
         let leader = self.leader(perception);
         let steer = lane_keeping::steer(&self.path, perception);
         if let Some(leader) = leader.filter(|leader| leader.kind == LeaderKind::RoadUser) {
-            let stopping = (speed * speed - leader.speed * leader.speed).max(0.0) / (2.0 * self.hardest);
-            if speed > 0.1 && leader.gap <= stopping + speed * self.reaction_allowance + 0.3 {
+            let stopping = (speed * speed - leader.speed * leader.speed).max(0.0) / (2.0 * self.keys.hardest_braking);
+            if speed > 0.1 && leader.gap <= stopping + speed * self.keys.reaction_allowance + 0.3 {
                 self.mode = DrivingMode::EmergencyStop;
                 return Control { throttle: 0.0, brake: 1.0, steer };
             }
@@ -235,7 +190,7 @@ impl DrivingPolicy for Idm {
             _ if wanted < limit - 0.1 => DrivingMode::Turn,
             _ => DrivingMode::Cruise,
         };
-        let pedals = perception.blueprint.pedals_for(acceleration.max(-self.hardest), speed);
+        let pedals = perception.blueprint.pedals_for(acceleration.max(-self.keys.hardest_braking), speed);
         // The car is at rest and should not move: hold it.
         let brake = if speed < 0.05 && (acceleration <= 0.0 || wanted < 0.1) { 1.0 } else { pedals.brake };
         Control { throttle: pedals.throttle, brake, steer }

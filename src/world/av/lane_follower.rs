@@ -1,9 +1,19 @@
+use super::crosswalks::{self, CrosswalkKeys};
 use super::route_trace::RouteTrace;
-use super::{DrivingMode, Path, Perception, crosswalks, lane_keeping};
+use super::{DrivingMode, Path, Perception, lane_keeping};
 use crate::geometry::wrap_angle;
 use crate::sim::{Control, LightColour};
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
+
+keys! {
+    /// What drivers with a lane follower inside take.
+    #[derive(Copy)]
+    pub struct LaneKeys {
+        /// Share of the speed limit that it wants to drive (assumed).
+        limit_share: f64 as share() = "0.9",
+    }
+}
 
 /// Lateral acceleration in bends, and deceleration before bends and red lights (m/s²).
 const COMFORT: f64 = 2.0;
@@ -16,9 +26,8 @@ const LIGHTS: f64 = 40.0;
 /// that it can yield to pedestrians at crosswalks.
 #[derive(Debug, Clone)]
 pub struct LaneFollower {
-    limit_share: f64,
-    /// Whether it yields to pedestrians at crosswalks.
-    yields: bool,
+    lane: LaneKeys,
+    at_crosswalks: CrosswalkKeys,
     path: Path,
     /// The way ahead.
     pub trace: RouteTrace,
@@ -38,30 +47,13 @@ pub struct Intent {
 }
 
 impl LaneFollower {
-    /// The signature of a driver with a lane follower inside: its own keys after those of the lane follower.
-    pub fn signature(name: &'static str, doc: &'static str, own: Vec<Param>) -> Signature {
-        let limit_share = Param::with_default(
-            "limit_share",
-            Type::share(),
-            "0.9",
-            "Share of the speed limit that it wants to drive (assumed).",
-        );
-        Signature::new(name, doc, [limit_share].into_iter().chain(own).chain([crosswalks::param()]).collect())
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        Self {
-            limit_share: arguments.number("limit_share"),
-            yields: crosswalks::yields(arguments),
-            path: Path::default(),
-            trace: RouteTrace::default(),
-        }
+    pub fn new(lane: LaneKeys, at_crosswalks: CrosswalkKeys) -> Self {
+        Self { lane, at_crosswalks, path: Path::default(), trace: RouteTrace::default() }
     }
 
     /// The speed limit at which it drives this speed (m/s).
     pub fn speed_limit_for(&self, speed: f64) -> f64 {
-        speed / self.limit_share
+        speed / self.lane.limit_share
     }
 
     /// Starts an episode.
@@ -74,10 +66,10 @@ impl LaneFollower {
         self.path.advance(perception);
         self.trace.follow(&self.path, perception);
         let speed = perception.ego.speed();
-        let limit = self.limit_share * perception.speed_limit;
+        let limit = self.lane.limit_share * perception.speed_limit;
         let bends = lane_keeping::speed_for_bends(&self.path, limit, COMFORT, COMFORT);
         let light = self.red_light(perception);
-        let crosswalk = self.yields.then(|| crosswalks::gap(perception, &self.path)).flatten();
+        let crosswalk = self.at_crosswalks.yields().then(|| crosswalks::gap(perception, &self.path)).flatten();
         let before = |stop: Option<f64>| stop.map_or(bends, |gap| bends.min((2.0 * COMFORT * gap).sqrt()));
         let wanted = before(light).min(before(crosswalk));
         let mode = if wanted < before(light) {

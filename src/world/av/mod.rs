@@ -29,7 +29,7 @@ pub mod onnx;
 pub use actuation_delay::ActuationDelay;
 pub use aeb::Aeb;
 pub use careful_human::CarefulHuman;
-pub use cruise::Cruise;
+pub use cruise::{Cruise, CruiseKeys};
 pub use driving_policy::{DrivingMode, DrivingPolicy};
 pub use fault::Fault;
 pub use idm::Idm;

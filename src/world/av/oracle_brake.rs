@@ -1,10 +1,32 @@
-use super::lane_follower::LaneFollower;
+use super::crosswalks::CrosswalkKeys;
+use super::lane_follower::{LaneFollower, LaneKeys};
 use super::route_trace::distance_to_box;
 use super::{Actor, DrivingMode, DrivingPolicy, Perception};
 use crate::sim::Control;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+use base::{choice, keys};
+
+choice! {
+    /// What people may do from now on.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Assumption {
+        AnyMotion = "any_motion",
+        SameVelocity = "same_velocity",
+    }
+}
+
+keys! {
+    /// Knows everybody at once and brakes with everything at the last tick that still avoids a moving collision: what braking
+    /// alone can reach.
+    pub struct OracleBrakeKeys = "oracle_brake" {
+        ..lane: LaneKeys,
+        /// Whether people may do anything from now on, or keep their velocity.
+        assumes: Assumption = "any_motion",
+        /// With `any_motion`, how fast people run in any direction; the adversary's greatest by default.
+        running_speed: f64 as non_negative(SPEED) = "3.5 m/s",
+        ..at_crosswalks: CrosswalkKeys,
+    }
+}
 
 /// The limit of braking alone: it knows all road users, even through walls, and brakes fully at the last tick at which
 /// that still avoids a collision with the moving car.
@@ -33,34 +55,11 @@ const HORIZON: f64 = 6.0;
 const SLACK: f64 = 0.15;
 
 impl OracleBrake {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        LaneFollower::signature(
-            "oracle_brake",
-            "Knows everybody at once and brakes with everything at the last tick that still avoids a moving collision: what braking alone can reach.",
-            vec![
-                Param::with_default(
-                    "assumes",
-                    Type::Choice(&["any_motion", "same_velocity"]),
-                    "any_motion",
-                    "Whether people may do anything from now on, or keep their velocity.",
-                ),
-                Param::with_default(
-                    "running_speed",
-                    Type::non_negative(Dimension::SPEED),
-                    "3.5 m/s",
-                    "With `any_motion`, how fast people run in any direction; the adversary's greatest by default.",
-                ),
-            ],
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
+    pub fn new(keys: OracleBrakeKeys) -> Self {
         Self {
-            any_motion: arguments.choice("assumes") == "any_motion",
-            running: arguments.number("running_speed"),
-            driver: LaneFollower::new(arguments),
+            any_motion: keys.assumes == Assumption::AnyMotion,
+            running: keys.running_speed,
+            driver: LaneFollower::new(keys.lane, keys.at_crosswalks),
             mode: DrivingMode::Cruise,
         }
     }

@@ -1,10 +1,24 @@
-use super::lane_follower::LaneFollower;
+use super::crosswalks::CrosswalkKeys;
+use super::lane_follower::{LaneFollower, LaneKeys};
 use super::route_trace::distance_to_box;
 use super::{Actor, DrivingMode, DrivingPolicy, Perception};
 use crate::sim::Control;
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+
+keys! {
+    /// Forecasts every actor at constant velocity and takes the greatest acceleration along its lane that hits none.
+    pub struct PredictiveKeys = "predictive" {
+        ..lane: LaneKeys,
+        /// How far it looks into the future (assumed).
+        horizon: f64 as within(TIME, 0.1, 10.0) = "4 s",
+        /// Distance that it keeps to where it expects others (assumed).
+        margin: f64 as non_negative(LENGTH) = "0.7 m",
+        /// Deceleration when nothing milder is free (assumed).
+        hardest_braking: f64 as positive(ACCELERATION) = "8 m/s^2",
+        ..at_crosswalks: CrosswalkKeys,
+    }
+}
 
 /// A planner that forecasts all road users at constant velocity and drives as fast as possible without meeting a forecast.
 ///
@@ -17,9 +31,7 @@ use base::units::Dimension;
 /// constant velocity model can teach us about pedestrian motion prediction*, RA-L 2020); the ladder and margins are assumptions.
 #[derive(Debug, Clone)]
 pub struct Predictive {
-    horizon: f64,
-    margin: f64,
-    hardest: f64,
+    keys: PredictiveKeys,
     driver: LaneFollower,
     mode: DrivingMode,
 }
@@ -30,43 +42,9 @@ const STEP: f64 = 0.1;
 const LADDER: [f64; 9] = [1.5, 0.75, 0.0, -0.75, -1.5, -2.5, -3.5, -4.5, -6.0];
 
 impl Predictive {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        LaneFollower::signature(
-            "predictive",
-            "Forecasts every actor at constant velocity and takes the greatest acceleration along its lane that hits none.",
-            vec![
-                Param::with_default(
-                    "horizon",
-                    Type::Quantity { dimension: Dimension::TIME, min: 0.1, max: 10.0 },
-                    "4 s",
-                    "How far it looks into the future (assumed).",
-                ),
-                Param::with_default(
-                    "margin",
-                    Type::non_negative(Dimension::LENGTH),
-                    "0.7 m",
-                    "Distance that it keeps to where it expects others (assumed).",
-                ),
-                Param::with_default(
-                    "hardest_braking",
-                    Type::positive(Dimension::ACCELERATION),
-                    "8 m/s^2",
-                    "Deceleration when nothing milder is free (assumed).",
-                ),
-            ],
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        Self {
-            horizon: arguments.number("horizon"),
-            margin: arguments.number("margin"),
-            hardest: arguments.number("hardest_braking"),
-            driver: LaneFollower::new(arguments),
-            mode: DrivingMode::Cruise,
-        }
+    pub fn new(keys: PredictiveKeys) -> Self {
+        let driver = LaneFollower::new(keys.lane, keys.at_crosswalks);
+        Self { keys, driver, mode: DrivingMode::Cruise }
     }
 
     /// Whether the car meets a forecast actor at this acceleration (m/s²), up to a speed (m/s).
@@ -78,16 +56,16 @@ impl Predictive {
     fn meets_one(&self, perception: &Perception<'_>, actor: &Actor, acceleration: f64, top: f64) -> bool {
         let ego = &perception.ego;
         let mut speed = ego.speed();
-        let size = self.margin + actor.half.x.max(actor.half.y);
+        let size = self.keys.margin + actor.half.x.max(actor.half.y);
         let reach = ego.half.norm() + size;
         // Too far away for both to meet within the horizon.
         let fastest = speed.max(top) + actor.speed();
-        let far = reach + fastest * self.horizon;
+        let far = reach + fastest * self.keys.horizon;
         if (actor.pose.position() - ego.pose.position()).norm_squared() > far * far {
             return false;
         }
         let (mut along, mut time) = (0.0, 0.0);
-        while time < self.horizon {
+        while time < self.keys.horizon {
             // An actor that touches a standing car was not hit by the car.
             if speed <= 0.0 && acceleration <= 0.0 {
                 return false;
@@ -123,7 +101,7 @@ impl DrivingPolicy for Predictive {
         let milder = LADDER.into_iter().filter(|acceleration| *acceleration < intent.acceleration);
         let mut plans = std::iter::once(intent.acceleration).chain(milder);
         let free = plans.find(|acceleration| !self.meets(perception, *acceleration, intent.wanted));
-        let chosen = free.unwrap_or(-self.hardest).max(-self.hardest);
+        let chosen = free.unwrap_or(-self.keys.hardest_braking).max(-self.keys.hardest_braking);
         self.mode = match chosen {
             chosen if chosen >= intent.acceleration => intent.mode,
             chosen if chosen > -4.0 => DrivingMode::Yield,

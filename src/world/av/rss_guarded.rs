@@ -1,10 +1,33 @@
-use super::lane_follower::LaneFollower;
+use super::crosswalks::CrosswalkKeys;
+use super::lane_follower::{LaneFollower, LaneKeys};
 use super::reference_drivers::{OwnMotion, Rss, RssLimits, Threat, lateral_distance, longitudinal_distance};
 use super::route_trace::OnTrace;
 use super::{DrivingMode, DrivingPolicy, Perception};
 use crate::sim::Control;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
+use base::{choice, keys};
+
+choice! {
+    /// What it assumes of itself.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Figures {
+        AdRss = "ad_rss",
+        Jrc = "jrc",
+        Bare = "bare",
+    }
+}
+
+keys! {
+    /// A driver that sees no actors, guarded by Responsibility-Sensitive Safety along its lane.
+    pub struct RssGuardedKeys = "rss_guarded" {
+        ..lane: LaneKeys,
+        /// What it assumes of itself: ad-rss-lib's figures (response 1 s, accelerates 3.5, brakes 4 m/s^2), those of
+        /// the JRC's comparison (0.75 s, 3, 6), or bare ones (0.5 s, 0, 8). Pedestrians are CARLA's (0.5 s, 2, 2 to 4
+        /// m/s^2).
+        figures: Figures = "ad_rss",
+        ..at_crosswalks: CrosswalkKeys,
+    }
+}
 
 /// A driver that ignores all road users, guarded by Responsibility-Sensitive Safety. It brakes as soon as car and pedestrian could meet
 /// when both brake as late and as weakly as they may.
@@ -26,30 +49,15 @@ pub struct RssGuarded {
 const SIDEWAYS: (f64, f64, f64, f64) = (1.0, 0.2, 0.8, 0.1);
 
 impl RssGuarded {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        LaneFollower::signature(
-            "rss_guarded",
-            "A driver that sees no actors, guarded by Responsibility-Sensitive Safety along its lane.",
-            vec![Param::with_default(
-                "figures",
-                Type::Choice(&["ad_rss", "jrc", "bare"]),
-                "ad_rss",
-                "What it assumes of itself: ad-rss-lib's figures (response 1 s, accelerates 3.5, brakes 4 m/s^2), those of the JRC's comparison (0.75 s, 3, 6), or bare ones (0.5 s, 0, 8). Pedestrians are CARLA's (0.5 s, 2, 2 to 4 m/s^2).",
-            )],
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        let car = match arguments.choice("figures") {
-            "jrc" => RssLimits::jrc(),
-            "bare" => RssLimits::bare(),
-            _ => RssLimits::car(),
+    pub fn new(keys: RssGuardedKeys) -> Self {
+        let car = match keys.figures {
+            Figures::AdRss => RssLimits::car(),
+            Figures::Jrc => RssLimits::jrc(),
+            Figures::Bare => RssLimits::bare(),
         };
         Self {
             rule: Rss::new(car, RssLimits::pedestrian()),
-            driver: LaneFollower::new(arguments),
+            driver: LaneFollower::new(keys.lane, keys.at_crosswalks),
             mode: DrivingMode::Cruise,
         }
     }

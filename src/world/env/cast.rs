@@ -3,6 +3,7 @@ use std::sync::Arc;
 use super::{ActionSpec, ObservationSpec};
 use crate::av::DrivingPolicy;
 use crate::sim::{ActorStart, PedestrianBody, VehicleBlueprint, WalkCommand};
+use base::choice;
 
 /// Makes a fresh driving policy; every episode's environment owns one for each vehicle.
 pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
@@ -62,12 +63,14 @@ pub enum Controller {
     Fixed(WalkCommand),
 }
 
-/// The direction that a pedestrian faces at the start of an episode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FirstHeading {
-    /// Any direction.
-    Random,
-    TowardsEgo,
+choice! {
+    /// The direction that a pedestrian faces at the start of an episode.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum FirstHeading {
+        /// Any direction.
+        Random = "random",
+        TowardsEgo = "towards_ego",
+    }
 }
 
 impl Cast {

@@ -4,6 +4,7 @@ use super::{Pair, PedestrianEnv};
 use crate::av::DrivingMode;
 use crate::geometry::{Vector, wrap_angle};
 use crate::sim::{Contact, VehicleBlueprint};
+use base::choice;
 
 /// Width of a class of impact speeds (m/s), and of walking speeds (m/s).
 const IMPACT: f64 = 2.0;
@@ -11,47 +12,51 @@ const PACE: f64 = 0.5;
 /// The last class of a speed is open.
 const LAST: u8 = 7;
 
-/// Where on the ego a pedestrian touched it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-pub enum Zone {
-    /// The left third of the front.
-    FrontLeft,
-    /// The middle third of the front.
-    FrontMiddle,
-    /// The right third of the front.
-    FrontRight,
-    /// The left side, ahead of the middle of the car.
-    LeftAhead,
-    /// The left side, behind the middle of the car.
-    LeftBehind,
-    /// The right side, ahead of the middle of the car.
-    RightAhead,
-    /// The right side, behind the middle of the car.
-    RightBehind,
-    Rear,
+choice! {
+    /// Where on the ego a pedestrian touched it.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+    pub enum Zone {
+        /// The left third of the front.
+        FrontLeft = "front_left",
+        /// The middle third of the front.
+        FrontMiddle = "front_middle",
+        /// The right third of the front.
+        FrontRight = "front_right",
+        /// The left side, ahead of the middle of the car.
+        LeftAhead = "left_ahead",
+        /// The left side, behind the middle of the car.
+        LeftBehind = "left_behind",
+        /// The right side, ahead of the middle of the car.
+        RightAhead = "right_ahead",
+        /// The right side, behind the middle of the car.
+        RightBehind = "right_behind",
+        Rear = "rear",
+    }
 }
 
-/// The direction of a pedestrian's motion relative to the ego's heading, in sectors of 45°.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-pub enum Course {
-    /// It stood.
-    Standing,
-    /// With the ego.
-    Along,
-    /// With the ego and to its left.
-    AlongLeft,
-    /// Across, to the ego's left.
-    Left,
-    /// Towards the ego and to its left.
-    AgainstLeft,
-    /// Towards the ego.
-    Against,
-    /// Towards the ego and to its right.
-    AgainstRight,
-    /// Across, to the ego's right.
-    Right,
-    /// With the ego and to its right.
-    AlongRight,
+choice! {
+    /// The direction of a pedestrian's motion relative to the ego's heading, in sectors of 45°.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+    pub enum Course {
+        /// It stood.
+        Standing = "standing",
+        /// With the ego.
+        Along = "along",
+        /// With the ego and to its left.
+        AlongLeft = "along_left",
+        /// Across, to the ego's left.
+        Left = "left",
+        /// Towards the ego and to its left.
+        AgainstLeft = "against_left",
+        /// Towards the ego.
+        Against = "against",
+        /// Towards the ego and to its right.
+        AgainstRight = "against_right",
+        /// Across, to the ego's right.
+        Right = "right",
+        /// With the ego and to its right.
+        AlongRight = "along_right",
+    }
 }
 
 /// The class of a failure in a grid over behaviours: two failures in one cell count as the same finding.
@@ -140,37 +145,6 @@ impl Course {
         }
         let sector = (direction / std::f64::consts::FRAC_PI_4).round() as i32;
         SECTORS[sector.rem_euclid(8) as usize]
-    }
-}
-
-impl Zone {
-    fn name(self) -> &'static str {
-        match self {
-            Self::FrontLeft => "front_left",
-            Self::FrontMiddle => "front_middle",
-            Self::FrontRight => "front_right",
-            Self::LeftAhead => "left_ahead",
-            Self::LeftBehind => "left_behind",
-            Self::RightAhead => "right_ahead",
-            Self::RightBehind => "right_behind",
-            Self::Rear => "rear",
-        }
-    }
-}
-
-impl Course {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Standing => "standing",
-            Self::Along => "along",
-            Self::AlongLeft => "along_left",
-            Self::Left => "left",
-            Self::AgainstLeft => "against_left",
-            Self::Against => "against",
-            Self::AgainstRight => "against_right",
-            Self::Right => "right",
-            Self::AlongRight => "along_right",
-        }
     }
 }
 

@@ -1,14 +1,17 @@
 use super::component::UNITS;
 use super::{ReferenceFrame, Scaling};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
+use base::choice;
 
-/// The meaning of the paper's "relative scalar speed".
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ObservedSpeed {
-    /// The ego's speed.
-    Ego,
-    /// The length of the difference of the two velocities.
-    Relative,
+choice! {
+    /// The meaning of the paper's "relative scalar speed".
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum ObservedSpeed {
+        /// The ego's speed.
+        Ego = "ego",
+        /// The length of the difference of the two velocities.
+        Relative = "relative",
+    }
 }
 
 /// A pedestrian's observation of the ego: the paper's state, in the frame of the pedestrian's heading.

@@ -1,33 +1,25 @@
 use crate::geometry::{Point, Pose};
+use base::choice;
 
-/// The direction from which the angles of a state or an action are measured. The paper says only "the pedestrian's frame".
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ReferenceFrame {
-    /// The pedestrian's present heading, which turns with every command.
-    Heading,
-    /// The pedestrian's heading at the start of the episode.
-    Initial,
-    /// The line from the pedestrian to the ego.
-    LineOfSight,
-    /// The world's `+x`.
-    World,
-    /// The direction in which the pedestrian would meet the middle of the ego's bumper at the speed that it chooses, if the ego kept its
-    /// velocity. Only actions have it: what a controller chooses is a correction of an intercepting pedestrian.
-    Meeting,
+choice! {
+    /// The direction from which the angles of a state or an action are measured. The paper says only "the pedestrian's frame".
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum ReferenceFrame {
+        /// The pedestrian's present heading, which turns with every command.
+        Heading = "heading",
+        /// The pedestrian's heading at the start of the episode.
+        Initial = "initial",
+        /// The line from the pedestrian to the ego.
+        LineOfSight = "line_of_sight",
+        /// The world's `+x`.
+        World = "world",
+        /// The direction in which the pedestrian would meet the middle of the ego's bumper at the speed that it chooses, if the ego kept its
+        /// velocity. Only actions have it: what a controller chooses is a correction of an intercepting pedestrian.
+        Meeting = "meeting",
+    }
 }
 
 impl ReferenceFrame {
-    /// Its word in scenarios.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Heading => "heading",
-            Self::Initial => "initial",
-            Self::LineOfSight => "line_of_sight",
-            Self::World => "world",
-            Self::Meeting => "meeting",
-        }
-    }
-
     /// The direction of angle 0, for people.
     pub fn meaning(self) -> &'static str {
         match self {
@@ -53,11 +45,13 @@ impl ReferenceFrame {
     }
 }
 
-/// Whether a controller gets natural units or numbers of order one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scaling {
-    /// Radians, metres, metres per second.
-    Natural,
-    /// States divided by (π, 30 m, π, 8 m/s); actions in [−1, 1] over their whole range.
-    Unit,
+choice! {
+    /// Whether a controller gets natural units or numbers of order one.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Scaling {
+        /// Radians, metres, metres per second.
+        Natural = "natural",
+        /// States divided by (π, 30 m, π, 8 m/s); actions in [−1, 1] over their whole range.
+        Unit = "unit",
+    }
 }

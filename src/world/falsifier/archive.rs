@@ -6,10 +6,33 @@ use super::crossing::{Crossing, Goal};
 use super::{Falsifier, Homing, Intercept, Simulator, TrainError, WalkPolicy};
 use crate::env::{FailureCell, PedestrianEnv};
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::{Seed, Stream};
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+use base::signature::DeclarationId;
 use learn::standard_normal;
+
+keys! {
+    /// A quality-diversity search over crossings: keeps the best of each kind of failure, and varies them at new starts.
+    pub struct ArchiveKeys = "archive" {
+        /// What a crossing is to earn; `on hit(fault)` makes it look for faults of the driver.
+        reward: DeclarationId as Reference("reward"),
+        /// Share of the starts at which a crossing is drawn uniformly.
+        explore: f64 as share() = "0.1",
+        /// Standard deviation of a variation; 1 is the whole range of a component.
+        spread: f64 as within(RATIO, 0.001, 1.0) = "0.1",
+        /// Most crossings that are tried from one start, while they promise more than another start.
+        tries: u32 as whole(1, 1000) = "32",
+        /// What a failure is worth from a start that has had as bad a one, as a share of its reward: with 0 a start is left
+        /// after its first fault, with 1 more faults of one start count like those of others.
+        again: f64 as share() = "0.3",
+        /// Exponent of the preference for failures of a kind that was seldom found; 0 for none.
+        novelty: f64 as within(RATIO, 0.0, 5.0) = "0.5",
+        /// Most crossings that are kept of one kind of failure.
+        elites: usize as whole(1, 1000) = "16",
+        /// Share of the budget that compares what was found with `intercept` and `homing`, to choose the controller.
+        choice: f64 as within(RATIO, 0.0, 0.5) = "0.1",
+    }
+}
 
 /// A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
 ///
@@ -27,92 +50,14 @@ use learn::standard_normal;
 /// # Source
 /// Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909, with a start as the context of an elite; Charnov, *Optimal
 /// foraging, the marginal value theorem*, Theoretical Population Biology 9 (1976).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Archive {
-    /// Share of the starts at which a goal is drawn uniformly.
-    explore: f64,
-    /// Standard deviation of a variation, in shares of a goal's range.
-    spread: f64,
-    /// Most tries from one start.
-    tries: u32,
-    /// Share of its reward that a failure is worth from a start that has had one.
-    again: f64,
-    /// Exponent of the preference for cells that have earned little; 0 for none.
-    novelty: f64,
-    /// Most elites of a cell.
-    elites: usize,
-    /// Share of the budget that chooses the controller.
-    choice: f64,
+    keys: ArchiveKeys,
 }
 
 impl Archive {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let share = |low, high| Type::Quantity { dimension: Dimension::RATIO, min: low, max: high };
-        let params = vec![
-            Param::required(
-                "reward",
-                Type::Reference("reward"),
-                "What a crossing is to earn; `on hit(fault)` makes it look for faults of the driver.",
-            ),
-            Param::with_default(
-                "explore",
-                share(0.0, 1.0),
-                "0.1",
-                "Share of the starts at which a crossing is drawn uniformly.",
-            ),
-            Param::with_default(
-                "spread",
-                share(0.001, 1.0),
-                "0.1",
-                "Standard deviation of a variation; 1 is the whole range of a component.",
-            ),
-            Param::with_default(
-                "tries",
-                Type::Integer { min: 1, max: 1000 },
-                "32",
-                "Most crossings that are tried from one start, while they promise more than another start.",
-            ),
-            Param::with_default(
-                "again",
-                share(0.0, 1.0),
-                "0.3",
-                "What a failure is worth from a start that has had as bad a one, as a share of its reward: with 0 a start is left after its first fault, with 1 more faults of one start count like those of others.",
-            ),
-            Param::with_default(
-                "novelty",
-                share(0.0, 5.0),
-                "0.5",
-                "Exponent of the preference for failures of a kind that was seldom found; 0 for none.",
-            ),
-            Param::with_default(
-                "elites",
-                Type::Integer { min: 1, max: 1000 },
-                "16",
-                "Most crossings that are kept of one kind of failure.",
-            ),
-            Param::with_default(
-                "choice",
-                share(0.0, 0.5),
-                "0.1",
-                "Share of the budget that compares what was found with `intercept` and `homing`, to choose the controller.",
-            ),
-        ];
-        let doc = "A quality-diversity search over crossings: keeps the best of each kind of failure, and varies them at new starts.";
-        Signature::new("archive", doc, params)
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        Self {
-            explore: arguments.number("explore"),
-            spread: arguments.number("spread"),
-            tries: arguments.integer("tries") as u32,
-            again: arguments.number("again"),
-            novelty: arguments.number("novelty"),
-            elites: arguments.integer("elites") as usize,
-            choice: arguments.number("choice"),
-        }
+    pub fn new(keys: ArchiveKeys) -> Self {
+        Self { keys }
     }
 }
 
@@ -351,8 +296,8 @@ impl Elites {
 impl Archive {
     /// A goal for a start.
     fn propose(&self, elites: &Elites, context: &Context, worth: &Worth, stream: &mut Stream) -> Proposal {
-        let explore = stream.random::<f64>() < self.explore;
-        let parent = if explore { None } else { elites.draw(context, self.novelty, stream) };
+        let explore = stream.random::<f64>() < self.keys.explore;
+        let parent = if explore { None } else { elites.draw(context, self.keys.novelty, stream) };
         let Some(parent) = parent else {
             // Before the first failure two thirds of the tries are those of the scripted controllers.
             let uniform = Goal::new(std::array::from_fn(|_| stream.random()));
@@ -362,11 +307,11 @@ impl Archive {
         };
         let mut parents = [parent; CANDIDATES];
         for other in &mut parents[1..] {
-            *other = elites.draw(context, self.novelty, stream).unwrap_or(parent);
+            *other = elites.draw(context, self.keys.novelty, stream).unwrap_or(parent);
         }
         let goals = parents.map(|parent| {
             let varied =
-                elites.all[parent].goal.components().map(|share| share + self.spread * standard_normal(stream));
+                elites.all[parent].goal.components().map(|share| share + self.keys.spread * standard_normal(stream));
             Goal::new(varied)
         });
         // The scripted controllers and crossings drawn uniformly compete with the variations.
@@ -388,14 +333,14 @@ impl Archive {
         elites: &mut Elites,
         stream: &mut Stream,
     ) -> Option<()> {
-        let mut worth = Worth { best: 0.0, again: self.again, novelty: self.novelty, of_search: true };
-        for number in 0..self.tries {
+        let mut worth = Worth { best: 0.0, again: self.keys.again, novelty: self.keys.novelty, of_search: true };
+        for number in 0..self.keys.tries {
             if !simulator.begin(start) {
                 return None;
             }
             let context = context(simulator.env());
             let begins = elites.memory.len() < FIRST_TRIES;
-            let proposal = match begins && number == 0 && stream.random::<f64>() >= self.explore {
+            let proposal = match begins && number == 0 && stream.random::<f64>() >= self.keys.explore {
                 true => Proposal { goal: Goal::INTERCEPT, parent: None, expected: 0.0 },
                 false => self.propose(elites, &context, &worth, stream),
             };
@@ -423,7 +368,7 @@ impl Archive {
                 elites.all[parent].tries += 1.0;
             }
             if let Some(cell) = cell.filter(|_| reward > 0.0) {
-                elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 }, self.elites);
+                elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 }, self.keys.elites);
             }
         }
         Some(())
@@ -435,7 +380,7 @@ impl Falsifier for Archive {
         let mut stream = seed.child("archive").stream();
         let (budget, mut start) = (simulator.left(), 0);
         let mut elites = Elites { left: budget, ..Elites::default() };
-        let kept = (budget as f64 * self.choice) as u64;
+        let kept = (budget as f64 * self.keys.choice) as u64;
         while simulator.left() > kept {
             if self.search_from(start, simulator, &mut elites, &mut stream).is_none() {
                 break;

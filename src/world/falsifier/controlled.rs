@@ -4,10 +4,19 @@ use std::sync::Arc;
 use super::episodes::MOST_FAULTS;
 use super::{Falsifier, Simulator, TrainError, WalkPolicy};
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::Seed;
-use base::signature::{Param, Signature, Type};
+use base::signature::DeclarationId;
 
-/// A controller that a file declares: its name, and how a walk policy is made of it. Two are equal if their names are.
+keys! {
+    /// Walks as a `controller` does, such as a program of your own: one episode from every start.
+    pub struct ControlledKeys = "controlled" {
+        /// The controller.
+        controller: DeclarationId as Reference("controller"),
+    }
+}
+
+/// A controller that learns nothing: its name, and how a walk policy is made of it. Two are equal if their names are.
 #[derive(Clone)]
 pub struct Controller {
     name: Arc<str>,
@@ -68,18 +77,6 @@ pub struct Controlled {
 }
 
 impl Controlled {
-    /// The name of this kind of falsifier.
-    pub const KIND: &'static str = "controlled";
-
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        Signature::new(
-            Self::KIND,
-            "Walks as a `controller` does, such as a program of your own: one episode from every start.",
-            vec![Param::required("controller", Type::Reference("controller"), "The controller.")],
-        )
-    }
-
     /// Makes a falsifier of a controller.
     pub fn new(controller: Controller) -> Self {
         Self { controller }

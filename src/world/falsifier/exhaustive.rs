@@ -1,7 +1,17 @@
 use super::crossing::{Crossing, Goal};
 use super::{Falsifier, Simulator, TrainError, WalkPolicy};
+use base::keys;
 use base::seed::Seed;
-use base::signature::{Arguments, Param, Signature, Type};
+
+keys! {
+    /// Tries every crossing of a grid from each start: a ceiling for the other falsifiers.
+    pub struct ExhaustiveKeys = "exhaustive" {
+        /// Values of a component: 2 makes 120 crossings, 3 makes 945, 4 makes 4,032.
+        levels: u32 as whole(2, 6) = "3",
+        /// Most starts; the budget may end the search before.
+        starts: u64 as whole(1, 1_000_000) = "1000",
+    }
+}
 
 /// Tries every crossing of a grid from one start after another: a ceiling for what a search can find there.
 ///
@@ -13,39 +23,14 @@ use base::signature::{Arguments, Param, Signature, Type};
 /// | pace, aim, depth | *n* from 0 to 1 |
 /// | hurry | 2*n* − 1 from 0 to 1 |
 /// | pursuit and slant | straight at the car; to where the two meet; 2*n* − 1 lines between the slants 0 and 1 |
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Exhaustive {
-    levels: u32,
-    starts: u64,
+    keys: ExhaustiveKeys,
 }
 
 impl Exhaustive {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let params = vec![
-            Param::with_default(
-                "levels",
-                Type::Integer { min: 2, max: 6 },
-                "3",
-                "Values of a component: 2 makes 120 crossings, 3 makes 945, 4 makes 4,032.",
-            ),
-            Param::with_default(
-                "starts",
-                Type::Integer { min: 1, max: 1_000_000 },
-                "1000",
-                "Most starts; the budget may end the search before.",
-            ),
-        ];
-        Signature::new(
-            "exhaustive",
-            "Tries every crossing of a grid from each start: a ceiling for the other falsifiers.",
-            params,
-        )
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        Self { levels: arguments.integer("levels") as u32, starts: arguments.integer("starts") as u64 }
+    pub fn new(keys: ExhaustiveKeys) -> Self {
+        Self { keys }
     }
 }
 
@@ -72,8 +57,8 @@ pub fn crossings(levels: u32) -> Vec<Goal> {
 
 impl Falsifier for Exhaustive {
     fn search(&self, simulator: &mut Simulator<'_>, _: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
-        let goals = crossings(self.levels);
-        for start in 0..self.starts {
+        let goals = crossings(self.keys.levels);
+        for start in 0..self.keys.starts {
             for goal in &goals {
                 let mut crossing = Crossing::new(*goal);
                 let ended = simulator.begin(start)

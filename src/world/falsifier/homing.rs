@@ -1,7 +1,13 @@
 use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::Stream;
+
+keys! {
+    /// Walks straight at the ego, as fast as it can.
+    pub struct HomingKeys = "homing" {}
+}
 
 /// Walks straight at the ego at its greatest speed: the simplest attack.
 #[derive(Debug, Clone, Copy, Default)]

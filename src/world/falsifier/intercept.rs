@@ -1,7 +1,13 @@
 use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::Stream;
+
+keys! {
+    /// Walks to where it would meet an ego that keeps its velocity.
+    pub struct InterceptKeys = "intercept" {}
+}
 
 /// Walks at its greatest speed to where it would meet an ego that keeps its velocity: a baseline without learning.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,7 +1,18 @@
 use super::{ActionMode, Falsifier, Simulator, TrainError, TrainedWalker, WalkPolicy};
+use base::keys;
 use base::seed::Seed;
-use base::signature::{Param, Signature, Type};
+use base::signature::DeclarationId;
 use learn::{Env, PpoConfig, Step, Trainer};
+
+keys! {
+    /// Trains a pedestrian by proximal policy optimisation.
+    pub struct LearningKeys = "ppo" {
+        /// What it is trained for.
+        reward: DeclarationId as Reference("reward"),
+        /// How it is trained, instead of the campaign's `training`; the budget takes the place of `steps`.
+        training: Option<DeclarationId> as Reference("training"),
+    }
+}
 
 /// Learning by PPO as a falsifier: the failures are those of the training.
 ///
@@ -15,19 +26,6 @@ pub struct Learning {
 }
 
 impl Learning {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let params = vec![
-            Param::required("reward", Type::Reference("reward"), "What it is trained for."),
-            Param::optional(
-                "training",
-                Type::Reference("training"),
-                "How it is trained, instead of the campaign's `training`; the budget takes the place of `steps`.",
-            ),
-        ];
-        Signature::new("ppo", "Trains a pedestrian by proximal policy optimisation.", params)
-    }
-
     /// Makes one with settings and a number of environments.
     pub fn new(config: PpoConfig, environments: usize) -> Self {
         Self { config, environments }

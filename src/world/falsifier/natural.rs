@@ -5,6 +5,29 @@ use crate::env::PedestrianEnv;
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
 use base::seed::Stream;
+use base::{choice, keys};
+
+choice! {
+    /// A recording of walking.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Recording {
+        Dut = "dut",
+        Vru = "vru",
+    }
+}
+
+keys! {
+    /// Crosses before the car as recorded pedestrians do. Its speed, its accepted gap, and its changes of speed and direction
+    /// are drawn from their distributions.
+    pub struct NaturalKeys = "natural" {
+        /// Recording of the changes of speed and direction within a second: DUT (beside cars on a campus), or VRU (an urban
+        /// junction), where they are twice as large.
+        changes: Recording = "dut",
+        /// Share of the pedestrians that wait until the gap before the car is large enough for them; the others set off at
+        /// once.
+        heed: f64 as share() = "100 percent",
+    }
+}
 
 /// A pedestrian that crosses the road in front of the car as recorded ones walk: the natural baseline beside searches.
 ///
@@ -39,6 +62,14 @@ struct Walk {
 }
 
 impl Natural {
+    pub fn from_keys(keys: NaturalKeys) -> Self {
+        let walking = match keys.changes {
+            Recording::Dut => RecordedWalking::DUT,
+            Recording::Vru => RecordedWalking::VRU,
+        };
+        Self::new(walking, keys.heed)
+    }
+
     /// Makes one; `heed` is the probability that a pedestrian waits for a gap.
     pub fn new(walking: RecordedWalking, heed: f64) -> Self {
         Self { walking, heed, stream: None, walks: Vec::new() }

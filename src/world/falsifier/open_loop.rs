@@ -4,8 +4,64 @@ use crate::env::{ActionSpec, Cast, Outcome};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+use base::signature::DeclarationId;
+use base::{choice, keys};
+
+choice! {
+    /// What follows a failure.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum AfterFailure {
+        Next = "next",
+        GoOn = "go_on",
+    }
+}
+
+keys! {
+    /// What decides about failures.
+    pub struct FailureKeys {
+        /// Whether a failure ends the search from its start, or it goes on for a better one until the tries are used up.
+        after_failure: AfterFailure = "next",
+    }
+}
+
+keys! {
+    /// What all searches for a plan take.
+    pub struct PlanKeys {
+        /// What a plan is to earn. Without it, its least distance from the car is to be small, and the car fast when hit.
+        reward: Option<DeclarationId> as Reference("reward"),
+        /// Commands of a plan; the last is kept up to the end.
+        legs: usize as whole(1, 100) = "6",
+        /// Decisions that each of them lasts.
+        decisions: usize as whole(1, 1000) = "1",
+        /// Most plans that are tried from one start.
+        tries: u64 as whole(1, 1_000_000) = "200",
+        /// First standard deviation of all components; 1 is half a turn, or half of the speeds.
+        spread: f64 as within(RATIO, 0.01, 10.0) = "0.5",
+        ..on: FailureKeys,
+    }
+}
+
+keys! {
+    /// The cross-entropy method over open-loop plans, start by start.
+    pub struct CrossEntropyKeys = "cem" {
+        ..plan: PlanKeys,
+        /// Plans of a generation.
+        population: usize as whole(2, 100_000) = "20",
+        /// The best of them, from which it learns.
+        elite: usize as whole(1, 100_000) = "5",
+        /// Weight of the elite's moments against those before.
+        smoothing: f64 as within(RATIO, 0.01, 1.0) = "0.7",
+    }
+}
+
+keys! {
+    /// The covariance matrix adaptation evolution strategy over open-loop plans, start by start.
+    pub struct CmaEsKeys = "cma_es" {
+        ..plan: PlanKeys,
+        /// Plans of a generation; without it 4 + ⌊3 ln n⌋.
+        population: Option<usize> as whole(4, 100_000),
+    }
+}
 
 /// The minimiser that searches for the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,15 +77,6 @@ enum Method {
     },
 }
 
-/// The objective by which episodes are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Objective {
-    /// The least distance to the car; among hits, the car's speed.
-    Miss,
-    /// The reward that the scenario pays.
-    Reward,
-}
-
 /// Searches start by start for a plan of commands that leads to a collision.
 ///
 /// A plan is *open loop*: its headings are measured from the line to the ego at the start, do not turn with it, and do not depend on what
@@ -41,119 +88,42 @@ enum Objective {
 /// |---|---|---|
 /// | heading | 0, the line to the ego | ±1 is ±180°, and on round the circle |
 /// | speed | −1, the least | 1, the greatest, and back again beyond |
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct OpenLoop {
     method: Method,
-    objective: Objective,
-    legs: usize,
-    decisions: usize,
-    tries: u64,
-    spread: f64,
-    go_on: bool,
-}
-
-fn shared() -> Vec<Param> {
-    let count = |max| Type::Integer { min: 1, max };
-    vec![
-        Param::optional(
-            "reward",
-            Type::Reference("reward"),
-            "What a plan is to earn. Without it, its least distance from the car is to be small, and the car fast when hit.",
-        ),
-        Param::with_default("legs", count(100), "6", "Commands of a plan; the last is kept up to the end."),
-        Param::with_default("decisions", count(1000), "1", "Decisions that each of them lasts."),
-        Param::with_default("tries", count(1_000_000), "200", "Most plans that are tried from one start."),
-        Param::with_default(
-            "spread",
-            Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 10.0 },
-            "0.5",
-            "First standard deviation of all components; 1 is half a turn, or half of the speeds.",
-        ),
-        after_failure(),
-    ]
-}
-
-/// The key that decides what follows a failure.
-pub(super) fn after_failure() -> Param {
-    Param::with_default(
-        "after_failure",
-        Type::Choice(&["next", "go_on"]),
-        "next",
-        "Whether a failure ends the search from its start, or it goes on for a better one until the tries are used up.",
-    )
+    plan: PlanKeys,
 }
 
 impl OpenLoop {
-    /// The keys of the cross-entropy method in a scenario.
-    pub fn cross_entropy_signature() -> Signature {
-        let count = |min| Type::Integer { min, max: 100_000 };
-        let mut params = shared();
-        params.extend([
-            Param::with_default("population", count(2), "20", "Plans of a generation."),
-            Param::with_default("elite", count(1), "5", "The best of them, from which it learns."),
-            Param::with_default(
-                "smoothing",
-                Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 1.0 },
-                "0.7",
-                "Weight of the elite's moments against those before.",
-            ),
-        ]);
-        let doc = "The cross-entropy method over open-loop plans, start by start.";
-        Signature::new("cem", doc, params)
+    /// The cross-entropy method.
+    pub fn cross_entropy(keys: CrossEntropyKeys) -> Self {
+        let CrossEntropyKeys { plan, population, elite, smoothing } = keys;
+        Self { method: Method::CrossEntropy { population, elite, smoothing }, plan }
     }
 
-    /// The keys of CMA-ES in a scenario.
-    pub fn cma_es_signature() -> Signature {
-        let mut params = shared();
-        let population = Type::Integer { min: 4, max: 100_000 };
-        params.push(Param::optional("population", population, "Plans of a generation; without it 4 + ⌊3 ln n⌋."));
-        let doc = "The covariance matrix adaptation evolution strategy over open-loop plans, start by start.";
-        Signature::new("cma_es", doc, params)
-    }
-
-    /// Makes one that uses the cross-entropy method, from checked arguments.
-    pub fn cross_entropy(arguments: &Arguments) -> Self {
-        let count = |key: &str| arguments.integer(key) as usize;
-        let smoothing = arguments.number("smoothing");
-        Self::new(Method::CrossEntropy { population: count("population"), elite: count("elite"), smoothing }, arguments)
-    }
-
-    /// Makes one that uses CMA-ES, from checked arguments.
-    pub fn cma_es(arguments: &Arguments) -> Self {
-        let population = arguments.has("population").then(|| arguments.integer("population") as usize);
-        Self::new(Method::CmaEs { population }, arguments)
-    }
-
-    fn new(method: Method, arguments: &Arguments) -> Self {
-        Self {
-            method,
-            objective: if arguments.has("reward") { Objective::Reward } else { Objective::Miss },
-            legs: arguments.integer("legs") as usize,
-            decisions: arguments.integer("decisions") as usize,
-            tries: arguments.integer("tries") as u64,
-            spread: arguments.number("spread"),
-            go_on: arguments.choice("after_failure") == "go_on",
-        }
+    /// CMA-ES.
+    pub fn cma_es(CmaEsKeys { plan, population }: CmaEsKeys) -> Self {
+        Self { method: Method::CmaEs { population }, plan }
     }
 
     fn optimizer(&self, cast: &Cast) -> Box<dyn Optimizer> {
-        let dimensions = cast.controlled().count() * ActionSpec::DIM * self.legs;
+        let dimensions = cast.controlled().count() * ActionSpec::DIM * self.plan.legs;
         let middle = vec![0.0; dimensions];
         match self.method {
             Method::CrossEntropy { population, elite, smoothing } => {
-                Box::new(CrossEntropy::new(middle, self.spread, population, elite, smoothing))
+                Box::new(CrossEntropy::new(middle, self.plan.spread, population, elite, smoothing))
             }
             Method::CmaEs { population } => {
                 let population = population.unwrap_or_else(|| CmaEs::usual_population(dimensions));
-                Box::new(CmaEs::new(middle, self.spread, population))
+                Box::new(CmaEs::new(middle, self.plan.spread, population))
             }
         }
     }
 
     fn cost(&self, outcome: &Outcome) -> f64 {
-        match self.objective {
-            Objective::Reward => -outcome.reward,
-            Objective::Miss => outcome.impact_speed().map_or(outcome.least_gap, |speed| -1.0 - speed),
+        match self.plan.reward {
+            Some(_) => -outcome.reward,
+            None => outcome.impact_speed().map_or(outcome.least_gap, |speed| -1.0 - speed),
         }
     }
 
@@ -162,11 +132,11 @@ impl OpenLoop {
         let mut stream = seed.stream();
         let mut optimizer = self.optimizer(&simulator.env().scenario().cast);
         let mut tried = 0;
-        while tried < self.tries {
+        while tried < self.plan.tries {
             let points = optimizer.ask(&mut stream);
             let mut costs = Vec::with_capacity(points.len());
             for point in &points {
-                if tried == self.tries {
+                if tried == self.plan.tries {
                     return Some(());
                 }
                 tried += 1;
@@ -183,15 +153,16 @@ impl OpenLoop {
                 let lines: Vec<f64> = all.map(line).collect();
                 let mut decision = 0;
                 let outcome = simulator.finish(|env, commands| {
-                    let leg = (decision / self.decisions).min(self.legs - 1);
+                    let leg = (decision / self.plan.decisions).min(self.plan.legs - 1);
                     decision += 1;
                     let cast = &env.scenario().cast;
-                    let components = point.chunks_exact(point.len() / self.legs).nth(leg).expect("a plan has its legs");
+                    let components =
+                        point.chunks_exact(point.len() / self.plan.legs).nth(leg).expect("a plan has its legs");
                     for ((pedestrian, role), part) in cast.controlled().zip(components.as_chunks().0) {
                         commands[pedestrian] = command(&role.action, lines[pedestrian], *part);
                     }
                 })?;
-                if outcome.is_collision() && !self.go_on {
+                if outcome.is_collision() && self.plan.on.after_failure == AfterFailure::Next {
                     return Some(());
                 }
                 costs.push(self.cost(&outcome));

@@ -3,7 +3,13 @@ use rand::RngExt;
 use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::Stream;
+
+keys! {
+    /// Draws every command uniformly: the floor that every search must beat.
+    pub struct RandomKeys = "random" {}
+}
 
 /// Draws every action uniformly from its bounds: the baseline that a trained pedestrian must beat.
 #[derive(Debug, Clone, Default)]

@@ -1,7 +1,14 @@
 use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::Stream;
+
+keys! {
+    /// Walks as the test of the spawn rule (`crossing_test`, `along_test`) or its path (`given_path`) states: the nominal case
+    /// beside searches.
+    pub struct ScriptedKeys = "scripted" {}
+}
 
 /// The pedestrian that walks as the spawn rule states: the target of a test ([`TargetWalk`](crate::env::TargetWalk)), or along a path
 /// ([`GivenPath`](crate::env::GivenPath)). In other scenarios it stands.

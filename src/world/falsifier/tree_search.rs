@@ -1,10 +1,27 @@
 use rand::RngExt;
 
-use super::open_loop::after_failure;
+use super::open_loop::{AfterFailure, FailureKeys};
 use super::{Falsifier, Simulator, TrainError, WalkPolicy};
+use base::keys;
 use base::seed::{Seed, Stream};
-use base::signature::{Arguments, Param, Signature, Type};
-use base::units::Dimension;
+use base::signature::DeclarationId;
+
+keys! {
+    /// Monte Carlo tree search with progressive widening, in the manner of adaptive stress testing, start by start.
+    pub struct TreeSearchKeys = "mcts" {
+        /// What it maximises over an episode.
+        reward: DeclarationId as Reference("reward"),
+        /// Most simulations from one start.
+        tries: u64 as whole(1, 1_000_000) = "200",
+        /// The k of the k N^α actions of a node with N visits.
+        widening: f64 as within(RATIO, 0.01, 100.0) = "1",
+        /// The α of them.
+        widening_power: f64 as share() = "0.5",
+        /// Weight of the confidence bound, in spans between the least and the greatest return.
+        exploration: f64 as within(RATIO, 0.0, 100.0) = "0.15",
+        ..on: FailureKeys,
+    }
+}
 
 /// Monte Carlo tree search over the pedestrian's actions, in the manner of adaptive stress testing.
 ///
@@ -20,13 +37,9 @@ use base::units::Dimension;
 /// # Source
 /// Lee, Kochenderfer, Mengshoel, Brat, Owen, *Adaptive stress testing of airborne collision avoidance systems*, DASC 2015
 /// (algorithm 1); Koren, Alsaif, Lee, Kochenderfer, *Adaptive stress testing for autonomous vehicles*, IV 2018.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct TreeSearch {
-    tries: u64,
-    widening: f64,
-    power: f64,
-    exploration: f64,
-    go_on: bool,
+    keys: TreeSearchKeys,
 }
 
 /// An action that was taken at a node, and the node it leads to.
@@ -64,56 +77,21 @@ struct Taken {
 }
 
 impl TreeSearch {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let ratio = |min, max| Type::Quantity { dimension: Dimension::RATIO, min, max };
-        let params = vec![
-            Param::required("reward", Type::Reference("reward"), "What it maximises over an episode."),
-            Param::with_default(
-                "tries",
-                Type::Integer { min: 1, max: 1_000_000 },
-                "200",
-                "Most simulations from one start.",
-            ),
-            Param::with_default(
-                "widening",
-                ratio(0.01, 100.0),
-                "1",
-                "The k of the k N^α actions of a node with N visits.",
-            ),
-            Param::with_default("widening_power", ratio(0.0, 1.0), "0.5", "The α of them."),
-            Param::with_default(
-                "exploration",
-                ratio(0.0, 100.0),
-                "0.15",
-                "Weight of the confidence bound, in spans between the least and the greatest return.",
-            ),
-            after_failure(),
-        ];
-        let doc = "Monte Carlo tree search with progressive widening, in the manner of adaptive stress testing, start by start.";
-        Signature::new("mcts", doc, params)
-    }
-
-    /// Makes one from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        Self {
-            tries: arguments.integer("tries") as u64,
-            widening: arguments.number("widening"),
-            power: arguments.number("widening_power"),
-            exploration: arguments.number("exploration"),
-            go_on: arguments.choice("after_failure") == "go_on",
-        }
+    pub fn new(keys: TreeSearchKeys) -> Self {
+        Self { keys }
     }
 
     /// Grows a tree from one start; none when the budget is used up.
     fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
         let mut tree = Tree::new(simulator.env().bounds().len());
-        for _ in 0..self.tries {
+        for _ in 0..self.keys.tries {
             if !simulator.begin(start) {
                 return None;
             }
             self.simulate(&mut tree, simulator, stream)?;
-            if !self.go_on && simulator.env().outcome().is_some_and(crate::env::Outcome::is_collision) {
+            if self.keys.on.after_failure == AfterFailure::Next
+                && simulator.env().outcome().is_some_and(crate::env::Outcome::is_collision)
+            {
                 break;
             }
         }
@@ -145,7 +123,7 @@ impl TreeSearch {
     fn choose(&self, tree: &mut Tree, node: usize, simulator: &Simulator<'_>, stream: &mut Stream) -> (usize, bool) {
         let (next, scale) = (tree.nodes.len(), tree.scale());
         let here = &mut tree.nodes[node];
-        let allowed = self.widening * libm::pow(here.visits, self.power);
+        let allowed = self.keys.widening * libm::pow(here.visits, self.keys.widening_power);
         if here.branches.is_empty() || (here.branches.len() as f64) < allowed {
             here.branches.push(Branch { visits: 0.0, value: 0.0, node: next });
             let branch = here.branches.len() - 1;
@@ -154,7 +132,7 @@ impl TreeSearch {
             return (branch, true);
         }
         let explored = libm::log(here.visits);
-        let bound = |branch: &Branch| scale(branch.value) + self.exploration * (explored / branch.visits).sqrt();
+        let bound = |branch: &Branch| scale(branch.value) + self.keys.exploration * (explored / branch.visits).sqrt();
         let best = (0..here.branches.len()).max_by(|a, b| {
             let (a, b) = (bound(&here.branches[*a]), bound(&here.branches[*b]));
             a.total_cmp(&b)

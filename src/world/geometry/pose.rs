@@ -13,6 +13,13 @@ pub struct Pose {
     pub yaw: f64,
 }
 
+/// From x, y (m) and heading (rad).
+impl From<[f64; 3]> for Pose {
+    fn from([x, y, yaw]: [f64; 3]) -> Self {
+        Self::new(x, y, yaw)
+    }
+}
+
 impl Pose {
     /// Makes a pose, wrapping the heading.
     pub fn new(x: f64, y: f64, yaw: f64) -> Self {

@@ -1,35 +1,38 @@
 use super::CLEAR;
+use base::choice;
 
 /// A car at this speed (m/s) or more drives into a pedestrian; a slower one pushes. Signals give pedestrians 1.0 to 1.2 m/s.
 pub const WALKING_PACE: f64 = 1.0;
 
-/// What a touch counts as. The first that applies, in this order:
-///
-/// | class | when |
-/// |---|---|
-/// | `bump` | the car was at most 0.1 m/s fast |
-/// | `not_preventable` | a careful human touches the pedestrian, too |
-/// | `unforeseeable` | the pedestrian did not move as people do |
-/// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear |
-/// | `slow` | the car was slower than [`WALKING_PACE`] |
-/// | `narrow` | a careful human has less than [`CLEAR`] to spare |
-/// | `fault` | none of these: the collision counts against the driver |
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
-pub enum Class {
-    /// The car stood.
-    Bump,
-    /// A careful human touches the pedestrian, too.
-    NotPreventable,
-    /// The pedestrian did not move as people do.
-    Unforeseeable,
-    /// The pedestrian walked into the flank or the rear.
-    Flank,
-    /// The car was slower than walking pace.
-    Slow,
-    /// A careful human has less than 0.1 m to spare.
-    Narrow,
-    /// It counts against the driver.
-    Fault,
+choice! {
+    /// What a touch counts as. The first that applies, in this order:
+    ///
+    /// | class | when |
+    /// |---|---|
+    /// | `bump` | the car was at most 0.1 m/s fast |
+    /// | `not_preventable` | a careful human touches the pedestrian, too |
+    /// | `unforeseeable` | the pedestrian did not move as people do |
+    /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear |
+    /// | `slow` | the car was slower than [`WALKING_PACE`] |
+    /// | `narrow` | a careful human has less than [`CLEAR`] to spare |
+    /// | `fault` | none of these: the collision counts against the driver |
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+    pub enum Class {
+        /// The car stood.
+        Bump = "bump",
+        /// A careful human touches the pedestrian, too.
+        NotPreventable = "not_preventable",
+        /// The pedestrian did not move as people do.
+        Unforeseeable = "unforeseeable",
+        /// The pedestrian walked into the flank or the rear.
+        Flank = "flank",
+        /// The car was slower than walking pace.
+        Slow = "slow",
+        /// A careful human has less than 0.1 m to spare.
+        Narrow = "narrow",
+        /// It counts against the driver.
+        Fault = "fault",
+    }
 }
 
 /// What decides about the class of a touch.
@@ -50,19 +53,6 @@ pub(super) struct Facts {
 }
 
 impl Class {
-    /// Its name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Bump => "bump",
-            Self::NotPreventable => "not_preventable",
-            Self::Unforeseeable => "unforeseeable",
-            Self::Flank => "flank",
-            Self::Slow => "slow",
-            Self::Narrow => "narrow",
-            Self::Fault => "fault",
-        }
-    }
-
     pub(super) fn of(facts: &Facts) -> Self {
         match facts {
             Facts { moved: false, .. } => Self::Bump,

@@ -2,30 +2,24 @@ use crate::env::Pair;
 use crate::geometry::Vector;
 
 use super::trial::STANDING;
+use base::choice;
 
-/// The part of the car that touched the pedestrian, by the place of the pedestrian's middle in the frame of the car.
-///
-/// It is a fact beside the verdict. The paper's front sector (`front`) is another one: it reaches along the flanks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
-pub enum ContactSide {
-    /// In front of the line of the bumper.
-    Front,
-    /// Beside the car, behind the line of the bumper.
-    Side,
-    /// Behind the line of the rear.
-    Rear,
+choice! {
+    /// The part of the car that touched the pedestrian, by the place of the pedestrian's middle in the frame of the car.
+    ///
+    /// It is a fact beside the verdict. The paper's front sector (`front`) is another one: it reaches along the flanks.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+    pub enum ContactSide {
+        /// In front of the line of the bumper.
+        Front = "front",
+        /// Beside the car, behind the line of the bumper.
+        Side = "side",
+        /// Behind the line of the rear.
+        Rear = "rear",
+    }
 }
 
 impl ContactSide {
-    /// Its name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Side => "side",
-            Self::Rear => "rear",
-        }
-    }
-
     /// The side on which a point is, `ahead` and to the left (`aside`) of the middle of a car with these half extents (m).
     pub(super) fn new(ahead: f64, aside: f64, half: Vector) -> Self {
         if ahead < -half.x {

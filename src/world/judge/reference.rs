@@ -1,26 +1,29 @@
 use crate::av::reference_drivers::{DelayedBrake, FuzzySafety, ReferenceDriver, Rss, Surprised};
+use base::choice;
 
-/// The reference drivers for the verdict on every failure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Reference {
-    /// UN R157's careful human, who evaluates the risk after the gate: it brakes 1.15 s later.
-    CarefulHuman,
-    /// The same, who has evaluated the risk when the gate opens: it brakes 0.75 s later.
-    AttentiveHuman,
-    /// A human whose response depends on how abruptly the situation turns, after Waymo's NIEON.
-    Surprised,
-    /// The careful human, who may also move to a side.
-    SwervingHuman,
-    /// The Fuzzy Safety Model.
-    FuzzySafety,
-    /// The Fuzzy Safety Model, which may also move to a side.
-    SwervingFuzzy,
-    /// RSS with the parameters of ad-rss-lib and CARLA.
-    Rss,
-    /// An emergency brake of 0.85 g, 0.35 s after the gate, with a ramp of 0.6 s.
-    IdealBrake,
-    /// 0.85 g at once.
-    Bound,
+choice! {
+    /// The reference drivers for the verdict on every failure.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Reference {
+        /// UN R157's careful human, who evaluates the risk after the gate: it brakes 1.15 s later.
+        CarefulHuman = "cc",
+        /// The same, who has evaluated the risk when the gate opens: it brakes 0.75 s later.
+        AttentiveHuman = "cc_attentive",
+        /// A human whose response depends on how abruptly the situation turns, after Waymo's NIEON.
+        Surprised = "nieon_like",
+        /// The careful human, who may also move to a side.
+        SwervingHuman = "cc_swerve",
+        /// The Fuzzy Safety Model.
+        FuzzySafety = "fsm",
+        /// The Fuzzy Safety Model, which may also move to a side.
+        SwervingFuzzy = "fsm_swerve",
+        /// RSS with the parameters of ad-rss-lib and CARLA.
+        Rss = "rss",
+        /// An emergency brake of 0.85 g, 0.35 s after the gate, with a ramp of 0.6 s.
+        IdealBrake = "ideal",
+        /// 0.85 g at once.
+        Bound = "bound",
+    }
 }
 
 /// How a reference driver is computed.
@@ -36,36 +39,9 @@ pub(super) enum Model {
 impl Reference {
     /// The number of reference drivers.
     pub const COUNT: usize = 9;
-    /// All of them, in the order of the tables.
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::CarefulHuman,
-        Self::AttentiveHuman,
-        Self::Surprised,
-        Self::SwervingHuman,
-        Self::FuzzySafety,
-        Self::SwervingFuzzy,
-        Self::Rss,
-        Self::IdealBrake,
-        Self::Bound,
-    ];
     /// The models of a human: a failure tells how many of them avoid it.
     pub const PANEL: [Self; 5] =
         [Self::CarefulHuman, Self::AttentiveHuman, Self::Surprised, Self::SwervingHuman, Self::SwervingFuzzy];
-
-    /// The prefix of its columns.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::CarefulHuman => "cc",
-            Self::AttentiveHuman => "cc_attentive",
-            Self::Surprised => "nieon_like",
-            Self::SwervingHuman => "cc_swerve",
-            Self::FuzzySafety => "fsm",
-            Self::SwervingFuzzy => "fsm_swerve",
-            Self::Rss => "rss",
-            Self::IdealBrake => "ideal",
-            Self::Bound => "bound",
-        }
-    }
 
     /// Makes the driver; one that may move to a side stays on its path.
     pub fn driver(self) -> Box<dyn ReferenceDriver> {

@@ -1,59 +1,43 @@
 use super::class::Facts;
 use super::{Class, ContactSide, Inquiry, Reference, Sensitivity, Sight, Trial, reaction, severity};
 use crate::env::Pair;
+use base::choice;
 
 /// A careful human who passes the pedestrian with less than this to spare (m) avoids the collision only narrowly. Our choice: a disc for the
 /// pedestrian, a box for the car and a path sampled 20 times a second are not more exact.
 pub const CLEAR: f64 = 0.1;
 
-/// The label of a failure, from the results of the reference drivers. The first that applies, in this order:
-///
-/// | label | when |
-/// |---|---|
-/// | `standing` | the car was at most 0.1 m/s fast when it was touched: there is no braking to judge |
-/// | `preventable` | both careful humans avoid it |
-/// | `unpreventable` | the physical bound hits the pedestrian too |
-/// | `machine_preventable` | of all drivers only the ideal brake or the bound avoid it |
-/// | `contested` | the drivers disagree in another way |
-///
-/// Which side of the car was touched does not matter: a pedestrian who walks into the flank of a car that a careful human would have stopped
-/// is a preventable collision. [`Verdict::side`] and [`Verdict::walked_into`] state the side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
-pub enum Label {
-    /// A careful human avoids it, for both readings of the rule.
-    Preventable,
-    /// Reference drivers disagree.
-    Contested,
-    /// Only a machine avoids it.
-    MachinePreventable,
-    /// No driver avoids it by braking.
-    Unpreventable,
-    /// The car stood.
-    Standing,
+choice! {
+    /// The label of a failure, from the results of the reference drivers. The first that applies, in this order:
+    ///
+    /// | label | when |
+    /// |---|---|
+    /// | `standing` | the car was at most 0.1 m/s fast when it was touched: there is no braking to judge |
+    /// | `preventable` | both careful humans avoid it |
+    /// | `unpreventable` | the physical bound hits the pedestrian too |
+    /// | `machine_preventable` | of all drivers only the ideal brake or the bound avoid it |
+    /// | `contested` | the drivers disagree in another way |
+    ///
+    /// Which side of the car was touched does not matter: a pedestrian who walks into the flank of a car that a careful human would have stopped
+    /// is a preventable collision. [`Verdict::side`] and [`Verdict::walked_into`] state the side.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+    pub enum Label {
+        /// A careful human avoids it, for both readings of the rule.
+        Preventable = "preventable",
+        /// Reference drivers disagree.
+        Contested = "contested",
+        /// Only a machine avoids it.
+        MachinePreventable = "machine_preventable",
+        /// No driver avoids it by braking.
+        Unpreventable = "unpreventable",
+        /// The car stood.
+        Standing = "standing",
+    }
 }
 
 impl Label {
     /// The number of labels.
     pub const COUNT: usize = 5;
-    /// All of them, in the order of the tables.
-    pub const ALL: [Self; Self::COUNT] =
-        [Self::Preventable, Self::Contested, Self::MachinePreventable, Self::Unpreventable, Self::Standing];
-
-    /// The one with this name in tables.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|label| label.name() == name)
-    }
-
-    /// Its name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Preventable => "preventable",
-            Self::Contested => "contested",
-            Self::MachinePreventable => "machine_preventable",
-            Self::Unpreventable => "unpreventable",
-            Self::Standing => "standing",
-        }
-    }
 
     /// The drivers that decide whether a collision is preventable, the one that brakes earlier first.
     pub const fn humans() -> [Reference; 2] {

@@ -2,19 +2,22 @@ use rand::RngExt;
 
 use super::{Town, Waypoint};
 use crate::geometry::{Pose, wrap_angle};
+use base::choice;
 use base::seed::Stream;
 
-/// The turn that a point of a route belongs to, with the names of CARLA's planners.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RoadOption {
-    /// Along the lane.
-    LaneFollow,
-    /// To the left at a junction.
-    Left,
-    /// To the right at a junction.
-    Right,
-    /// Straight on at a junction.
-    Straight,
+choice! {
+    /// The turn that a point of a route belongs to, with the names of CARLA's planners.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum RoadOption {
+        /// Along the lane.
+        LaneFollow = "lane_follow",
+        /// To the left at a junction.
+        Left = "left",
+        /// To the right at a junction.
+        Right = "right",
+        /// Straight on at a junction.
+        Straight = "straight",
+    }
 }
 
 /// A point of a route.

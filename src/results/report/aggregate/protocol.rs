@@ -3,6 +3,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use crate::campaign::SearchResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
 use crate::record::{Column, EpisodeTable, Table};
+use base::choice;
 use compile::{Campaign, Evaluation};
 use world::env::{TargetWalk, TestCriterion};
 
@@ -37,36 +38,27 @@ pub struct ProtocolCell {
     meeting: [i64; 5],
 }
 
-/// The colour of a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Colour {
-    /// Avoided.
-    Green,
-    /// At most a sixth of the test speed.
-    Yellow,
-    /// At most a third.
-    Orange,
-    /// At most half.
-    Brown,
-    /// More.
-    Red,
+choice! {
+    /// The colour of a result.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Colour {
+        /// Avoided.
+        Green = "green",
+        /// At most a sixth of the test speed.
+        Yellow = "yellow",
+        /// At most a third.
+        Orange = "orange",
+        /// At most half.
+        Brown = "brown",
+        /// More.
+        Red = "red",
+    }
 }
 
 /// The tolerance of the test speed (m/s): 1 km/h.
 const HELD: f64 = 1.0 / 3.6;
 
 impl Colour {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Green => "green",
-            Self::Yellow => "yellow",
-            Self::Orange => "orange",
-            Self::Brown => "brown",
-            Self::Red => "red",
-        }
-    }
-
     /// The share of the points of a cell.
     pub fn score(self) -> f64 {
         match self {

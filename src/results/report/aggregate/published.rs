@@ -3,6 +3,7 @@ use polars::prelude::DataFrame;
 use super::{Cell, Spread};
 use crate::record::{CellKey, Column, Interval, Table, cell_key};
 use crate::report::{CellEvidence, Figure};
+use base::choice;
 use base::statistics::{LEAST_RUNS, Uncertainty};
 use compile::{Published, PublishedCell, PublishedFigure};
 
@@ -35,31 +36,20 @@ pub struct PublishedComparison<'a> {
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// How near our figure is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Agreement {
-    /// Two one-sided tests at 5 % show that the difference is smaller than the margin.
-    Equivalent,
-    /// The difference is significant at 5 %, and equivalence is not shown.
-    Differs,
-    /// Neither is shown, although the test would show equivalence of equal figures in 80 of 100 campaigns.
-    Inconclusive,
-    /// Neither is shown, and with so few runs or so much spread equivalence of equal figures would seldom be shown.
-    Underpowered,
-    /// There are no spreads.
-    Unknown,
-}
-
-impl Agreement {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Equivalent => "equivalent",
-            Self::Differs => "differs",
-            Self::Inconclusive => "inconclusive",
-            Self::Underpowered => "underpowered",
-            Self::Unknown => "unknown",
-        }
+choice! {
+    /// How near our figure is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Agreement {
+        /// Two one-sided tests at 5 % show that the difference is smaller than the margin.
+        Equivalent = "equivalent",
+        /// The difference is significant at 5 %, and equivalence is not shown.
+        Differs = "differs",
+        /// Neither is shown, although the test would show equivalence of equal figures in 80 of 100 campaigns.
+        Inconclusive = "inconclusive",
+        /// Neither is shown, and with so few runs or so much spread equivalence of equal figures would seldom be shown.
+        Underpowered = "underpowered",
+        /// There are no spreads.
+        Unknown = "unknown",
     }
 }
 

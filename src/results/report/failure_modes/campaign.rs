@@ -5,7 +5,7 @@ use super::sample::RunSample;
 use crate::campaign::TrainingResult;
 use crate::record::RunKey;
 use base::seed::Seed;
-use compile::{Campaign, ControllerKind, Evaluation};
+use compile::{Campaign, Evaluation};
 use learn::ActorCritic;
 
 /// The failure modes of a campaign, and the starts that lead to failures.
@@ -92,10 +92,7 @@ fn networks<'a>(
     trainings: &'a [TrainingResult],
     evaluation: &Evaluation,
 ) -> Option<&'a ActorCritic> {
-    let (ControllerKind::Trained(training) | ControllerKind::Sampled(training)) = evaluation.controller else {
-        return None;
-    };
-    let key = &campaign.trainings[training].key;
+    let key = &campaign.trainings[evaluation.training()?].key;
     let result = trainings.iter().find(|result| result.key == *key)?;
     Some(&result.result.as_ref().ok()?.actor_critic)
 }

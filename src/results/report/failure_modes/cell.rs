@@ -3,31 +3,23 @@ use super::sample::{Case, RunSample};
 use super::start::cases;
 use crate::analysis::{Approach, Explanation, Failure, FailureMode, Richness, failure_modes};
 use crate::record::CellKey;
+use base::choice;
 use base::seed::Seed;
 use compile::Evaluation;
 use learn::ActorCritic;
 use world::geometry::Vector;
 
-/// The outcome to explain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Target {
-    Collision,
-    /// A collision that a careful human would have avoided.
-    Preventable,
+choice! {
+    /// The outcome to explain.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Target {
+        Collision = "collision",
+        /// A collision that a careful human would have avoided.
+        Preventable = "preventable",
+    }
 }
 
 impl Target {
-    /// Both outcomes.
-    pub const ALL: [Self; 2] = [Self::Collision, Self::Preventable];
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Collision => "collision",
-            Self::Preventable => "preventable",
-        }
-    }
-
     fn hit(self) -> fn(&Case) -> bool {
         match self {
             Self::Collision => |case| case.collision,

@@ -1,27 +1,19 @@
 use super::Figure;
 use super::place::{Measured, Place};
 use crate::record::CellKey;
+use base::choice;
 use base::statistics::{LEAST_RUNS, Uncertainty, disagreement, holm, mcnemar};
 
-/// The method behind a p-value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Test {
-    /// Student's t over trainings, with the covariance of common starts. It generalises to further trainings and episodes.
-    Student,
-    /// McNemar's exact test on pairs of episodes. It generalises to further episodes of these two pedestrians.
-    McNemar,
-    /// No test: one training against several, or no event in either cell.
-    None,
-}
-
-impl Test {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Student => "student",
-            Self::McNemar => "mcnemar",
-            Self::None => "",
-        }
+choice! {
+    /// The method behind a p-value.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Test {
+        /// Student's t over trainings, with the covariance of common starts. It generalises to further trainings and episodes.
+        Student = "student",
+        /// McNemar's exact test on pairs of episodes. It generalises to further episodes of these two pedestrians.
+        McNemar = "mcnemar",
+        /// No test: one training against several, or no event in either cell.
+        None = "",
     }
 }
 

@@ -3,6 +3,7 @@ use std::fmt;
 use super::CellEvidence;
 use super::place::{Measured, Place};
 use crate::record::CellKey;
+use base::choice;
 use base::statistics::{Sample, holm, normal_below, normal_quantile};
 
 /// The greatest probability of a difference by chance that still counts as one.
@@ -48,25 +49,16 @@ pub struct TrainingDifference {
     pub holm: f64,
 }
 
-/// The answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Learnt {
-    /// Each training is significantly above an untrained controller, and none is below one.
-    Yes,
-    /// A training is significantly below an untrained controller.
-    No,
-    /// Neither is shown, or there is no untrained controller to compare with.
-    Unclear,
-}
-
-impl Learnt {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Yes => "yes",
-            Self::No => "no",
-            Self::Unclear => "unclear",
-        }
+choice! {
+    /// The answer.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Learnt {
+        /// Each training is significantly above an untrained controller, and none is below one.
+        Yes = "yes",
+        /// A training is significantly below an untrained controller.
+        No = "no",
+        /// Neither is shown, or there is no untrained controller to compare with.
+        Unclear = "unclear",
     }
 }
 

@@ -3,23 +3,16 @@ use std::collections::BTreeMap;
 use super::place::{Measured, Place, least};
 use super::{CellEvidence, Figure};
 use crate::record::CellKey;
+use base::choice;
 use base::statistics::Sample;
 
-/// The change from the place of the training.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Change {
-    Town,
-    /// The driver.
-    Policy,
-}
-
-impl Change {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Town => "town",
-            Self::Policy => "policy",
-        }
+choice! {
+    /// The change from the place of the training.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Change {
+        Town = "town",
+        /// The driver.
+        Policy = "policy",
     }
 }
 

@@ -1,19 +1,24 @@
 use super::{Encounter, Met};
+use base::choice;
 
-/// What found a failure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FoundIn {
-    Evaluation,
-    Search,
+choice! {
+    /// What found a failure.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum FoundIn {
+        Evaluation = "evaluation",
+        Search = "search",
+    }
 }
 
-/// What moves the pedestrian of a failure when it is met again.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum WalkedBy {
-    /// Its controller, which reacts to the new driver.
-    Controller,
-    /// The recorded commands; the last one is kept until the episode ends.
-    Commands,
+choice! {
+    /// What moves the pedestrian of a failure when it is met again.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum WalkedBy {
+        /// Its controller, which reacts to the new driver.
+        Controller = "controller",
+        /// The recorded commands; the last one is kept until the episode ends.
+        Commands = "commands",
+    }
 }
 
 /// The failures of a report in a town, met again by a new driver.
@@ -28,26 +33,6 @@ pub struct RecheckedFailures {
     pub walked_by: WalkedBy,
     /// One encounter for each failure.
     pub encounters: Vec<Encounter>,
-}
-
-impl FoundIn {
-    /// Its name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Evaluation => "evaluation",
-            Self::Search => "search",
-        }
-    }
-}
-
-impl WalkedBy {
-    /// Its name in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Controller => "controller",
-            Self::Commands => "commands",
-        }
-    }
 }
 
 impl RecheckedFailures {

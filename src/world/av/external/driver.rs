@@ -3,12 +3,34 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rand::Rng;
 
 use super::session::Session;
-use super::{Opener, Program, Settings};
+use super::{Opener, Program, ProgramKeys, Settings};
 use crate::av::view::View;
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
 use crate::sim::Control;
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Arguments, Param, Signature, Type};
+
+keys! {
+    /// A program of your own that receives what it sees and answers with controls over its standard input and output
+    /// (`scenarios/external/README.md`). It is started only where `--allow-external` is given.
+    pub struct ExternalKeys = "external" {
+        ..program: ProgramKeys,
+        /// Episodes that run at the same time, with one message for all of them.
+        worlds: usize as whole(1, 1024) = "32",
+        /// Largest number of road users in a message: the nearest ones in sight.
+        actors: usize as whole(1, 64) = "8",
+        /// Number of points of the route ahead in a message, 2 m apart.
+        route_points: usize as whole(1, 40) = "20",
+    }
+    .explained("timeout", "Time that it has for the answer to a tick.")
+}
+
+impl From<ExternalKeys> for Settings {
+    fn from(keys: ExternalKeys) -> Self {
+        let ExternalKeys { program, worlds, actors, route_points } = keys;
+        Self { timeout: program.timeout, start_timeout: program.start_timeout, worlds, actors, route_points }
+    }
+}
 
 /// A driver that is a program of its own; see the module.
 pub struct External {
@@ -28,41 +50,6 @@ pub struct External {
 }
 
 impl External {
-    /// Its kind in a scenario.
-    pub const KIND: &'static str = "external";
-
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        let count = |max| Type::Integer { min: 1, max };
-        let mut keys = Program::keys("Time that it has for the answer to a tick.");
-        keys.extend([
-            Param::with_default(
-                "worlds",
-                count(1024),
-                "32",
-                "Episodes that run at the same time, with one message for all of them.",
-            ),
-            Param::with_default(
-                "actors",
-                count(64),
-                "8",
-                "Largest number of road users in a message: the nearest ones in sight.",
-            ),
-            Param::with_default(
-                "route_points",
-                count(40),
-                "20",
-                "Number of points of the route ahead in a message, 2 m apart.",
-            ),
-        ]);
-        Signature::new(
-            Self::KIND,
-            "A program of your own that receives what it sees and answers with controls over its standard input and output \
-             (`scenarios/external/README.md`). It is started only where `--allow-external` is given.",
-            keys,
-        )
-    }
-
     /// Makes one. The program is not started before the first tick.
     pub fn new(program: Program, settings: Settings, opener: Arc<dyn Opener>) -> Self {
         Self::within(Arc::new(Mutex::new(Session::new(opener, program, settings))), settings)
@@ -99,20 +86,6 @@ impl External {
             return Err(Fault::Restarted);
         }
         Ok(session.ask(self.id, perception.tick, seed, &self.view))
-    }
-}
-
-impl Settings {
-    /// Reads them from checked arguments.
-    pub fn new(arguments: &Arguments) -> Self {
-        let count = |key: &str| arguments.integer(key) as usize;
-        Self {
-            timeout: arguments.number("timeout"),
-            start_timeout: arguments.number("start_timeout"),
-            worlds: count("worlds"),
-            actors: count("actors"),
-            route_points: count("route_points"),
-        }
     }
 }
 

@@ -17,10 +17,10 @@ mod binary;
 mod session;
 mod driver;
 
-pub use driver::External;
+pub use driver::{External, ExternalKeys};
 pub use link::{Link, Opener};
 pub(crate) use message::Body;
 pub use message::PROTOCOL;
 pub use peer::Peer;
-pub use program::Program;
+pub use program::{Program, ProgramKeys};
 pub use session::Settings;

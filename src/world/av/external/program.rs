@@ -1,7 +1,19 @@
 use std::path::PathBuf;
 
-use base::signature::{Param, Type};
-use base::units::Dimension;
+use base::keys;
+
+keys! {
+    /// What every program of the user takes.
+    pub struct ProgramKeys {
+        /// The program and its arguments, split at blanks and started without a shell in the folder of the file that
+        /// names it.
+        command: String,
+        /// Time that it has for an answer.
+        timeout: f64 as within(TIME, 0.001, 3600.0) = "1 s",
+        /// Time that it has for its greeting.
+        start_timeout: f64 as within(TIME, 0.001, 3600.0) = "30 s",
+    }
+}
 
 /// A program with its arguments, and its working folder. No shell is involved.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,20 +25,6 @@ pub struct Program {
 }
 
 impl Program {
-    /// The keys of every program in a scenario; `timeout` is the meaning of the time for an answer.
-    pub(crate) fn keys(timeout: &'static str) -> Vec<Param> {
-        let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
-        vec![
-            Param::required(
-                "command",
-                Type::Text,
-                "The program and its arguments, split at blanks and started without a shell in the folder of the file that names it.",
-            ),
-            Param::with_default("timeout", time(), "1 s", timeout),
-            Param::with_default("start_timeout", time(), "30 s", "Time that it has for its greeting."),
-        ]
-    }
-
     /// Splits a command at its blanks; text in single or double quotes stays together.
     ///
     /// # Errors

@@ -5,8 +5,19 @@ use super::engine::{Batch, Engine};
 use crate::av::view::View;
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
 use crate::sim::Control;
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Param, Signature, Type};
+
+keys! {
+    /// A learnt driver: a network in an ONNX file that receives what it sees and gives pedals or acceleration and steer
+    /// (`scenarios/external/README.md`).
+    pub struct OnnxKeys = "onnx" {
+        /// The file.
+        model: String as Path,
+        /// Episodes that run at the same time.
+        worlds: usize as whole(1, 1024) = "32",
+    }
+}
 
 /// A learnt driver; see the module.
 pub struct Onnx {
@@ -27,24 +38,6 @@ struct Shared {
 }
 
 impl Onnx {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        Signature::new(
-            "onnx",
-            "A learnt driver: a network in an ONNX file that receives what it sees and gives pedals or acceleration and steer \
-             (`scenarios/external/README.md`).",
-            vec![
-                Param::required("model", Type::Path, "The file."),
-                Param::with_default(
-                    "worlds",
-                    Type::Integer { min: 1, max: 1024 },
-                    "32",
-                    "Episodes that run at the same time.",
-                ),
-            ],
-        )
-    }
-
     /// Makes one for batches of this number of episodes.
     pub fn new(worlds: usize, model: Arc<Model>) -> Self {
         let network = model.clone();

@@ -23,6 +23,6 @@ mod engine;
 mod driver;
 mod network;
 
-pub use driver::Onnx;
+pub use driver::{Onnx, OnnxKeys};
 pub use model::{Model, ModelError};
 pub use network::{Network, NetworkError, Runner};

@@ -3,20 +3,23 @@ use std::fmt;
 use crate::env::Situation;
 use crate::geometry::{Obstacles, Point, Pose};
 use crate::road::{LaneFilter, LaneKind, Town};
+use base::choice;
 use base::signature::Formula;
 
 use super::Spawn;
 
-/// The kind of ground at a place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ground {
-    /// A driving lane.
-    Driving,
-    Sidewalk,
-    /// Another lane: shoulder, parking, biking, …
-    Beside,
-    /// No lane at all.
-    OffRoad,
+choice! {
+    /// The kind of ground at a place.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Ground {
+        /// A driving lane.
+        Driving = "driving",
+        Sidewalk = "sidewalk",
+        /// Another lane: shoulder, parking, biking, …
+        Beside = "beside",
+        /// No lane at all.
+        OffRoad = "off_road",
+    }
 }
 
 impl Ground {

@@ -3,6 +3,7 @@ use rand::RngExt;
 use super::SpawnError;
 use crate::geometry::{Pose, wrap_angle};
 use crate::road::{LaneFilter, LaneStretch, Town, Waypoint};
+use base::choice;
 use base::seed::Stream;
 use base::signature::Distribution;
 
@@ -35,16 +36,18 @@ pub struct LanePiece {
     pub length: f64,
 }
 
-/// The stretches of road on which the ego may start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RoadShape {
-    /// All.
-    #[default]
-    Any,
-    /// Stretches where the lane is straight for the next 10 m.
-    Straight,
-    /// Stretches where the lane bends.
-    Bend,
+choice! {
+    /// The stretches of road on which the ego may start.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum RoadShape {
+        /// All.
+        #[default]
+        Any = "any",
+        /// Stretches where the lane is straight for the next 10 m.
+        Straight = "straight",
+        /// Stretches where the lane bends.
+        Bend = "bend",
+    }
 }
 
 /// The distance ahead over which the shape of the road is measured (m).
@@ -96,15 +99,6 @@ impl EgoStart {
 }
 
 impl RoadShape {
-    /// Its word in scenarios.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Any => "any",
-            Self::Straight => "straight",
-            Self::Bend => "bend",
-        }
-    }
-
     /// Whether the road ahead of a pose has this shape.
     pub(super) fn admits(self, town: &Town, pose: &Pose) -> bool {
         let straight = || {

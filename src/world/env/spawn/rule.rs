@@ -6,16 +6,19 @@ use crate::env::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::road::{LaneFilter, RoadOption, Town, lane_route};
 use crate::sim::WalkCommand;
+use base::choice;
 use base::seed::Stream;
 use base::signature::Distribution;
 
-/// The measure that is uniform when a place in the sector is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Measure {
-    /// The distance has its distribution. If that is uniform, places near the ego are denser.
-    Range,
-    /// The area: the same number of places per square metre everywhere in the sector. The distance must be a range.
-    Area,
+choice! {
+    /// The measure that is uniform when a place in the sector is drawn.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Measure {
+        /// The distance has its distribution. If that is uniform, places near the ego are denser.
+        Range = "range",
+        /// The area: the same number of places per square metre everywhere in the sector. The distance must be a range.
+        Area = "area",
+    }
 }
 
 /// The rule that draws the start of an episode.

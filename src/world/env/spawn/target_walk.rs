@@ -1,6 +1,7 @@
 use super::Spawn;
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 use crate::sim::{Pedestrian, Vehicle, VehicleBlueprint, VehicleState, WalkCommand};
+use base::choice;
 use base::signature::Distribution;
 
 /// A car below this speed has stopped (m/s).
@@ -47,15 +48,17 @@ pub struct TargetWalk {
     pub criterion: TestCriterion,
 }
 
-/// How a protocol judges the impact speed of a test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TestCriterion {
-    /// Passed without contact.
-    NoContact,
-    /// The colours of Euro NCAP.
-    EuroNcap,
-    /// The greatest impact speeds of UN R152 for M1 and N1 in running order.
-    UnR152,
+choice! {
+    /// How a protocol judges the impact speed of a test.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum TestCriterion {
+        /// Passed without contact.
+        NoContact = "no_contact",
+        /// The colours of Euro NCAP.
+        EuroNcap = "euro_ncap",
+        /// The greatest impact speeds of UN R152 for M1 and N1 in running order.
+        UnR152 = "un_r152",
+    }
 }
 
 impl TestCriterion {
@@ -77,15 +80,17 @@ impl TestCriterion {
 /// Greatest impact speeds of UN R152 in running order: up to this test speed, this speed (km/h).
 const R152: [(f64, f64); 5] = [(42.0, 0.0), (45.0, 15.0), (50.0, 25.0), (55.0, 30.0), (60.0, 35.0)];
 
-/// The side from which a target comes to the path of the car.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TargetSide {
-    /// From the right of the car.
-    Right,
-    /// From the left of the car.
-    Left,
-    /// It walks in the direction of the car, in its path.
-    Along,
+choice! {
+    /// The side from which a target comes to the path of the car.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum TargetSide {
+        /// From the right of the car.
+        Right = "right",
+        /// From the left of the car.
+        Left = "left",
+        /// It walks in the direction of the car, in its path.
+        Along = "along",
+    }
 }
 
 /// A case of a test.

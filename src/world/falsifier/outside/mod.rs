@@ -7,8 +7,8 @@ mod networked;
 mod programmed;
 
 pub use message::PROTOCOL;
-pub use networked::{Networked, UnsuitableNetwork};
-pub use programmed::Programmed;
+pub use networked::{Networked, NetworkedKeys, UnsuitableNetwork};
+pub use programmed::{Programmed, ProgrammedKeys};
 
 use crate::av::Fault;
 use crate::env::PedestrianEnv;

@@ -6,9 +6,18 @@ use crate::av::onnx::{Network, Runner};
 use crate::env::{ObservationSpec, PedestrianEnv};
 use crate::falsifier::WalkPolicy;
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::Stream;
-use base::signature::{Param, Signature, Type};
 use learn::FrameStack;
+
+keys! {
+    /// A network in an ONNX file with one input, the state (1, 4), and one output, the action: heading and speed. A report
+    /// writes its trained pedestrians as such files.
+    pub struct NetworkedKeys = "onnx" {
+        /// The file.
+        model: String as Path,
+    }
+}
 
 /// Why a network cannot control one pedestrian.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -34,16 +43,6 @@ pub struct Networked {
 }
 
 impl Networked {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        Signature::new(
-            "onnx",
-            "A network in an ONNX file with one input, the state (1, 4), and one output, the action: heading and speed. A report writes \
-             its trained pedestrians as such files.",
-            vec![Param::required("model", Type::Path, "The file.")],
-        )
-    }
-
     /// Checks whether a network can control a pedestrian.
     ///
     /// # Errors

@@ -5,12 +5,21 @@ use rand::Rng;
 use super::carry_out;
 use super::message::{Hello, read_action, read_greeting, write_request};
 use crate::av::Fault;
-use crate::av::external::{Opener, Peer, Program};
+use crate::av::external::{Opener, Peer, Program, ProgramKeys};
 use crate::env::PedestrianEnv;
 use crate::falsifier::WalkPolicy;
 use crate::sim::WalkCommand;
+use base::keys;
 use base::seed::Stream;
-use base::signature::Signature;
+
+keys! {
+    /// A program of your own that receives states and answers with actions over its standard input and output
+    /// (`scenarios/external/README.md`). It is started only where `--allow-external` is given.
+    pub struct ProgrammedKeys = "external" {
+        ..program: ProgramKeys,
+    }
+    .explained("timeout", "Time that it has for the answer to a decision.")
+}
 
 /// A controller that is a separate program: at every decision it gets the state and gives an action.
 pub struct Programmed {
@@ -36,16 +45,6 @@ struct Session {
 }
 
 impl Programmed {
-    /// Its keys in a scenario.
-    pub fn signature() -> Signature {
-        Signature::new(
-            "external",
-            "A program of your own that receives states and answers with actions over its standard input and output \
-             (`scenarios/external/README.md`). It is started only where `--allow-external` is given.",
-            Program::keys("Time that it has for the answer to a decision."),
-        )
-    }
-
     /// Makes one with limits for an answer and for the greeting (s). The program is not started before the first decision.
     pub fn new(program: Program, timeout: f64, start_timeout: f64, opener: Arc<dyn Opener>) -> Self {
         let peer = Peer::new(opener, program, start_timeout);

@@ -85,7 +85,7 @@ pub fn lane_name(town: &Town, lane: SectionLane<'_>) -> String {
     let junction = junction.map_or(String::new(), |junction| format!(", junction {}", junction.id));
     let name = if lane.road.name.is_empty() { String::new() } else { format!(" “{}”", lane.road.name) };
     let width = Digits(town.lane_width(lane.start), 2);
-    format!("road {}{name}, lane {id} ({}), {width} m wide{section}{junction}", lane.road.id, lane.kind.opendrive())
+    format!("road {}{name}, lane {id} ({}), {width} m wide{section}{junction}", lane.road.id, lane.kind.name())
 }
 
 fn box_name(obstacle: &OrientedBox) -> String {
