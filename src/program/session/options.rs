@@ -92,7 +92,7 @@ impl RunOptions {
     }
 
     pub(super) fn limits(&self) -> Limits {
-        let checkpoint = Duration::from_secs_f64(self.checkpoint);
+        let checkpoint = Duration::try_from_secs_f64(self.checkpoint).unwrap_or_default();
         Limits { checkpoint, seconds: self.task_time, ticks: self.max_ticks }
     }
 }
