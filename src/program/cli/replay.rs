@@ -88,6 +88,7 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
     console::say(&format!("{}  {}", repeated.name, repeated.title));
     console::say(&format!("of {}, seed {}{smoke}\n", report.folder().display(), manifest.seed));
+    console::say(&format!("{}\n", console::wrapped(&narrative.short).trim_end()));
     for (time, text) in &narrative.events {
         console::say(console::wrapped(&format!("{time:7.2} s  {text}")).trim_end());
     }
@@ -126,6 +127,7 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     json!({
         "name": repeated.name.to_string(),
         "what": repeated.title,
+        "short": narrative.short,
         "report": report.folder().display().to_string(),
         "seed": report.manifest().seed,
         "equal": repeated.differences.is_empty(),
