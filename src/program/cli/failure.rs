@@ -80,6 +80,7 @@ fn code(error: &Error) -> ExitCode {
         | Error::UnusedMap { .. }
         | Error::Recording { .. }
         | Error::Gate(_)
+        | Error::UnknownCampaign { .. }
         | Error::Threads { .. }
         | Error::Read(_)
         | Error::NoFolder { .. }

@@ -19,8 +19,8 @@ Examples:
   falsify failures                           the worst failures of reports/, fault ones first
   falsify failures reports/first_look --driver behavior --verdict preventable --top 5
                                              the five worst preventable ones of a driver
-  falsify failures reports/first_look --names --top 5 | falsify replay -
-                                             repeat the five worst
+  falsify failures reports/first_look --distinct --names --top 5 | falsify replay -
+                                             repeat the worst of five starts
   falsify failures reports/first_look --format csv > failures.csv
                                              all of them as a table
 
@@ -62,6 +62,9 @@ pub struct FailuresArgs {
     /// The number of failures; a table has 20 without it, other forms have all.
     #[arg(long, value_name = "N")]
     pub top: Option<usize>,
+    /// Only the first failure of each start of a town and driver.
+    #[arg(long)]
+    pub distinct: bool,
     /// Form of the list.
     #[arg(long, value_enum, default_value_t = Form::Table, value_name = "FORMAT")]
     pub format: Form,
@@ -98,6 +101,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
             kind: options.kind.clone(),
             min_speed: options.min_speed,
         },
+        distinct: options.distinct,
         order: options.sort,
     };
     let found = session(false).failures(&wanted).map_err(failed)?;

@@ -25,6 +25,7 @@ Examples:
   falsify run --smoke my.scn                 see in seconds whether everything works
   falsify run --list my.scn                  list what would be run and why, and what is stored
   falsify run --set 'ppo_paper.steps=10000' my.scn
+  falsify run --only first_look my.scn       run one campaign of several
   falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
 
 Exit codes: see falsify --help";

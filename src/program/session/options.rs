@@ -31,6 +31,9 @@ pub struct RunOptions {
     /// Run only a quick check of the whole pipeline: one run, two updates, five episodes. Reports go to NAME-smoke.
     #[arg(long, help_heading = "What runs")]
     pub smoke: bool,
+    /// Run only these campaigns of the files; may be given several times.
+    #[arg(long, value_name = "CAMPAIGN", help_heading = "What runs")]
+    pub only: Vec<String>,
     /// Repeat all work, also what is stored.
     #[arg(long, help_heading = "What runs")]
     pub fresh: bool,
@@ -42,7 +45,7 @@ pub struct RunOptions {
     pub checkpoint: f64,
     /// Stop a training, 10,000 episodes or a search after this time (s). It is then in error, and the next run continues it. With 0 it ends
     /// after one update, if that takes less than a second, or one episode.
-    #[arg(long, alias = "cell-time", value_name = "SECONDS", help_heading = "Work")]
+    #[arg(long, value_name = "SECONDS", help_heading = "Work")]
     pub task_time: Option<u64>,
     /// Stop them after this number of simulator ticks.
     #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..), help_heading = "Work")]
@@ -72,6 +75,7 @@ impl Default for RunOptions {
             threads: 0,
             formats: vec![TableFormat::Csv, TableFormat::Parquet],
             smoke: false,
+            only: Vec::new(),
             fresh: false,
             replace: false,
             checkpoint: 5.0,

@@ -41,6 +41,13 @@ impl Session {
         if planned.plan.campaigns.is_empty() {
             return Err(Error::NoCampaign { advice: planned.plan.without_campaigns() });
         }
+        let known: Vec<String> = planned.plan.campaigns.iter().map(|campaign| campaign.name.clone()).collect();
+        if let Some(name) = options.only.iter().find(|name| !known.contains(name)) {
+            return Err(Error::UnknownCampaign { name: name.clone(), known: known.join(", ") });
+        }
+        if !options.only.is_empty() {
+            planned.plan.campaigns.retain(|campaign| options.only.contains(&campaign.name));
+        }
         if options.smoke {
             planned.plan.campaigns.iter_mut().for_each(campaign::smoke);
         }
