@@ -112,10 +112,10 @@ pub mod results {
     #[doc(inline)]
     pub use export::{EgoDriver, ExportError, ExportFile, Exporter, Variant, Walking};
     #[doc(inline)]
-    pub use results::campaign::{Observer as CampaignObserver, Shard, Task};
+    pub use results::campaign::{Event as CampaignEvent, Shard, Task};
     #[doc(inline)]
     pub use results::report::{
-        Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,
+        Cell, Difference, FileRecord, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,
         SearchCell, Spread, StoredReport, TooFewRuns, TrainingRecord, WriteError,
     };
     #[doc(inline)]

@@ -45,7 +45,7 @@ def test_errors_of_a_callable_are_its_own(scenario):
 def test_the_program_runs_campaigns_and_repeats_episodes(program, scenario, tmp_path):
     walked = scenario.with_name("walked.scn")
     reports = falsify.run(walked, out=tmp_path / "out", seed=9)
-    assert list(reports) == ["walked"] and {"episodes", "cells"} <= set(reports["walked"].tables)
+    assert list(reports) == ["walked"] and {"episodes", "results"} <= set(reports["walked"].tables)
     assert reports["walked"].manifest["seed"] == 9
     parquet = pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     rows = reports["walked"].table("episodes")

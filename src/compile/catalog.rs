@@ -12,6 +12,9 @@ use super::{
 use base::signature::{Form, Signature, Type, Vocabulary};
 use world::av::external::Opener;
 
+/// Tries a network where it can do no harm, before it is loaded into this process; the error is the reason, as a part of a sentence.
+pub type NetworkTrial = dyn Fn(&[u8]) -> Result<(), String> + Send + Sync;
+
 /// A kind whose name another kind of the same form has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is a {form} of kind `{kind}` already")]
@@ -31,6 +34,7 @@ pub struct Catalog {
     pub(super) walkers: Vec<WalkerKind>,
     pub(super) falsifiers: Vec<FalsifierKind>,
     pub(super) opener: Option<Arc<dyn Opener>>,
+    pub(super) network_trial: Option<Arc<NetworkTrial>>,
 }
 
 impl Catalog {
@@ -51,9 +55,16 @@ impl Catalog {
             published::form(),
             campaign::form(),
         ];
-        let (policies, towns, walkers, falsifiers) = (Vec::new(), vec![town::drawn()], Vec::new(), Vec::new());
-        let bare =
-            Self { forms, vocabulary: world::env::vocabulary(), policies, towns, walkers, falsifiers, opener: None };
+        let bare = Self {
+            forms,
+            vocabulary: world::env::vocabulary(),
+            policies: Vec::new(),
+            towns: vec![town::drawn()],
+            walkers: Vec::new(),
+            falsifiers: Vec::new(),
+            opener: None,
+            network_trial: None,
+        };
         let with_towns = town::kinds().into_iter().try_fold(bare, Self::with_town);
         let with_policies = policy::kinds().into_iter().try_fold(with_towns.expect(DIFFER), Self::with_policy);
         let with_walkers = walker::kinds().into_iter().try_fold(with_policies.expect(DIFFER), Self::with_walker);
@@ -63,6 +74,11 @@ impl Catalog {
     /// The same; scenarios may start programs through this opener.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }
+    }
+
+    /// The same; networks in ONNX files are tried in this way first. Without a trial a network may take any memory and time.
+    pub fn with_network_trial(self, trial: Arc<NetworkTrial>) -> Self {
+        Self { network_trial: Some(trial), ..self }
     }
 
     /// Whether scenarios may start programs.

@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use super::lowering::Lowering;
 use base::signature::{DeclarationId, Form, Keys, Signature};
+use lang::diagnostics;
 use lang::hir::Declaration;
-use lang::{Reader, diagnostics, reason};
 use world::av::external::ProgramKeys;
 use world::av::onnx::Network;
 use world::falsifier::{Controller, Networked, NetworkedKeys, Programmed, ProgrammedKeys};
@@ -53,18 +53,10 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Co
 
 /// A network from a file.
 fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
-    let NetworkedKeys { model: path } = declaration.block.keys();
-    let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| reason(&error));
-    let network = bytes.and_then(|bytes| Network::read(bytes).map_err(|error| error.to_string()));
-    let fit = network.and_then(|network| match Networked::check(&network) {
-        Ok(()) => Ok(Arc::new(network)),
-        Err(unsuitable) => Err(unsuitable.to_string()),
-    });
-    match fit {
-        Ok(network) => Some(Controller::new(&declaration.name, move || Box::new(Networked::new(network.clone())) as _)),
-        Err(reason) => {
-            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), &path, &reason));
-            None
-        }
-    }
+    let NetworkedKeys { model } = declaration.block.keys();
+    let network = lowering.network(declaration, &model, |bytes| {
+        let network = Network::read(bytes).map_err(|error| error.to_string())?;
+        Networked::check(&network).map(|()| Arc::new(network)).map_err(|unsuitable| unsuitable.to_string())
+    })?;
+    Some(Controller::new(&declaration.name, move || Box::new(Networked::new(network.clone())) as _))
 }

@@ -43,7 +43,7 @@ mod whole_plan;
 mod lower;
 mod grid;
 
-pub use catalog::{Catalog, TakenKind};
+pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use chunks::CHUNK;
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;

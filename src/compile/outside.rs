@@ -40,20 +40,31 @@ impl Lowering<'_> {
         self.read.note(self.beside(declaration, command), opener.digest(&program));
         Some((program, opener))
     }
+
+    /// The network in the file of the key `model`, which is tried before it is loaded; none after reporting what is wrong.
+    pub fn network<T>(
+        &mut self,
+        declaration: &Declaration,
+        path: &str,
+        load: impl FnOnce(Vec<u8>) -> Result<T, String>,
+    ) -> Option<T> {
+        let place = declaration.block.place("model");
+        let bytes = self.read.bytes(&self.beside(declaration, path)).map_err(|error| reason(&error));
+        if let (Ok(bytes), Some(trial)) = (&bytes, &self.catalog.network_trial)
+            && let Err(reason) = trial(bytes)
+        {
+            self.said.push(diagnostics::untrusted_model(place, path, &reason));
+            return None;
+        }
+        let loaded = bytes.and_then(load);
+        loaded.map_err(|reason| self.said.push(diagnostics::unusable_model(place, path, &reason))).ok()
+    }
 }
 
 /// A network from a file.
 pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let OnnxKeys { model: path, worlds } = declaration.block.keys();
-    let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| reason(&error));
-    match bytes.and_then(|bytes| Model::read(bytes).map_err(|error| error.to_string())) {
-        Ok(model) => {
-            let model = Arc::new(model);
-            Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
-        }
-        Err(reason) => {
-            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), &path, &reason));
-            None
-        }
-    }
+    let OnnxKeys { model, worlds } = declaration.block.keys();
+    let model = lowering.network(declaration, &model, |bytes| Model::read(bytes).map_err(|error| error.to_string()))?;
+    let model = Arc::new(model);
+    Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
 }

@@ -6,7 +6,7 @@ use base::units::Dimension;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration, Program};
 
-/// The published figures that can be compared with ours: the column of `cells`, the keys of mean and spread, and its description.
+/// The published figures that can be compared with ours: the metric, the keys of mean and spread, and its description.
 const FIGURES: [(&str, &str, &str, &str); 6] = [
     ("collision_rate", "collision", "collision_sd", "Collisions of all episodes."),
     ("front_rate", "front", "front_sd", "Frontal collisions of all collisions."),
@@ -18,7 +18,7 @@ const FIGURES: [(&str, &str, &str, &str); 6] = [
 /// The description of the spreads in the reference.
 const SPREAD: &str = "Sample standard deviation of that over the published runs.";
 
-/// The columns of `cells`, without `_mean`, that published figures can be compared with.
+/// The metrics that published figures can be compared with.
 pub fn published_columns() -> impl Iterator<Item = &'static str> {
     FIGURES.into_iter().map(|(column, ..)| column)
 }

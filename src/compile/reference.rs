@@ -25,7 +25,7 @@ impl Catalog {
         page.push_str("## Events\n\n`on event => formula` inside a `reward`.\n\n| event | words | variables | when |\n|---|---|---|---|\n");
         for event in self.vocabulary.events.iter().filter(|event| event.answered) {
             let words = quoted(event.words);
-            let _ = writeln!(page, "| `{}` | {words} | {} | {} |", event.name, quoted(event.variables), event.doc);
+            let _ = writeln!(page, "| `{}` | {words} | {} | {} |", event.name, quoted(&event.variables), event.doc);
         }
         page.push_str("\n## Variables\n\n| variable | measures | meaning |\n|---|---|---|\n");
         for variable in &self.vocabulary.variables {

@@ -138,7 +138,7 @@ def play(world, models):
                 wanted = actor["track"][min(tick, last)]
                 error = max(error, math.hypot(x - wanted[0], y - wanted[1]))
         ego, pedestrian = middle(models[0], actors[0]), middle(models[EPISODE["pedestrian"]], actors[EPISODE["pedestrian"]])
-        if touch is None and gap(ego, pedestrian, shapes) <= 0.005:
+        if touch is None and gap(ego, pedestrian, shapes) <= 0.001:
             touch = tick * dt
             if by_agent:
                 break

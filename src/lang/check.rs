@@ -447,7 +447,7 @@ impl<'f> Checker<'_, '_, 'f> {
             self.diagnostics.push(diagnostics::duplicate_clause(name.span, first.span));
         }
         let Context { vocabulary, names, .. } = *self.context;
-        let scope = Scope { vocabulary, available: event.variables, event: event.name, names, whole: true };
+        let scope = Scope { vocabulary, available: &event.variables, event: event.name, names, whole: true };
         let formula = plain_number(&written.formula, &scope, self.diagnostics)?;
         Some(Clause { event: event.name, word, formula, span: name.span })
     }

@@ -261,7 +261,7 @@ fn has_kind(form: &str, word: &str, context: &Context<'_>) -> bool {
 /// The scope of formulas about an event.
 fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a> {
     let known = context.vocabulary.events.iter().find(|known| known.name == event);
-    let available = known.map_or(&[][..], |event| event.variables);
+    let available = known.map_or(&[][..], |event| &event.variables);
     Scope { vocabulary: context.vocabulary, available, event, names: context.names, whole }
 }
 

@@ -1,4 +1,4 @@
-//! Drivers as child processes: the only code that starts programs.
+//! Drivers as child processes, and this program again for trials: the only code that starts programs.
 //!
 //! A child reads questions from its standard input and answers on its standard output. Its standard error is passed on to ours, up to a
 //! limit. It leads its own process group. So Ctrl-C on the terminal lets it finish its current work with us, and it ends together with all
@@ -14,12 +14,14 @@ mod limits;
 #[cfg(unix)]
 mod messages;
 mod opener;
+mod trial;
 
 #[cfg(unix)]
 pub use child::end_all;
 #[cfg(unix)]
 pub use limits::refusal;
 pub use opener::ProcessOpener;
+pub use trial::{limit_trial, trial};
 
 #[cfg(not(unix))]
 /// Ends all children at once; there are none on this system.

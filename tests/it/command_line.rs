@@ -25,10 +25,10 @@ fn who_is_not_trained_is_tried_without_a_training() {
     std::fs::write(folder.path().join("naive.scn"), text).unwrap();
     let output = falsify(&["run", "naive.scn", "--out", "out"], folder.path());
     assert!(output.status.success(), "{}", error(&output));
-    let cells = std::fs::read_to_string(folder.path().join("out/naive/cells.csv")).unwrap();
+    let results = std::fs::read_to_string(folder.path().join("out/naive/results.csv")).unwrap();
     let who = |row: &str| row.split(',').take(4).collect::<Vec<_>>().join(",");
-    let rows: Vec<String> = cells.lines().skip(1).map(who).collect();
-    assert_eq!(rows, ["none,\"\",\"\",random", "none,\"\",\"\",homing", "none,\"\",\"\",intercept"]);
+    let rows: Vec<String> = results.lines().skip(1).map(who).collect();
+    assert_eq!(rows, ["random,none,\"\",\"\"", "homing,none,\"\",\"\"", "intercept,none,\"\",\"\""]);
     let summary = std::fs::read_to_string(folder.path().join("out/naive/summary.md")).unwrap();
     assert!(!summary.contains("other trainings show"), "{summary}");
 }

@@ -42,6 +42,9 @@ fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         String::from_utf8(output.stdout).unwrap()
     };
+    let other = falsify(&["run", "two.scn", "--only", "three"], here);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other).contains("no campaign is called `three`; the files have two"), "{other:?}");
     let all = names(&[]);
     let objects = falsify(&["failures", "reports", "--format", "json"], here);
     let objects: Vec<serde_json::Value> =
@@ -58,6 +61,9 @@ fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
     let fast = objects.iter().filter(|object| object["policy"] == "slow" && speed(object) >= 1.0).count();
     assert_eq!(names(&["--driver", "slow", "--min-speed", "1"]).lines().count(), fast);
     assert!(names(&["--controller", "none_such"]).is_empty());
+    // Each start is evaluated with two pedestrians, and searched.
+    let distinct = names(&["--distinct"]).lines().count();
+    assert!(0 < distinct && distinct < objects.len(), "{distinct} of {}", objects.len());
     let wrong = falsify(&["failures", "reports", "--verdict", "bad"], here);
     assert_eq!(wrong.status.code(), Some(2));
 

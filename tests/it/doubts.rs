@@ -55,9 +55,9 @@ fn a_training_that_learnt_nothing_is_a_warning_in_every_output_and_fails_a_gate(
         let page = read(&report, "report.html");
         assert!(page.contains(doubt) && page.contains("Did the trainings learn?"), "{campaign}");
     }
-    let cells = read(&here.join("reports/short_of_steps"), "cells.csv");
-    let column = cells.lines().next().unwrap().split(',').position(|name| name == "learnt").unwrap();
-    let learnt: Vec<&str> = cells.lines().skip(1).map(|line| line.split(',').nth(column).unwrap()).collect();
+    let results = read(&here.join("reports/short_of_steps"), "results.csv");
+    let column = results.lines().next().unwrap().split(',').position(|name| name == "learnt").unwrap();
+    let learnt: Vec<&str> = results.lines().skip(1).map(|line| line.split(',').nth(column).unwrap()).collect();
     assert_eq!(learnt, ["no", "", ""]);
 
     // The same from the store, for programs.

@@ -195,15 +195,19 @@ fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_
         assert!(said(&output).contains("mine ended before it answered"), "{}", said(&output));
         let report =
             |file: &str| std::fs::read_to_string(place.path().join(threads).join("outside").join(file)).unwrap();
-        (report("episodes.csv"), report("cells.csv"), report("summary.md"))
+        (report("episodes.csv"), report("metrics.csv"), report("summary.md"))
     };
-    let (episodes, cells, summary) = run("1");
-    assert_eq!(run("2"), (episodes.clone(), cells.clone(), summary.clone()));
+    let (episodes, metrics, summary) = run("1");
+    assert_eq!(run("2"), (episodes.clone(), metrics.clone(), summary.clone()));
     let errors = episodes.matches("error,ended before it answered").count();
     assert!(errors > 0, "{episodes}");
-    let names: Vec<&str> = cells.lines().next().unwrap().split(',').collect();
-    let values: Vec<&str> = cells.lines().nth(1).unwrap().split(',').collect();
-    let value = |name: &str| values[names.iter().position(|each| *each == name).unwrap()].parse::<usize>().unwrap();
+    let names: Vec<&str> = metrics.lines().next().unwrap().split(',').collect();
+    let at = |column: &str| names.iter().position(|name| *name == column).unwrap();
+    let rows: Vec<Vec<&str>> = metrics.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let value = |metric: &str| {
+        let row = rows.iter().find(|row| row[at("metric")] == metric).unwrap();
+        row[at("value")].parse::<f64>().unwrap() as usize
+    };
     assert_eq!((value("errors"), value("episodes")), (errors, EPISODES as usize - errors));
     assert!(summary.contains(&format!("In {errors} more episodes the driver or the controller failed")), "{summary}");
 }

@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_000),
     ("src/learn", 6_000),
-    ("src/world", 28_500),
+    ("src/world", 26_500),
     ("src/ported", 6_000),
     ("src/lang", 8_000),
-    ("src/compile", 6_500),
+    ("src/compile", 6_000),
     ("src/process", 1_000),
     ("src/export", 4_000),
-    ("src/results", 25_500),
-    ("src/program", 12_000),
-    ("tests/it", 17_500),
+    ("src/results", 25_000),
+    ("src/program", 11_500),
+    ("tests/it", 17_000),
 ];
 
 /// Crates that only some places may name.
@@ -42,7 +42,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("toml", &["results/report", "program/cli"]),
     ("lsp_server", &["program/lsp"]),
     ("lsp_types", &["program/lsp"]),
-    ("clap", &["program/cli"]),
+    ("clap", &["program/cli", "program/session"]),
     ("indicatif", &["program/cli"]),
     ("ctrlc", &["program/cli"]),
 ];

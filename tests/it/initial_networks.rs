@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::slice::from_ref;
 
 use base::diagnostic::Sources;
 use base::seed::Seed;
@@ -66,7 +67,7 @@ const KEYS: &str = "hidden: [8], from: \"start.safetensors\"";
 fn a_training_starts_with_the_weights_of_the_file_and_goes_on_after_an_interruption() {
     let first = networks(4, 2, &[8], 1);
     let training = training(KEYS, &bytes(&first));
-    let begin = || TrainingRun::begin(&training.scenario, 1, &training.config, &Seed::root(3)).unwrap();
+    let begin = || TrainingRun::begin(from_ref(&training.scenario), 1, &training.config, &Seed::root(3)).unwrap();
     let present = |run: &TrainingRun| ActorCritic::from_safetensors(&run.state(&BTreeMap::new())).unwrap().0;
     assert_eq!(present(&begin()), first);
     let whole = begin().carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
@@ -74,13 +75,14 @@ fn a_training_starts_with_the_weights_of_the_file_and_goes_on_after_an_interrupt
     let mut cut = begin();
     cut.update().unwrap();
     let state = cut.state(&BTreeMap::new());
-    let resumed = TrainingRun::resume(&state, &training.scenario, 1, &training.config, &Seed::root(3)).unwrap();
+    let resumed =
+        TrainingRun::resume(&state, from_ref(&training.scenario), 1, &training.config, &Seed::root(3)).unwrap();
     let resumed = resumed.carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(resumed.actor_critic, whole.actor_critic);
     // A training that started elsewhere is not continued.
     let mut other = training.config.clone();
     other.initial = None;
-    assert!(TrainingRun::resume(&state, &training.scenario, 1, &other, &Seed::root(3)).is_err());
+    assert!(TrainingRun::resume(&state, from_ref(&training.scenario), 1, &other, &Seed::root(3)).is_err());
 }
 
 #[test]

@@ -3,7 +3,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
+use std::sync::Arc;
 
+use compile::Catalog;
+use process::ProcessOpener;
 use program::lsp::{Ending, WireError, serve};
 use serde_json::{Value, json};
 
@@ -61,7 +64,8 @@ impl Session {
         self.ask("shutdown", Value::Null);
         self.tell("exit", Value::Null);
         let mut output = Vec::new();
-        assert_eq!(serve(&self.input[..], &mut output, shelf()).unwrap(), Ending::Orderly);
+        let catalog = Catalog::builtin().with_opener(Arc::new(ProcessOpener::default()));
+        assert_eq!(serve(catalog, &self.input[..], &mut output, shelf()).unwrap(), Ending::Orderly);
         messages(&output)
     }
 }
@@ -392,7 +396,7 @@ fn malformed_messages_and_unknown_requests_do_no_harm() {
 
 #[test]
 fn a_stream_out_of_step_ends_the_session() {
-    let serve = |input: &[u8]| serve(input, &mut Vec::new(), shelf());
+    let serve = |input: &[u8]| serve(Catalog::builtin(), input, &mut Vec::new(), shelf());
     assert!(matches!(serve(b""), Ok(Ending::Abrupt)));
     assert!(matches!(serve(b"GET / HTTP/1.1\r\n\r\n"), Err(WireError::Headers)));
     assert!(matches!(serve(b"Content-Length: 99999999999999\r\n\r\n"), Err(WireError::Headers)));

@@ -49,7 +49,6 @@ mod language_server;
 mod learning;
 mod natural_walking;
 mod onnx;
-mod onnx_costs;
 mod onnx_file;
 mod outputs;
 mod own_kinds;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::slice::from_ref;
 use std::sync::Arc;
 
 use base::diagnostic::Sources;
@@ -39,7 +40,7 @@ campaign rich {
 fn plan() -> Plan {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/resuming.scn");
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
-    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let compiled = compile(from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
 }
 
@@ -49,7 +50,7 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
     for training in plan().campaigns.iter().flat_map(|campaign| &campaign.trainings) {
         let (scenario, envs, config) = (&training.scenario, training.environments, &training.config);
         // The state before the first update and after each update.
-        let run = TrainingRun::begin(scenario, envs, config, &seed).unwrap();
+        let run = TrainingRun::begin(from_ref(scenario), envs, config, &seed).unwrap();
         let mut states = vec![run.state(&none)];
         let whole = run.carry_on(&mut |run| {
             states.push(run.state(&none));
@@ -61,7 +62,7 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
         assert_eq!(states.len(), 5);
         assert_eq!(train(scenario, envs, config, &seed, &mut |_| ControlFlow::Continue(())).unwrap(), whole);
         for (updates, state) in states.iter().enumerate() {
-            let resumed = TrainingRun::resume(state, scenario, envs, config, &seed).unwrap();
+            let resumed = TrainingRun::resume(state, from_ref(scenario), envs, config, &seed).unwrap();
             assert_eq!(&resumed.state(&none), state, "a state survives being read");
             let mut later = Vec::new();
             let end = resumed.carry_on(&mut |run| {
@@ -78,13 +79,13 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
 fn a_state_is_refused_where_its_episodes_lead_elsewhere() {
     let plan = plan();
     let behavior = &plan.campaigns[0].trainings[0];
-    let mut run = TrainingRun::begin(&behavior.scenario, 3, &behavior.config, &Seed::root(3)).unwrap();
+    let mut run = TrainingRun::begin(from_ref(&behavior.scenario), 3, &behavior.config, &Seed::root(3)).unwrap();
     run.update().unwrap();
     let state = run.state(&BTreeMap::new());
-    let other_seed = TrainingRun::resume(&state, &behavior.scenario, 3, &behavior.config, &Seed::root(4));
+    let other_seed = TrainingRun::resume(&state, from_ref(&behavior.scenario), 3, &behavior.config, &Seed::root(4));
     assert!(matches!(other_seed, Err(CheckpointError::Env { env: 0 })), "{other_seed:?}");
     let rich = &plan.campaigns[1].trainings[0].config;
-    let other_settings = TrainingRun::resume(&state, &behavior.scenario, 3, rich, &Seed::root(3));
+    let other_settings = TrainingRun::resume(&state, from_ref(&behavior.scenario), 3, rich, &Seed::root(3));
     assert!(matches!(&other_settings, Err(CheckpointError::Settings { .. })), "{other_settings:?}");
 }
 

@@ -39,7 +39,7 @@ fn the_main_campaigns_survive_a_smoke_run() {
             "summary.md",
             "episodes.csv",
             "episodes.parquet",
-            "cells.csv",
+            "results.csv",
             "learning_curve.csv",
         ] {
             let path = report.join(file);

@@ -4,11 +4,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use falsify::language::{Diagnostic, Sources};
 use falsify::results::WriteError;
 use falsify::session::{
-    CampaignOutcome, CampaignState, EpisodeName, Error, Export, Input, MergeOptions, Observer, RepeatOptions, Repeated,
-    ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable, VerifyOptions,
+    CampaignOutcome, CampaignState, EpisodeName, Error, Event, Export, Input, MergeOptions, Observer, RepeatOptions,
+    Repeated, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable, VerifyOptions,
 };
 
 const SCENARIO: &str = r#"
@@ -53,16 +52,15 @@ struct Heard {
 }
 
 impl Observer for Heard {
-    fn diagnostics(&self, diagnostics: &[Diagnostic], _: &Sources) {
-        *self.diagnostics.lock().unwrap() += diagnostics.len();
-    }
-
-    fn ended(&self, outcome: &CampaignOutcome) {
-        let name = match outcome {
-            CampaignOutcome::Reported(report) => report.name.clone(),
-            CampaignOutcome::Empty { name, .. } => format!("{name}, empty"),
-        };
-        self.ended.lock().unwrap().push(name);
+    fn event(&self, event: &Event<'_>) {
+        match event {
+            Event::Diagnostics(diagnostics, _) => *self.diagnostics.lock().unwrap() += diagnostics.len(),
+            Event::Ended(CampaignOutcome::Reported(report)) => self.ended.lock().unwrap().push(report.name.clone()),
+            Event::Ended(CampaignOutcome::Empty { name, .. }) => {
+                self.ended.lock().unwrap().push(format!("{name}, empty"));
+            }
+            _ => {}
+        }
     }
 }
 
@@ -103,7 +101,8 @@ fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
     let wanted = VerifyOptions {
         report: report.folder.clone(),
         episodes: Vec::new(),
-        sample: Some(7),
+        sample: 7,
+        all: false,
         trainings: false,
         seed: 1,
         repeat: RepeatOptions::default(),

@@ -29,6 +29,8 @@ pub fn explained(table: &str) -> Vec<String> {
     let page = read("reports/README.md");
     let (_, part) = page.split_once(&format!("\n### `{table}`\n")).unwrap_or_else(|| panic!("`{table}` has no part"));
     let part = part.split("\n### ").next().unwrap();
+    // The names of metrics follow the columns of their table.
+    let part = part.split("\n| metric |").next().unwrap();
     let cells = part.lines().filter_map(|line| line.strip_prefix("| `")?.split("` |").next());
     cells.flat_map(|cell| cell.split("`, `").map(str::to_string)).collect()
 }
@@ -57,9 +59,11 @@ fn the_tables_of_reports_have_the_columns_that_their_page_explains() {
             }
         }
     }
-    let all = ["cells", "comparisons", "episodes", "explanations", "failure_modes", "learning_curve"];
+    let all = ["comparisons", "episodes", "explanations", "failure_modes", "learning_curve"];
     let more = [
+        "metrics",
         "mode_counts",
+        "reference_drivers",
         "results",
         "runs",
         "search_cells",

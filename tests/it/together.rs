@@ -53,7 +53,7 @@ fn a_training_in_several_scenarios_continues_bit_for_bit() {
     let plan = plan("together: all");
     let training = &plan.campaigns[0].trainings[0];
     let (scenarios, seed, none) = (training.scenarios(), Seed::root(4), Default::default());
-    let begin = || TrainingRun::begin_among(&scenarios, training.environments, &training.config, &seed).unwrap();
+    let begin = || TrainingRun::begin(&scenarios, training.environments, &training.config, &seed).unwrap();
     let (mut whole, mut states) = (begin(), Vec::new());
     while !whole.is_done() {
         whole.update().unwrap();
@@ -61,8 +61,7 @@ fn a_training_in_several_scenarios_continues_bit_for_bit() {
     }
     assert_eq!(states.len(), 4);
     for (updates, state) in (1..).zip(&states) {
-        let resumed =
-            TrainingRun::resume_among(state, &scenarios, training.environments, &training.config, &seed).unwrap();
+        let resumed = TrainingRun::resume(state, &scenarios, training.environments, &training.config, &seed).unwrap();
         assert_eq!(&resumed.state(&none), state, "after {updates} updates");
         let mut resumed = resumed;
         while !resumed.is_done() {
@@ -72,9 +71,9 @@ fn a_training_in_several_scenarios_continues_bit_for_bit() {
     }
     // Another order of the scenarios is another training, and its state does not fit.
     let turned: Vec<_> = scenarios.iter().rev().cloned().collect();
-    let other = TrainingRun::resume_among(&states[3], &turned, training.environments, &training.config, &seed);
+    let other = TrainingRun::resume(&states[3], &turned, training.environments, &training.config, &seed);
     assert!(other.is_err());
-    let fewer = TrainingRun::resume_among(&states[3], &scenarios[..1], training.environments, &training.config, &seed);
+    let fewer = TrainingRun::resume(&states[3], &scenarios[..1], training.environments, &training.config, &seed);
     assert!(fewer.is_err());
 }
 
@@ -90,9 +89,9 @@ fn a_joint_pedestrian_is_evaluated_in_each_town_against_each_driver_and_reported
         report(&here.join(out).join("joint"))
     };
     let one = run("one", "1");
-    let cells = String::from_utf8(one[Path::new("cells.csv")].clone()).unwrap();
-    let trained = cells.lines().filter(|line| line.contains("harbour+village") && line.contains("idm+blind"));
-    assert_eq!(trained.count(), 4, "{cells}");
+    let results = String::from_utf8(one[Path::new("results.csv")].clone()).unwrap();
+    let trained = results.lines().filter(|line| line.contains("harbour+village") && line.contains("idm+blind"));
+    assert_eq!(trained.count(), 4, "{results}");
     let mut two = run("two", "2");
     let mut one = one;
     for varies in ["manifest.toml", "report.html"] {

@@ -124,7 +124,7 @@ pub struct Event {
     /// The words it takes in parentheses, such as `front`; empty when it takes none.
     pub words: &'static [&'static str],
     /// The names of the variables that have a value when it happens.
-    pub variables: &'static [&'static str],
+    pub variables: Vec<&'static str>,
     /// Whether `on` clauses can answer to it; conditions can use all events.
     pub answered: bool,
     /// One sentence for the reference.

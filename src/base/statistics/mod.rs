@@ -15,12 +15,12 @@ mod sample;
 mod weighted;
 mod moments;
 
-pub use adjust::{benjamini_hochberg, holm};
+pub use adjust::holm;
 pub use exact::{clopper_pearson, disagreement};
 pub use mcnemar::mcnemar;
 pub use moments::{RunningMean, mean, sample_deviation};
 pub use normal::{normal_below, normal_quantile};
-pub use quantile::{interquartile_mean, quantile};
+pub use quantile::quantile;
 pub use sample::Sample;
 pub use student::{
     LEAST_RUNS, mean_interval, mean_interval_at, mean_p, student_quantile, student_quantile_at, student_tails,

@@ -10,20 +10,6 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(low + (high - low) * (place - below))
 }
 
-/// The mean of the middle half of numbers. A quarter is cut off at either end, rounded down to whole numbers: the mean of all
-/// three, or of the middle three of five. None without numbers.
-///
-/// # Source
-/// Agarwal et al., *Deep reinforcement learning at the edge of the statistical precipice*, NeurIPS 2021; rounded as its
-/// library rliable rounds (`scipy.stats.trim_mean`).
-pub fn interquartile_mean(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let cut = sorted.len() / 4;
-    let middle = &sorted[cut..sorted.len() - cut];
-    (!middle.is_empty()).then(|| middle.iter().sum::<f64>() / middle.len() as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -39,14 +25,5 @@ mod tests {
             assert!((found - wanted).abs() < 1e-12, "{case:?}: {found}");
         }
         assert_eq!(quantile(&[], 0.5), None);
-    }
-
-    #[test]
-    fn interquartile_means_are_those_of_scipy() {
-        for case in recorded("interquartile_mean") {
-            let found = interquartile_mean(&case[1..]).unwrap();
-            assert!((found - case[0]).abs() < 1e-12, "{case:?}: {found}");
-        }
-        assert_eq!(interquartile_mean(&[]), None);
     }
 }

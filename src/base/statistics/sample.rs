@@ -1,10 +1,5 @@
-use rand::Rng;
+use super::{LEAST_RUNS, Uncertainty, Weighted};
 
-use super::{LEAST_RUNS, Uncertainty, Weighted, normal_quantile, quantile};
-use crate::seed::{Seed, Stream};
-
-/// The number of bootstrap samples.
-const RESAMPLES: usize = 4_000;
 /// The degrees of freedom of a variance that is known.
 const KNOWN: f64 = 1e6;
 
@@ -41,41 +36,6 @@ impl Sample {
             sign * self.values[group].iter().sum::<f64>() / count
         };
         self.groups().map(mean).iter().sum()
-    }
-
-    /// A 95 % interval by hierarchical bootstrap: trainings are resampled in each group, then episodes for all of them together.
-    ///
-    /// The ends are percentiles of 4,000 draws. BCa would need the skewness of the trainings, which three or five of them do not
-    /// show. The draw of episodes is normal with their covariance, which approximates drawing them one by one; the cost does not
-    /// grow with the number of episodes. The interval is too narrow with few trainings, as in every bootstrap. With one training
-    /// it covers the episodes alone.
-    ///
-    /// # Source
-    /// Davison and Hinkley, *Bootstrap Methods and their Application*, 1997, section 3.8; crossed with episodes as in Owen,
-    /// *The pigeonhole bootstrap*, Annals of Applied Statistics 1, 2007.
-    pub fn bootstrap(&self, seed: &Seed) -> (f64, f64) {
-        let mut stream = seed.stream();
-        let n = self.values.len();
-        let mut weights = vec![0.0; n];
-        let mut draw = || {
-            weights.fill(0.0);
-            for (group, sign) in self.groups() {
-                let share = sign / group.len().max(1) as f64;
-                for _ in group.clone() {
-                    weights[group.start + below(&mut stream, group.len())] += share;
-                }
-            }
-            let mut variance = 0.0;
-            for (row, weight) in self.covariance.chunks_exact(n).zip(&weights).filter(|(_, weight)| **weight != 0.0) {
-                variance += weight * row.iter().zip(&weights).map(|(a, b)| a * b).sum::<f64>();
-            }
-            let middle: f64 = self.values.iter().zip(&weights).map(|(value, weight)| value * weight).sum();
-            middle + variance.max(0.0).sqrt() * normal_quantile(uniform(&mut stream))
-        };
-        let mut drawn: Vec<f64> = (0..RESAMPLES).map(|_| draw()).collect();
-        drawn.sort_by(f64::total_cmp);
-        let end = |share| quantile(&drawn, share).expect("there are resamples");
-        (end(0.025), end(0.975))
     }
 
     /// Student's 95 % interval over trainings, from the [`uncertainty`](Self::uncertainty); none with [few runs](Self::has_few_runs).
@@ -151,16 +111,6 @@ impl Sample {
         }
         if pairs > 0.0 { sum / pairs } else { 0.0 }
     }
-}
-
-/// A whole number below a bound, all equally likely.
-fn below(stream: &mut Stream, bound: usize) -> usize {
-    ((u128::from(stream.next_u64()) * bound as u128) >> 64) as usize
-}
-
-/// A number between 0 and 1, never at an end.
-fn uniform(stream: &mut Stream) -> f64 {
-    ((stream.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
 }
 
 #[cfg(test)]

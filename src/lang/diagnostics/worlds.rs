@@ -111,3 +111,9 @@ pub fn unusable_model(span: Span, path: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"))
         .help("paths are relative to the folder of the file that names them")
 }
+
+/// A network takes too much memory or time.
+pub fn untrusted_model(span: Span, path: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"))
+        .help("use a smaller network, or run it in a program of your own (`external`)")
+}

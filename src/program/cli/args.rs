@@ -1,25 +1,9 @@
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
-use super::check::{self, CheckOptions};
-use super::compare::{self, CompareOptions};
-use super::config::{self, ConfigOptions};
-use super::debug::{self, DebugOptions};
-use super::demo::{self, DemoOptions};
-use super::explain::{self, ExplainOptions};
-use super::export::{self, ExportOptions};
-use super::failures::{self, FailuresOptions};
-use super::fmt::{self, FmtOptions};
-use super::judge::{self, JudgeOptions};
-use super::lsp;
-use super::manual::{self, ManualOptions};
-use super::merge::{self, MergeOptions};
-use super::new::{self, NewOptions};
-use super::preview::{self, PreviewOptions};
-use super::recheck::{self, RecheckOptions};
-use super::replay::{self, ReplayOptions};
-use super::run::{self, RunOptions};
-use super::status::{self, StatusOptions};
-use super::verify::{self, VerifyOptions};
+use super::{
+    check, compare, config, debug, demo, explain, export, failures, fmt, judge, lsp, manual, merge, new, preview,
+    recheck, replay, run, settings, status, verify,
+};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -62,7 +46,8 @@ const GROUPS: [(&str, &[&str]); 5] = [
 /// The commands and options, with a help that lists the commands in groups.
 pub fn command() -> clap::Command {
     let command = Arguments::command();
-    let (heading, literal) = (*command.get_styles().get_header(), *command.get_styles().get_literal());
+    let heading = *command.get_styles().get_header();
+    let literal = *command.get_styles().get_literal();
     let mut help = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
     for (group, names) in GROUPS {
         help.push_str(&format!("\n{heading}{group}:{heading:#}\n"));
@@ -80,58 +65,58 @@ pub fn command() -> clap::Command {
 pub enum Command {
     /// Run campaigns: train pedestrians, evaluate them, search for failures, write reports.
     #[command(after_help = run::EXAMPLES, disable_help_flag = true)]
-    Run(RunOptions),
+    Run(Box<run::RunArgs>),
     /// Merge the work of the shards of a run, and write its reports.
     #[command(after_help = merge::EXAMPLES, disable_help_flag = true)]
-    Merge(MergeOptions),
+    Merge(Box<merge::MergeArgs>),
     /// Show how far campaigns are and how to go on; show and remove what is stored.
     #[command(after_help = status::EXAMPLES)]
-    Status(StatusOptions),
+    Status(status::StatusArgs),
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
-    #[command(after_help = config::EXAMPLES)]
-    Config(ConfigOptions),
+    #[command(after_help = config::EXAMPLES, args = settings::options())]
+    Config,
     /// Repeat an episode of a report, describe it, and compare it with the report.
     #[command(after_help = replay::EXAMPLES)]
-    Replay(ReplayOptions),
+    Replay(replay::ReplayArgs),
     /// Write episodes for other programs (OpenSCENARIO, OSI, CARLA …), or draw them.
     #[command(after_help = export::EXAMPLES)]
-    Export(ExportOptions),
+    Export(export::ExportArgs),
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = verify::EXAMPLES)]
-    Verify(VerifyOptions),
+    Verify(verify::VerifyArgs),
     /// Compare two reports, or two drivers of one, start by start.
     #[command(after_help = compare::EXAMPLES)]
-    Compare(CompareOptions),
+    Compare(compare::CompareArgs),
     /// Let a new version of a driver meet old failures again, and a fixed list of crossings.
     #[command(after_help = recheck::EXAMPLES)]
-    Recheck(RecheckOptions),
+    Recheck(recheck::RecheckArgs),
     /// List failures, those that count most against a driver first.
     #[command(after_help = failures::EXAMPLES)]
-    Failures(FailuresOptions),
+    Failures(failures::FailuresArgs),
     /// Judge a recorded touch from elsewhere: would a careful driver have avoided it?
     #[command(after_help = judge::EXAMPLES)]
-    Judge(JudgeOptions),
+    Judge(judge::JudgeArgs),
     /// Find mistakes in files without running anything; try a driver of your own.
     #[command(after_help = check::EXAMPLES)]
-    Check(CheckOptions),
+    Check(check::CheckArgs),
     /// Explain a diagnostic, a form, a kind or a key of the language.
     #[command(after_help = explain::EXAMPLES)]
-    Explain(ExplainOptions),
+    Explain(explain::ExplainArgs),
     /// Run the scenario inside the program: a first result without any file.
     #[command(after_help = demo::EXAMPLES)]
-    Demo(DemoOptions),
+    Demo(demo::DemoArgs),
     /// Write a commented scenario to start from.
     #[command(after_help = new::EXAMPLES)]
-    New(NewOptions),
+    New(new::NewArgs),
     /// Give scenario files their canonical layout.
     #[command(after_help = fmt::EXAMPLES)]
-    Fmt(FmtOptions),
+    Fmt(fmt::FmtArgs),
     /// Show a scenario on a page that follows the file while you edit it, or draw a map.
     #[command(after_help = preview::EXAMPLES)]
-    Preview(PreviewOptions),
+    Preview(preview::PreviewArgs),
     /// Show a file as it is parsed, checked or planned.
     #[command(after_help = debug::EXAMPLES)]
-    Debug(DebugOptions),
+    Debug(debug::DebugArgs),
     /// Serve an editor by the language server protocol on the standard streams.
     #[command(after_help = lsp::EXAMPLES)]
     Lsp {
@@ -141,7 +126,7 @@ pub enum Command {
     },
     /// Write the manual pages of all commands.
     #[command(after_help = manual::EXAMPLES)]
-    Manual(ManualOptions),
+    Manual(manual::ManualArgs),
     /// Print a completion script for a shell.
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {

@@ -2,15 +2,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::driver_trial::{TrialOptions, try_driver};
-use super::exit_code::ExitCode;
+use super::driver_trial::{TrialArgs, try_driver};
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
 use super::fix::fix;
-use super::input::{GivenOptions, session};
-use super::{console, failure, sample};
+use super::input::{GivenArgs, session};
+use super::{console, sample};
 use crate::session::{Checked, Disk, Error};
-use base::diagnostic::{Record, Severity, records, sarif};
+use base::diagnostic::{Record, records, sarif};
 use base::files;
-use compile::Plan;
 use lang::error_index::mistakes;
 use lang::{Reader, reason};
 
@@ -31,7 +31,7 @@ Exit codes: 0 no errors   2 missing file   3 errors   5 the driver failed";
 
 /// Options of `falsify check`.
 #[derive(Debug, Args)]
-pub struct CheckOptions {
+pub struct CheckArgs {
     /// Format of the diagnostics.
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
@@ -40,7 +40,7 @@ pub struct CheckOptions {
     pub files: Vec<PathBuf>,
     /// Replacements of parts of the files.
     #[command(flatten)]
-    pub given: GivenOptions,
+    pub given: GivenArgs,
     /// Apply each repair that a message offers without an alternative, then check again.
     #[arg(long, conflicts_with_all = ["map", "set"])]
     pub fix: bool,
@@ -56,7 +56,7 @@ pub struct CheckOptions {
     pub seed: u64,
     /// A driver of your own instead of files.
     #[command(flatten)]
-    pub trial: TrialOptions,
+    pub trial: TrialArgs,
 }
 
 /// Format of the diagnostics.
@@ -87,56 +87,34 @@ impl Reader for InputAndFiles {
 }
 
 /// `falsify check`
-pub fn check(options: &CheckOptions) -> ExitCode {
+pub fn check(options: &CheckArgs) -> Ended {
     if !options.trial.driver.is_empty() {
-        return try_driver(&options.trial);
+        return Ok(try_driver(&options.trial));
     }
     if options.format == Format::Sarif && options.sample.is_some() {
-        console::fail("SARIF has no field for samples; use `--format json`");
-        return ExitCode::Usage;
+        return Err(misused("SARIF has no field for samples; use `--format json`"));
     }
     let input = options.given.input(&options.files);
     let mut session = session(options.given.allow_external);
     if options.files.iter().any(|file| file.as_os_str() == INPUT) {
         if options.fix {
-            console::fail("--fix changes files, and `-` is the standard input");
-            return ExitCode::Usage;
+            return Err(misused("--fix changes files, and `-` is the standard input"));
         }
-        session = match files::text_of(std::io::stdin()) {
-            Ok(text) => session.with_reader(InputAndFiles(text)),
-            Err(error) => {
-                console::fail(&format!("cannot read the standard input: {}", reason(&error)));
-                return ExitCode::Usage;
-            }
-        };
+        let text = files::text_of(std::io::stdin());
+        let text = text.map_err(|error| misused(format!("cannot read the standard input: {}", reason(&error))))?;
+        session = session.with_reader(InputAndFiles(text));
     }
-    let found = if options.fix {
-        fix(&session, &input)
-    } else {
-        session.check(&input).map_err(|error| failure::failed(&error))
-    };
-    let found = match found {
-        Ok(found) => found,
-        Err(code) => return code,
-    };
+    let found = if options.fix { fix(&session, &input)? } else { session.check(&input).map_err(failed)? };
     let checked = match options.format {
         Format::Human => for_people(&found),
         Format::Json => json(&found),
         Format::Sarif => log(&found),
     };
     let plan = found.compiled.plan.as_ref().or(found.compiled.unplaced.as_ref());
-    let sampled = match options.sample.zip(plan) {
-        Some((count, plan)) => draw(plan, count, options),
-        None => ExitCode::Done,
-    };
+    let sampled = options.sample.zip(plan).map(|(count, plan)| sample::sample(plan, count, options));
     // The program ends here; taking the plan apart first costs time.
     std::mem::forget(found);
-    if checked == ExitCode::Done { sampled } else { checked }
-}
-
-fn draw(plan: &Plan, count: u32, options: &CheckOptions) -> ExitCode {
-    let json = options.format == Format::Json;
-    sample::sample(plan, &sample::Wanted { count, seed: options.seed, out: &options.out, json })
+    if checked == ExitCode::Done { sampled.unwrap_or(Ok(checked)) } else { Ok(checked) }
 }
 
 fn for_people(found: &Checked) -> ExitCode {
@@ -147,7 +125,7 @@ fn for_people(found: &Checked) -> ExitCode {
             console::fail(&error.to_string());
             return ExitCode::Scenario;
         }
-        Err(other) => return failure::failed(&other),
+        Err(other) => return failed(other),
     };
     let files = console::count(found.records.len(), "file");
     let campaigns = console::count(plan.campaigns.len(), "campaign");
@@ -187,6 +165,5 @@ fn log(found: &Checked) -> ExitCode {
 }
 
 fn code(found: &Checked) -> ExitCode {
-    let errors = found.compiled.diagnostics.iter().any(|each| each.severity == Severity::Error);
-    if errors { ExitCode::Scenario } else { ExitCode::Done }
+    if found.errors() > 0 { ExitCode::Scenario } else { ExitCode::Done }
 }

@@ -1,15 +1,17 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
+use super::condition::{self, Condition, Subject};
 use super::console;
-use super::episode::RepeatOptions;
-use super::exit_code::ExitCode;
-use super::failure;
+use super::episode::RepeatArgs;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused, unwritten};
 use super::input::session;
-use crate::session::{CompareOptions as Wanted, Session};
-use results::report::{self, Gate, GateError, Judged, ReportComparison};
+use crate::session::{self, RepeatOptions, Session};
+use results::record::TableReference;
+use results::report::{self, ReportComparison};
 
 /// The number of failures in each list for people.
 pub const SHOWN: usize = 10;
@@ -32,7 +34,7 @@ Exit codes: 0 done   2 no report, or nothing can be compared   7 a --fail-if con
 
 /// Options of `falsify compare`.
 #[derive(Debug, Args)]
-pub struct CompareOptions {
+pub struct CompareArgs {
     /// The report before and the report after; one report with --drivers.
     #[arg(required = true, num_args = 1..=2, value_name = "REPORT")]
     pub reports: Vec<PathBuf>,
@@ -47,12 +49,12 @@ pub struct CompareOptions {
     pub page: Option<PathBuf>,
     /// Fail (exit code 7) when this is true of a place, driver and controller, as 'fault_rate_p_holm < 0.05 and
     /// fault_rate_difference > 0', or of a search, as 'found_p_holm < 0.05 and found_difference > 0'; may be given several times. Columns
-    /// `…_p_holm` and `…_simultaneous_low` are adjusted for all rows.
+    /// `…_p_holm`, `…_low` and `…_high` are adjusted for all rows.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
     /// Options of the repetition for the page.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// The form of a comparison.
@@ -64,134 +66,58 @@ pub enum Form {
     Json,
 }
 
+/// The tables of a comparison that conditions are about.
+pub fn tables() -> [TableReference; 2] {
+    [report::comparison_reference(), report::compared_search_reference()]
+}
+
 /// `falsify compare`
-pub fn compare(options: &CompareOptions) -> ExitCode {
-    let gates = match options.fail_if.iter().map(|text| parse(text)).collect::<Result<Vec<Condition>, _>>() {
-        Ok(gates) => gates,
-        Err(error) => return refused(&error, "comparison"),
-    };
+pub fn compare(options: &CompareArgs) -> Ended {
+    let conditions = Condition::parse_all(&options.fail_if, &tables(), "comparison")?;
     let reports = match (options.reports.as_slice(), &options.drivers) {
         ([before, after], _) => [before.clone(), after.clone()],
         ([one], Some(_)) => [one.clone(), one.clone()],
-        _ => {
-            console::fail("name two reports, or one report and --drivers BEFORE AFTER");
-            return ExitCode::Usage;
-        }
+        _ => return Err(misused("name two reports, or one report and --drivers BEFORE AFTER")),
     };
     let drivers = options.drivers.as_ref().and_then(|names| <[String; 2]>::try_from(names.clone()).ok());
     let session = session(options.repeat.allow_external);
-    let comparison = match session.compare(&Wanted { reports, drivers }) {
-        Ok(comparison) => comparison,
-        Err(error) => return failure::failed(&error),
-    };
+    let comparison = session.compare(&session::CompareOptions { reports, drivers }).map_err(failed)?;
     match options.format {
         Form::Text => console::say(report::comparison_for_terminal(&comparison, SHOWN, console::width()).trim_end()),
         Form::Json => console::say(&as_json(&comparison).to_string()),
     }
-    if let Some(path) = &options.page
-        && let Err(code) = write_page(&session, &comparison, path, options)
-    {
-        return code;
+    if let Some(path) = &options.page {
+        write_page(&session, &comparison, path, &options.repeat.repeat)?;
     }
-    judge(&gates, &comparison)
+    judge(&conditions, &comparison)
 }
 
-/// A condition on a comparison.
-#[derive(Debug)]
-pub struct Condition {
-    gate: Gate,
-    /// Whether it is about searches instead of places, drivers and controllers.
-    searches: bool,
-}
-
-/// Reads a condition on the columns of a comparison, or on those of its searches.
-///
-/// # Errors
-/// It has another form, or names no column of either.
-pub fn parse(text: &str) -> Result<Condition, GateError> {
-    match Gate::of_table(text, &report::comparison_reference()) {
-        Ok(gate) => Ok(Condition { gate, searches: false }),
-        Err(error) => match Gate::of_table(text, &report::compared_search_reference()) {
-            Ok(gate) => Ok(Condition { gate, searches: true }),
-            Err(_) => Err(error),
-        },
-    }
-}
-
-/// Reports why a condition on the columns of a comparison or a recheck is invalid.
-pub fn refused(error: &GateError, whole: &str) -> ExitCode {
-    match error {
-        GateError::Column { name, nearest, .. } => {
-            let near = nearest.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            console::fail(&format!(
-                "--fail-if: a {whole} has no column `{name}`{near} (`--format json` shows all of them)"
-            ));
-        }
-        other => console::fail(&format!("--fail-if: {other}")),
-    }
-    ExitCode::Usage
-}
-
-/// Judges a comparison and reports which conditions are true; returns the exit code.
-pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> ExitCode {
-    let mut code = ExitCode::Done;
-    let cells: Vec<String> = comparison.cells.iter().map(report::comparison_title).collect();
-    let searches: Vec<String> = comparison.searches.iter().map(report::compared_search_title).collect();
-    for Condition { gate, searches: about_searches } in conditions {
-        let (table, places, things) = if *about_searches {
-            (report::compared_search_table(&comparison.searches), &searches, "search")
-        } else {
-            (report::compared_cells(&comparison.cells), &cells, "place, driver and controller")
-        };
-        let judged = gate.judge(&table);
-        match told(gate, &judged, places, things, "comparison") {
-            ExitCode::Usage => return ExitCode::Usage,
-            ExitCode::GateFailed => code = ExitCode::GateFailed,
-            _ => {}
-        }
-    }
-    code
-}
-
-/// Reports what a gate says of each row of a table about `things` of a `whole`; returns the exit code.
-pub fn told(gate: &Gate, judged: &[Judged], places: &[String], things: &str, whole: &str) -> ExitCode {
-    if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
-        console::fail(&format!("--fail-if {}: it speaks of no {things} of the {whole}", gate.text()));
-        return ExitCode::Usage;
-    }
-    let mut code = ExitCode::Done;
-    for (place, judged) in places.iter().zip(judged) {
-        match judged {
-            Judged::Broken(values) => {
-                console::fail(&format!("--fail-if {}: {} in {place}", gate.text(), report::shown(values)));
-                code = ExitCode::GateFailed;
-            }
-            Judged::TooFewRuns(few) => {
-                console::fail(&format!("--fail-if {}: {few}, in {place}", gate.text()));
-                code = ExitCode::GateFailed;
-            }
-            Judged::Missing(column) => {
-                console::warn(&format!("--fail-if {}: there is no {column} in {place}", gate.text()));
-            }
-            Judged::Passed | Judged::Elsewhere => {}
-        }
-    }
-    code
+/// Judges a comparison and reports which conditions are true.
+pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
+    let cells = Subject {
+        judge: &|gate| gate.judge(&report::compared_cells(&comparison.cells)),
+        titles: comparison.cells.iter().map(report::comparison_title).collect(),
+        things: "place, driver and controller",
+        is_idle: false,
+    };
+    let searches = Subject {
+        judge: &|gate| gate.judge(&report::compared_search_table(&comparison.searches)),
+        titles: comparison.searches.iter().map(report::compared_search_title).collect(),
+        things: "search",
+        is_idle: false,
+    };
+    condition::judge(conditions, [cells, searches], "comparison")
 }
 
 fn write_page(
     session: &Session,
     comparison: &ReportComparison,
-    path: &std::path::Path,
-    options: &CompareOptions,
+    path: &Path,
+    repeat: &RepeatOptions,
 ) -> Result<(), ExitCode> {
     let chosen = report::worst_changes(comparison, PLAYED);
-    let failed = |error| failure::failed(&error);
-    let pairs = session.play_changes(comparison, &chosen, &options.repeat.repeat()).map_err(failed)?;
-    report::write_file(path, report::comparison_page(comparison, &pairs).as_bytes()).map_err(|error| {
-        console::fail(&error.to_string());
-        ExitCode::WriteFailed
-    })?;
+    let pairs = session.play_changes(comparison, &chosen, repeat).map_err(failed)?;
+    report::write_file(path, report::comparison_page(comparison, &pairs).as_bytes()).map_err(unwritten)?;
     console::note(&path.display().to_string());
     Ok(())
 }

@@ -1,8 +1,7 @@
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches};
 
 use super::console;
-use super::exit_code::ExitCode;
 use super::settings::{self, FILE, Settings};
 
 /// Shown after the help.
@@ -13,32 +12,8 @@ Examples:
 
 A flag comes before the environment, which comes before falsify.toml, in this folder or the nearest one above.";
 
-/// Options of `falsify config`: the settings themselves. Their values are read from the matches.
-#[derive(Debug)]
-pub struct ConfigOptions;
-
-impl Args for ConfigOptions {
-    fn augment_args(command: Command) -> Command {
-        command.args(settings::options())
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl FromArgMatches for ConfigOptions {
-    fn from_arg_matches(_: &ArgMatches) -> Result<Self, Error> {
-        Ok(Self)
-    }
-
-    fn update_from_arg_matches(&mut self, _: &ArgMatches) -> Result<(), Error> {
-        Ok(())
-    }
-}
-
 /// `falsify config`: every setting with its value and where it comes from, in the form of `falsify.toml`.
-pub fn config(matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
+pub fn config(matches: &ArgMatches, settings: Option<&Settings>) {
     match settings {
         Some(settings) => console::say(&format!("# {}", settings.path.display())),
         None => console::say(&format!("# no {FILE} here or in a folder above")),
@@ -52,7 +27,6 @@ pub fn config(matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
         .collect();
     let width = lines.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);
     lines.iter().for_each(|(line, origin)| console::say(&format!("{line:width$}  # {origin}")));
-    ExitCode::Done
 }
 
 /// The value of an option as TOML.

@@ -62,10 +62,19 @@ fn settle(written: std::io::Result<()>) {
     }
 }
 
+/// An object as JSON.
+fn json(object: &impl Serialize) -> String {
+    serde_json::to_string(object).expect("texts and numbers have a form in JSON")
+}
+
+/// Prints an object for programs.
+pub fn say_object(object: &impl Serialize) {
+    say(&json(object));
+}
+
 /// Prints objects, one a line, in a single write, since there may be very many.
 pub fn say_objects(objects: &[impl Serialize]) {
-    let line = |object| serde_json::to_string(object).expect("texts and numbers have a form in JSON") + "\n";
-    let lines: Vec<String> = objects.iter().map(line).collect();
+    let lines: Vec<String> = objects.iter().map(|object| json(object) + "\n").collect();
     let mut output = std::io::stdout();
     settle(output.write_all(lines.concat().as_bytes()).and_then(|()| output.flush()));
 }
@@ -155,7 +164,8 @@ mod tests {
         assert_eq!(wrapped(short), format!("{short}\n"));
         let word = "1234567890";
         let long = format!("    {}", [word; 12].join(" "));
-        let (first, second) = (format!("    {}", [word; 7].join(" ")), format!("      {}", [word; 5].join(" ")));
+        let first = format!("    {}", [word; 7].join(" "));
+        let second = format!("      {}", [word; 5].join(" "));
         assert_eq!(wrapped(&long), format!("{first}\n{second}\n"));
     }
 }

@@ -2,9 +2,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::exit_code::ExitCode;
-use super::input::{GivenOptions, session};
-use super::{console, failure};
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
+use super::input::{GivenArgs, session};
+use super::{console, network_trial};
 use base::diagnostic::{Severity, Sources};
 use compile::{Catalog, Plan};
 use lang::{Checked, outline};
@@ -20,7 +21,7 @@ Examples:
 
 /// Options of `falsify debug`.
 #[derive(Debug, Args)]
-pub struct DebugOptions {
+pub struct DebugArgs {
     /// Which tree.
     #[arg(value_enum)]
     pub tree: Tree,
@@ -29,7 +30,7 @@ pub struct DebugOptions {
     pub file: PathBuf,
     /// Replacements of parts of the file; maps affect only the plan.
     #[command(flatten)]
-    pub given: GivenOptions,
+    pub given: GivenArgs,
 }
 
 /// The trees of a file.
@@ -41,36 +42,29 @@ pub enum Tree {
     Hir,
     /// The plan of the run.
     Plan,
+    /// No tree: a network on the standard input is loaded and run once, within limits. The program starts itself with this.
+    #[value(hide = true)]
+    Network,
 }
 
 /// `falsify debug`
-pub fn debug(options: &DebugOptions) -> ExitCode {
+pub fn debug(options: &DebugArgs) -> Ended {
+    let input = options.given.input(std::slice::from_ref(&options.file));
     match options.tree {
-        Tree::Plan => {
-            let input = options.given.input(std::slice::from_ref(&options.file));
-            match session(options.given.allow_external).plan(&input) {
-                Ok(planned) => {
-                    console::say(show_plan(&planned.plan).trim_end());
-                    ExitCode::Done
-                }
-                Err(error) => failure::failed(&error),
-            }
-        }
-        tree => show_tree(tree, &options.file, &options.given.set),
+        Tree::Plan => {}
+        Tree::Network => return Ok(network_trial::carry_out()),
+        tree => return show_tree(tree, &options.file, &input.settings),
     }
+    let planned = session(options.given.allow_external).plan(&input).map_err(failed)?;
+    console::say(show_plan(&planned.plan).trim_end());
+    Ok(ExitCode::Done)
 }
 
 /// Shows the result of the front end for a file, up to the step that it reached.
-fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
+fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> Ended {
     let mut sources = Sources::default();
     let read = |path: &Path| base::files::text(path);
-    let mut loaded = match lang::load(&[file.to_path_buf()], &read, &mut sources) {
-        Ok(loaded) => loaded,
-        Err(error) => {
-            console::fail(&error.to_string());
-            return ExitCode::Usage;
-        }
-    };
+    let mut loaded = lang::load(&[file.to_path_buf()], &read, &mut sources).map_err(misused)?;
     let mut said = std::mem::take(&mut loaded.diagnostics);
     let (settings, wrong) = lang::settings(settings, &mut sources);
     said.extend(wrong);
@@ -87,7 +81,8 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
         console::say(outline(&program).trim_end());
     }
     console::show(&said, &sources);
-    if said.iter().any(|each| each.severity == Severity::Error) { ExitCode::Scenario } else { ExitCode::Done }
+    let wrong = said.iter().any(|each| each.severity == Severity::Error);
+    Ok(if wrong { ExitCode::Scenario } else { ExitCode::Done })
 }
 
 fn show_plan(plan: &Plan) -> String {

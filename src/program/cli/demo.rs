@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Command, FromArgMatches};
 
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::unwritten;
 use super::new::write_new;
-use super::run::{self, RunOptions};
+use super::run::{self, RunArgs};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -17,7 +18,7 @@ Examples:
 
 /// Options of `falsify demo`.
 #[derive(Debug, Args)]
-pub struct DemoOptions {
+pub struct DemoArgs {
     /// Folder for the scenario and its report.
     #[arg(long, short, default_value = "falsify-demo", value_name = "DIR")]
     pub out: PathBuf,
@@ -29,21 +30,19 @@ pub struct DemoOptions {
 const SCENARIO: &str = include_str!("templates/demo.scn");
 
 /// `falsify demo`
-pub fn demo(options: &DemoOptions) -> ExitCode {
+pub fn demo(options: &DemoArgs) -> Ended {
     let file = options.out.join("demo.scn");
-    if let Err(code) = place(&file) {
-        return code;
-    }
+    place(&file)?;
     console::note(
         "two pedestrians are trained to be hit by a car, and a search looks for faults of its driver: about ten seconds",
     );
-    let code = run::run(&run_options(&file, options));
+    let code = run::run(&run_options(&file, options))?;
     if code == ExitCode::Done {
         let report = options.out.join(if options.smoke { "demo-smoke" } else { "demo" });
         console::say(&format!("open {} in a browser", report.join("report.html").display()));
         console::say(&format!("next: read {}, or write a scenario with: falsify new my.scn", file.display()));
     }
-    code
+    Ok(code)
 }
 
 /// Writes the scenario. A file with the same text stays.
@@ -57,20 +56,19 @@ fn place(file: &Path) -> Result<(), ExitCode> {
     if let Some(folder) = file.parent()
         && let Err(error) = std::fs::create_dir_all(folder)
     {
-        console::fail(&format!("cannot make the folder `{}`: {error}", folder.display()));
-        return Err(ExitCode::WriteFailed);
+        return Err(unwritten(format!("cannot make the folder `{}`: {error}", folder.display())));
     }
     write_new(file, SCENARIO)
 }
 
 /// The options of `falsify run` for this file, with the settings of the environment.
-fn run_options(file: &Path, options: &DemoOptions) -> RunOptions {
+fn run_options(file: &Path, options: &DemoArgs) -> RunArgs {
     let mut words = vec!["run".into(), file.as_os_str().to_owned(), "--out".into(), options.out.as_os_str().to_owned()];
     // Its scenario never changes, so what is there is the same report of this or of another version of the program.
     words.push("--replace".into());
     if options.smoke {
         words.push("--smoke".into());
     }
-    let matches = RunOptions::augment_args(Command::new("run").disable_help_flag(true)).get_matches_from(words);
-    RunOptions::from_arg_matches(&matches).expect("the words are those of `falsify run`")
+    let matches = RunArgs::augment_args(Command::new("run").disable_help_flag(true)).get_matches_from(words);
+    RunArgs::from_arg_matches(&matches).expect("the words are those of `falsify run`")
 }

@@ -11,8 +11,8 @@ use std::time::Instant;
 use clap::Args;
 
 use super::exit_code::ExitCode;
-use super::seconds::seconds;
 use super::{console, interrupt};
+use crate::session::seconds;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
@@ -24,7 +24,7 @@ use world::falsifier::{Random, evaluate_noting};
 
 /// Options of the trial of a driver.
 #[derive(Debug, Args)]
-pub struct TrialOptions {
+pub struct TrialArgs {
     /// Try a driver instead: the program and its arguments, after `--`.
     #[arg(last = true, value_name = "DRIVER")]
     pub driver: Vec<String>,
@@ -69,7 +69,7 @@ const SHOWN: usize = 4;
 const SHOWN_BYTES: usize = 600;
 
 /// `falsify check -- DRIVER`
-pub fn try_driver(options: &TrialOptions) -> ExitCode {
+pub fn try_driver(options: &TrialArgs) -> ExitCode {
     let program = Program { words: options.driver.clone(), folder: ".".into() };
     let settings =
         Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
@@ -84,7 +84,8 @@ pub fn try_driver(options: &TrialOptions) -> ExitCode {
     }
     let ground = proving_ground();
     let drive = |worlds: usize| {
-        let (program, opener) = (program.clone(), opener.clone());
+        let program = program.clone();
+        let opener = opener.clone();
         let settings = Settings { worlds, ..settings };
         let maker = move || {
             Box::new(External::new(program.clone(), settings, opener.clone())) as Box<dyn world::av::DrivingPolicy>
@@ -92,7 +93,8 @@ pub fn try_driver(options: &TrialOptions) -> ExitCode {
         let mut scenario = ground.clone();
         scenario.cast.ego.policy = Arc::new(maker);
         let scenario = Arc::new(scenario);
-        let (seed, began) = (Seed::root(1), Instant::now());
+        let seed = Seed::root(1);
+        let began = Instant::now();
         let mut walker = Random::default();
         // One failure is enough; the others would show the same.
         let fell = Cell::new(false);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::console;
 use crate::session::{CampaignReport, OverviewFiles};
-use results::report::{self, FoundFailure};
+use results::report::{self, DriverResult, ListedFailure};
 
 /// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
 pub fn show(report: &CampaignReport) {
@@ -23,10 +23,14 @@ pub fn show(report: &CampaignReport) {
             console::say(&format!("{}\n", text.trim_end()));
         }
     }
-    // Drivers that see no pedestrians are last.
-    let mut found = drivers.iter().filter_map(|result| result.worst.as_ref());
-    match found.next() {
-        Some(worst) => console::say(&worst_failure(worst, folder, manifest.call.replay_options())),
+    // Drivers that see no pedestrians only show what can be hit.
+    let (blind, sighted): (Vec<_>, Vec<_>) = drivers.iter().partition(|result| result.driver.sees_no_pedestrians());
+    let worst = |of: &[&DriverResult]| {
+        let found = of.iter().filter_map(|result| result.worst.clone());
+        found.min_by(ListedFailure::worse_first)
+    };
+    match worst(&sighted).or_else(|| worst(&blind)) {
+        Some(worst) => console::say(&worst_failure(&worst, folder, manifest.call.replay_options())),
         None => console::say("no collision was found"),
     }
     console::say(&folder.join("report.html").display().to_string());
@@ -38,11 +42,13 @@ pub fn show_overview(overview: &OverviewFiles) {
 }
 
 /// A failure in a line, and the commands that show it.
-fn worst_failure(worst: &FoundFailure, folder: &Path, options: &str) -> String {
-    let (driver, town, class, speed) = (worst.driver(), worst.town(), worst.class.name(), worst.impact_speed);
-    let (name, folder) = (worst.name(), quoted(&folder.display().to_string()));
+fn worst_failure(worst: &ListedFailure, folder: &Path, options: &str) -> String {
+    let ListedFailure { policy, town, impact_speed, .. } = worst;
+    let class = worst.class().name();
+    let name = worst.name();
+    let folder = quoted(&folder.display().to_string());
     format!(
-        "worst: {driver} in {town}, {class}, {speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}",
+        "worst: {policy} in {town}, {class}, {impact_speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}",
         worst.finder()
     )
 }

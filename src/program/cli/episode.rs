@@ -5,29 +5,26 @@ use std::str::FromStr;
 
 use clap::Args;
 
-use super::console;
 use super::exit_code::ExitCode;
+use super::failure::misused;
 use crate::session::{self, EpisodePath, NoEpisodeName};
 use base::files;
 use lang::reason;
 
 /// Options of all commands that repeat episodes of a report.
 #[derive(Debug, Args)]
-pub struct RepeatOptions {
-    /// Read the scenario files from this folder, instead of those that the report holds; paths are relative to it.
-    #[arg(long, value_name = "DIR")]
-    pub files: Option<PathBuf>,
+pub struct RepeatArgs {
+    /// Those of a session.
+    #[command(flatten)]
+    pub repeat: session::RepeatOptions,
     /// Let scenarios start programs as drivers again; use it only with files that you trust.
     #[arg(long)]
     pub allow_external: bool,
-    /// Continue although a scenario file has changed since the run.
-    #[arg(long)]
-    pub anyway: bool,
 }
 
 /// Which episodes, and where their reports are.
 #[derive(Debug, Args)]
-pub struct NameOptions {
+pub struct NameArgs {
     /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
     #[arg(required = true, value_name = "[PATH/]RUN:EPISODE", value_parser = str::parse::<Named>)]
     pub names: Vec<Named>,
@@ -36,7 +33,7 @@ pub struct NameOptions {
     pub report: PathBuf,
     /// Options of the repetition.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// An argument that names episodes.
@@ -75,35 +72,20 @@ pub fn resolved(names: &[Named]) -> Result<Vec<EpisodePath>, ExitCode> {
 const MOST_QUOTED: usize = 80;
 
 fn on_input() -> Result<Vec<EpisodePath>, ExitCode> {
-    let refused = |reason: String| {
-        console::fail(&reason);
-        Err(ExitCode::Usage)
+    let text = files::text_of(std::io::stdin());
+    let text = text.map_err(|error| misused(format!("the names cannot be read from the input: {}", reason(&error))))?;
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let name = |(number, line): (usize, &str)| {
+        line.trim().parse().map_err(|error: NoEpisodeName| {
+            let start: String = line.chars().take(MOST_QUOTED).collect();
+            misused(format!("line {} of the input, `{}`: {error}", number + 1, start.escape_debug()))
+        })
     };
-    let text = match files::text_of(std::io::stdin()) {
-        Ok(text) => text,
-        Err(error) => return refused(format!("the names cannot be read from the input: {}", reason(&error))),
-    };
-    let mut names = Vec::new();
-    for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        match line.trim().parse() {
-            Ok(name) => names.push(name),
-            Err(error) => {
-                let start: String = line.chars().take(MOST_QUOTED).collect();
-                return refused(format!("line {} of the input, `{}`: {error}", number + 1, start.escape_debug()));
-            }
-        }
-    }
-    if names.is_empty() { refused("the input has no name of an episode".into()) } else { Ok(names) }
+    let names: Vec<EpisodePath> = lines.map(name).collect::<Result<_, _>>()?;
+    if names.is_empty() { Err(misused("the input has no name of an episode")) } else { Ok(names) }
 }
 
-impl RepeatOptions {
-    /// The same options for a session.
-    pub fn repeat(&self) -> session::RepeatOptions {
-        session::RepeatOptions { files: self.files.clone(), anyway: self.anyway }
-    }
-}
-
-impl NameOptions {
+impl NameArgs {
     /// Options for a session for each of the episodes.
     ///
     /// # Errors
@@ -112,7 +94,7 @@ impl NameOptions {
         let replay = |EpisodePath { report, name }| session::ReplayOptions {
             name,
             report: report.unwrap_or_else(|| self.report.clone()),
-            repeat: self.repeat.repeat(),
+            repeat: self.repeat.repeat.clone(),
         };
         Ok(resolved(&self.names)?.into_iter().map(replay).collect())
     }

@@ -1,3 +1,6 @@
+/// How a command ends. The error is an exit code, too; its reason has been printed.
+pub type Ended = Result<ExitCode, ExitCode>;
+
 /// The exit codes of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitCode {
@@ -40,6 +43,11 @@ impl ExitCode {
         Self::Incomplete,
         Self::Interrupted,
     ];
+
+    /// Of two exit codes the first that is no success.
+    pub fn or(self, next: Self) -> Self {
+        if self == Self::Done { next } else { self }
+    }
 
     /// Its meaning, for the reference.
     pub fn meaning(self) -> &'static str {

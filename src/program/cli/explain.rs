@@ -1,7 +1,8 @@
 use clap::Args;
 
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::misused;
 use compile::Catalog;
 
 /// Shown after the help.
@@ -16,7 +17,7 @@ Examples:
 
 /// Options of `falsify explain`.
 #[derive(Debug, Args)]
-pub struct ExplainOptions {
+pub struct ExplainArgs {
     /// A code; a form, a form and a kind, and a key of it; a word such as `param` or `normal`; an event, a variable; or `events`,
     /// `variables`, `units`, `state`, `action`.
     #[arg(value_name = "WORD")]
@@ -24,15 +25,8 @@ pub struct ExplainOptions {
 }
 
 /// `falsify explain`
-pub fn explain(options: &ExplainOptions) -> ExitCode {
-    match Catalog::builtin().explain(&options.words) {
-        Ok(text) => {
-            console::say(console::wrapped(&text).trim_end());
-            ExitCode::Done
-        }
-        Err(message) => {
-            console::fail(&message);
-            ExitCode::Usage
-        }
-    }
+pub fn explain(options: &ExplainArgs) -> Ended {
+    let text = Catalog::builtin().explain(&options.words).map_err(misused)?;
+    console::say(console::wrapped(&text).trim_end());
+    Ok(ExitCode::Done)
 }

@@ -1,12 +1,14 @@
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::episode::{Named, RepeatOptions, resolved};
-use super::exit_code::ExitCode;
+use super::choice::choice;
+use super::console;
+use super::episode::{Named, RepeatArgs, resolved};
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
 use super::input::session;
-use super::{console, failure};
-use crate::session::{self, Animation, EpisodePath, Export, Strip};
+use crate::session::{self, Drawing, EpisodePath, Picture};
 use export::{EXPORTERS, EgoDriver, Exporter, Variant, Walking};
 
 /// Shown after the help.
@@ -31,7 +33,7 @@ Exit codes: 0 done   2 no such episode, or the format cannot represent it   3 er
 
 /// Options of `falsify export`.
 #[derive(Debug, Args)]
-pub struct ExportOptions {
+pub struct ExportArgs {
     /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
     #[arg(value_name = "[PATH/]RUN:EPISODE", required_unless_present = "formats", value_parser = str::parse::<Named>)]
     pub names: Vec<Named>,
@@ -42,11 +44,17 @@ pub struct ExportOptions {
     #[arg(long)]
     pub formats: bool,
     /// The driver of the ego.
-    #[arg(long, value_enum, default_value = "recorded")]
-    pub ego: Ego,
+    #[arg(long, default_value = "recorded", value_parser = choice([
+        ("recorded", EgoDriver::Recorded, "The ego follows its recorded track"),
+        ("user", EgoDriver::User, "The ego starts as recorded, and your controller drives it"),
+    ]))]
+    pub ego: EgoDriver,
     /// When the pedestrians walk.
-    #[arg(long, value_enum, default_value = "recorded")]
-    pub pedestrians: Pedestrians,
+    #[arg(long, default_value = "recorded", value_parser = choice([
+        ("recorded", Walking::Recorded, "Pedestrians walk at the recorded times"),
+        ("released", Walking::Released, "Pedestrians start when the ego is as near as it was when they did"),
+    ]))]
+    pub pedestrians: Walking,
     /// The folder for the files.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
     pub out: PathBuf,
@@ -55,7 +63,7 @@ pub struct ExportOptions {
     pub report: PathBuf,
     /// Options of the repetition.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// A format of the command line.
@@ -65,15 +73,6 @@ pub enum Format {
     Foreign(&'static dyn Exporter),
     /// A picture of ours.
     Drawing(Drawing),
-}
-
-/// A picture of an episode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Drawing {
-    /// Six frames side by side.
-    Strip,
-    /// An animation.
-    Animation,
 }
 
 /// The pictures: what they are called, what they are, and what they are drawn as.
@@ -103,62 +102,27 @@ fn format(text: &str) -> Result<Format, String> {
     found.ok_or_else(|| format!("the formats are {}", format_names()))
 }
 
-/// Who drives the ego (`--ego`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Ego {
-    /// The ego follows its recorded track
-    Recorded,
-    /// The ego starts as recorded, and your controller drives it
-    User,
-}
-
-/// When the pedestrians walk (`--pedestrians`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Pedestrians {
-    /// Pedestrians walk at the recorded times
-    Recorded,
-    /// Pedestrians start when the ego is as near as it was when they did
-    Released,
-}
-
-impl ExportOptions {
-    fn variant(&self) -> Variant {
-        let ego = match self.ego {
-            Ego::Recorded => EgoDriver::Recorded,
-            Ego::User => EgoDriver::User,
-        };
-        let walking = match self.pedestrians {
-            Pedestrians::Recorded => Walking::Recorded,
-            Pedestrians::Released => Walking::Released,
-        };
-        Variant { ego, walking }
-    }
-}
-
 /// `falsify export`
-pub fn export(options: &ExportOptions) -> ExitCode {
+pub fn export(options: &ExportArgs) -> Ended {
     let Some(format) = options.format.filter(|_| !options.formats) else {
         list();
-        return ExitCode::Done;
+        return Ok(ExitCode::Done);
     };
-    let episodes = match resolved(&options.names) {
-        Ok(episodes) => episodes,
-        Err(code) => return code,
-    };
+    let episodes = resolved(&options.names)?;
+    let variant = Variant { ego: options.ego, walking: options.pedestrians };
     let exporter = match format {
         Format::Foreign(exporter) => exporter,
-        Format::Drawing(_) if options.variant() != Variant::default() => {
-            console::fail("a picture shows the recorded episode: leave out --ego and --pedestrians");
-            return ExitCode::Usage;
+        Format::Drawing(_) if variant != Variant::default() => {
+            return Err(misused("a picture shows the recorded episode: leave out --ego and --pedestrians"));
         }
-        Format::Drawing(drawing) => return draw(drawing, episodes, options),
+        Format::Drawing(drawing) => return Ok(draw(drawing, episodes, options)),
     };
     let call = session::ExportOptions {
         episodes,
         report: options.report.clone(),
-        repeat: options.repeat.repeat(),
+        repeat: options.repeat.repeat.clone(),
         exporter,
-        variant: options.variant(),
+        variant,
         out: options.out.clone(),
     };
     let mut code = ExitCode::Done;
@@ -167,21 +131,16 @@ pub fn export(options: &ExportOptions) -> ExitCode {
             let files: Vec<String> = exported.files.iter().map(|file| file.display().to_string()).collect();
             console::say(&format!("{}  {}", exported.name, files.join("  ")));
         }
-        Err(error) => {
-            let failed = failure::failed(&error);
-            if code == ExitCode::Done {
-                code = failed;
-            }
-        }
+        Err(error) => code = code.or(failed(error)),
     });
-    code
+    Ok(code)
 }
 
 /// Lists the formats.
 fn list() {
     for exporter in EXPORTERS {
-        let (name, about) = (exporter.name(), exporter.about());
-        console::say(&format!("{name:12} {about}\n{:12} approximated: {}", "", exporter.approximates()));
+        console::say(&format!("{:12} {}", exporter.name(), exporter.about()));
+        console::say(&format!("{:12} approximated: {}", "", exporter.approximates()));
     }
     for (name, about, _) in DRAWINGS {
         console::say(&format!("{name:12} {about}"));
@@ -189,32 +148,23 @@ fn list() {
 }
 
 /// Draws episodes, each as `RUN-EPISODE.svg`.
-fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportOptions) -> ExitCode {
+fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportArgs) -> ExitCode {
     let session = session(options.repeat.allow_external);
     let mut ended = ExitCode::Done;
     for EpisodePath { report, name } in episodes {
         let report = report.unwrap_or_else(|| options.report.clone());
-        let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat() };
+        let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat.clone() };
         let path = options.out.join(format!("{}-{}.svg", name.run, name.number));
-        let writer: Box<dyn Export> = match drawing {
-            Drawing::Strip => Box::new(Strip { path: path.clone() }),
-            Drawing::Animation => Box::new(Animation { path: path.clone() }),
-        };
-        let code = match session.export(&which, writer.as_ref()) {
-            Ok(replay) if replay.episode.differences.is_empty() => {
-                console::say(&format!("{name}  {}", path.display()));
-                ExitCode::Done
+        let picture = Picture { drawing, path: path.clone() };
+        let drawn = session.export(&which, &picture).map_err(failed).and_then(|replay| {
+            console::say(&format!("{name}  {}", path.display()));
+            if replay.episode.differences.is_empty() {
+                return Ok(ExitCode::Done);
             }
-            Ok(_) => {
-                console::say(&format!("{name}  {}", path.display()));
-                console::fail(&format!("{name} differs from its report; `falsify replay {name}` shows where"));
-                ExitCode::Differs
-            }
-            Err(error) => failure::failed(&error),
-        };
-        if ended == ExitCode::Done {
-            ended = code;
-        }
+            console::fail(&format!("{name} differs from its report; `falsify replay {name}` shows where"));
+            Err(ExitCode::Differs)
+        });
+        ended = ended.or(drawn.unwrap_or_else(|code| code));
     }
     ended
 }

@@ -1,5 +1,7 @@
 //! Reports errors and notices of a session on the command line, with the options that help.
 
+use std::fmt::Display;
+
 use super::console;
 use super::exit_code::ExitCode;
 use crate::session::{Error, Notice};
@@ -7,8 +9,8 @@ use export::ExportError;
 use results::store::StoreError;
 
 /// Reports why a command has no result; returns its exit code.
-pub fn failed(error: &Error) -> ExitCode {
-    match error {
+pub fn failed(error: Error) -> ExitCode {
+    match &error {
         Error::Unreadable { files } => files.iter().for_each(|file| console::fail(&file.to_string())),
         Error::Scenario { .. } => console::fail(&format!("{error}; nothing was run")),
         Error::UnusedMap { town } => console::fail(&format!("--map names the town `{town}`, which nothing uses")),
@@ -46,7 +48,19 @@ pub fn failed(error: &Error) -> ExitCode {
         }
         other => console::fail(&other.to_string()),
     }
-    code(error)
+    code(&error)
+}
+
+/// Reports wrong usage; returns its exit code.
+pub fn misused(reason: impl Display) -> ExitCode {
+    console::fail(&reason.to_string());
+    ExitCode::Usage
+}
+
+/// Reports that a file cannot be written; returns the exit code.
+pub fn unwritten(reason: impl Display) -> ExitCode {
+    console::fail(&reason.to_string());
+    ExitCode::WriteFailed
 }
 
 fn code(error: &Error) -> ExitCode {
@@ -55,16 +69,18 @@ fn code(error: &Error) -> ExitCode {
         Error::NoCampaign { .. } => ExitCode::Nothing,
         Error::Store(error) => store_code(error),
         Error::Keep { .. } | Error::Write(_) => ExitCode::WriteFailed,
-        Error::Changed { .. } | Error::CampaignGone { .. } | Error::RunGone { .. } | Error::CommandsDiffer { .. } => {
-            ExitCode::Differs
-        }
-        Error::Differs { .. } => ExitCode::Differs,
+        Error::Changed { .. }
+        | Error::CampaignGone { .. }
+        | Error::RunGone { .. }
+        | Error::CommandsDiffer { .. }
+        | Error::Differs { .. } => ExitCode::Differs,
         Error::Export { source: ExportError::NotRepresentable { .. }, .. } => ExitCode::Usage,
         Error::Export { .. } => ExitCode::WriteFailed,
         Error::Unreadable { .. }
         | Error::UnusedMap { .. }
         | Error::Recording { .. }
         | Error::Gate(_)
+        | Error::UnknownCampaign { .. }
         | Error::Threads { .. }
         | Error::Read(_)
         | Error::NoFolder { .. }
@@ -82,8 +98,13 @@ fn code(error: &Error) -> ExitCode {
     }
 }
 
-/// The exit code when there is no store.
-pub fn store_code(error: &StoreError) -> ExitCode {
+/// Reports that there is no store; returns the exit code.
+pub fn store_failed(error: StoreError) -> ExitCode {
+    console::fail(&error.to_string());
+    store_code(&error)
+}
+
+fn store_code(error: &StoreError) -> ExitCode {
     if error.is_misuse() { ExitCode::Usage } else { ExitCode::WriteFailed }
 }
 

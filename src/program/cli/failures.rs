@@ -2,11 +2,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::choice::choice;
 use super::console;
-use super::exit_code::ExitCode;
-use super::failure;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::failed;
 use super::input::session;
-use crate::session::FailuresOptions as Wanted;
+use crate::session::{self, FoundFailure};
 use results::report::{self, FailureFilter, FailureOrder, ListedFailure};
 
 /// The number of failures that a table shows by default.
@@ -18,8 +19,8 @@ Examples:
   falsify failures                           the worst failures of reports/, fault ones first
   falsify failures reports/first_look --driver behavior --verdict preventable --top 5
                                              the five worst preventable ones of a driver
-  falsify failures reports/first_look --names --top 5 | falsify replay -
-                                             repeat the five worst
+  falsify failures reports/first_look --distinct --names --top 5 | falsify replay -
+                                             repeat the worst of five starts
   falsify failures reports/first_look --format csv > failures.csv
                                              all of them as a table
 
@@ -27,7 +28,7 @@ Exit codes: 0 done, also when there is none   2 no report";
 
 /// Options of `falsify failures`.
 #[derive(Debug, Args)]
-pub struct FailuresOptions {
+pub struct FailuresArgs {
     /// Reports, or folders of reports.
     #[arg(value_name = "REPORT")]
     pub reports: Vec<PathBuf>,
@@ -51,30 +52,25 @@ pub struct FailuresOptions {
     #[arg(long, default_value_t = 0.0, value_name = "SPEED")]
     pub min_speed: f64,
     /// The order.
-    #[arg(long, value_enum, default_value_t = Order::Severity, value_name = "ORDER")]
-    pub sort: Order,
+    #[arg(long, default_value = "severity", value_name = "ORDER", value_parser = choice([
+        ("severity", FailureOrder::Severity, "Fault first, then by verdict; in each the fastest first"),
+        ("speed", FailureOrder::Speed, "The fastest first"),
+        ("time", FailureOrder::Time, "The shortest time to the touch first"),
+        ("report", FailureOrder::Report, "As in the report"),
+    ]))]
+    pub sort: FailureOrder,
     /// The number of failures; a table has 20 without it, other forms have all.
     #[arg(long, value_name = "N")]
     pub top: Option<usize>,
+    /// Only the first failure of each start of a town and driver.
+    #[arg(long)]
+    pub distinct: bool,
     /// Form of the list.
     #[arg(long, value_enum, default_value_t = Form::Table, value_name = "FORMAT")]
     pub format: Form,
     /// Print one `REPORT/RUN:EPISODE` a line, for other commands.
     #[arg(long, conflicts_with = "format")]
     pub names: bool,
-}
-
-/// The order of a list of failures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Order {
-    /// Fault first, then by verdict; in each the fastest first.
-    Severity,
-    /// The fastest first.
-    Speed,
-    /// The shortest time to the touch first.
-    Time,
-    /// As in the report.
-    Report,
 }
 
 /// The form of a list of failures.
@@ -94,9 +90,9 @@ fn verdict(text: &str) -> Result<String, String> {
 }
 
 /// `falsify failures`
-pub fn failures(options: &FailuresOptions) -> ExitCode {
+pub fn failures(options: &FailuresArgs) -> Ended {
     let named = !options.reports.is_empty();
-    let wanted = Wanted {
+    let wanted = session::FailuresOptions {
         reports: if named { options.reports.clone() } else { vec![options.report.clone()] },
         filter: FailureFilter {
             verdicts: options.verdict.clone(),
@@ -105,22 +101,15 @@ pub fn failures(options: &FailuresOptions) -> ExitCode {
             kind: options.kind.clone(),
             min_speed: options.min_speed,
         },
-        order: match options.sort {
-            Order::Severity => FailureOrder::Severity,
-            Order::Speed => FailureOrder::Speed,
-            Order::Time => FailureOrder::Time,
-            Order::Report => FailureOrder::Report,
-        },
+        distinct: options.distinct,
+        order: options.sort,
     };
-    let found = match session(false).failures(&wanted) {
-        Ok(found) => found,
-        Err(error) => return failure::failed(&error),
-    };
+    let found = session(false).failures(&wanted).map_err(failed)?;
     let is_table = options.format == Form::Table && !options.names;
     let shown = options.top.unwrap_or(if is_table { SHOWN } else { usize::MAX });
     let all = found.len();
-    let listed: Vec<(PathBuf, ListedFailure)> =
-        found.into_iter().take(shown).map(|found| (found.report, found.failure)).collect();
+    let listed = found.into_iter().take(shown).map(|FoundFailure { report, failure }| (report, failure));
+    let listed: Vec<(PathBuf, ListedFailure)> = listed.collect();
     match options.format {
         _ if options.names => {
             listed
@@ -131,7 +120,7 @@ pub fn failures(options: &FailuresOptions) -> ExitCode {
         Form::Json => console::say_objects(&report::json_rows(&report::failure_list(&listed))),
         Form::Csv => console::say(report::csv_text(&report::failure_list(&listed)).trim_end()),
     }
-    ExitCode::Done
+    Ok(ExitCode::Done)
 }
 
 /// Prints a table for people, how much it leaves out, and how to see the first failure again.

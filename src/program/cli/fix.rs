@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::console;
 use super::exit_code::ExitCode;
+use super::failure::{failed, unwritten};
 use super::fmt::write;
-use super::{console, failure};
 use crate::session::{Checked, Input, Session};
-use base::diagnostic::{Fix, Severity};
+use base::diagnostic::Fix;
 use lang::library;
 
 /// The greatest number of rounds: a repair can show the next mistake.
@@ -19,7 +20,7 @@ const ROUNDS: usize = 20;
 /// # Errors
 /// The exit code, after the reason has been printed.
 pub fn fix(session: &Session, input: &Input) -> Result<Checked, ExitCode> {
-    let check = || session.check(input).map_err(|error| failure::failed(&error));
+    let check = || session.check(input).map_err(failed);
     let mut checked = check()?;
     let mut applied: BTreeMap<PathBuf, usize> = BTreeMap::new();
     for _ in 0..ROUNDS {
@@ -33,7 +34,7 @@ pub fn fix(session: &Session, input: &Input) -> Result<Checked, ExitCode> {
             before.push((path, old, new, count));
         }
         let after = check()?;
-        if errors(&after) > errors(&checked) {
+        if after.errors() > checked.errors() {
             for (path, old, new, _) in &before {
                 put(path, new, old)?;
             }
@@ -59,14 +60,7 @@ pub fn fix(session: &Session, input: &Input) -> Result<Checked, ExitCode> {
 }
 
 fn put(path: &Path, before: &str, text: &str) -> Result<(), ExitCode> {
-    write(path, before, text).map_err(|error| {
-        console::fail(&format!("cannot write `{}`: {error}", path.display()));
-        ExitCode::WriteFailed
-    })
-}
-
-fn errors(checked: &Checked) -> usize {
-    checked.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count()
+    write(path, before, text).map_err(|error| unwritten(format!("cannot write `{}`: {error}", path.display())))
 }
 
 /// Whether a source is a file of the user.
@@ -94,7 +88,9 @@ fn repairs(checked: &Checked) -> BTreeMap<PathBuf, (String, String, usize)> {
         });
         let mut fixes: Vec<&Fix> = only.collect();
         fixes.sort_by_key(|fix| (fix.span.start, fix.span.end));
-        let (mut text, mut end, mut count) = (String::new(), 0, 0);
+        let mut text = String::new();
+        let mut end = 0;
+        let mut count = 0;
         for (place, fix) in fixes.iter().enumerate() {
             // Two repairs of one place contradict each other; the next round has the rest.
             if fix.span.start < end || (place > 0 && fix.span.start == fixes[place - 1].span.start) {
@@ -102,7 +98,8 @@ fn repairs(checked: &Checked) -> BTreeMap<PathBuf, (String, String, usize)> {
             }
             text.push_str(&source.text[end..fix.span.start]);
             text.push_str(&fix.text);
-            (end, count) = (fix.span.end, count + 1);
+            end = fix.span.end;
+            count += 1;
         }
         text.push_str(&source.text[end..]);
         if count > 0 && text != source.text {

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{misused, unwritten};
 use base::diagnostic::Sources;
 use base::files;
 
@@ -17,7 +18,7 @@ Examples:
 
 /// Options of `falsify fmt`.
 #[derive(Debug, Args)]
-pub struct FmtOptions {
+pub struct FmtArgs {
     /// Scenario files.
     #[arg(required_unless_present = "stdin", value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -30,70 +31,40 @@ pub struct FmtOptions {
 }
 
 /// `falsify fmt`
-pub fn fmt(options: &FmtOptions) -> ExitCode {
+pub fn fmt(options: &FmtArgs) -> Ended {
     if options.stdin {
         return input(options.check);
     }
-    let mut worst = ExitCode::Done;
-    for path in &options.files {
-        let code = file(path, options.check);
-        if code != ExitCode::Done {
-            worst = code;
-        }
-    }
-    worst
+    let codes = options.files.iter().map(|path| file(path, options.check).unwrap_or_else(|code| code));
+    // The last file that is not laid out decides.
+    Ok(codes.fold(ExitCode::Done, |worst, code| code.or(worst)))
 }
 
-fn file(path: &Path, check: bool) -> ExitCode {
-    let text = match base::files::text(path) {
-        Ok(text) => text,
-        Err(error) => {
-            console::fail(&format!("cannot read `{}`: {}", path.display(), lang::reason(&error)));
-            return ExitCode::Usage;
-        }
-    };
-    let laid_out = match lay_out(path, &text) {
-        Ok(laid_out) => laid_out,
-        Err(code) => return code,
-    };
+fn file(path: &Path, check: bool) -> Ended {
+    let text = base::files::text(path);
+    let text = text.map_err(|error| misused(format!("cannot read `{}`: {}", path.display(), lang::reason(&error))))?;
+    let laid_out = lay_out(path, &text)?;
     if laid_out == text {
-        return ExitCode::Done;
+        return Ok(ExitCode::Done);
     }
     if check {
         console::say(&path.display().to_string());
-        return ExitCode::Scenario;
+        return Err(ExitCode::Scenario);
     }
-    match write(path, &text, &laid_out) {
-        Ok(()) => ExitCode::Done,
-        Err(error) => {
-            console::fail(&format!("cannot write `{}`: {error}", path.display()));
-            ExitCode::WriteFailed
-        }
-    }
+    let written = write(path, &text, &laid_out);
+    written.map_err(|error| unwritten(format!("cannot write `{}`: {error}", path.display())))?;
+    Ok(ExitCode::Done)
 }
 
-fn input(check: bool) -> ExitCode {
-    let text = match files::text_of(std::io::stdin()) {
-        Ok(text) => text,
-        Err(error) => {
-            console::fail(&format!("cannot read the input: {}", lang::reason(&error)));
-            return ExitCode::Usage;
-        }
-    };
-    match lay_out(Path::new("<input>"), &text) {
-        Ok(laid_out) if check => {
-            if laid_out == text {
-                ExitCode::Done
-            } else {
-                ExitCode::Scenario
-            }
-        }
-        Ok(laid_out) => match std::io::stdout().write_all(laid_out.as_bytes()) {
-            Ok(()) => ExitCode::Done,
-            Err(_) => ExitCode::WriteFailed,
-        },
-        Err(code) => code,
+fn input(check: bool) -> Ended {
+    let text = files::text_of(std::io::stdin());
+    let text = text.map_err(|error| misused(format!("cannot read the input: {}", lang::reason(&error))))?;
+    let laid_out = lay_out(Path::new("<input>"), &text)?;
+    if check {
+        return if laid_out == text { Ok(ExitCode::Done) } else { Err(ExitCode::Scenario) };
     }
+    std::io::stdout().write_all(laid_out.as_bytes()).map_err(|_| ExitCode::WriteFailed)?;
+    Ok(ExitCode::Done)
 }
 
 /// Formats a text. For a text with errors it shows the errors and changes nothing.

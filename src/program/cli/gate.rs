@@ -4,18 +4,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::exit_code::ExitCode;
+use super::condition::{self, Condition};
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused, unwritten};
 use super::input::session;
 use super::output::Output;
-use super::{compare, console, failure};
+use super::{compare, console};
 use crate::session::{CampaignReport, CompareOptions, RunReport};
 use results::report::{self, Gate, Judged, SearchCell, Suite};
 
 /// Options that make a run pass or fail.
-#[derive(Debug, Default, Args)]
-pub struct GateOptions {
+#[derive(Debug, Args)]
+pub struct GateArgs {
     /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
-    /// columns of the table `cells`, or of `search_cells`, as 'faults > 0'; may be given several times. `max over controllers
+    /// metrics, or columns of `search_cells`, as 'faults > 0'; may be given several times. `max over controllers
     /// COLUMN` judges the worst controller of each place, 'learnt != yes' requires that every training learnt.
     #[arg(long, value_name = "CONDITION", help_heading = "Gates")]
     pub fail_if: Vec<String>,
@@ -28,48 +30,42 @@ pub struct GateOptions {
     pub junit: Option<PathBuf>,
 }
 
-impl GateOptions {
+impl GateArgs {
     /// Reads the conditions.
     ///
     /// # Errors
     /// The exit code, after the reason has been printed.
     pub fn gates(&self) -> Result<Vec<Gate>, ExitCode> {
         let own = self.fail_if.iter().filter(|text| !self.is_of_comparison(text));
-        own.map(|text| Gate::parse(text)).collect::<Result<_, _>>().map_err(|error| {
-            console::fail(&format!("--fail-if: {error}"));
-            ExitCode::Usage
-        })
+        own.map(|text| Gate::parse(text).map_err(|error| misused(format!("--fail-if: {error}")))).collect()
     }
 
     /// Whether a condition names columns that only the comparison with the baseline has.
     fn is_of_comparison(&self, text: &str) -> bool {
-        self.baseline.is_some() && Gate::parse(text).is_err() && compare::parse(text).is_ok()
+        self.baseline.is_some() && Gate::parse(text).is_err() && Condition::parse(text, &compare::tables()).is_ok()
     }
 
     /// Compares the reports of a run with the baseline, if there is one, and judges the conditions on the comparison.
     pub fn compare(&self, run: &RunReport, output: Output) -> ExitCode {
         let Some(baseline) = &self.baseline else { return ExitCode::Done };
         let conditions = self.fail_if.iter().filter(|text| self.is_of_comparison(text));
-        let gates: Vec<compare::Condition> = conditions.filter_map(|text| compare::parse(text).ok()).collect();
+        let conditions: Vec<Condition> =
+            conditions.filter_map(|text| Condition::parse(text, &compare::tables()).ok()).collect();
         let is_report = baseline.join("manifest.toml").is_file();
-        let against = |report: &CampaignReport| {
+        let against = |report: &CampaignReport| -> Ended {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };
             let options = CompareOptions { reports: [before, report.folder.clone()], drivers: None };
-            match session(false).compare(&options) {
-                Ok(comparison) => {
-                    let text = report::comparison_for_terminal(&comparison, compare::SHOWN, console::width());
-                    match output {
-                        Output::Human => console::say(text.trim_end()),
-                        // The output has events only.
-                        Output::Json => console::note(text.trim_end()),
-                    }
-                    compare::judge(&gates, &comparison)
-                }
-                Err(error) => failure::failed(&error),
+            let comparison = session(false).compare(&options).map_err(failed)?;
+            let text = report::comparison_for_terminal(&comparison, compare::SHOWN, console::width());
+            match output {
+                Output::Human => console::say(text.trim_end()),
+                // The output has events only.
+                Output::Json => console::note(text.trim_end()),
             }
+            compare::judge(&conditions, &comparison)
         };
-        let codes = run.reports().map(against);
-        codes.fold(ExitCode::Done, |ended, code| if ended == ExitCode::Done { code } else { ended })
+        let codes = run.reports().map(|report| against(report).unwrap_or_else(|code| code));
+        codes.fold(ExitCode::Done, ExitCode::or)
     }
 
     /// Writes the JUnit file, if one is asked for.
@@ -85,10 +81,7 @@ impl GateOptions {
             gates: report.gates.clone(),
         };
         let suites: Vec<Suite> = run.reports().map(suite).collect();
-        report::write_file(path, report::junit(&suites).as_bytes()).map_err(|error| {
-            console::fail(&error.to_string());
-            ExitCode::WriteFailed
-        })
+        report::write_file(path, report::junit(&suites).as_bytes()).map_err(unwritten)
     }
 }
 
@@ -101,19 +94,8 @@ pub fn show(report: &CampaignReport) {
         } else {
             report.cells.iter().map(|cell| cell.key.in_full()).collect()
         };
-        for (name, judged) in names.iter().zip(judged) {
-            let cell = format!("{campaign}, {name}");
-            match judged {
-                Judged::Broken(values) => {
-                    console::fail(&format!("--fail-if {}: {} in {cell}", gate.text(), report::shown(values)));
-                }
-                Judged::TooFewRuns(few) => console::fail(&format!("--fail-if {}: {few}, in {cell}", gate.text())),
-                Judged::Missing(column) => {
-                    console::warn(&format!("--fail-if {}: there is no {column} in {cell}", gate.text()));
-                }
-                Judged::Passed | Judged::Elsewhere => {}
-            }
-        }
+        let titles: Vec<String> = names.iter().map(|name| format!("{campaign}, {name}")).collect();
+        condition::tell(gate, judged, &titles);
         if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
             console::warn(&format!("--fail-if {}: no cell of {campaign} matches it", gate.text()));
         }

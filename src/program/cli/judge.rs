@@ -1,12 +1,11 @@
-use std::path::PathBuf;
-
 use clap::Args;
 use serde_json::json;
 
-use super::exit_code::ExitCode;
+use super::console;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::failed;
 use super::input::session;
-use super::{console, failure};
-use crate::session::{Encountered, JudgeOptions as Options, Reference, Sizes};
+use crate::session::{self, Encountered, Reference};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -29,37 +28,24 @@ Exit codes: 0 it was judged   2 the file cannot be read, or is no recording";
 
 /// Options of `falsify judge`.
 #[derive(Debug, Args)]
-pub struct JudgeOptions {
-    /// A recording: CSV with a header and a row for each instant.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
-    /// Length of the car (m); without it that of the paper's car, 4.79.
-    #[arg(long, value_name = "METRES")]
-    pub length: Option<f64>,
-    /// Width of the car (m); without it that of the paper's car, 2.16.
-    #[arg(long, value_name = "METRES")]
-    pub width: Option<f64>,
-    /// Radius of the pedestrian (m); without it that of the paper's pedestrian, 0.188.
-    #[arg(long, value_name = "METRES")]
-    pub radius: Option<f64>,
+pub struct JudgeArgs {
+    /// The recording.
+    #[command(flatten)]
+    pub recording: session::JudgeOptions,
     /// Print one JSON object, for programs.
     #[arg(long)]
     pub json: bool,
 }
 
 /// `falsify judge`
-pub fn judge(options: &JudgeOptions) -> ExitCode {
-    let sizes = Sizes { length: options.length, width: options.width, radius: options.radius };
-    let found = match session(false).judge(&Options { file: options.file.clone(), sizes }) {
-        Ok(found) => found,
-        Err(error) => return failure::failed(&error),
-    };
+pub fn judge(options: &JudgeArgs) -> Ended {
+    let found = session(false).judge(&options.recording).map_err(failed)?;
     if options.json {
         console::say(&as_json(&found).to_string());
     } else {
         tell(&found);
     }
-    ExitCode::Done
+    Ok(ExitCode::Done)
 }
 
 /// Prints the result for people.

@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
-use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::misused;
+use super::input::catalog;
 use crate::lsp::{Ending, serve};
 
 /// Shown after the help.
@@ -20,14 +21,11 @@ fn cache() -> PathBuf {
 }
 
 /// `falsify lsp`
-pub fn lsp() -> ExitCode {
+pub fn lsp() -> Ended {
     let shelf = cache().join("falsify").join(concat!("std-", env!("CARGO_PKG_VERSION")));
-    match serve(std::io::stdin().lock(), std::io::stdout().lock(), shelf) {
-        Ok(Ending::Orderly) => ExitCode::Done,
-        Ok(Ending::Abrupt) => ExitCode::Internal,
-        Err(error) => {
-            console::fail(&error.to_string());
-            ExitCode::Usage
-        }
+    // The server looks up the programs that scenarios name, and never starts them.
+    match serve(catalog(true), std::io::stdin().lock(), std::io::stdout().lock(), shelf).map_err(misused)? {
+        Ending::Orderly => Ok(ExitCode::Done),
+        Ending::Abrupt => Err(ExitCode::Internal),
     }
 }

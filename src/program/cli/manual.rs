@@ -6,7 +6,8 @@ use clap::{Args, CommandFactory};
 
 use super::args::Arguments;
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::unwritten;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -16,24 +17,17 @@ Examples:
 
 /// Options of `falsify manual`.
 #[derive(Debug, Args)]
-pub struct ManualOptions {
+pub struct ManualArgs {
     /// Folder for the pages, one for each command: `falsify.1`, `falsify-run.1` and so on.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
     pub out: PathBuf,
 }
 
 /// `falsify manual`
-pub fn manual(options: &ManualOptions) -> ExitCode {
+pub fn manual(options: &ManualArgs) -> Ended {
     let folder = &options.out;
     let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Arguments::command(), folder));
-    match written {
-        Ok(()) => {
-            console::say(&format!("manual pages are in {}", folder.display()));
-            ExitCode::Done
-        }
-        Err(error) => {
-            console::fail(&format!("cannot write manual pages to `{}`: {error}", folder.display()));
-            ExitCode::WriteFailed
-        }
-    }
+    written.map_err(|error| unwritten(format!("cannot write manual pages to `{}`: {error}", folder.display())))?;
+    console::say(&format!("manual pages are in {}", folder.display()));
+    Ok(ExitCode::Done)
 }

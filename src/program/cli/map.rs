@@ -1,8 +1,9 @@
 use std::path::Path;
 
 use super::console;
-use super::exit_code::ExitCode;
-use super::preview::PreviewOptions;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{misused, unwritten};
+use super::preview::PreviewArgs;
 use lang::reason;
 use results::report;
 use world::road::{LaneKind, Town, opendrive};
@@ -17,26 +18,16 @@ pub fn spacing(text: &str) -> Result<f64, String> {
 }
 
 /// `falsify preview` of an OpenDRIVE map: its picture, its page, and what it holds.
-pub fn map(options: &PreviewOptions) -> ExitCode {
-    let town = match read(&options.file) {
-        Ok(town) => town,
-        Err(code) => return code,
-    };
+pub fn map(options: &PreviewArgs) -> Ended {
+    let town = read(&options.file)?;
     describe(&town);
-    match write(&town, options) {
-        Ok(()) => ExitCode::Done,
-        Err(error) => {
-            console::fail(&error.to_string());
-            ExitCode::WriteFailed
-        }
-    }
+    write(&town, options).map_err(unwritten)?;
+    Ok(ExitCode::Done)
 }
 
 fn read(file: &Path) -> Result<Town, ExitCode> {
-    let text = base::files::text(file).map_err(|error| {
-        console::fail(&format!("cannot read `{}`: {}", file.display(), reason(&error)));
-        ExitCode::Usage
-    })?;
+    let text = base::files::text(file);
+    let text = text.map_err(|error| misused(format!("cannot read `{}`: {}", file.display(), reason(&error))))?;
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     opendrive::read(&text, &name).map(Town::new).map_err(|error| {
         console::fail(&format!("cannot use the map `{}`: {error}", file.display()));
@@ -72,7 +63,7 @@ fn describe(town: &Town) {
     }
 }
 
-fn write(town: &Town, options: &PreviewOptions) -> Result<(), report::WriteError> {
+fn write(town: &Town, options: &PreviewArgs) -> Result<(), report::WriteError> {
     let picture = options.out.join(format!("{}.svg", town.name));
     report::write_file(&picture, report::labelled_map(town).as_bytes())?;
     console::say(&format!("  {}", picture.display()));

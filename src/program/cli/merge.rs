@@ -1,17 +1,15 @@
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
 
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
 use super::input::session;
-use super::run::{RunOptions, RunReporter, ended, finished};
-use super::{console, failure, interrupt};
-use crate::session::{self, CampaignOutcome, Incomplete, Notice, Observer};
-use base::diagnostic::{Diagnostic, Sources};
-use compile::Campaign;
-use results::campaign::{self, Task};
+use super::run::{RunArgs, RunReporter, ended, finished};
+use super::{console, interrupt};
+use crate::session::{self, Event, Incomplete, Notice, Observer};
+use results::campaign::Task;
 use results::store::Taken;
 
 /// The most tasks that are named one by one.
@@ -34,37 +32,32 @@ const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "task_t
 /// Options of `falsify merge`. The help omits options without effect there.
 #[derive(Debug, Args)]
 #[command(mut_args(|arg| if IDLE.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
-pub struct MergeOptions {
+pub struct MergeArgs {
     /// The options of the run.
     #[command(flatten)]
-    pub run: RunOptions,
-    /// Folders with the tasks of shards (their --out or their --cache), in addition to those that are in the folder for the reports
-    /// already.
-    #[arg(long, num_args = 1.., value_name = "DIR")]
-    pub from: Vec<PathBuf>,
+    pub run: RunArgs,
+    /// Where the tasks are.
+    #[command(flatten)]
+    pub merge: session::MergeOptions,
     /// The number of shards, to list those that must be run again.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub shards: Option<u32>,
-    /// Write the finished part as NAME-partial when something is missing.
-    #[arg(long)]
-    pub partial: bool,
 }
 
 /// `falsify merge`
-pub fn merge(options: &MergeOptions) -> ExitCode {
-    ended(options.run.format, put_together(options).unwrap_or_else(|code| code))
+pub fn merge(options: &MergeArgs) -> Ended {
+    ended(options.run.format, put_together(options))
 }
 
-fn put_together(options: &MergeOptions) -> Result<ExitCode, ExitCode> {
+fn put_together(options: &MergeArgs) -> Ended {
     let run = &options.run;
-    if run.shard.is_some() || run.list || run.fresh {
-        console::fail("a merge runs nothing; --shard, --list and --fresh are options of `falsify run`");
-        return Err(ExitCode::Usage);
+    if run.shard.is_some() || run.list || run.run.fresh {
+        return Err(misused("a merge runs nothing; --shard, --list and --fresh are options of `falsify run`"));
     }
-    let wanted = session::MergeOptions { run: run.wanted()?, from: options.from.clone(), partial: options.partial };
+    let wanted = session::MergeOptions { run: run.wanted()?, ..options.merge.clone() };
     let reporter = MergeReporter { inner: run.reporter(), shards: options.shards };
     let session = session(run.given.allow_external).with_observer(Arc::new(reporter));
-    match session.merge(&wanted).map_err(|error| failure::failed(&error))? {
+    match session.merge(&wanted).map_err(failed)? {
         Some(report) => finished(run, &report),
         None if interrupt::stop().is_asked() => Ok(ExitCode::Interrupted),
         None => Ok(ExitCode::Incomplete),
@@ -78,27 +71,11 @@ struct MergeReporter {
 }
 
 impl Observer for MergeReporter {
-    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
-        self.inner.diagnostics(diagnostics, sources);
-    }
-
-    fn notice(&self, notice: &Notice) {
-        match notice {
-            Notice::Incomplete(incomplete) => console::fail(&lack(incomplete, self.shards)),
-            other => self.inner.notice(other),
+    fn event(&self, event: &Event<'_>) {
+        match event {
+            Event::Notice(Notice::Incomplete(incomplete)) => console::fail(&lack(incomplete, self.shards)),
+            other => self.inner.event(other),
         }
-    }
-
-    fn begun(&self) {
-        self.inner.begun();
-    }
-
-    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
-        self.inner.campaign(campaign, tasks)
-    }
-
-    fn ended(&self, outcome: &CampaignOutcome) {
-        self.inner.ended(outcome);
     }
 }
 

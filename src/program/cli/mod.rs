@@ -7,7 +7,6 @@ mod crash;
 mod failure;
 mod input;
 mod output;
-mod seconds;
 mod interrupt;
 mod progress;
 mod settings;
@@ -19,6 +18,8 @@ mod merge;
 mod status;
 mod list;
 mod stored;
+mod choice;
+mod condition;
 mod gate;
 mod episode;
 mod replay;
@@ -42,8 +43,10 @@ mod lsp;
 mod map;
 mod preview;
 mod driver_trial;
+mod network_trial;
 
 pub use args::Arguments;
+use exit_code::Ended;
 pub use exit_code::ExitCode;
 #[cfg(any(fuzzing, test))]
 pub use settings::is_read as settings_are_read;
@@ -54,7 +57,7 @@ use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
 pub fn main() -> ExitCode {
     crash::listen();
-    let code = std::panic::catch_unwind(run_command).unwrap_or_else(|_| {
+    let code = std::panic::catch_unwind(|| run_command().unwrap_or_else(|code| code)).unwrap_or_else(|_| {
         console::fail("this is a bug in falsify; what was finished before is not lost");
         ExitCode::Internal
     });
@@ -65,26 +68,15 @@ pub fn main() -> ExitCode {
     code
 }
 
-fn run_command() -> ExitCode {
+fn run_command() -> Ended {
     let mut known = args::command();
-    let (mut arguments, mut matches) = match parse(&mut known) {
-        Ok(parsed) => parsed,
-        Err(code) => return code,
-    };
+    let (mut arguments, mut matches) = parse(&mut known)?;
     arguments.color.apply();
     let mut settings = None;
     if matches.subcommand_name().is_some_and(|name| settings::concern(&known, name)) {
-        let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder));
-        settings = match found {
-            Ok(settings) => settings,
-            Err(code) => return code,
-        };
+        settings = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder))?;
         if let Some(settings) = &settings {
-            let mut with_defaults = settings::apply(args::command(), settings);
-            (arguments, matches) = match parse(&mut with_defaults) {
-                Ok(parsed) => parsed,
-                Err(code) => return code,
-            };
+            (arguments, matches) = parse(&mut settings::apply(args::command(), settings))?;
         }
     }
     // Frees the memory of the known options, which is needed soon.
@@ -99,9 +91,10 @@ fn run_command() -> ExitCode {
         interrupt::end_when_asked();
     }
     match arguments.command {
-        args::Command::Config(_) => {
+        args::Command::Config => {
             let (_, options) = matches.subcommand().expect("it is the command `config`");
-            config::config(options, settings.as_ref())
+            config::config(options, settings.as_ref());
+            Ok(ExitCode::Done)
         }
         args::Command::Run(options) => run::run(&options),
         args::Command::Status(options) => status::status(&options),
@@ -126,7 +119,7 @@ fn run_command() -> ExitCode {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
             console::say(String::from_utf8_lossy(&script).trim_end());
-            ExitCode::Done
+            Ok(ExitCode::Done)
         }
     }
 }

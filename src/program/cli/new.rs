@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{misused, unwritten};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -17,7 +18,7 @@ Examples:
 
 /// Options of `falsify new`.
 #[derive(Debug, Args)]
-pub struct NewOptions {
+pub struct NewArgs {
     /// The file; one that exists is never replaced.
     #[arg(default_value = "scenario.scn", value_name = "PATH")]
     pub path: PathBuf,
@@ -71,25 +72,22 @@ impl Template {
 }
 
 /// `falsify new`
-pub fn new(options: &NewOptions) -> ExitCode {
-    let (path, template) = (&options.path, options.template);
-    if let Err(code) = write_new(path, template.text()) {
-        return code;
-    }
+pub fn new(options: &NewArgs) -> Ended {
+    let NewArgs { path, template } = options;
+    write_new(path, template.text())?;
     console::say(&format!("{} is written", path.display()));
     if let Some((name, text)) = template.companion() {
         let beside = path.with_file_name(name);
         // A driver of the user keeps its place; the scenario then runs with it.
         if beside.exists() {
             console::warn(&format!("`{}` exists already and was left alone; the scenario uses it", beside.display()));
-        } else if let Err(code) = write_new(&beside, text) {
-            return code;
         } else {
+            write_new(&beside, text)?;
             console::say(&format!("{} is written", beside.display()));
         }
     }
     console::say(&format!("next: falsify run {}{}", template.option(), path.display()));
-    ExitCode::Done
+    Ok(ExitCode::Done)
 }
 
 /// Writes a file that must not exist yet.
@@ -101,13 +99,10 @@ pub fn write_new(path: &Path, text: &str) -> Result<(), ExitCode> {
         // A part of a file would be in the way of the next attempt.
         file.write_all(text.as_bytes()).inspect_err(|_| drop(std::fs::remove_file(path)))
     });
-    written.map_err(|error| {
-        if error.kind() == ErrorKind::AlreadyExists {
-            console::fail(&format!("`{}` exists already and was left alone; name another file", path.display()));
-            ExitCode::Usage
-        } else {
-            console::fail(&format!("cannot write `{}`: {error}", path.display()));
-            ExitCode::WriteFailed
+    written.map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => {
+            misused(format!("`{}` exists already and was left alone; name another file", path.display()))
         }
+        _ => unwritten(format!("cannot write `{}`: {error}", path.display())),
     })
 }

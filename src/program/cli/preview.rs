@@ -6,12 +6,13 @@ use std::time::{Duration, SystemTime};
 
 use clap::Args;
 
-use super::exit_code::ExitCode;
-use super::input::{GivenOptions, session};
+use super::exit_code::{Ended, ExitCode};
+use super::failure::unwritten;
+use super::input::{GivenArgs, session};
 use super::map::{map, spacing};
 use super::{console, interrupt};
-use crate::session::{Preview, PreviewOptions as Wanted};
-use results::report::{self, WriteError};
+use crate::session::{self, Preview};
+use results::report;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -27,13 +28,13 @@ const PAUSE: Duration = Duration::from_millis(250);
 
 /// Options of `falsify preview`.
 #[derive(Debug, Args)]
-pub struct PreviewOptions {
+pub struct PreviewArgs {
     /// A scenario file, or an OpenDRIVE map.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Replacements of parts of the file.
     #[command(flatten)]
-    pub given: GivenOptions,
+    pub given: GivenArgs,
     /// Folder for the page, `NAME.preview.html`, and the script that tells it of a new version, `NAME.preview.js`; of a map for `NAME.svg` and
     /// `NAME.html`.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
@@ -41,35 +42,28 @@ pub struct PreviewOptions {
     /// Write the page once and end.
     #[arg(long)]
     pub once: bool,
-    /// The number of starts that are drawn of every spawn in every town.
-    #[arg(long, default_value_t = 300, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub sample: u32,
-    /// Seed of the starts.
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    pub seed: u64,
+    /// The starts.
+    #[command(flatten)]
+    pub starts: session::PreviewOptions,
     /// Of a map: also write the waypoints of all driving lanes at this distance (m), as CARLA would: `NAME_waypoints.csv`.
     #[arg(long, value_name = "METRES", value_parser = spacing)]
     pub waypoints: Option<f64>,
 }
 
 /// `falsify preview`
-pub fn preview(options: &PreviewOptions) -> ExitCode {
+pub fn preview(options: &PreviewArgs) -> Ended {
     if options.file.extension().is_none_or(|extension| extension != "scn") {
         return map(options);
     }
     let session = session(options.given.allow_external);
-    let files = [options.file.clone()];
-    let wanted = Wanted { input: options.given.input(&files), starts: options.sample, seed: options.seed };
+    let input = options.given.input(std::slice::from_ref(&options.file));
+    let wanted = session::PreviewOptions { input, ..options.starts.clone() };
     if options.once {
         let preview = session.preview(&wanted, &Preview::default());
-        return match write(&preview, options, None) {
-            Ok(page) => {
-                preview.problems.iter().for_each(|problem| console::note(problem));
-                console::say(&page.display().to_string());
-                if preview.errors == 0 { ExitCode::Done } else { ExitCode::Scenario }
-            }
-            Err(code) => code,
-        };
+        let page = write(&preview, options, None)?;
+        preview.problems.iter().for_each(|problem| console::note(problem));
+        console::say(&page.display().to_string());
+        return if preview.errors == 0 { Ok(ExitCode::Done) } else { Err(ExitCode::Scenario) };
     }
     interrupt::end_when_asked();
     let mut preview = Preview::default();
@@ -82,12 +76,9 @@ pub fn preview(options: &PreviewOptions) -> ExitCode {
         }
         // A page of an earlier call has another number.
         let stamp = format!("{}-{version}", std::process::id());
-        match write(&preview, options, Some(stamp)) {
-            Ok(page) if version == 1 => {
-                console::say(&format!("open {} in a browser; Ctrl-C ends", page.display()));
-            }
-            Ok(_) => {}
-            Err(code) => return code,
+        let page = write(&preview, options, Some(stamp))?;
+        if version == 1 {
+            console::say(&format!("open {} in a browser; Ctrl-C ends", page.display()));
         }
         console::say(&match preview.errors {
             0 => "no errors".to_string(),
@@ -97,7 +88,7 @@ pub fn preview(options: &PreviewOptions) -> ExitCode {
             std::thread::sleep(PAUSE);
         }
     }
-    ExitCode::Done
+    Ok(ExitCode::Done)
 }
 
 /// When each file was last changed, and its length; nothing of a file that is not there.
@@ -110,13 +101,14 @@ fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
 }
 
 /// Writes the page and, if it has a version, the script that names it; the error is the exit code, after the reason has been printed.
-fn write(preview: &Preview, options: &PreviewOptions, version: Option<String>) -> Result<PathBuf, ExitCode> {
+fn write(preview: &Preview, options: &PreviewArgs, version: Option<String>) -> Result<PathBuf, ExitCode> {
     let place = |ending: &str| {
         let mut name = OsString::from(options.file.file_stem().unwrap_or_default());
         name.push(ending);
         options.out.join(name)
     };
-    let (page, script) = (place(".preview.html"), place(".preview.js"));
+    let page = place(".preview.html");
+    let script = place(".preview.js");
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let follows = version.as_ref().map(|version| (address(&name(&script)), version.clone()));
     let text = preview.page(&name(&options.file), follows);
@@ -125,10 +117,7 @@ fn write(preview: &Preview, options: &PreviewOptions, version: Option<String>) -
         Some(version) => report::write_file(&script, format!("falsifyVersion(\"{version}\");\n").as_bytes()),
         None => Ok(()),
     });
-    written.map(|()| page).map_err(|error: WriteError| {
-        console::fail(&error.to_string());
-        ExitCode::WriteFailed
-    })
+    written.map(|()| page).map_err(unwritten)
 }
 
 /// A file name in a relative address.

@@ -1,16 +1,15 @@
-use std::path::PathBuf;
-
 use clap::Args;
 use serde_json::json;
 
-use super::compare::{Form, refused, told};
+use super::compare::Form;
+use super::condition::{self, Condition, Subject};
 use super::console;
-use super::episode::RepeatOptions;
-use super::exit_code::ExitCode;
-use super::failure;
+use super::episode::RepeatArgs;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::failed;
 use super::input::session;
-use crate::session::{DriverPair, RecheckOptions as Wanted};
-use results::report::{self, Encounter, Gate, GateError, Met, Recheck};
+use crate::session;
+use results::report::{self, Encounter, Met, Recheck};
 
 /// The number of encounters in each list for people.
 const SHOWN: usize = 10;
@@ -32,23 +31,10 @@ Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5
 
 /// Options of `falsify recheck`.
 #[derive(Debug, Args)]
-pub struct RecheckOptions {
-    /// The old report.
-    #[arg(value_name = "REPORT")]
-    pub report: PathBuf,
-    /// Scenario files whose campaigns have the new drivers and their cars; those of the report without any. Starts and pedestrians stay
-    /// those of the report.
-    #[arg(value_name = "FILE")]
-    pub new: Vec<PathBuf>,
-    /// A driver of the report and its new version, or one name for both; may be given several times. All drivers of equal names without it.
-    #[arg(long, value_name = "OLD=NEW", value_parser = str::parse::<DriverPair>)]
-    pub driver: Vec<DriverPair>,
-    /// Give a parameter or a key of the new drivers another value, as `v1.margin=1 m`.
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub set: Vec<String>,
-    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out.
-    #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
-    pub starts: u32,
+pub struct RecheckArgs {
+    /// The report, and the new drivers.
+    #[command(flatten)]
+    pub recheck: session::RecheckOptions,
     /// Form of the output; `json` is one object.
     #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
     pub format: Form,
@@ -58,82 +44,47 @@ pub struct RecheckOptions {
     pub fail_if: Vec<String>,
     /// Options of the repetition of the report.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// `falsify recheck`
-pub fn recheck(options: &RecheckOptions) -> ExitCode {
-    let gates = match options.fail_if.iter().map(|text| parse(text)).collect::<Result<Vec<Condition>, _>>() {
-        Ok(gates) => gates,
-        Err(error) => return refused(&error, "recheck"),
-    };
-    let wanted = Wanted {
-        report: options.report.clone(),
-        files: options.new.clone(),
-        settings: options.set.clone(),
-        drivers: options.driver.clone(),
-        starts: options.starts,
-        repeat: options.repeat.repeat(),
-    };
-    let recheck = match session(options.repeat.allow_external).recheck(&wanted) {
-        Ok(recheck) => recheck,
-        Err(error) => return failure::failed(&error),
-    };
+pub fn recheck(options: &RecheckArgs) -> Ended {
+    let tables = [report::rechecked_reference(), report::crossed_reference()];
+    let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
+    let wanted = session::RecheckOptions { repeat: options.repeat.repeat.clone(), ..options.recheck.clone() };
+    let recheck = session(options.repeat.allow_external).recheck(&wanted).map_err(failed)?;
     match options.format {
         Form::Text => console::say(report::recheck_for_terminal(&recheck, SHOWN, console::width()).trim_end()),
         Form::Json => console::say(&as_json(&recheck).to_string()),
     }
-    match (judge(&gates, &recheck), recheck.errors()) {
-        (ExitCode::Done, errors) if errors > 0 => {
-            console::fail(&format!(
-                "a driver or a controller failed as a program in {}; `falsify check -- DRIVER` tries a driver",
-                console::count(errors as usize, "encounter")
-            ));
-            ExitCode::RunFailed
-        }
-        (code, _) => code,
+    let code = judge(&conditions, &recheck)?;
+    let errors = recheck.errors();
+    if code == ExitCode::Done && errors > 0 {
+        console::fail(&format!(
+            "a driver or a controller failed as a program in {}; `falsify check -- DRIVER` tries a driver",
+            console::count(errors as usize, "encounter")
+        ));
+        return Err(ExitCode::RunFailed);
     }
+    Ok(code)
 }
 
-/// A condition on a recheck.
-#[derive(Debug)]
-struct Condition {
-    gate: Gate,
-    /// Whether it is about the fixed list instead of the failures of the report.
-    crossings: bool,
-}
-
-fn parse(text: &str) -> Result<Condition, GateError> {
-    match Gate::of_table(text, &report::rechecked_reference()) {
-        Ok(gate) => Ok(Condition { gate, crossings: false }),
-        Err(error) => match Gate::of_table(text, &report::crossed_reference()) {
-            Ok(gate) => Ok(Condition { gate, crossings: true }),
-            Err(_) => Err(error),
-        },
-    }
-}
-
-/// Judges a recheck and reports which conditions are true; returns the exit code.
-fn judge(conditions: &[Condition], recheck: &Recheck) -> ExitCode {
-    let mut code = ExitCode::Done;
-    let failures: Vec<String> = recheck.failures.iter().map(report::rechecked_title).collect();
-    let crossings: Vec<String> = recheck.crossings.iter().map(report::crossed_title).collect();
-    for Condition { gate, crossings: about_crossings } in conditions {
-        let (table, places, things) = match about_crossings {
-            true => (report::crossed_table(&recheck.crossings), &crossings, "fixed list"),
-            false => (report::rechecked_table(&recheck.failures), &failures, "failures"),
-        };
+/// Judges a recheck and reports which conditions are true.
+fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
+    let failures = Subject {
+        judge: &|gate| gate.judge(&report::rechecked_table(&recheck.failures)),
+        titles: recheck.failures.iter().map(report::rechecked_title).collect(),
+        things: "failures",
         // A report without failures has none that could be there still.
-        if !about_crossings && places.is_empty() {
-            continue;
-        }
-        match told(gate, &gate.judge(&table), places, things, "recheck") {
-            ExitCode::Usage => return ExitCode::Usage,
-            ExitCode::GateFailed => code = ExitCode::GateFailed,
-            _ => {}
-        }
-    }
-    code
+        is_idle: recheck.failures.is_empty(),
+    };
+    let crossings = Subject {
+        judge: &|gate| gate.judge(&report::crossed_table(&recheck.crossings)),
+        titles: recheck.crossings.iter().map(report::crossed_title).collect(),
+        things: "fixed list",
+        is_idle: false,
+    };
+    condition::judge(conditions, [failures, crossings], "recheck")
 }
 
 /// Makes an object of a recheck, for programs.

@@ -3,10 +3,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::episode::NameOptions;
-use super::exit_code::ExitCode;
+use super::console;
+use super::episode::NameArgs;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
 use super::input::session;
-use super::{console, failure};
 use crate::session::{self, Replay, Session, TickTable, reasons};
 use results::report::{self, Narrative};
 
@@ -29,15 +30,15 @@ Exit codes: 0 it is as in the report   2 no such episode, or a file is missing  
 
 /// Options of `falsify replay`.
 #[derive(Debug, Args)]
-pub struct ReplayOptions {
+pub struct ReplayArgs {
     /// The episodes.
     #[command(flatten)]
-    pub which: NameOptions,
+    pub which: NameArgs,
     /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
-    #[arg(long, value_name = "FILE", value_parser = table_file)]
+    #[arg(long, value_name = "FILE", value_parser = table_file, display_order = 16)]
     pub ticks: Option<PathBuf>,
     /// Print one JSON object, for programs.
-    #[arg(long)]
+    #[arg(long, display_order = 17)]
     pub json: bool,
 }
 
@@ -48,36 +49,28 @@ fn table_file(text: &str) -> Result<PathBuf, String> {
 }
 
 /// `falsify replay`
-pub fn replay(options: &ReplayOptions) -> ExitCode {
-    let episodes = match options.which.replays() {
-        Ok(episodes) if episodes.len() > 1 && options.ticks.is_some() => {
-            console::fail("--ticks writes one file, so it takes one episode");
-            return ExitCode::Usage;
-        }
-        Ok(episodes) => episodes,
-        Err(code) => return code,
-    };
+pub fn replay(options: &ReplayArgs) -> Ended {
+    let episodes = options.which.replays()?;
+    if episodes.len() > 1 && options.ticks.is_some() {
+        return Err(misused("--ticks writes one file, so it takes one episode"));
+    }
     let session = session(options.which.repeat.allow_external);
     let mut ended = ExitCode::Done;
     for (number, episode) in episodes.iter().enumerate().take_while(|_| !console::closed()) {
         if number > 0 && !options.json {
             console::say("");
         }
-        let code = replay_one(&session, episode, options);
-        ended = if ended == ExitCode::Done { code } else { ended };
+        ended = ended.or(replay_one(&session, episode, options).unwrap_or_else(|code| code));
     }
-    ended
+    Ok(ended)
 }
 
-fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayOptions) -> ExitCode {
+fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayArgs) -> Ended {
     let replay = match &options.ticks {
         Some(path) => session.export(which, &TickTable { path: path.clone() }),
         None => session.replay(which),
     };
-    let replay = match replay {
-        Ok(replay) => replay,
-        Err(error) => return failure::failed(&error),
-    };
+    let replay = replay.map_err(failed)?;
     let episode = &replay.episode;
     let narrative = report::narrative(&episode.scenario, &episode.outcome, &episode.trace, episode.verdict.as_ref());
     if options.json {
@@ -85,7 +78,7 @@ fn replay_one(session: &Session, which: &session::ReplayOptions, options: &Repla
     } else {
         tell(&replay, &narrative);
     }
-    if episode.differences.is_empty() { ExitCode::Done } else { ExitCode::Differs }
+    if episode.differences.is_empty() { Ok(ExitCode::Done) } else { Err(ExitCode::Differs) }
 }
 
 /// Prints the result for people.
@@ -95,6 +88,7 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
     console::say(&format!("{}  {}", repeated.name, repeated.title));
     console::say(&format!("of {}, seed {}{smoke}\n", report.folder().display(), manifest.seed));
+    console::say(&format!("{}\n", console::wrapped(&narrative.short).trim_end()));
     for (time, text) in &narrative.events {
         console::say(console::wrapped(&format!("{time:7.2} s  {text}")).trim_end());
     }
@@ -133,6 +127,7 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     json!({
         "name": repeated.name.to_string(),
         "what": repeated.title,
+        "short": narrative.short,
         "report": report.folder().display().to_string(),
         "seed": report.manifest().seed,
         "equal": repeated.differences.is_empty(),

@@ -1,11 +1,11 @@
 //! `falsify check --sample`: where episodes would start, and which starts are rejected.
 
-use std::path::Path;
-
 use serde::Serialize;
 
+use super::check::{CheckArgs, Format};
 use super::console;
-use super::exit_code::ExitCode;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::unwritten;
 use crate::session::{SampledStarts, sampled_starts};
 use compile::{Campaign, Plan};
 use results::report::{self, WriteError};
@@ -32,46 +32,28 @@ struct Share {
     passed: u32,
 }
 
-/// Which starts are drawn, and the reader of the result.
-pub struct Wanted<'a> {
-    /// The number for each spawn in each town.
-    pub count: u32,
-    /// The seed of the starts.
-    pub seed: u64,
-    /// Folder for the pictures.
-    pub out: &'a Path,
-    /// Whether the result is for programs.
-    pub json: bool,
-}
-
-/// Draws starts of all campaigns.
-pub fn sample(plan: &Plan, wanted: &Wanted<'_>) -> ExitCode {
+/// Draws this number of starts for each spawn in each town of all campaigns.
+pub fn sample(plan: &Plan, count: u32, options: &CheckArgs) -> Ended {
     if plan.campaigns.is_empty() {
         console::fail("the files hold no campaign, so there is nothing to sample");
-        return ExitCode::Nothing;
+        return Err(ExitCode::Nothing);
     }
     for campaign in &plan.campaigns {
-        let samples = match survey(campaign, wanted) {
-            Ok(samples) => samples,
-            Err(error) => {
-                console::fail(&error.to_string());
-                return ExitCode::WriteFailed;
-            }
-        };
-        if wanted.json {
+        let samples = survey(campaign, count, options).map_err(unwritten)?;
+        if options.format == Format::Json {
             console::say_objects(&samples);
         } else {
             show(campaign, &samples);
         }
     }
-    ExitCode::Done
+    Ok(ExitCode::Done)
 }
 
-fn survey<'a>(campaign: &'a Campaign, wanted: &Wanted<'_>) -> Result<Vec<Sample<'a>>, WriteError> {
+fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckArgs) -> Result<Vec<Sample<'a>>, WriteError> {
     let mut samples = Vec::new();
-    for SampledStarts { town, scenario, survey } in sampled_starts(campaign, wanted.count, wanted.seed) {
+    for SampledStarts { town, scenario, survey } in sampled_starts(campaign, count, options.seed) {
         let spawn = scenario.spawn.name.clone();
-        let picture = wanted.out.join(format!("spawn-{}-{spawn}-{town}.svg", campaign.name));
+        let picture = options.out.join(format!("spawn-{}-{spawn}-{town}.svg", campaign.name));
         let shown = &survey.spawns[..survey.spawns.len().min(DRAWN)];
         report::write_file(&picture, report::spawn_map(&scenario.town, shown).as_bytes())?;
         let constraints = survey.constraints.into_iter().map(|(constraint, passed)| Share { constraint, passed });

@@ -13,7 +13,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::console;
 use super::exit_code::ExitCode;
-use super::run::RunOptions;
+use super::run::RunArgs;
 use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use lang::{nearest, reason};
 
@@ -63,7 +63,7 @@ fn setting(option: &Arg) -> Option<&'static str> {
 
 /// The options of `falsify run` that correspond to the settings, in their order.
 pub fn options() -> Vec<Arg> {
-    let run = RunOptions::augment_args(Command::new("run"));
+    let run = RunArgs::augment_args(Command::new("run"));
     let option = |key: &str| run.get_arguments().find(|option| option.get_id() == key).cloned();
     KEYS.into_iter().map(|(key, _)| option(key).expect("each setting is an option of `run`")).collect()
 }

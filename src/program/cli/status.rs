@@ -4,12 +4,13 @@ use std::time::{Duration, SystemTime};
 use clap::Args;
 use indicatif::FormattedDuration;
 
-use super::exit_code::ExitCode;
+use super::console;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::failed;
 use super::input::session;
 use super::output::Output;
 use super::progress::Learnt;
-use super::stored::{Stored, stored};
-use super::{console, failure};
+use super::stored::stored;
 use crate::session::{self, CampaignProgress, CampaignState};
 use results::store::TaskStatus;
 
@@ -30,16 +31,13 @@ Exit codes: 0 finished or running   2 nothing was run there   9 something is mis
 
 /// Options of `falsify status`.
 #[derive(Debug, Args)]
-pub struct StatusOptions {
-    /// The folder for the reports, or one of its reports.
-    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
-    pub out: PathBuf,
+pub struct StatusArgs {
     /// The same, named as other commands name a report.
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub report: Option<PathBuf>,
-    /// The folder that `run` was given as --cache.
-    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
-    pub cache: Option<PathBuf>,
+    /// The folder and its cache.
+    #[command(flatten)]
+    pub of: session::StatusOptions,
     /// Form of the output; `json` is one object for each campaign.
     #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
     pub format: Output,
@@ -55,27 +53,21 @@ pub struct StatusOptions {
 }
 
 /// `falsify status`
-pub fn status(options: &StatusOptions) -> ExitCode {
-    let folder = options.report.as_ref().unwrap_or(&options.out);
+pub fn status(options: &StatusArgs) -> Ended {
+    let mut of = options.of.clone();
+    of.out = options.report.clone().unwrap_or(of.out);
     if options.stored || options.prune {
-        let cache = options.cache.as_deref();
-        return stored(&Stored { out: folder, cache, prune: options.prune, gone: options.gone });
+        return stored(&of, options);
     }
-    let wanted = session::StatusOptions { out: folder.clone(), cache: options.cache.clone() };
-    let campaigns = match session(false).status(&wanted) {
-        Ok(campaigns) => campaigns,
-        Err(error) => return failure::failed(&error),
-    };
+    let campaigns = session(false).status(&of).map_err(failed)?;
     for campaign in &campaigns {
         match options.format {
-            Output::Json => {
-                console::say(&serde_json::to_string(campaign).expect("texts and numbers have a form in JSON"));
-            }
+            Output::Json => console::say_object(campaign),
             Output::Human => tell(campaign),
         }
     }
     let stopped = campaigns.iter().any(|campaign| campaign.state == CampaignState::Stopped);
-    if stopped { ExitCode::Incomplete } else { ExitCode::Done }
+    Ok(if stopped { ExitCode::Incomplete } else { ExitCode::Done })
 }
 
 fn tell(campaign: &CampaignProgress) {
@@ -115,7 +107,8 @@ fn tell(campaign: &CampaignProgress) {
         }
         (None, Some(left)) => console::say(&format!("  about {} left for one thread", clock(left))),
         (None, None) if campaign.measured_s > 0.0 => {
-            let (known, unknown) = (clock(campaign.measured_s), campaign.unmeasured.join(" and "));
+            let known = clock(campaign.measured_s);
+            let unknown = campaign.unmeasured.join(" and ");
             console::say(&format!("  about {known} left for one thread, and the {unknown}, of which none is done yet"));
         }
         (None, None) => console::say("  too little is done to say how long the rest will take"),

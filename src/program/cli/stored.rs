@@ -1,43 +1,26 @@
 use std::collections::BTreeSet;
-use std::path::Path;
 
-use super::exit_code::ExitCode;
-use super::{console, failure};
+use super::console;
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{misused, store_failed};
+use super::status::StatusArgs;
+use crate::session;
 use results::store::{References, Store, StoreError};
 
-/// What to do with finished work that is stored.
-#[derive(Debug)]
-pub struct Stored<'a> {
-    /// The folder for reports.
-    pub out: &'a Path,
-    /// The folder that `run` was given as --cache.
-    pub cache: Option<&'a Path>,
-    /// Remove tasks that no campaign needed in its last run, for any folder for reports.
-    pub prune: bool,
-    /// Also remove tasks of folders for reports that do not exist, or cannot be seen from here.
-    pub gone: bool,
-}
-
-/// `falsify status --stored` and `--prune`
-pub fn stored(options: &Stored<'_>) -> ExitCode {
-    if let Some(missing) = options.cache.filter(|cache| !cache.exists()) {
-        console::fail(&format!("the cache `{}` does not exist", missing.display()));
-        return ExitCode::Usage;
+/// `falsify status --stored` and `--prune` of a folder for reports and its cache.
+pub fn stored(of: &session::StatusOptions, options: &StatusArgs) -> Ended {
+    let cache = of.cache.as_deref();
+    if let Some(missing) = cache.filter(|cache| !cache.exists()) {
+        return Err(misused(format!("the cache `{}` does not exist", missing.display())));
     }
     let note = Box::new(|text: &str| console::warn(text));
-    let (out, cache) = (options.out, options.cache);
-    let opened = if options.prune { Store::open(out, cache, note) } else { Store::look(out, cache, note) };
-    let told = opened.and_then(|store| tell(&store, options));
-    told.map_or_else(
-        |error| {
-            console::fail(&error.to_string());
-            failure::store_code(&error)
-        },
-        |()| ExitCode::Done,
-    )
+    let open = if options.prune { Store::open } else { Store::look };
+    let told = open(&of.out, cache, note).and_then(|store| tell(&store, options));
+    told.map_err(store_failed)?;
+    Ok(ExitCode::Done)
 }
 
-fn tell(store: &Store, options: &Stored<'_>) -> Result<(), StoreError> {
+fn tell(store: &Store, options: &StatusArgs) -> Result<(), StoreError> {
     // While this is held, no campaign records new wants. So no task is removed between its request and its use.
     let _still = options.prune.then(|| store.hold_still());
     let sizes = store.sizes();
@@ -47,8 +30,8 @@ fn tell(store: &Store, options: &Stored<'_>) -> Result<(), StoreError> {
     for References { campaign, tasks, elsewhere, .. } in gone.iter().chain(&kept) {
         let there: Vec<u64> = tasks.iter().filter_map(|id| sizes.get(id).copied()).collect();
         let of = elsewhere.as_ref().map_or(String::new(), |out| format!(" of `{}`", out.display()));
-        let (count, all, size) = (there.len(), tasks.len(), megabytes(there.iter().sum()));
-        console::say(&format!("campaign {campaign}{of}: {count} of {all} tasks, {size}"));
+        let size = megabytes(there.iter().sum());
+        console::say(&format!("campaign {campaign}{of}: {} of {} tasks, {size}", there.len(), tasks.len()));
     }
     kept.iter().for_each(|wants| used.extend(&wants.tasks));
     let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(id)).collect();

@@ -2,10 +2,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::episode::{Named, RepeatOptions, resolved};
-use super::exit_code::ExitCode;
+use super::console;
+use super::episode::{Named, RepeatArgs, resolved};
+use super::exit_code::{Ended, ExitCode};
+use super::failure::{failed, misused};
 use super::input::session;
-use super::{console, failure};
 use crate::session::{self, EpisodeName, EpisodePath, Repeated, VerifyReport, reasons};
 
 /// The most differences that are shown.
@@ -25,67 +26,46 @@ Exit codes: 0 all are equal   2 no report   3 errors in a scenario   8 something
 
 /// Options of `falsify verify`.
 #[derive(Debug, Args)]
-pub struct VerifyOptions {
+pub struct VerifyArgs {
     /// A report; or `[PATH/]RUN:EPISODE`, to repeat these episodes and no others; `-` reads names from the input, one a line.
     #[arg(value_name = "REPORT", required_unless_present = "report")]
     pub what: Vec<String>,
     /// The report; with names of episodes, the report or folder of reports of names without a path.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Number of episodes and failures of searches to repeat.
-    #[arg(long, default_value_t = 100, value_name = "N")]
-    pub sample: usize,
-    /// Repeat all of them.
-    #[arg(long, conflicts_with = "sample")]
-    pub all: bool,
-    /// Train every pedestrian again, too, and compare its networks.
-    #[arg(long)]
-    pub trainings: bool,
-    /// Seed of the sample.
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    pub seed: u64,
+    /// What is repeated.
+    #[command(flatten)]
+    pub verify: session::VerifyOptions,
     /// Options of the repetition.
     #[command(flatten)]
-    pub repeat: RepeatOptions,
+    pub repeat: RepeatArgs,
 }
 
 /// `falsify verify`
-pub fn verify(options: &VerifyOptions) -> ExitCode {
-    let wanted = match options.wanted() {
-        Ok(wanted) => wanted,
-        Err(code) => return code,
-    };
+pub fn verify(options: &VerifyArgs) -> Ended {
+    let wanted = options.wanted()?;
     let session = session(options.repeat.allow_external);
-    let codes = wanted.iter().map(|wanted| match session.verify(wanted) {
-        Ok(verified) => tell(&verified),
-        Err(error) => failure::failed(&error),
-    });
-    codes.fold(ExitCode::Done, |ended, code| if ended == ExitCode::Done { code } else { ended })
+    let codes = wanted.iter().map(|wanted| session.verify(wanted).map_or_else(failed, |verified| tell(&verified)));
+    Ok(codes.fold(ExitCode::Done, ExitCode::or))
 }
 
-impl VerifyOptions {
+impl VerifyArgs {
     /// Options for a session, one for each report.
     fn wanted(&self) -> Result<Vec<session::VerifyOptions>, ExitCode> {
         let one = |report: PathBuf, episodes: Vec<EpisodeName>| session::VerifyOptions {
             report,
             episodes,
-            sample: (!self.all).then_some(self.sample),
-            trainings: self.trainings,
-            seed: self.seed,
-            repeat: self.repeat.repeat(),
+            repeat: self.repeat.repeat.clone(),
+            ..self.verify.clone()
         };
         let named: Result<Vec<Named>, _> = self.what.iter().map(|text| text.parse()).collect();
         let Ok(named) = named else {
             let [folder] = self.what.as_slice() else {
-                console::fail("name one report, or episodes as [PATH/]RUN:EPISODE");
-                return Err(ExitCode::Usage);
+                return Err(misused("name one report, or episodes as [PATH/]RUN:EPISODE"));
             };
             return match &self.report {
                 None => Ok(vec![one(folder.into(), Vec::new())]),
-                Some(_) => {
-                    console::fail("the report is named twice, as REPORT and by --report");
-                    Err(ExitCode::Usage)
-                }
+                Some(_) => Err(misused("the report is named twice, as REPORT and by --report")),
             };
         };
         if named.is_empty() {
@@ -106,7 +86,7 @@ impl VerifyOptions {
 
 /// Prints the result for people; returns the exit code.
 fn tell(verified: &VerifyReport) -> ExitCode {
-    let (repeated, different) = (verified.repeated, &verified.different);
+    let VerifyReport { repeated, different, .. } = verified;
     show(different);
     let equal = repeated - different.len();
     for file in &verified.changed_files {

@@ -1,7 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use lsp_server::{ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
@@ -31,7 +30,6 @@ use base::contained::contained;
 use base::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use compile::{Catalog, compile};
 use lang::Loaded;
-use process::ProcessOpener;
 
 /// The greatest number of diagnostics of a file; an editor shows no more.
 const SHOWN: usize = 500;
@@ -48,13 +46,17 @@ pub enum Ending {
 /// Serves one editor until it shuts the session down or its stream ends. A message that cannot be understood is answered with
 /// an error and has no other effect.
 ///
-/// The server looks up programs that scenarios name, and never starts them. `shelf` is a folder to which the standard library is
+/// The server looks up programs that scenarios name, if the catalogue has an opener, and never starts them. `shelf` is a folder to which the standard library is
 /// written when the user opens one of its files.
 ///
 /// # Errors
 /// The stream failed, or its messages have lost their boundaries.
-pub fn serve(mut input: impl BufRead, output: impl Write, shelf: PathBuf) -> Result<Ending, WireError> {
-    let catalog = Catalog::builtin().with_opener(Arc::new(ProcessOpener::default()));
+pub fn serve(
+    catalog: Catalog,
+    mut input: impl BufRead,
+    output: impl Write,
+    shelf: PathBuf,
+) -> Result<Ending, WireError> {
     let mut server = Server { catalog, documents: Documents::new(shelf), shown: BTreeSet::new(), output };
     let mut stopping = false;
     loop {

@@ -46,7 +46,7 @@ pub struct CampaignReport {
     pub folder: PathBuf,
     /// How it was made.
     pub manifest: Manifest,
-    /// Means and intervals of each cell of the grid, in the order of the table `cells`.
+    /// Means and intervals of each cell of the grid, in the order of the table `results`.
     pub cells: Vec<Cell>,
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::disk::{ReadFiles, Recording};
-use super::{Error, Input, Session};
+use super::{Error, Event, Input, Session};
 use base::diagnostic::{Severity, Sources};
 use compile::{Compiled, Overrides, Plan, compile_with};
 use lang::{Reader, library};
@@ -38,16 +38,16 @@ impl Checked {
     /// # Errors
     /// [`Error::Scenario`] and [`Error::UnusedMap`].
     pub fn plan(&self) -> Result<&Plan, Error> {
-        let plan = self.compiled.plan.as_ref().ok_or_else(|| self.errors())?;
+        let plan = self.compiled.plan.as_ref().ok_or_else(|| Error::Scenario { errors: self.errors() })?;
         match self.mapped.iter().find(|town| !plan.has_town(town)) {
             None => Ok(plan),
             Some(town) => Err(Error::UnusedMap { town: town.clone() }),
         }
     }
 
-    fn errors(&self) -> Error {
-        let errors = self.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error);
-        Error::Scenario { errors: errors.count() }
+    /// The number of diagnostics that are errors.
+    pub fn errors(&self) -> usize {
+        self.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count()
     }
 }
 
@@ -71,7 +71,7 @@ impl Session {
     /// [`Session::plan`] with the files of a reader.
     pub(super) fn plan_from(&self, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
         let checked = self.compile(reader, input, input.overrides())?;
-        self.observer.diagnostics(&checked.compiled.diagnostics, &checked.sources);
+        self.tell(Event::Diagnostics(&checked.compiled.diagnostics, &checked.sources));
         checked.plan()?;
         let plan = checked.compiled.plan.expect("the files have no errors");
         Ok(Planned { plan, records: checked.records, contents: checked.contents })
@@ -93,7 +93,7 @@ impl Session {
         };
         if !unreadable.is_empty() {
             // The diagnostics of the other files are still reported.
-            self.observer.diagnostics(&compiled.diagnostics, &sources);
+            self.tell(Event::Diagnostics(&compiled.diagnostics, &sources));
             return Err(Error::Unreadable { files: unreadable });
         }
         let of_library = sources.iter().filter(|(_, source)| library::holds(&source.path));

@@ -19,7 +19,8 @@ impl Session {
     /// A report cannot be read, or nothing can be compared.
     pub fn compare(&self, options: &CompareOptions) -> Result<ReportComparison, Error> {
         let [before, after] = &options.reports;
-        let (before, after) = (StoredReport::open(before)?, StoredReport::open(after)?);
+        let before = StoredReport::open(before)?;
+        let after = StoredReport::open(after)?;
         before.check_tables()?;
         after.check_tables()?;
         let driver = |side: usize| options.drivers.as_ref().map(|drivers| drivers[side].as_str());
@@ -46,8 +47,7 @@ impl Session {
             [self.reopen(StoredReport::open(before)?, options)?, self.reopen(StoredReport::open(after)?, options)?];
         let play = |change: &&FailureChange| {
             let side = |side: usize| -> Result<report::Replay, Error> {
-                let name = &change.sides[side].name;
-                let name: EpisodeName = name.parse().map_err(|_| Error::BadName { name: name.clone() })?;
+                let name = EpisodeName::of_table(change.sides[side].name.clone())?;
                 let again = sources[side].repeat(name)?;
                 Ok(report::Replay::of_episode(&again.scenario, &again.outcome, &again.trace, again.verdict.as_ref()))
             };

@@ -20,7 +20,8 @@ impl FromStr for DriverPair {
     /// Reads `OLD=NEW`, or `NAME` for a driver that has kept its name.
     fn from_str(text: &str) -> Result<Self, String> {
         let (before, after) = text.split_once('=').unwrap_or((text, text));
-        let (before, after) = (before.trim().to_owned(), after.trim().to_owned());
+        let before = before.trim().to_owned();
+        let after = after.trim().to_owned();
         if before.is_empty() || after.is_empty() {
             return Err("write OLD=NEW, or NAME for a driver that has kept its name".into());
         }
@@ -71,7 +72,8 @@ pub(super) fn driver_pairs(
     new: &[Campaign],
     given: &[DriverPair],
 ) -> Result<(Vec<DriverPair>, Vec<RecheckNote>), Error> {
-    let (before, after) = (drivers(std::slice::from_ref(old)), drivers(new));
+    let before = drivers(std::slice::from_ref(old));
+    let after = drivers(new);
     for pair in given {
         let sides = [(&pair.before, "the runs of the report", &before), (&pair.after, "the new campaigns", &after)];
         if let Some((driver, place, known)) = sides.into_iter().find(|(driver, _, known)| !known.contains(driver)) {

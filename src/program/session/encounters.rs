@@ -11,7 +11,7 @@ use super::{EpisodeName, Error};
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
 use learn::ActorCritic;
-use results::campaign::watch;
+use results::campaign::repeat_episodes;
 use results::report::{self, Encounter, ListedFailure, Met, WalkedBy};
 use world::env::{Outcome, Scenario, Trace, VehicleRole};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_noting, recorded_commands, walk_again};
@@ -46,8 +46,8 @@ impl Source {
         let number = failure.number as u32;
         let play = |evaluation: &Evaluation| -> Option<Played> {
             let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-            let go_on = &mut |_| ControlFlow::Continue(());
-            watch(evaluation, trained, number..number + 1, &self.seed, note, go_on).into_iter().next()
+            let played = repeat_episodes(evaluation, trained, &[number], &self.seed, note);
+            played.into_iter().next().map(|(_, played)| played)
         };
         let before = old.then(|| play(evaluation)).flatten();
         let after = Evaluation { scenario: with_driver(&evaluation.scenario, role), ..evaluation.clone() };
@@ -68,19 +68,20 @@ impl Source {
         role: &VehicleRole,
         old: bool,
     ) -> Result<MetAgain, Error> {
-        let name = failure.name();
-        let EpisodeName { run, number } = name.parse().map_err(|_| Error::BadName { name })?;
+        let EpisodeName { run, number } = EpisodeName::of_table(failure.name())?;
         let stored = self.report.search_failure(run, number)?.as_ref().and_then(report::failure);
         let Some(stored) = stored.filter(|stored| !stored.commands.is_empty()) else {
             return Ok(MetAgain { is_damaged: true, ..MetAgain::default() });
         };
-        let (seed, after) = (search.starts(&self.seed), with_driver(&search.scenario, role));
+        let seed = search.starts(&self.seed);
+        let after = with_driver(&search.scenario, role);
         let follow = |scenario| walk_again(scenario, seed, stored.start, &stored.commands);
         let walker = search.falsifier.walk_policy().zip(u32::try_from(stored.start).ok());
         let has_no_controller = walker.is_none();
         let walked = walker.and_then(|(mut walker, start)| {
             let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-            let (drawn, go_on) = (search.drawn(&self.seed), &mut |_| ControlFlow::Continue(()));
+            let drawn = search.drawn(&self.seed);
+            let go_on = &mut |_| ControlFlow::Continue(());
             let played = evaluate_noting(walker.as_mut(), &after, start..start + 1, &seed, &drawn, note, go_on);
             played.into_iter().next()
         });

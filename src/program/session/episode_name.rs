@@ -2,6 +2,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use super::Error;
 use compile::RunId;
 
 /// The name of an episode or of a failure of a search, `RUN:EPISODE`.
@@ -17,6 +18,13 @@ pub struct EpisodeName {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("write RUN:EPISODE, as in 1a2b3c4d:17: eight hexadecimal digits and a number")]
 pub struct NoEpisodeName;
+
+impl EpisodeName {
+    /// Reads a name in a table of a report.
+    pub(super) fn of_table(name: String) -> Result<Self, Error> {
+        name.parse().map_err(|_| Error::BadName { name })
+    }
+}
 
 impl FromStr for EpisodeName {
     type Err = NoEpisodeName;

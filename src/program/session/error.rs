@@ -40,6 +40,13 @@ pub enum Error {
         /// What to write or to name instead.
         advice: String,
     },
+    /// A campaign that is to be run alone is not in the files.
+    #[error("no campaign is called `{name}`; the files have {known}")]
+    UnknownCampaign {
+        name: String,
+        /// The names that they have.
+        known: String,
+    },
     /// A gate judges no row of the campaigns.
     #[error(transparent)]
     Gate(#[from] GateError),
@@ -218,7 +225,7 @@ fn listed<T: std::fmt::Display>(all: &[T]) -> String {
     all.iter().map(|each| format!("  {each}")).collect::<Vec<_>>().join("\n")
 }
 
-fn named(names: &[String]) -> String {
+pub(super) fn named(names: &[String]) -> String {
     if names.is_empty() {
         return "none".into();
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::growing_curves::training_name;
-use super::{Notice, Observer};
+use super::{Event, Notice, Observer};
 use compile::{Training, TrainingKey};
 use learn::{UpdateLog, event_file_start, event_of_update};
 
@@ -49,7 +49,7 @@ impl EventFiles {
     fn note(&self, key: &TrainingKey, written: io::Result<()>) {
         if let Err(source) = written {
             let path = self.folder.join(training_name(key));
-            self.observer.notice(&Notice::LearningCurve { path, source });
+            self.observer.event(&Event::Notice(&Notice::LearningCurve { path, source }));
         }
     }
 }

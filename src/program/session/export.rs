@@ -40,32 +40,31 @@ impl Export for TickTable {
     }
 }
 
-/// Six frames side by side with the speeds of both actors, as SVG.
+/// A picture, as SVG.
 #[derive(Debug, Clone)]
-pub struct Strip {
+pub struct Picture {
+    pub drawing: Drawing,
     /// The file.
     pub path: PathBuf,
 }
 
-impl Export for Strip {
-    fn write(&self, episode: &Repeated) -> Result<(), WriteError> {
-        let Repeated { scenario, trace, verdict, title, .. } = episode;
-        let page = report::strip(scenario, trace, verdict.as_ref(), &headline(episode), title);
-        report::write_file(&self.path, page.as_bytes())
-    }
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drawing {
+    /// Six frames side by side with the speeds of both actors.
+    Strip,
+    /// The episode as it runs.
+    Animation,
 }
 
-/// An animation, as SVG.
-#[derive(Debug, Clone)]
-pub struct Animation {
-    /// The file.
-    pub path: PathBuf,
-}
-
-impl Export for Animation {
+impl Export for Picture {
     fn write(&self, episode: &Repeated) -> Result<(), WriteError> {
         let Repeated { scenario, trace, verdict, title, .. } = episode;
-        let page = report::animation(scenario, trace, verdict.as_ref(), &headline(episode), title);
+        let draw = match self.drawing {
+            Drawing::Strip => report::strip,
+            Drawing::Animation => report::animation,
+        };
+        let page = draw(scenario, trace, verdict.as_ref(), &headline(episode), title);
         report::write_file(&self.path, page.as_bytes())
     }
 }

@@ -1,3 +1,4 @@
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::{Error, Session};
@@ -12,6 +13,8 @@ pub struct FailuresOptions {
     pub filter: FailureFilter,
     /// Their order, over all reports.
     pub order: FailureOrder,
+    /// Whether only the first of each start of a town and driver is listed.
+    pub distinct: bool,
 }
 
 /// A failure, and the report that has it.
@@ -37,6 +40,13 @@ impl Session {
             }
         }
         found.sort_by(|a, b| options.order.compare(&a.failure, &b.failure));
+        if options.distinct {
+            let mut seen = BTreeSet::new();
+            found.retain(|FoundFailure { report, failure }| {
+                let ListedFailure { town, policy, start, .. } = failure;
+                seen.insert((report.clone(), town.clone(), policy.clone(), *start))
+            });
+        }
         Ok(found)
     }
 }

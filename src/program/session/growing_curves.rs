@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 
-use super::{Notice, Observer};
+use super::{Event, Notice, Observer};
 use base::files;
 use compile::{Training, TrainingKey};
 use learn::UpdateLog;
@@ -67,7 +67,8 @@ impl GrowingCurves {
     fn note(&self, key: &TrainingKey, written: io::Result<()>) {
         if let Err(source) = written {
             self.growing().remove(key);
-            self.observer.notice(&Notice::LearningCurve { path: self.path(key), source });
+            let path = self.path(key);
+            self.observer.event(&Event::Notice(&Notice::LearningCurve { path, source }));
         }
     }
 

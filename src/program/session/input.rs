@@ -1,15 +1,20 @@
 use std::path::PathBuf;
 
+use clap::Args;
+
 use compile::Overrides;
 
 /// Scenario files, and what replaces parts of them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Input {
     /// The scenario files.
+    #[arg(skip)]
     pub files: Vec<PathBuf>,
-    /// OpenDRIVE maps that replace the roads of towns, each with the name of its town.
+    /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
+    #[arg(id = "map", long = "map", value_name = "TOWN=FILE", value_parser = town_and_file, help_heading = "Scenario")]
     pub maps: Vec<(String, PathBuf)>,
-    /// Values of parameters and of keys of declarations, as `far=20 m` or `ppo_paper.steps=1000`.
+    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`.
+    #[arg(id = "set", long = "set", value_name = "NAME=VALUE", help_heading = "Scenario")]
     pub settings: Vec<String>,
 }
 
@@ -21,7 +26,12 @@ impl Input {
 
     /// The replacements, for the compiler.
     pub(super) fn overrides(&self) -> Overrides {
-        let (maps, settings) = (self.maps.iter().cloned().collect(), self.settings.clone());
-        Overrides { maps, settings, ..Overrides::default() }
+        let maps = self.maps.iter().cloned().collect();
+        Overrides { maps, settings: self.settings.clone(), ..Overrides::default() }
     }
+}
+
+fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
+    let (town, file) = text.split_once('=').ok_or("write TOWN=FILE")?;
+    Ok((town.to_string(), PathBuf::from(file)))
 }

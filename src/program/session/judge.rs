@@ -1,17 +1,27 @@
 use std::path::{Path, PathBuf};
 
+use clap::Args;
+
 use super::{Error, Input, Session};
 use lang::reason;
 use world::env::Scenario;
 use world::judge::{Encountered, Recording, RecordingFileError, Sizes};
 
 /// Options of [`Session::judge`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct JudgeOptions {
-    /// The recording: CSV, as [`Recording::from_csv`] reads it.
+    /// A recording: CSV with a header and a row for each instant.
+    #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Sizes in the place of the paper's.
-    pub sizes: Sizes,
+    /// Length of the car (m); without it that of the paper's car, 4.79.
+    #[arg(long, value_name = "METRES")]
+    pub length: Option<f64>,
+    /// Width of the car (m); without it that of the paper's car, 2.16.
+    #[arg(long, value_name = "METRES")]
+    pub width: Option<f64>,
+    /// Radius of the pedestrian (m); without it that of the paper's pedestrian, 0.188.
+    #[arg(long, value_name = "METRES")]
+    pub radius: Option<f64>,
 }
 
 /// The paper's car and pedestrian, whose sizes and grip a recording has when nothing else is stated.
@@ -34,15 +44,12 @@ impl Session {
     /// # Errors
     /// [`Error::Recording`]: the file cannot be read, holds no recording, or a size is out of its range.
     pub fn judge(&self, options: &JudgeOptions) -> Result<Encountered, Error> {
-        let refused =
-            |source: RecordingFileError| Error::Recording { file: options.file.clone(), reason: source.to_string() };
-        let text = self
-            .reader
-            .text(&options.file)
-            .map_err(|error| Error::Recording { file: options.file.clone(), reason: reason(&error) })?;
-        let recording = Recording::from_csv(&text).map_err(refused)?;
+        let refused = |reason: String| Error::Recording { file: options.file.clone(), reason };
+        let text = self.reader.text(&options.file).map_err(|error| refused(reason(&error)))?;
+        let recording = Recording::from_csv(&text).map_err(|error| refused(error.to_string()))?;
         let mut scenario = paper()?;
-        options.sizes.apply(&mut scenario).map_err(|error| refused(error.into()))?;
+        let sizes = Sizes { length: options.length, width: options.width, radius: options.radius };
+        sizes.apply(&mut scenario).map_err(|error| refused(RecordingFileError::from(error).to_string()))?;
         Ok(recording.judged_without_obstacles(&scenario))
     }
 }

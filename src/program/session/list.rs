@@ -29,7 +29,8 @@ impl Session {
 
 fn listing(campaign: Campaign, options: &RunOptions, store: &Store) -> Result<Listing, Error> {
     let name = options.report_name(&campaign);
-    let (ids, index) = (Ids::new(&campaign, options.seed), Index::read(store, &name)?);
+    let ids = Ids::new(&campaign, options.seed);
+    let index = Index::read(store, &name)?;
     let known = |task| match options.fresh {
         true => Known::Missing("--fresh"),
         false => index.look(store, &campaign, task, &ids, options.seed),

@@ -6,7 +6,7 @@ use super::{Input, Planned, RunOptions, Session};
 use compile::Campaign;
 use results::campaign::{Finished, TrainingResult};
 use results::report::{
-    Call, FileRecord, Gathered, Manifest, ReportFolder, RunRecord, ScenarioFile, TrainingRecord, WriteError,
+    Call, FileRecord, Findings, Gathered, Manifest, ReportFolder, RunRecord, ScenarioFile, TrainingRecord, WriteError,
     held_places, pedestrian_file,
 };
 use results::store::{CODE, vector_instructions};
@@ -36,13 +36,12 @@ impl Session {
     /// The manifest of a campaign that was run.
     pub(super) fn manifest(
         &self,
-        campaign: &Campaign,
         options: &RunOptions,
         files: Vec<ScenarioFile>,
-        finished: &Finished,
-        gathered: &Gathered,
+        found: &Findings<'_>,
         times: &Times,
     ) -> Manifest {
+        let Findings { campaign, finished, gathered, .. } = found;
         Manifest {
             version: env!("CARGO_PKG_VERSION").into(),
             code: CODE.into(),
@@ -67,10 +66,29 @@ impl Session {
         }
     }
 
+    /// Adds the files of a scenario to its report, as far as they are of a moderate size and not of the standard library.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub(super) fn hold(&self, folder: &ReportFolder, planned: &Planned) -> Result<Vec<ScenarioFile>, WriteError> {
+        let read = planned.records.iter().map(|record| record.path.as_str());
+        let paths: Vec<&str> = read.filter(|path| planned.contents.contains_key(*path)).collect();
+        let places: BTreeMap<&str, String> = paths.iter().copied().zip(held_places(&paths, &self.folder)).collect();
+        for (path, contents) in &planned.contents {
+            folder.file(&places[path.as_str()], contents)?;
+        }
+        let file = |FileRecord { path, blake3 }: &FileRecord| ScenarioFile {
+            path: path.clone(),
+            blake3: blake3.clone(),
+            held: places.get(path.as_str()).cloned().unwrap_or_default(),
+        };
+        Ok(planned.records.iter().map(file).collect())
+    }
+
     /// The input of the session, for a later repetition.
     fn call(&self, input: &Input) -> Call {
         Call {
-            folder: std::env::current_dir().map_or_else(|_| String::new(), |folder| folder.display().to_string()),
+            folder: self.folder.display().to_string(),
             scenarios: input.files.iter().map(|path| path.display().to_string()).collect(),
             maps: input.maps.iter().map(|(town, file)| format!("{town}={}", file.display())).collect(),
             set: input.settings.clone(),
@@ -83,26 +101,6 @@ impl Session {
 pub fn runs(campaign: &Campaign) -> Vec<RunRecord> {
     let evaluations = campaign.evaluations.iter().map(RunRecord::of_evaluation);
     evaluations.chain(campaign.searches.iter().map(RunRecord::of_search)).collect()
-}
-
-/// Adds the files of a scenario to its report, as far as they are of a moderate size and not of the standard library.
-///
-/// # Errors
-/// A file cannot be written.
-pub fn hold(folder: &ReportFolder, planned: &Planned) -> Result<Vec<ScenarioFile>, WriteError> {
-    let here = std::env::current_dir().unwrap_or_default();
-    let read = planned.records.iter().map(|record| record.path.as_str());
-    let paths: Vec<&str> = read.filter(|path| planned.contents.contains_key(*path)).collect();
-    let places: BTreeMap<&str, String> = paths.iter().copied().zip(held_places(&paths, &here)).collect();
-    for (path, contents) in &planned.contents {
-        folder.file(&places[path.as_str()], contents)?;
-    }
-    let file = |FileRecord { path, blake3 }: &FileRecord| ScenarioFile {
-        path: path.clone(),
-        blake3: blake3.clone(),
-        held: places.get(path.as_str()).cloned().unwrap_or_default(),
-    };
-    Ok(planned.records.iter().map(file).collect())
 }
 
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {

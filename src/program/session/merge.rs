@@ -1,21 +1,26 @@
 use std::path::PathBuf;
 
+use clap::Args;
 use rayon::prelude::*;
 
 use super::run::{Work, pool};
-use super::{Error, Incomplete, Missing, Notice, RunOptions, RunReport, Session};
+use super::{Error, Event, Incomplete, Missing, Notice, RunOptions, RunReport, Session};
 use compile::Campaign;
 use results::campaign::{Task, tasks};
 use results::store::{Ids, Store, Taken, task_name};
 
 /// Options of [`Session::merge`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct MergeOptions {
-    /// The options of the run. Those on how it was run (`fresh`, `limits`, `command`) have no effect here.
+    /// The options of the run. Those on how it was run (`fresh`, `checkpoint`, `task_time`, `max_ticks`, `command`) have no effect here.
+    #[arg(skip)]
     pub run: RunOptions,
-    /// Folders with the tasks of shards, in addition to the store of the reports.
+    /// Folders with the tasks of shards (their --out or their --cache), in addition to those that are in the folder for the reports
+    /// already.
+    #[arg(long, num_args = 1.., value_name = "DIR")]
     pub from: Vec<PathBuf>,
-    /// Whether reports are written even when tasks are missing.
+    /// Write the finished part as NAME-partial when something is missing.
+    #[arg(long, display_order = 100)]
     pub partial: bool,
 }
 
@@ -34,10 +39,10 @@ impl Session {
         let store = Store::open(&options.run.out, options.run.cache.as_deref(), Box::new(|_| {}))?;
         let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
         for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
-            self.observer.notice(&Notice::NoTasks { folder: folder.clone() });
+            self.notice(&Notice::NoTasks { folder: folder.clone() });
         }
         let pool = pool(options.run.threads)?;
-        self.observer.begun();
+        self.tell(Event::Begun);
         let mut whole = true;
         for campaign in &planned.plan.campaigns {
             let incomplete = pool.install(|| self.take_over(campaign, &options.run, &store, &others))?;
@@ -46,7 +51,7 @@ impl Session {
             }
             if let Some(incomplete) = incomplete {
                 whole = false;
-                self.observer.notice(&Notice::Incomplete(Box::new(incomplete)));
+                self.notice(&Notice::Incomplete(Box::new(incomplete)));
             }
         }
         drop((store, pool));

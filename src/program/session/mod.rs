@@ -2,13 +2,14 @@
 //! `export`, `preview`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
-//! takes a struct of plain options, returns a value or an [`Error`], and reports events to the observer meanwhile. No call prints, reads
-//! the arguments or the environment of the process, installs a signal handler or starts a program that the catalogue does not allow.
+//! takes a struct of plain options, returns a value or an [`Error`], and the observer hears each [`Event`] meanwhile. No call prints, reads
+//! the arguments or the environment of the process, installs a signal handler or starts a program that the catalogue does not allow. The
+//! structs of options are also arguments of the command line, which alone parses them.
 
 mod disk;
 mod error;
 mod stop;
-mod observer;
+mod event;
 mod input;
 mod setup;
 mod check;
@@ -20,6 +21,7 @@ mod manifest;
 mod other_report;
 mod growing_curves;
 mod event_files;
+mod tasks;
 mod run;
 mod overview;
 mod shard;
@@ -50,7 +52,8 @@ pub use disk::Disk;
 pub use driver_pairs::DriverPair;
 pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
 pub use error::{Change, Error, KeepError};
-pub use export::{Animation, Export, Strip, TickTable};
+pub use event::{Event, Notice, Observer, Silent};
+pub use export::{Drawing, Export, Picture, TickTable};
 pub use export_files::{ExportOptions, Exported};
 pub use failures::{FailuresOptions, FoundFailure};
 pub use growing_curves::NewestUpdate;
@@ -59,8 +62,8 @@ pub use input::Input;
 pub use judge::JudgeOptions;
 pub use list::Listing;
 pub use merge::MergeOptions;
-pub use observer::{Notice, Observer, Silent};
-pub use options::{RunOptions, Ticks};
+pub(crate) use options::seconds;
+pub use options::{RunOptions, TableFormat, Ticks};
 pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
 pub use preview::{Preview, PreviewOptions};
@@ -76,4 +79,4 @@ pub use stop::Stop;
 pub use stored::RepeatOptions;
 pub use verify::{Retrained, VerifyOptions, VerifyReport};
 
-pub use world::judge::{Encountered, Reference, Sizes, Verdict};
+pub use world::judge::{Encountered, Reference, Verdict};

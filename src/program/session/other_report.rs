@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::error::named;
 use super::manifest::runs;
 use super::{Error, RunOptions};
 use compile::Campaign;
@@ -28,7 +29,7 @@ pub enum OtherInput {
         now: u64,
     },
     /// Other values from outside of the files.
-    #[error("its settings are {}, these are {}", settings(then), settings(now))]
+    #[error("its settings are {}, these are {}", named(then), named(now))]
     Settings {
         /// The settings of the report, as `name = value`.
         then: Vec<String>,
@@ -59,14 +60,6 @@ pub enum OtherInput {
     /// The manifest does not say what was run.
     #[error("its manifest cannot be read, or is of a version that does not say what was run")]
     Unknown,
-}
-
-fn settings(all: &[String]) -> String {
-    if all.is_empty() {
-        "none".into()
-    } else {
-        all.iter().map(|each| format!("`{each}`")).collect::<Vec<_>>().join(", ")
-    }
 }
 
 /// Checks that a finished report at the place of a campaign's report loses nothing when it is replaced: each of its runs is part of the

@@ -33,7 +33,8 @@ pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Op
         })
         .collect();
     let overview = Overview::new(&variants);
-    let (page, table) = (options.out.join(format!("{OVERVIEW}.html")), options.out.join(format!("{OVERVIEW}.csv")));
+    let page = options.out.join(format!("{OVERVIEW}.html"));
+    let table = options.out.join(format!("{OVERVIEW}.csv"));
     let failed = |source| options.keep(WriteError::Table { name: OVERVIEW.into(), source });
     let frame = overview.table().map_err(failed)?;
     report::write_csv(&table, &frame).map_err(|error| options.keep(error))?;

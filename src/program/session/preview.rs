@@ -1,8 +1,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::{Args, value_parser};
+
 use super::{Checked, Error, Input, SampledStarts, Session, sampled_starts};
-use base::diagnostic::{Colour, Severity, render};
+use base::diagnostic::{Colour, render};
 use compile::Plan;
 use results::report::{MapPage, StartLayer, TownView, map_page};
 use world::road::Town;
@@ -13,13 +15,16 @@ const LAYERS: usize = 12;
 const PROBLEMS: usize = 50;
 
 /// Options of [`Session::preview`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct PreviewOptions {
     /// The files.
+    #[arg(skip)]
     pub input: Input,
-    /// The number of starts that are drawn of every spawn rule in every town.
-    pub starts: u32,
-    /// The seed of the starts.
+    /// The number of starts that are drawn of every spawn in every town.
+    #[arg(long, default_value_t = 300, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000))]
+    pub sample: u32,
+    /// Seed of the starts.
+    #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
 }
 
@@ -54,8 +59,8 @@ impl Session {
             Err(other) => return kept(vec![format!("error: {other}")], 1, options.input.files.clone()),
         };
         let files = checked.records.iter().map(|record| PathBuf::from(&record.path)).collect();
+        let errors = checked.errors();
         let Checked { compiled, sources, .. } = checked;
-        let errors = compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
         let shown = compiled.diagnostics.iter().take(PROBLEMS).map(|each| render(each, &sources, Colour::Never));
         let more = compiled.diagnostics.len().saturating_sub(PROBLEMS);
         let problems = shown.chain((more > 0).then(|| format!("… and {more} more"))).collect();
@@ -63,7 +68,7 @@ impl Session {
         let Some(plan) = compiled.plan.or(compiled.unplaced) else { return kept(problems, errors, files) };
         let mut starts: Vec<(String, SampledStarts)> = Vec::new();
         for campaign in &plan.campaigns {
-            for sampled in sampled_starts(campaign, options.starts, options.seed) {
+            for sampled in sampled_starts(campaign, options.sample, options.seed) {
                 let same = |(_, other): &(String, SampledStarts)| {
                     other.town == sampled.town && other.scenario.spawn == sampled.scenario.spawn
                 };

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::{Args, value_parser};
 use rayon::prelude::*;
 
 use super::driver_pairs::{driver_pairs, new_role, with_driver};
@@ -20,19 +21,26 @@ use world::falsifier::{Goal, crossings};
 const LEVELS: u32 = 2;
 
 /// Options of [`Session::recheck`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Args)]
 pub struct RecheckOptions {
     /// The old report.
+    #[arg(value_name = "REPORT")]
     pub report: PathBuf,
-    /// Scenario files whose campaigns have the new drivers; without any, those of the report.
+    /// Scenario files whose campaigns have the new drivers and their cars; those of the report without any. Starts and pedestrians stay
+    /// those of the report.
+    #[arg(id = "new", value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Settings of the new drivers, as `NAME=VALUE`.
-    pub settings: Vec<String>,
-    /// The drivers; without any, those of equal names.
+    /// A driver of the report and its new version, or one name for both; may be given several times. All drivers of equal names without it.
+    #[arg(long = "driver", value_name = "OLD=NEW", value_parser = str::parse::<DriverPair>)]
     pub drivers: Vec<DriverPair>,
-    /// The number of starts of the fixed list in each town; 0 leaves the list out.
+    /// Give a parameter or a key of the new drivers another value, as `v1.margin=1 m`.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub settings: Vec<String>,
+    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out.
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
     pub starts: u32,
     /// Options of the repetition of the old report.
+    #[arg(skip)]
     pub repeat: RepeatOptions,
 }
 
@@ -60,7 +68,8 @@ impl Session {
         notes.extend(changed.map(|pair| RecheckNote::OldDriverGone { reason: reason(pair) }));
         let failures = sides.meet_failures(&pairs, &mut notes)?;
         let crossings = sides.cross_all(&pairs, options.starts, &mut notes);
-        let (report, files) = (options.report.clone(), options.files.clone());
+        let report = options.report.clone();
+        let files = options.files.clone();
         let mut recheck = Recheck { report, files, notes, failures, crossings };
         recheck.adjust();
         Ok(recheck)
@@ -95,7 +104,8 @@ impl Session {
 
     /// The campaigns of the new files: that of the report's name, or else all.
     fn new_campaigns(&self, options: &RecheckOptions, report: &StoredReport) -> Result<Vec<Campaign>, Error> {
-        let (files, settings) = (options.files.clone(), options.settings.clone());
+        let files = options.files.clone();
+        let settings = options.settings.clone();
         let plan = self.plan(&Input { files, maps: Vec::new(), settings })?.plan;
         if plan.campaigns.is_empty() {
             return Err(Error::NoCampaign { advice: plan.without_campaigns() });
@@ -103,6 +113,14 @@ impl Session {
         let named = plan.campaigns.iter().find(|campaign| campaign.name == report.manifest().campaign);
         Ok(named.map_or_else(|| plan.campaigns.clone(), |campaign| vec![campaign.clone()]))
     }
+}
+
+/// A setup in which a report has a driver.
+struct Setup<'a> {
+    town: &'a str,
+    /// Its number in the town, from 0.
+    number: u64,
+    scenario: Arc<Scenario>,
 }
 
 /// The rows that encounters with a pair of drivers belong to.
@@ -127,8 +145,7 @@ impl Sides {
             let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
             // A touch of a standing car is no failure.
             for failure in self.old.report.failures(&filter)?.into_iter().filter(|failure| failure.moving) {
-                let name = failure.name();
-                let name: EpisodeName = name.parse().map_err(|_| Error::BadName { name })?;
+                let name = EpisodeName::of_table(failure.name())?;
                 runs.entry(name.run).or_default().push(failure);
             }
             for (run, failures) in runs {
@@ -184,10 +201,12 @@ impl Sides {
         if starts == 0 {
             return Vec::new();
         }
-        let (goals, mut rows, mut other_start) = (crossings(LEVELS), Vec::new(), 0);
+        let goals = crossings(LEVELS);
+        let mut rows = Vec::new();
+        let mut other_start = 0;
         for pair in pairs {
-            for (town, setup, scenario) in self.setups(&pair.before) {
-                let row = self.cross(pair, (town, setup, &scenario), &goals, starts);
+            for setup in self.setups(&pair.before) {
+                let row = self.cross(pair, &setup, &goals, starts);
                 other_start += u64::from(starts) * goals.len() as u64 - row.encounters.len() as u64;
                 rows.push(row);
             }
@@ -198,20 +217,15 @@ impl Sides {
         rows
     }
 
-    fn cross(
-        &self,
-        pair: &DriverPair,
-        (town, setup, scenario): (&str, u64, &Arc<Scenario>),
-        goals: &[Goal],
-        starts: u32,
-    ) -> CrossedStarts {
+    fn cross(&self, pair: &DriverPair, setup: &Setup<'_>, goals: &[Goal], starts: u32) -> CrossedStarts {
+        let Setup { town, number, scenario } = setup;
         let role = new_role(&self.new, &pair.after, town, None).expect("the new driver is in a campaign");
         let before = self.is_there(&pair.before).then_some(scenario);
         let seed = self.old.seed.child("recheck").child(town);
         CrossedStarts {
             policies: [pair.before.clone(), pair.after.clone()],
-            town: town.to_owned(),
-            setup,
+            town: (*town).to_owned(),
+            setup: *number,
             crossings: goals.len() as u64,
             encounters: cross(goals, before, &with_driver(scenario, role), starts, seed),
             holm: None,
@@ -219,17 +233,18 @@ impl Sides {
     }
 
     /// The different setups in which the report has a driver, numbered in each town.
-    fn setups(&self, driver: &str) -> Vec<(&str, u64, Arc<Scenario>)> {
+    fn setups(&self, driver: &str) -> Vec<Setup<'_>> {
         let Campaign { evaluations, searches, .. } = &self.old.campaign;
         let evaluated = evaluations.iter().map(|each| (&*each.policy, &*each.town, &each.scenario));
         let searched = searches.iter().map(|each| (&*each.key.policy, &*each.key.town, &each.scenario));
-        let mut setups: Vec<(&str, u64, Arc<Scenario>)> = Vec::new();
+        let mut setups: Vec<Setup<'_>> = Vec::new();
         for (_, town, scenario) in evaluated.chain(searched).filter(|(policy, _, _)| *policy == driver) {
-            let of_town = || setups.iter().filter(|(other, _, _)| *other == town);
-            if !of_town().any(|(_, _, other)| is_alike(other, scenario)) {
+            let of_town = || setups.iter().filter(|other| other.town == town);
+            if !of_town().any(|other| is_alike(&other.scenario, scenario)) {
                 let number = of_town().count() as u64;
                 // Rewards are not of interest here.
-                setups.push((town, number, Arc::new(Scenario { oracle: None, ..Scenario::clone(scenario) })));
+                let scenario = Arc::new(Scenario { oracle: None, ..Scenario::clone(scenario) });
+                setups.push(Setup { town, number, scenario });
             }
         }
         setups

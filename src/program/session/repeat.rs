@@ -57,9 +57,19 @@ impl Source {
         let pair = trace.main_pair(&evaluation.scenario);
         let key = Arc::new(RunKey::of(evaluation));
         let row = EpisodeRow::new(&key, name.number, &outcome, &pair);
-        let (verdict, again) = (row.verdict, record::episodes(&[row]));
-        let scenario = &evaluation.scenario;
-        self.compared(name, key.to_string(), scenario, (outcome, trace, verdict), &stored, &again)
+        let verdict = row.verdict;
+        let again = record::episodes(&[row]);
+        let repeated = Repeated {
+            name,
+            title: key.to_string(),
+            scenario: evaluation.scenario.clone(),
+            outcome,
+            trace,
+            verdict,
+            differences: Vec::new(),
+            divergence: None,
+        };
+        self.compared(repeated, &stored, &again)
     }
 
     fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
@@ -83,41 +93,41 @@ impl Source {
             }
             None => Default::default(),
         };
-        let key = &search.key;
-        let title = format!("found by {key}");
-        self.compared(name, title, &search.scenario, (outcome, trace, verdict), &stored, &again)
+        let repeated = Repeated {
+            name,
+            title: format!("found by {}", search.key),
+            scenario: search.scenario.clone(),
+            outcome,
+            trace,
+            verdict,
+            differences: Vec::new(),
+            divergence: None,
+        };
+        self.compared(repeated, &stored, &again)
     }
 
     fn missing(&self, name: EpisodeName, what: &'static str) -> Error {
         Error::NoEpisode { report: self.report.folder().to_path_buf(), what, name }
     }
 
-    fn compared(
-        &self,
-        name: EpisodeName,
-        title: String,
-        scenario: &Arc<Scenario>,
-        (outcome, trace, verdict): (Outcome, Trace, Option<Verdict>),
-        stored: &report::Row,
-        again: &report::Row,
-    ) -> Result<Repeated, Error> {
-        let mut differences: Vec<Difference> = report::differences(stored, again)
-            .map_err(|error| Error::Incomparable { name, reason: error.to_string() })?
-            .into_iter()
-            .map(|each| each.1)
-            .collect();
-        if !outcome.is_collision() && self.search(name).is_some() {
+    /// Fills in what differs between the stored row of an episode and that of its repetition.
+    fn compared(&self, mut repeated: Repeated, stored: &report::Row, again: &report::Row) -> Result<Repeated, Error> {
+        let name = repeated.name;
+        let differences = report::differences(stored, again);
+        let differences =
+            differences.map_err(|error| Error::Incomparable { name, reason: error.to_string() })?.into_iter();
+        repeated.differences = differences.map(|each| each.1).collect();
+        if !repeated.outcome.is_collision() && self.search(name).is_some() {
             let (column, stored, again) = ("outcome".into(), "collision".into(), "none".into());
-            differences.push(Difference { column, stored, again });
+            repeated.differences.push(Difference { column, stored, again });
         }
-        let divergence = if differences.is_empty() {
-            None
-        } else {
+        if !repeated.differences.is_empty() {
+            let Repeated { scenario, outcome, trace, .. } = &repeated;
             let ticks = self.report.ticks(name.run, name.number)?;
-            let now = report::ticks(name.run, name.number, scenario, &trace);
-            report::divergence(stored, &outcome, scenario, ticks.as_ref().map(|then| (then, &now)))
-        };
-        let scenario = scenario.clone();
-        Ok(Repeated { name, title, scenario, outcome, trace, verdict, differences, divergence })
+            let now = report::ticks(name.run, name.number, scenario, trace);
+            let ticks = ticks.as_ref().map(|then| (then, &now));
+            repeated.divergence = report::divergence(stored, outcome, scenario, ticks);
+        }
+        Ok(repeated)
     }
 }

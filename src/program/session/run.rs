@@ -1,20 +1,19 @@
-use std::sync::Arc;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use super::event_files::EventFiles;
-use super::growing_curves::GrowingCurves;
-use super::manifest::{Times, hold};
+use super::manifest::Times;
 use super::other_report::check_place;
 use super::overview::write_overview;
 use super::{
-    CampaignOutcome, CampaignReport, Error, KeepError, Notice, Planned, RunOptions, RunReport, Session, Stop, Ticks,
+    CampaignOutcome, CampaignReport, Error, Event, KeepError, Notice, Planned, RunOptions, RunReport, Session, Ticks,
 };
 use base::seed::Seed;
-use compile::{Campaign, Evaluation, Training};
-use learn::UpdateLog;
-use results::campaign::{self, Finished, SearchResult, Task, TaskError, TrainingResult};
-use results::report::{self, Episodes, FailureModes, Findings, Gathered, ReportFolder, Wanted, WriteError};
-use results::store::{CampaignStore, Ids, Index, Note, Store};
+use compile::Campaign;
+use results::campaign::{self, Finished, Task};
+use results::report::{
+    self, Episodes, FailureModes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Wanted, WriteError,
+};
+use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
 /// Which tasks are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +41,13 @@ impl Session {
         if planned.plan.campaigns.is_empty() {
             return Err(Error::NoCampaign { advice: planned.plan.without_campaigns() });
         }
+        let known: Vec<String> = planned.plan.campaigns.iter().map(|campaign| campaign.name.clone()).collect();
+        if let Some(name) = options.only.iter().find(|name| !known.contains(name)) {
+            return Err(Error::UnknownCampaign { name: name.clone(), known: known.join(", ") });
+        }
+        if !options.only.is_empty() {
+            planned.plan.campaigns.retain(|campaign| options.only.contains(&campaign.name));
+        }
         if options.smoke {
             planned.plan.campaigns.iter_mut().for_each(campaign::smoke);
         }
@@ -52,7 +58,7 @@ impl Session {
     /// Passes notes of the store to the observer.
     pub(super) fn note(&self) -> Note {
         let observer = self.observer.clone();
-        Box::new(move |text| observer.notice(&Notice::Store { text: text.to_string() }))
+        Box::new(move |text| observer.event(&Event::Notice(&Notice::Store { text: text.to_string() })))
     }
 
     pub(super) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
@@ -65,12 +71,21 @@ impl Session {
         }
         let store = Store::open(&options.out, options.cache.as_deref(), self.note())?;
         if work == Work::All {
-            self.observer.begun();
+            self.tell(Event::Begun);
         }
         let mut campaigns = Vec::new();
         for campaign in &planned.plan.campaigns {
-            let outcome = pool.install(|| self.carry_out(campaign, options, planned, &store, work))?;
-            self.observer.ended(&outcome);
+            let run = CampaignRun {
+                session: self,
+                options,
+                planned,
+                campaign,
+                store: &store,
+                work,
+                name: options.report_name(campaign),
+            };
+            let outcome = pool.install(|| run.carry_out())?;
+            self.tell(Event::Ended(&outcome));
             campaigns.push(outcome);
             if self.stop.is_asked() {
                 break;
@@ -80,87 +95,38 @@ impl Session {
         let overview = write_overview(options, &run)?;
         Ok(RunReport { overview, ..run })
     }
+}
 
-    /// Runs a campaign and writes its report.
-    fn carry_out(
-        &self,
-        campaign: &Campaign,
-        options: &RunOptions,
-        planned: &Planned,
-        store: &Store,
-        work: Work,
-    ) -> Result<CampaignOutcome, Error> {
-        let (name, seed) = (options.report_name(campaign), Seed::root(options.seed));
-        let drafts = store.drafts().map_err(|error| options.keep(error))?;
-        let folder = ReportFolder::begin(&options.out, &name, &drafts)?.in_formats(options.formats);
+/// The run of one campaign.
+pub(super) struct CampaignRun<'a> {
+    pub session: &'a Session,
+    pub options: &'a RunOptions,
+    pub planned: &'a Planned,
+    pub campaign: &'a Campaign,
+    pub store: &'a Store,
+    pub work: Work,
+    /// The name of its report.
+    pub name: String,
+}
+
+impl<'a> CampaignRun<'a> {
+    /// Runs the campaign and writes its report.
+    fn carry_out(&self) -> Result<CampaignOutcome, Error> {
+        let draft = self.begin_report()?;
         let began = Instant::now();
-        let mut index = Index::read(store, &name).map_err(|error| options.keep(error))?;
-        if work == Work::All {
-            index.command.clone_from(&options.command);
-        }
-        if options.fresh {
-            store.forget(&Ids::new(campaign, options.seed), campaign).map_err(|error| options.keep(error))?;
-        }
-        index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
-        let results = CampaignStore::new(store, campaign, options.seed, options.limits);
-        let results = if options.fresh { results } else { results.continuing(&index, options.seed) };
-        let finished = match work {
-            Work::All => {
-                let tasks: Vec<Task> = campaign::tasks(campaign).collect();
-                campaign::run(campaign, &seed, &results, &self.listener(campaign, &tasks, store, options))
-            }
-            Work::None => campaign::collect(campaign, &results),
+        let mut index = self.begin_index()?;
+        let results = self.results(&index);
+        let finished = self.finish_tasks(&mut index, &results)?;
+        let Some(found) = self.find(&draft, &results, &finished)? else {
+            return Ok(CampaignOutcome::Empty { name: self.name.clone(), interrupted: finished.interrupted });
         };
-        if let Some(error) = results.take_failure() {
-            return Err(options.keep(error));
-        }
-        index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
-        let written = |error: WriteError| options.keep(error);
-        let finished = match finished.interrupted {
-            true => campaign::complete(finished, campaign, &results),
-            false => finished,
-        };
-        let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
-        let episodes = Episodes::new(campaign, &results);
-        let mut gathered = report::gather(&folder, &episodes, &mut modes, &seed).map_err(written)?;
-        gathered.failures.add_searches(&finished.searches);
-        if let Some(error) = results.take_failure() {
-            return Err(options.keep(error));
-        }
-        if gathered.episodes == 0
-            && finished.searches.is_empty()
-            && finished.trainings.iter().all(|training| training.result.is_err())
-        {
-            return Ok(CampaignOutcome::Empty { name, interrupted: finished.interrupted });
-        }
-        self.notice_errors(&gathered, &name);
         let times = Times { trainings: results.training_seconds(), run: began.elapsed().as_secs_f64() };
-        let files = hold(&folder, planned).map_err(written)?;
-        let manifest = self.manifest(campaign, options, files, &finished, &gathered, &times);
-        let failed = |source| options.keep(WriteError::Table { name: "cells".into(), source });
-        let found = Findings::new(campaign, &finished, gathered, modes, options.smoke).map_err(failed)?;
-        for doubt in &found.doubts {
-            self.observer.notice(&Notice::DoubtfulTraining { campaign: name.clone(), doubt: Box::new(doubt.clone()) });
-        }
-        report::write(&folder, &found, &manifest).map_err(written)?;
-        if options.ticks != Ticks::None {
-            let all = options.ticks == Ticks::All;
-            let wanted = Wanted::of(campaign, &Episodes::new(campaign, &results), &finished, all).map_err(written)?;
-            report::write_ticks(&folder, &seed, &wanted).map_err(written)?;
-        }
-        // Another process may have finished another report of this name meanwhile.
-        check_place(campaign, options, &planned.records)?;
-        let folder = self.stop.while_placing(|| {
-            let _door = store.door();
-            folder.finish(manifest.complete)
-        });
-        let folder = folder.map_err(written)?;
-        let searched = report::search_cell_table(&found.searches);
-        let table = |gate: &report::Gate| if gate.is_about_searches() { &searched } else { &found.cell_table };
-        let gates = options.gates.iter().map(|gate| (gate.clone(), gate.judge(table(gate)))).collect();
+        let manifest = self.write(&draft, &results, &found, &times)?;
+        let folder = self.publish(draft, &manifest)?;
+        let gates = self.judge_gates(&found);
         let Findings { cells, drivers, searches, doubts, gathered, layers, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
-            name,
+            name: self.name.clone(),
             folder,
             manifest,
             cells,
@@ -173,33 +139,138 @@ impl Session {
         })))
     }
 
-    /// The observer of a campaign's tasks, which the stop flag stops.
-    pub(super) fn listener<'a>(
+    /// Makes the folder in which the report is written before it is moved to its place.
+    fn begin_report(&self) -> Result<ReportFolder, Error> {
+        let drafts = self.store.drafts().map_err(|error| self.options.keep(error))?;
+        let folder = ReportFolder::begin(&self.options.out, &self.name, &drafts)?;
+        Ok(folder.in_formats(self.options.formats()))
+    }
+
+    /// Records in the store what the campaign wants, and forgets what is to be done again.
+    pub fn begin_index(&self) -> Result<Index, Error> {
+        let Self { options, store, campaign, .. } = self;
+        let begun = || {
+            let mut index = Index::read(store, &self.name)?;
+            if self.work == Work::All {
+                index.command.clone_from(&options.command);
+            }
+            if options.fresh {
+                store.forget(&Ids::new(campaign, options.seed), campaign)?;
+            }
+            index.write(store, &self.name, campaign, options.seed)?;
+            Ok(index)
+        };
+        begun().map_err(|error: StoreError| options.keep(error))
+    }
+
+    /// What the store has of the campaign, and where the rest goes.
+    pub fn results(&self, index: &Index) -> CampaignStore<'a> {
+        let results = CampaignStore::new(self.store, self.campaign, self.options.seed, self.options.limits());
+        if self.options.fresh { results } else { results.continuing(index, self.options.seed) }
+    }
+
+    /// Runs all tasks, or takes those that are stored.
+    fn finish_tasks(&self, index: &mut Index, results: &CampaignStore<'_>) -> Result<Finished, Error> {
+        let Self { options, store, campaign, .. } = *self;
+        let finished = match self.work {
+            Work::All => {
+                let tasks: Vec<Task> = campaign::tasks(campaign).collect();
+                self.run_tasks(&tasks, results)
+            }
+            Work::None => campaign::collect(campaign, results),
+        };
+        self.check(results)?;
+        index.write(store, &self.name, campaign, options.seed).map_err(|error| options.keep(error))?;
+        Ok(if finished.interrupted { campaign::complete(finished, campaign, results) } else { finished })
+    }
+
+    /// Checks that nothing failed in the store.
+    pub fn check(&self, results: &CampaignStore<'_>) -> Result<(), Error> {
+        results.take_failure().map_or(Ok(()), |error| Err(self.options.keep(error)))
+    }
+
+    /// Gathers the episodes, which are written meanwhile, and works out what the report has; none when nothing was finished. The observer
+    /// hears what is wrong with the results.
+    fn find<'f>(
         &self,
-        campaign: &'a Campaign,
-        tasks: &[Task],
-        store: &Store,
-        options: &RunOptions,
-    ) -> Listener<'a> {
-        let name = options.report_name(campaign);
-        let event_files = options.tensorboard.as_ref().map(|folder| folder.join(&name));
-        Listener {
-            inner: self.observer.campaign(campaign, tasks),
-            curves: GrowingCurves::new(store.learning(&name), self.observer.clone()),
-            event_files: event_files.map(|folder| EventFiles::new(folder, self.observer.clone())),
-            stop: self.stop.clone(),
+        draft: &ReportFolder,
+        results: &CampaignStore<'_>,
+        finished: &'f Finished,
+    ) -> Result<Option<Findings<'f>>, Error>
+    where
+        'a: 'f,
+    {
+        let campaign = self.campaign;
+        let seed = Seed::root(self.options.seed);
+        let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
+        let episodes = Episodes::new(campaign, results);
+        let gathered = report::gather(draft, &episodes, &mut modes, &finished.searches);
+        let gathered = gathered.map_err(|error| self.options.keep(error))?;
+        self.check(results)?;
+        let trained = finished.trainings.iter().any(|training| training.result.is_ok());
+        if gathered.episodes == 0 && finished.searches.is_empty() && !trained {
+            return Ok(None);
         }
+        self.notice_errors(&gathered);
+        let failed = |source| self.options.keep(WriteError::Table { name: "metrics".into(), source });
+        let found = Findings::new(campaign, finished, gathered, modes, self.options.smoke).map_err(failed)?;
+        for doubt in &found.doubts {
+            let doubt = Box::new(doubt.clone());
+            self.session.notice(&Notice::DoubtfulTraining { campaign: self.name.clone(), doubt });
+        }
+        Ok(Some(found))
+    }
+
+    /// Writes the files of the report; returns its manifest.
+    fn write(
+        &self,
+        draft: &ReportFolder,
+        results: &CampaignStore<'_>,
+        found: &Findings<'_>,
+        times: &Times,
+    ) -> Result<Manifest, Error> {
+        let Self { session, options, campaign, .. } = *self;
+        let written = || {
+            let files = session.hold(draft, self.planned)?;
+            let manifest = session.manifest(options, files, found, times);
+            report::write(draft, found, &manifest)?;
+            if options.ticks != Ticks::None {
+                let all = options.ticks == Ticks::All;
+                let wanted = Wanted::of(campaign, &Episodes::new(campaign, results), found.finished, all)?;
+                report::write_ticks(draft, &Seed::root(options.seed), &wanted)?;
+            }
+            Ok(manifest)
+        };
+        written().map_err(|error: WriteError| options.keep(error))
+    }
+
+    /// Moves the report to its place.
+    fn publish(&self, draft: ReportFolder, manifest: &Manifest) -> Result<PathBuf, Error> {
+        // Another process may have finished another report of this name meanwhile.
+        check_place(self.campaign, self.options, &self.planned.records)?;
+        let placed = self.session.stop.while_placing(|| {
+            let _door = self.store.door();
+            draft.finish(manifest.complete)
+        });
+        placed.map_err(|error| self.options.keep(error))
+    }
+
+    /// The gates, each with its judgement of each row of the table that it is about.
+    fn judge_gates(&self, found: &Findings<'_>) -> Vec<(Gate, Vec<Judged>)> {
+        let searched = report::search_cell_table(&found.searches);
+        let table = |gate: &Gate| if gate.is_about_searches() { &searched } else { &found.cell_table };
+        self.options.gates.iter().map(|gate| (gate.clone(), gate.judge(table(gate)))).collect()
     }
 
     /// Reports errors of episodes to the observer.
-    fn notice_errors(&self, gathered: &Gathered, name: &str) {
-        let campaign = || name.to_string();
+    fn notice_errors(&self, gathered: &Gathered) {
+        let campaign = || self.name.clone();
         if let Some(first) = gathered.first_unpaid.clone() {
-            self.observer.notice(&Notice::Unpaid { campaign: campaign(), episodes: gathered.unpaid, first });
+            self.session.notice(&Notice::Unpaid { campaign: campaign(), episodes: gathered.unpaid, first });
         }
         if let Some(first) = gathered.first_error.clone() {
             let Gathered { errors, untried, episodes, .. } = *gathered;
-            self.observer.notice(&Notice::EpisodesInError { campaign: campaign(), errors, episodes, untried, first });
+            self.session.notice(&Notice::EpisodesInError { campaign: campaign(), errors, episodes, untried, first });
         }
     }
 }
@@ -225,77 +296,4 @@ pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
 fn has_failed(finished: &Finished) -> bool {
     finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some())
-}
-
-/// Passes all events to the observer of a campaign and to the growing learning curves, and stops when the flag is raised.
-pub(super) struct Listener<'a> {
-    inner: Box<dyn campaign::Observer + 'a>,
-    curves: GrowingCurves,
-    event_files: Option<EventFiles>,
-    stop: Arc<Stop>,
-}
-
-impl campaign::Observer for Listener<'_> {
-    fn training_begun(&self, training: usize) {
-        self.inner.training_begun(training);
-    }
-
-    fn curve_before(&self, training: usize, plan: &Training, curve: &[UpdateLog]) {
-        if let Some(folder) = self.curves.first_of(plan, curve) {
-            self.inner.curves_grow(folder);
-        }
-        self.curves.restart(plan, curve);
-        if let Some(files) = &self.event_files {
-            files.restart(plan, curve);
-        }
-        self.inner.curve_before(training, plan, curve);
-    }
-
-    fn deciding(&self, training: usize, decisions: u64) {
-        self.inner.deciding(training, decisions);
-    }
-
-    fn trained(&self, training: usize, plan: &Training, curve: &[UpdateLog]) {
-        self.curves.grow(plan, curve);
-        if let Some(files) = &self.event_files {
-            files.grow(plan, curve);
-        }
-        self.inner.trained(training, plan, curve);
-    }
-
-    fn training_ended(&self, training: usize, result: &TrainingResult) {
-        self.inner.training_ended(training, result);
-    }
-
-    fn tried(&self, evaluation: usize, plan: &Evaluation) {
-        self.inner.tried(evaluation, plan);
-    }
-
-    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&TaskError>) {
-        self.inner.chunk_ended(evaluation, chunk, error);
-    }
-
-    fn reused(&self, task: Task) {
-        self.inner.reused(task);
-    }
-
-    fn continued(&self, task: Task, units: u64) {
-        self.inner.continued(task, units);
-    }
-
-    fn search_begun(&self, search: usize) {
-        self.inner.search_begun(search);
-    }
-
-    fn searching(&self, search: usize, ticks: u64) {
-        self.inner.searching(search, ticks);
-    }
-
-    fn searched(&self, search: usize, result: &SearchResult) {
-        self.inner.searched(search, result);
-    }
-
-    fn stop(&self) -> bool {
-        self.stop.is_asked() || self.inner.stop()
-    }
 }

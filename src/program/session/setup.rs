@@ -1,15 +1,17 @@
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{Disk, Observer, Silent, Stop};
 use compile::Catalog;
 use lang::Reader;
 
-/// What all calls share: the language, the reader of files, the observer and the stop flag.
+/// What all calls share: the language, the reader of files, the observer, the stop flag and the current folder.
 pub struct Session {
     pub(super) catalog: Catalog,
     pub(super) reader: Box<dyn Reader + Send + Sync>,
     pub(super) observer: Arc<dyn Observer>,
     pub(super) stop: Arc<Stop>,
+    pub(super) folder: PathBuf,
 }
 
 impl Default for Session {
@@ -23,7 +25,13 @@ impl Session {
     /// Reads files from the disk, without observer and stop flag, and with this language. The catalogue may have kinds of the caller,
     /// and an opener that lets scenarios start programs.
     pub fn new(catalog: Catalog) -> Self {
-        Self { catalog, reader: Box::new(Disk), observer: Arc::new(Silent), stop: Arc::default() }
+        Self {
+            catalog,
+            reader: Box::new(Disk),
+            observer: Arc::new(Silent),
+            stop: Arc::default(),
+            folder: PathBuf::new(),
+        }
     }
 
     /// The same with another reader of files.
@@ -34,6 +42,11 @@ impl Session {
     /// The same with an observer.
     pub fn with_observer(self, observer: Arc<dyn Observer>) -> Self {
         Self { observer, ..self }
+    }
+
+    /// The same with the folder that its paths are relative to, which reports record, so that a later session finds the files again.
+    pub fn with_folder(self, folder: PathBuf) -> Self {
+        Self { folder, ..self }
     }
 
     /// The same with a flag that stops it.

@@ -1,9 +1,8 @@
-use super::run::pool;
-use super::{Error, RunOptions, Session, ShardReport};
-use base::seed::Seed;
+use super::run::{CampaignRun, Work, pool};
+use super::{Error, Event, RunOptions, Session, ShardReport};
 use compile::Campaign;
 use results::campaign::{self, Shard, Task};
-use results::store::{CampaignStore, Ids, Index, State, Store};
+use results::store::{Ids, State, Store};
 
 /// Options of [`Session::run_shard`], in addition to those of a run.
 #[derive(Debug, Clone, Copy)]
@@ -24,11 +23,20 @@ impl Session {
         let planned = self.campaigns(options)?;
         let pool = pool(options.threads)?;
         let store = Store::open(&options.out, options.cache.as_deref(), self.note())?;
-        self.observer.begun();
+        self.tell(Event::Begun);
         let mut reports = Vec::new();
         for campaign in &planned.plan.campaigns {
-            let report = pool.install(|| self.carry_out_shard(campaign, options, part, &store))?;
-            self.observer.shard_ended(&report);
+            let run = CampaignRun {
+                session: self,
+                options,
+                planned: &planned,
+                campaign,
+                store: &store,
+                work: Work::All,
+                name: options.report_name(campaign),
+            };
+            let report = pool.install(|| run.carry_out_shard(part))?;
+            self.tell(Event::ShardEnded(&report));
             reports.push(report);
             if self.stop.is_asked() {
                 break;
@@ -36,36 +44,21 @@ impl Session {
         }
         Ok(reports)
     }
+}
 
-    fn carry_out_shard(
-        &self,
-        campaign: &Campaign,
-        options: &RunOptions,
-        part: &ShardOptions,
-        store: &Store,
-    ) -> Result<ShardReport, Error> {
-        let (name, tasks) = (options.report_name(campaign), part.tasks(campaign));
-        let mut index = Index::read(store, &name).map_err(|error| options.keep(error))?;
-        index.command.clone_from(&options.command);
-        index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
-        let results =
-            CampaignStore::new(store, campaign, options.seed, options.limits).continuing(&index, options.seed);
-        let listener = self.listener(campaign, &tasks, store, options);
-        campaign::run_tasks(campaign, &tasks, &Seed::root(options.seed), &results, &listener);
-        drop(listener);
-        if let Some(error) = results.take_failure() {
-            return Err(options.keep(error));
-        }
-        let ids = Ids::new(campaign, options.seed);
+impl CampaignRun<'_> {
+    fn carry_out_shard(self, part: &ShardOptions) -> Result<ShardReport, Error> {
+        let tasks = part.tasks(self.campaign);
+        let results = self.results(&self.begin_index()?);
+        self.run_tasks(&tasks, &results);
+        self.check(&results)?;
+        let ids = Ids::new(self.campaign, self.options.seed);
         let is_finished = |task: &&Task| {
-            store.head(ids.get(**task)).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished))
+            let head = self.store.head(ids.get(**task));
+            head.is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished))
         };
-        Ok(ShardReport {
-            shard: part.shard,
-            name,
-            finished: tasks.iter().filter(is_finished).count(),
-            all: tasks.len(),
-        })
+        let finished = tasks.iter().filter(is_finished).count();
+        Ok(ShardReport { shard: part.shard, name: self.name, finished, all: tasks.len() })
     }
 }
 

@@ -1,5 +1,6 @@
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde::Serialize;
 
 use super::growing_curves::NewestUpdate;
@@ -12,11 +13,13 @@ use results::store::{CampaignStatus, Store, TaskStatus};
 const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("evaluate", "evaluations"), ("search", "searches")];
 
 /// Options of [`Session::status`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct StatusOptions {
-    /// The folder for reports, or one of its reports.
+    /// The folder for the reports, or one of its reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
-    /// The cache of the run.
+    /// The folder that `run` was given as --cache.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
 }
 
@@ -153,7 +156,8 @@ fn count(tasks: &[TaskStatus], word: &str, kind: &'static str) -> Option<KindPro
 
 /// The time of the remaining work on one thread (s), estimated from the finished part, and the kinds without a measurement.
 fn left(tasks: &[TaskStatus]) -> (f64, Vec<&'static str>) {
-    let (mut seconds, mut unmeasured) = (0.0, Vec::new());
+    let mut seconds = 0.0;
+    let mut unmeasured = Vec::new();
     for (word, kind) in KINDS {
         let left: u64 = of_kind(tasks, word).map(|task| task.amount - task.done()).sum();
         if left == 0 {

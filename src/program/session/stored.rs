@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
+
 use super::held_files::HeldFiles;
 use super::{Change, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
@@ -12,11 +14,14 @@ use results::campaign;
 use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
 
 /// Options for repeating a report.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct RepeatOptions {
-    /// Folder whose scenario files are read instead of those that the report holds; paths are relative to it.
+    /// Read the scenario files from this folder, instead of those that the report holds; paths are relative to it.
+    #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
-    /// Whether to continue although a scenario file has changed since the run.
+    /// Continue although a scenario file has changed since the run.
+    // The help lists it behind --allow-external.
+    #[arg(long, display_order = 15)]
     pub anyway: bool,
 }
 
@@ -52,7 +57,7 @@ impl Session {
             match StoredReport::open(each) {
                 Ok(report) => reports.push(report),
                 Err(error) if folders.len() == 1 => return Err(error.into()),
-                Err(error) => self.observer.notice(&Notice::UnreadableReport(error)),
+                Err(error) => self.notice(&Notice::UnreadableReport(error)),
             }
         }
         Ok(reports)
@@ -65,17 +70,17 @@ impl Session {
         if !changes.is_empty() && !options.anyway {
             return Err(Error::Changed { changes });
         }
-        changes.into_iter().for_each(|change| self.observer.notice(&Notice::Changed(change)));
+        changes.into_iter().for_each(|change| self.notice(&Notice::Changed(change)));
         Ok(source)
     }
 
     /// Reports what may make a repetition differ from a report with this manifest.
     pub(super) fn announce(&self, manifest: &Manifest) {
         if manifest.version != env!("CARGO_PKG_VERSION") {
-            self.observer.notice(&Notice::OtherVersion { version: manifest.version.clone() });
+            self.notice(&Notice::OtherVersion { version: manifest.version.clone() });
         }
         if manifest.call.allow_external && !self.catalog.starts_programs() {
-            self.observer.notice(&Notice::ProgramsNotAllowed);
+            self.notice(&Notice::ProgramsNotAllowed);
         }
     }
 
@@ -88,7 +93,7 @@ impl Session {
     ) -> Result<(Source, Vec<Change>), Error> {
         let manifest = report.manifest();
         let call = &manifest.call;
-        let root = options.root(Path::new(&call.folder));
+        let root = options.root(Path::new(&call.folder), &self.folder);
         let place = |path: &str| root.as_ref().map_or_else(|| PathBuf::from(path), |root| root.join(path));
         let maps = call.maps.iter().filter_map(|map| map.split_once('='));
         let input = Input {
@@ -98,8 +103,8 @@ impl Session {
         };
         let held = HeldFiles::new(&report, &place, self.reader.as_ref(), options.files.is_some());
         if let Some(file) = held.missing() {
-            let (path, report) = (file.path.clone(), report.folder().to_path_buf());
-            return Err(Error::NotHeld { path, report, blake3: file.blake3.clone() });
+            let report = report.folder().to_path_buf();
+            return Err(Error::NotHeld { path: file.path.clone(), report, blake3: file.blake3.clone() });
         }
         let planned = self.plan_from(&held, &input)?;
         let changes = changes(manifest, &planned.records, root.as_deref());
@@ -124,11 +129,11 @@ fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
 }
 
 impl RepeatOptions {
-    /// The folder that paths are relative to; none for the current one.
-    fn root(&self, recorded: &Path) -> Option<PathBuf> {
+    /// The folder that paths are relative to; none for the current one, which is `here`.
+    fn root(&self, recorded: &Path, here: &Path) -> Option<PathBuf> {
         match &self.files {
             Some(folder) => Some(folder.clone()),
-            None if std::env::current_dir().is_ok_and(|here| here == recorded) => None,
+            None if here == recorded => None,
             None => Some(recorded.to_path_buf()).filter(|folder| folder.is_dir()),
         }
     }

@@ -1,6 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+use clap::Args;
 use rand::seq::index::sample;
 use rayon::prelude::*;
 
@@ -12,19 +13,28 @@ use results::campaign::{self, InMemory, Silent};
 use results::report::StoredReport;
 
 /// Options of [`Session::verify`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct VerifyOptions {
     /// The report; with names of episodes, also a folder of reports.
+    #[arg(skip)]
     pub report: PathBuf,
     /// The episodes to repeat; a sample without any.
+    #[arg(skip)]
     pub episodes: Vec<EpisodeName>,
-    /// The number of episodes and failures of searches to repeat; all without it.
-    pub sample: Option<usize>,
-    /// Whether every pedestrian is trained again, too.
+    /// Number of episodes and failures of searches to repeat.
+    #[arg(long, default_value_t = 100, value_name = "N")]
+    pub sample: usize,
+    /// Repeat all of them.
+    #[arg(long, conflicts_with = "sample")]
+    pub all: bool,
+    /// Train every pedestrian again, too, and compare its networks.
+    #[arg(long)]
     pub trainings: bool,
-    /// The seed of the sample.
+    /// Seed of the sample.
+    #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
     /// Options of the repetitions.
+    #[arg(skip)]
     pub repeat: RepeatOptions,
 }
 
@@ -83,17 +93,16 @@ impl Session {
 fn chosen(source: &Source, options: &VerifyOptions) -> Result<Vec<EpisodeName>, Error> {
     let mut all = source.report.index()?;
     all.extend(source.report.search_failures()?);
-    let places: BTreeSet<usize> = match options.sample.filter(|size| *size < all.len()) {
-        None => (0..all.len()).collect(),
-        Some(size) => {
+    let places: BTreeSet<usize> = match options.sample {
+        size if options.all || size >= all.len() => (0..all.len()).collect(),
+        size => {
             let mut stream = Seed::root(options.seed).child("verify").stream();
             sample(&mut stream, all.len(), size).into_iter().collect()
         }
     };
     let name = |place: usize| {
         let (run, number) = &all[place];
-        let name = format!("{run}:{number}");
-        name.parse().map_err(|_| Error::BadName { name })
+        EpisodeName::of_table(format!("{run}:{number}"))
     };
     places.into_iter().map(name).collect()
 }

@@ -1,11 +1,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::run::Shared;
 use super::watch::{flow, watch_numbered};
-use super::{Observer, Progress, ResultStore, Task, TaskError};
+use super::{Event, Progress, Task, TaskError};
 use crate::record::{EpisodeRow, RunKey};
-use base::seed::Seed;
-use compile::Campaign;
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};
 
@@ -32,47 +31,42 @@ impl Rows {
 }
 
 /// Runs the episodes of a chunk that the result store does not have.
-pub(super) fn try_chunk(
-    campaign: &Campaign,
-    (index, chunk): (usize, u32),
-    trained: Option<&ActorCritic>,
-    seed: &Seed,
-    results: &dyn ResultStore,
-    observer: &dyn Observer,
-) {
-    let evaluation = &campaign.evaluations[index];
-    let task = Task::Chunk { evaluation: index, chunk };
-    let wanted = evaluation.chunk(chunk);
-    let before = results.episodes(index, chunk);
+pub(super) fn try_chunk(shared: Shared<'_>, evaluation: usize, chunk: u32, trained: Option<&ActorCritic>) {
+    let Shared { campaign, seed, results, .. } = shared;
+    let plan = &campaign.evaluations[evaluation];
+    let task = Task::Chunk { evaluation, chunk };
+    let wanted = plan.chunk(chunk);
+    let before = results.episodes(evaluation, chunk);
     let first = wanted.start + before.episodes;
     if before.enough || first >= wanted.end {
-        return observer.reused(task);
+        return shared.tell_reused(task);
     }
-    observer.continued(task, before.episodes.into());
+    shared.tell(Event::Begun(task));
+    shared.tell(Event::Continued { task, units: before.episodes.into() });
     let rows = std::cell::RefCell::new(Rows { settled: Vec::new(), others: BTreeMap::new(), next: first, ticks: 0 });
-    let key = Arc::new(RunKey::of(evaluation));
+    let key = Arc::new(RunKey::of(plan));
     let mut limit = None;
     let mut note = |episode: u32, outcome: &Outcome, trace: &Trace| {
-        let pair = trace.main_pair(&evaluation.scenario);
+        let pair = trace.main_pair(&plan.scenario);
         rows.borrow_mut().add(EpisodeRow::new(&key, episode, outcome, &pair));
     };
-    let stop = || observer.stop() || results.stop();
     let mut tell = |_| {
-        observer.tried(index, evaluation);
+        shared.tell(Event::Tried { evaluation });
         let rows = rows.borrow();
-        results.keep_episodes(index, chunk, &rows.settled, Progress::UnderWay);
+        results.keep_episodes(evaluation, chunk, &rows.settled, Progress::UnderWay);
         limit = results.limit(task, rows.ticks);
-        flow(limit.is_some() || stop())
+        flow(limit.is_some() || shared.stop())
     };
-    let rule = evaluation.rule();
-    let looks = if evaluation.halfwidth.is_some() { rule.looks() } else { vec![wanted.end] };
-    let (mut next, mut enough) = (first, false);
+    let rule = plan.rule();
+    let looks = if plan.halfwidth.is_some() { rule.looks() } else { vec![wanted.end] };
+    let mut next = first;
+    let mut enough = false;
     for look in looks.into_iter().filter(|look| *look > first) {
-        let tried = watch_numbered(evaluation, trained, next..look, seed, &mut note, &mut tell).len() as u32;
+        let tried = watch_numbered(plan, trained, next..look, seed, &mut note, &mut tell).len() as u32;
         next += tried;
         let mut all = before;
         rows.borrow().settled.iter().for_each(|row| all.add(row));
-        enough = next == look && evaluation.halfwidth.is_some() && rule.is_met(all.collisions, all.valid);
+        enough = next == look && plan.halfwidth.is_some() && rule.is_met(all.collisions, all.valid);
         if enough || next < look {
             break;
         }
@@ -90,8 +84,8 @@ pub(super) fn try_chunk(
         None if enough => Progress::Enough,
         None => Progress::Ended,
     };
-    results.keep_episodes(index, chunk, &settled, end);
-    observer.chunk_ended(index, chunk, error.as_ref());
+    results.keep_episodes(evaluation, chunk, &settled, end);
+    shared.tell(Event::Evaluated { evaluation, chunk, error: error.as_ref() });
 }
 
 /// Whether the last ten episodes are in error. Then no more are run.

@@ -1,10 +1,10 @@
 //! Runs a campaign: trainings, evaluations and searches as tasks, side by side on rayon's threads.
 //!
-//! A [`ResultStore`] stores finished tasks and returns them in a later run. An [`Observer`] gets the progress. An evaluation starts when
+//! A [`ResultStore`] stores finished tasks and returns them in a later run. An [`Observer`] hears every [`Event`]. An evaluation starts when
 //! its pedestrian is trained. Results are in the order of the plan and do not depend on the threads.
 
 mod task;
-mod observer;
+mod event;
 mod result_store;
 mod watch;
 mod repeat;
@@ -16,12 +16,12 @@ mod run;
 mod shard;
 mod smoke;
 
-pub use observer::{Observer, Silent};
+pub use event::{Event, Observer, Silent};
 pub use repeat::{networks, repeat_episodes, repeat_failure};
 pub use result_store::{Claim, InMemory, Progress, ResultStore};
 pub use run::{Finished, TrainingResult, collect, complete, run, run_tasks};
 pub use search_result::{Evaluated, SearchResult};
 pub use shard::{Shard, deal, shard};
 pub use smoke::smoke;
-pub use task::{Task, TaskError, tasks};
+pub use task::{Task, TaskError, tasks, units};
 pub use watch::watch;

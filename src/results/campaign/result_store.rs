@@ -15,36 +15,28 @@ pub type Claim = Box<dyn Send>;
 /// `true` from [`ResultStore::stop`] and reports the cause to its user.
 pub trait ResultStore: Sync {
     /// Claims a task; none while another worker has it.
-    fn claim(&self, task: Task) -> Option<Claim> {
-        let _ = task;
+    fn claim(&self, _task: Task) -> Option<Claim> {
         Some(Box::new(()))
     }
 
     /// A finished training.
-    fn training(&self, training: usize) -> Option<Trained> {
-        let _ = training;
+    fn training(&self, _training: usize) -> Option<Trained> {
         None
     }
 
     /// The state of an unfinished training, or of a finished one that this one continues with more steps, as [`TrainingRun::state`] wrote it.
-    fn begun(&self, training: usize) -> Option<Vec<u8>> {
-        let _ = training;
+    fn begun(&self, _training: usize) -> Option<Vec<u8>> {
         None
     }
 
     /// Called between two updates of a training, and after the last update before it stops for now (`last`).
-    fn checkpoint(&self, training: usize, run: &TrainingRun, last: bool) {
-        let _ = (training, run, last);
-    }
+    fn checkpoint(&self, _training: usize, _run: &TrainingRun, _last: bool) {}
 
     /// Stores a finished training.
-    fn keep_training(&self, training: usize, run: &TrainingRun) {
-        let _ = (training, run);
-    }
+    fn keep_training(&self, _training: usize, _run: &TrainingRun) {}
 
     /// Counts the stored episodes of a chunk, its first ones.
-    fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {
-        let _ = (evaluation, chunk);
+    fn episodes(&self, _evaluation: usize, _chunk: u32) -> Tally {
         Tally::default()
     }
 
@@ -53,26 +45,21 @@ pub trait ResultStore: Sync {
     fn keep_episodes(&self, evaluation: usize, chunk: u32, rows: &[EpisodeRow], end: Progress<'_>);
 
     /// A finished search.
-    fn search(&self, search: usize) -> Option<SearchResult> {
-        let _ = search;
+    fn search(&self, _search: usize) -> Option<SearchResult> {
         None
     }
 
     /// Stores a finished search.
-    fn keep_search(&self, search: usize, result: &SearchResult) {
-        let _ = (search, result);
-    }
+    fn keep_search(&self, _search: usize, _result: &SearchResult) {}
 
     /// The limit of time or of ticks that a task has reached, if any.
-    fn limit(&self, task: Task, ticks: u64) -> Option<TaskError> {
-        let _ = (task, ticks);
+    fn limit(&self, _task: Task, _ticks: u64) -> Option<TaskError> {
         None
     }
 
     /// Whether a training ends in the middle of an update: its limit of time, or the moment at which the user asked to `stop`, is too long
     /// ago. Called at every decision.
-    fn is_overdue(&self, task: Task, stop: bool) -> bool {
-        let _ = task;
+    fn is_overdue(&self, _task: Task, stop: bool) -> bool {
         stop
     }
 

@@ -7,7 +7,7 @@ use rayon::Yield;
 use super::chunk::try_chunk;
 use super::queue::{Next, Queue};
 use super::search::search;
-use super::{Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks};
+use super::{Event, Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks, units};
 use base::seed::Seed;
 use compile::{Campaign, Training, TrainingKey};
 use learn::Trained;
@@ -61,10 +61,7 @@ pub fn run_tasks(
     }
     let later = waiting.iter().map(Vec::len).sum();
     let work = Work {
-        campaign,
-        seed,
-        results,
-        observer,
+        shared: Shared { campaign, seed, results, observer },
         queue: Queue::new(ready, later),
         waiting,
         trainings: campaign.trainings.iter().map(|_| OnceLock::new()).collect(),
@@ -118,12 +115,34 @@ pub(super) fn training_of(campaign: &Campaign, task: Task) -> Option<usize> {
     }
 }
 
-/// The shared state of the workers.
+/// What all tasks of a campaign share.
+#[derive(Clone, Copy)]
+pub(super) struct Shared<'a> {
+    pub campaign: &'a Campaign,
+    /// The user's seed.
+    pub seed: &'a Seed,
+    pub results: &'a dyn ResultStore,
+    pub observer: &'a dyn Observer,
+}
+
+impl Shared<'_> {
+    pub fn tell(&self, event: Event<'_>) {
+        self.observer.event(&event);
+    }
+
+    pub fn tell_reused(&self, task: Task) {
+        self.tell(Event::Reused { task, units: units(self.campaign, task) });
+    }
+
+    /// Whether no further work starts.
+    pub fn stop(&self) -> bool {
+        self.observer.stop() || self.results.stop()
+    }
+}
+
+/// The state of the workers.
 struct Work<'a> {
-    campaign: &'a Campaign,
-    seed: &'a Seed,
-    results: &'a dyn ResultStore,
-    observer: &'a dyn Observer,
+    shared: Shared<'a>,
     queue: Queue,
     /// The tasks that wait for each training.
     waiting: Vec<Vec<Task>>,
@@ -147,11 +166,11 @@ impl Work<'_> {
     fn carry_on(&self) {
         let _alarm = Alarm(&self.queue);
         loop {
-            if self.stop() {
+            if self.shared.stop() {
                 self.queue.end();
             }
             match self.queue.next() {
-                Next::Work(task) => match self.results.claim(task) {
+                Next::Work(task) => match self.shared.results.claim(task) {
                     Some(_claim) => {
                         self.work_on(task);
                         let released =
@@ -170,10 +189,6 @@ impl Work<'_> {
         }
     }
 
-    fn stop(&self) -> bool {
-        self.observer.stop() || self.results.stop()
-    }
-
     fn work_on(&self, task: Task) {
         match task {
             Task::Training(index) => drop(self.trainings[index].set(self.train(index))),
@@ -187,97 +202,98 @@ impl Work<'_> {
     }
 
     fn train(&self, index: usize) -> TrainingResult {
-        let training = &self.campaign.trainings[index];
-        let key = training.key.clone();
-        if let Some(trained) = self.results.training(index) {
-            self.observer.curve_before(index, training, &trained.learning_curve);
-            self.observer.reused(Task::Training(index));
+        let plan = &self.shared.campaign.trainings[index];
+        let key = plan.key.clone();
+        if let Some(trained) = self.shared.results.training(index) {
+            self.shared.tell(Event::CurveBefore { training: index, plan, curve: &trained.learning_curve });
+            self.shared.tell_reused(Task::Training(index));
             return TrainingResult { key, result: Ok(trained) };
         }
-        self.observer.training_begun(index);
-        let result = self.carry_out(index, training);
-        let result = TrainingResult { key, result };
-        self.observer.training_ended(index, &result);
+        self.shared.tell(Event::Begun(Task::Training(index)));
+        let result = TrainingResult { key, result: self.carry_out(index, plan) };
+        self.shared.tell(Event::Trained { training: index, result: &result });
         result
     }
 
-    fn carry_out(&self, index: usize, training: &Training) -> Result<Trained, TaskError> {
-        let (key, scenario, scenarios) = (&training.key, &training.scenario, training.scenarios());
-        let seed =
-            self.seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
-        let begin = || TrainingRun::begin_among(&scenarios, training.environments, &training.config, &seed);
-        let resume = |state: Vec<u8>| {
-            TrainingRun::resume_among(&state, &scenarios, training.environments, &training.config, &seed).ok()
-        };
+    fn carry_out(&self, index: usize, plan: &Training) -> Result<Trained, TaskError> {
+        let Shared { seed, results, .. } = self.shared;
+        let task = Task::Training(index);
+        let key = &plan.key;
+        let scenarios = plan.scenarios();
+        let seed = seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
+        let begin = || TrainingRun::begin(&scenarios, plan.environments, &plan.config, &seed);
+        let resume =
+            |state: Vec<u8>| TrainingRun::resume(&state, &scenarios, plan.environments, &plan.config, &seed).ok();
         // A state that does not fit counts as missing: the training restarts.
-        let mut run = match self.results.begun(index).and_then(resume) {
+        let mut run = match results.begun(index).and_then(resume) {
             Some(run) => run,
             None => begin()?,
         };
         let before = run.learning_curve().last().map_or(0, |log| log.steps);
-        self.observer.continued(Task::Training(index), before);
-        self.observer.curve_before(index, training, run.learning_curve());
+        self.shared.tell(Event::Continued { task, units: before });
+        self.shared.tell(Event::CurveBefore { training: index, plan, curve: run.learning_curve() });
         let decisions = AtomicU64::new(0);
         while !run.is_done() {
             // A slow driver may need minutes for an update. Then the work of the update is lost.
             let overdue = || {
                 let taken = decisions.fetch_add(1, Ordering::Relaxed);
                 if taken.is_multiple_of(GLANCE) {
-                    self.observer.deciding(index, taken);
+                    self.shared.tell(Event::Deciding { training: index, decisions: taken });
                 }
-                self.results.is_overdue(Task::Training(index), self.stop())
+                results.is_overdue(task, self.shared.stop())
             };
             match run.update_unless(&overdue) {
                 Err(error) if error.is_stopped() => {
-                    let limit = self.results.limit(Task::Training(index), 0).filter(|_| !self.stop());
+                    let limit = results.limit(task, 0).filter(|_| !self.shared.stop());
                     return Err(limit.unwrap_or(TaskError::Training(error)));
                 }
                 Err(error) => return Err(error.into()),
                 Ok(_) => {}
             }
             let log = run.learning_curve().last().expect("an update has just ended");
-            self.observer.trained(index, training, run.learning_curve());
-            let (update, ticks) = (log.update, log.steps * u64::from(scenario.episode.hold));
-            if let Some(limit) = self.results.limit(Task::Training(index), ticks).filter(|_| !run.is_done()) {
-                self.results.checkpoint(index, &run, true);
+            self.shared.tell(Event::Updated { training: index, plan, curve: run.learning_curve() });
+            let update = log.update;
+            let ticks = log.steps * u64::from(plan.scenario.episode.hold);
+            if let Some(limit) = results.limit(task, ticks).filter(|_| !run.is_done()) {
+                results.checkpoint(index, &run, true);
                 return Err(limit);
             }
-            let stop = self.stop() && !run.is_done();
-            self.results.checkpoint(index, &run, stop);
+            let stop = self.shared.stop() && !run.is_done();
+            results.checkpoint(index, &run, stop);
             if stop {
                 return Err(TaskError::Training(learn::TrainError::Stopped { update }.into()));
             }
         }
-        self.results.keep_training(index, &run);
+        results.keep_training(index, &run);
         Ok(run.finish())
     }
 
-    fn evaluate(&self, index: usize, chunk: u32) {
-        let evaluation = &self.campaign.evaluations[index];
-        let trained = match evaluation.training().and_then(|training| self.trainings[training].get()) {
+    fn evaluate(&self, evaluation: usize, chunk: u32) {
+        let plan = &self.shared.campaign.evaluations[evaluation];
+        let trained = match plan.training().and_then(|training| self.trainings[training].get()) {
             Some(TrainingResult { result: Ok(trained), .. }) => Some(&trained.actor_critic),
             // A training that was stopped continues in a later run.
             Some(TrainingResult { result: Err(TaskError::Training(error)), .. }) if error.is_stopped() => return,
             Some(TrainingResult { result: Err(error), .. }) => {
                 let error = TaskError::Untrained(Box::new(error.clone()));
-                self.results.keep_episodes(index, chunk, &[], Progress::Failed(&error));
-                return self.observer.chunk_ended(index, chunk, Some(&error));
+                self.shared.results.keep_episodes(evaluation, chunk, &[], Progress::Failed(&error));
+                return self.shared.tell(Event::Evaluated { evaluation, chunk, error: Some(&error) });
             }
             None => None,
         };
-        try_chunk(self.campaign, (index, chunk), trained, self.seed, self.results, self.observer);
+        try_chunk(self.shared, evaluation, chunk, trained);
     }
 
     fn search(&self, index: usize) -> Option<SearchResult> {
-        if let Some(result) = self.results.search(index) {
-            self.observer.reused(Task::Search(index));
+        if let Some(result) = self.shared.results.search(index) {
+            self.shared.tell_reused(Task::Search(index));
             return Some(result);
         }
-        let result = search(index, &self.campaign.searches[index], self.seed, self.results, self.observer)?;
+        let result = search(self.shared, index)?;
         if result.error.is_none() && !result.spent.stopped {
-            self.results.keep_search(index, &result);
+            self.shared.results.keep_search(index, &result);
         }
-        self.observer.searched(index, &result);
+        self.shared.tell(Event::Searched { search: index, result: &result });
         Some(result)
     }
 }

@@ -1,8 +1,9 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::repeat::repeat_failure;
+use super::run::Shared;
 use super::watch::flow;
-use super::{Evaluated, Observer, ResultStore, SearchResult, Task, TaskError};
+use super::{Evaluated, Event, SearchResult, Task, TaskError};
 use base::seed::Seed;
 use compile::{Search, episodes_seed};
 use world::env::{Outcome, Trace};
@@ -10,16 +11,12 @@ use world::falsifier::{Failure, SearchOutcome, Simulator, StartSet, evaluate_not
 use world::judge::{Verdict, judge};
 
 /// Runs a search; none when the user asks to stop before it has started.
-pub fn search(
-    index: usize,
-    search: &Search,
-    seed: &Seed,
-    results: &dyn ResultStore,
-    observer: &dyn Observer,
-) -> Option<SearchResult> {
-    let (key, task) = (&search.key, Task::Search(index));
-    let stop = || observer.stop() || results.stop();
-    if stop() {
+pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
+    let Shared { campaign, seed, results, .. } = shared;
+    let search = &campaign.searches[index];
+    let key = &search.key;
+    let task = Task::Search(index);
+    if shared.stop() {
         return None;
     }
     // The budget of a search is in ticks, so whether it exceeds the limit is known in advance.
@@ -32,13 +29,22 @@ pub fn search(
             failures: Vec::new(),
             stopped: false,
         };
-        let (budget, verdicts, evaluated) = (search.budget, Vec::new(), Vec::new());
-        return Some(SearchResult { key: key.clone(), budget, spent, verdicts, evaluated, error: Some(limit) });
+        return Some(SearchResult {
+            key: key.clone(),
+            budget: search.budget,
+            spent,
+            verdicts: Vec::new(),
+            evaluated: Vec::new(),
+            error: Some(limit),
+        });
     }
-    let late = || stop() || results.limit(task, 0).is_some();
-    observer.search_begun(index);
+    let late = || shared.stop() || results.limit(task, 0).is_some();
+    shared.tell(Event::Begun(task));
     let used = AtomicU64::new(0);
-    let progress = |ticks: u64| observer.searching(index, used.fetch_add(ticks, Ordering::Relaxed) + ticks);
+    let progress = |ticks: u64| {
+        let used = used.fetch_add(ticks, Ordering::Relaxed) + ticks;
+        shared.tell(Event::Searching { search: index, ticks: used });
+    };
     let mut simulator =
         Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late).with_progress(&progress);
     let (walker, error) = match search.falsifier.search(&mut simulator, &search.drawn(seed)) {
@@ -47,7 +53,8 @@ pub fn search(
     };
     let mut spent = simulator.into_spent();
     let evaluated = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {
-        let (fresh, drawn) = (episodes_seed(seed, &key.town), search.own(seed).child("tries"));
+        let fresh = episodes_seed(seed, &key.town);
+        let drawn = search.own(seed).child("tries");
         let mut go_on = |done: u32| {
             let stopped = done < search.tries && late();
             spent.stopped |= stopped;
@@ -61,7 +68,7 @@ pub fn search(
         evaluate_noting(walker.as_mut(), &search.scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
     });
     let verdicts = spent.failures.iter().map(|failure| verdict(search, failure, seed)).collect();
-    let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !stop()));
+    let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !shared.stop()));
     Some(SearchResult { key: key.clone(), budget: search.budget, spent, verdicts, evaluated, error })
 }
 

@@ -25,6 +25,15 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
         .chain((0..campaign.searches.len()).map(Task::Search))
 }
 
+/// The size of a task: the decisions of a training, the episodes of a chunk, the ticks of a search.
+pub fn units(campaign: &Campaign, task: Task) -> u64 {
+    match task {
+        Task::Training(place) => campaign.trainings[place].config.total_steps,
+        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
+        Task::Search(place) => campaign.searches[place].budget,
+    }
+}
+
 /// Why a task failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TaskError {

@@ -175,7 +175,6 @@ type WriteRows<'t, R> = dyn Fn(PlSmallStr, &[R]) -> Series + 't;
 pub struct Entry<'t, R> {
     reference: ColumnReference,
     write: Box<WriteRows<'t, R>>,
-    pub(super) metrics: Vec<super::Metric>,
 }
 
 /// The documentation of a column, for people.
@@ -200,7 +199,7 @@ impl<'t, R> Entry<'t, R> {
     ) -> Self {
         let write = move |name: PlSmallStr, rows: &[R]| V::series(name, rows.iter().map(&value).collect());
         let reference = ColumnReference { name, unit, doc, holds: K::TYPE };
-        Self { reference, write: Box::new(write), metrics: Vec::new() }
+        Self { reference, write: Box::new(write) }
     }
 
     /// The same values under another name.
@@ -212,12 +211,6 @@ impl<'t, R> Entry<'t, R> {
     /// The same with another meaning.
     pub fn meaning(mut self, doc: impl Into<Cow<'static, str>>) -> Self {
         self.reference.doc = doc.into();
-        self
-    }
-
-    /// Adds its aggregation over runs and cells.
-    pub fn aggregated(mut self, metrics: impl IntoIterator<Item = super::Metric>) -> Self {
-        self.metrics.extend(metrics);
         self
     }
 
@@ -286,13 +279,6 @@ impl<'t, R> Table<'t, R> {
     /// The table of some rows, in their order.
     pub fn frame(&self, rows: &[R]) -> DataFrame {
         DataFrame::new(rows.len(), self.values(rows)).expect("the columns of a table have different names")
-    }
-
-    /// The metrics that runs and cells have of its columns, in the order of their tables.
-    pub fn metrics(&self) -> Vec<super::Metric> {
-        let mut all: Vec<super::Metric> = self.entries.iter().flat_map(|entry| entry.metrics.clone()).collect();
-        all.sort_by_key(|metric| metric.place);
-        all
     }
 
     pub fn reference(&self) -> TableReference {

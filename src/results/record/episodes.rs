@@ -1,17 +1,16 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, AVOIDABLE_INJURY, BLOCK, COLLISION, CONTROLLER, COUNTS_AS, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X,
-    EGO_Y, EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FALSE_STOP, FATALITY_RISK, FAULT,
-    FAULT_IF, FORESEEABLE, FRONT, HARD, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, ON_CROSSWALK,
-    OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY,
-    PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, RUN_UP, SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN,
-    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WALKED_INTO,
+    ADVERSARY, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING,
+    ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED,
+    POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
+    VELOCITY_CHANGE,
 };
-use super::metric::{self, Metric};
-use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, verdict_columns};
+use super::reference_drivers::{is_of_reference_driver, reference_columns};
+use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
 use world::env::{Ending, Outcome};
-use world::judge::{Class, FalseAlarms, Label, NearMiss, PedestrianMotion, Reference, Sensitivity};
+use world::judge::{NearMiss, PedestrianMotion};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -44,7 +43,7 @@ pub(super) fn repeated_key(key: &RunKey, rows: usize) -> Vec<Values> {
     run_key(|key: &RunKey| key).iter().map(|entry| entry.repeated(key, rows)).collect()
 }
 
-/// The table of episodes: a row for each, first the key of its run.
+/// The table of episodes as it is in memory: a row for each, first the key of its run.
 pub fn episode_table() -> Table<'static, EpisodeRow> {
     let table = Table::new(
         EPISODES,
@@ -53,9 +52,11 @@ pub fn episode_table() -> Table<'static, EpisodeRow> {
     table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
 }
 
-/// The metrics that runs and cells have of episodes, in the order of their tables.
-pub fn metrics() -> Vec<Metric> {
-    episode_table().metrics()
+/// The columns of the files of episodes: those of the table but for the reference drivers', which have a table of their own.
+pub fn episode_references() -> TableReference {
+    let mut table = episode_table().reference();
+    table.columns.retain(|column| !is_of_reference_driver(&column.name));
+    table
 }
 
 /// The names of the columns of a cell's key.
@@ -85,38 +86,22 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
 
 /// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan has.
 ///
-/// A new quantity of an episode is one entry here; [`Entry::aggregated`] states its aggregation over runs and cells.
+/// A new quantity of an episode is one entry here; [`metrics`](super::metric::metrics) has what runs and cells make of it.
 pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
     let table = Table::new(EPISODES, "The episodes of one run.");
     let table = table
         .column(EPISODE.of(|row: &EpisodeRow| row.episode))
-        .column(
-            OUTCOME
-                .of(|row: &EpisodeRow| ending(&row.outcome.ending))
-                .aggregated([metric::EPISODES.at(0), metric::ERRORS.at(1)]),
-        )
+        .column(OUTCOME.of(|row: &EpisodeRow| ending(&row.outcome.ending)))
         .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.outcome)))
-        .column(COLLISION.of(|row| hit(row).is_some()).aggregated([
-            metric::COLLISIONS.at(2),
-            metric::COLLISION_RATE.at(5),
-            metric::PASSED.at(31),
-        ]))
-        .column(
-            FRONT
-                .of(|row| hit(row).is_some_and(|hit| hit.front))
-                .aggregated([metric::FRONT_COLLISIONS.at(3), metric::FRONT_RATE.at(6)]),
-        )
-        .column(
-            MOVING
-                .of(|row| hit(row).is_some_and(|hit| hit.moving))
-                .aggregated([metric::MOVING_COLLISIONS.at(4), metric::MOVING_RATE.at(7)]),
-        )
-        .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)).aggregated([metric::IMPACT_SPEED.at(10)]))
+        .column(COLLISION.of(|row| hit(row).is_some()))
+        .column(FRONT.of(|row| hit(row).is_some_and(|hit| hit.front)))
+        .column(MOVING.of(|row| hit(row).is_some_and(|hit| hit.moving)))
+        .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)))
         .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
-        .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward).aggregated([metric::EPISODE_REWARD.at(8)]))
-        .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration).aggregated([metric::EPISODE_LENGTH.at(9)]))
+        .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward))
+        .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration))
         .column(TICKS.of(|row: &EpisodeRow| row.outcome.ticks))
-        .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap).aggregated([metric::LEAST_GAP.at(11)]))
+        .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap))
         .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.outcome.on_crosswalk)))
         .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
         .column(PET.of(|row| near_miss(row).pet))
@@ -129,7 +114,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
         .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
         .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
-        .column(PLACED.of(placed).aggregated([metric::PLACED_STARTS.at(68), metric::PLACED_RATE.at(69)]))
+        .column(PLACED.of(placed))
         .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
@@ -144,57 +129,8 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
 
 /// The results of the reference drivers: the verdict on a collision, and the false alarms in an episode without one.
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
-    let judged = verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().map(|entry| {
-        let metrics = verdict_metrics(entry.reference().name.as_ref());
-        entry.aggregated(metrics)
-    });
-    let mut entries: Vec<_> = judged.collect();
-    for (place, reference) in (0_u8..).zip(Reference::ALL) {
-        let name = reference.name();
-        let alarm = move |row: &EpisodeRow, alarmed: fn(&FalseAlarms, Reference) -> bool| {
-            row.false_alarms.map(|alarms| alarmed(&alarms, reference))
-        };
-        let metrics = |stops: bool| {
-            let place = 32 + 4 * place + u8::from(stops);
-            let (count, rate) = (metric::false_alarms(reference, stops), metric::false_alarm_rate(reference, stops));
-            [count.at(place), rate.at(place + 2)]
-        };
-        entries.push(FALSE_BRAKE.of(name, move |row| alarm(row, FalseAlarms::braked)).aggregated(metrics(false)));
-        entries.push(FALSE_STOP.of(name, move |row| alarm(row, FalseAlarms::stopped)).aggregated(metrics(true)));
-    }
-    entries
-}
-
-/// What runs and cells make of a column of the verdict.
-fn verdict_metrics(column: &str) -> Vec<Metric> {
-    match column {
-        name if name == VERDICT.name => {
-            let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
-            labels.chain([metric::PREVENTABLE_RATE.at(21), metric::PREVENTABLE_SHARE.at(22)]).collect()
-        }
-        name if name == FORESEEABLE.name => {
-            vec![metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(29)]
-        }
-        name if name == FAULT.name => {
-            vec![metric::FAULT_COLLISIONS.at(18), metric::FAULT_RATE.at(23), metric::FAULT_SHARE.at(30)]
-        }
-        name if name == COUNTS_AS.name => (0_u8..)
-            .zip([Class::Flank, Class::Slow, Class::Narrow])
-            .map(|(place, class)| metric::counting(class).at(70 + place))
-            .collect(),
-        name if name == AVOIDABLE_INJURY.name => vec![metric::AVOIDABLE_INJURY.at(73)],
-        name if name == FAULT_IF.name(Sensitivity::NAMES[0]) => {
-            (0_u8..).zip(metric::FAULTS_IF).map(|(place, count)| count.at(74 + place)).collect()
-        }
-        name if name == PREVENTABLE_PROBABILITY.name => {
-            vec![metric::PREVENTABLE_PROBABILITY.at(25), metric::EXPECTED_PREVENTABLE.at(26)]
-        }
-        name if name == WALKED_INTO.name => vec![metric::WALKED_INTO_COLLISIONS.at(20)],
-        name if name == HARD.name => vec![metric::HARD_COLLISIONS.at(19), metric::HARD_RATE.at(24)],
-        name if name == FATALITY_RISK.name => vec![metric::FATALITY_RISK.at(27)],
-        name if name == SEVERE_INJURY_RISK.name => vec![metric::SEVERE_INJURY_RISK.at(28)],
-        _ => Vec::new(),
-    }
+    let of_drivers = reference_columns(|row: &EpisodeRow| row.verdict, |row: &EpisodeRow| row.false_alarms);
+    verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().chain(of_drivers).collect()
 }
 
 /// Whether the driver did not arrive at its start; none without a run-up.

@@ -7,22 +7,59 @@ use world::judge::{Class, Label, Reference};
 
 /// A number that is calculated from the episodes of a run and from the runs of a cell. It is a column of the table of runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Metric {
-    /// Its calculation.
-    pub how: How,
-    /// Its place among the metrics, which fixes the order of the columns in tables.
-    pub place: u8,
-}
-
-/// The calculation of a metric.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum How {
+pub enum Metric {
     /// A number of episodes; a cell has the sum over its runs.
     Count(Count),
     /// A mean over episodes; a cell has mean and standard deviation over its runs.
     Mean(Mean),
     /// A ratio of two counts; a cell has mean and standard deviation over its runs, and the interval of the sums.
     Rate(Rate),
+}
+
+/// All metrics, in the order of their tables. A new metric is one entry here.
+pub fn metrics() -> Vec<Metric> {
+    use Metric::{Count, Mean, Rate};
+    let mut all = vec![
+        Count(EPISODES),
+        Count(ERRORS),
+        Count(COLLISIONS),
+        Count(FRONT_COLLISIONS),
+        Count(MOVING_COLLISIONS),
+        Rate(COLLISION_RATE),
+        Rate(FRONT_RATE),
+        Rate(MOVING_RATE),
+        Mean(EPISODE_REWARD),
+        Mean(EPISODE_LENGTH),
+        Mean(IMPACT_SPEED),
+        Mean(LEAST_GAP),
+        Count(FORESEEABLE_COLLISIONS),
+    ];
+    all.extend(Label::ALL.map(|label| Count(labelled(label))));
+    all.extend([
+        Count(FAULT_COLLISIONS),
+        Count(HARD_COLLISIONS),
+        Count(WALKED_INTO_COLLISIONS),
+        Rate(PREVENTABLE_RATE),
+        Rate(PREVENTABLE_SHARE),
+        Rate(FAULT_RATE),
+        Rate(HARD_RATE),
+        Mean(PREVENTABLE_PROBABILITY),
+        Mean(EXPECTED_PREVENTABLE),
+        Mean(FATALITY_RISK),
+        Mean(SEVERE_INJURY_RISK),
+        Rate(FORESEEABLE_RATE),
+        Rate(FAULT_SHARE),
+        Count(PASSED),
+    ]);
+    for reference in Reference::ALL {
+        all.extend([false, true].map(|stops| Count(false_alarms(reference, stops))));
+        all.extend([false, true].map(|stops| Rate(false_alarm_rate(reference, stops))));
+    }
+    all.extend([Count(PLACED_STARTS), Rate(PLACED_RATE)]);
+    all.extend([Class::Flank, Class::Slow, Class::Narrow].map(|class| Count(counting(class))));
+    all.push(Mean(AVOIDABLE_INJURY));
+    all.extend(FAULTS_IF.map(Count));
+    all
 }
 
 /// A number of episodes.
@@ -96,10 +133,6 @@ impl Count {
     pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a UInt32Chunked> {
         u32::array(table.column(&self.name())?)
     }
-
-    pub const fn at(self, place: u8) -> Metric {
-        Metric { how: How::Count(self), place }
-    }
 }
 
 impl Mean {
@@ -117,20 +150,12 @@ impl Mean {
     pub const fn named(self, name: &'static str) -> Self {
         Self { name, ..self }
     }
-
-    pub const fn at(self, place: u8) -> Metric {
-        Metric { how: How::Mean(self), place }
-    }
 }
 
 impl Rate {
     /// A ratio of two counts, in a column of this name.
     pub const fn new(name: &'static str, part: Count, whole: Count, doc: &'static str) -> Self {
         Self { name, part, whole, doc }
-    }
-
-    pub const fn at(self, place: u8) -> Metric {
-        Metric { how: How::Rate(self), place }
     }
 
     /// The ends of its interval in a table of runs or cells.
@@ -145,27 +170,27 @@ impl Rate {
 impl Metric {
     /// Its column in the table of runs.
     pub fn name(&self) -> String {
-        match self.how {
-            How::Count(count) => count.name(),
-            How::Mean(mean) => mean.name.to_string(),
-            How::Rate(rate) => rate.name.to_string(),
+        match self {
+            Self::Count(count) => count.name(),
+            Self::Mean(mean) => mean.name.to_string(),
+            Self::Rate(rate) => rate.name.to_string(),
         }
     }
 
     /// Whether a cell has its mean and standard deviation over the runs.
     pub fn is_averaged(&self) -> bool {
-        match self.how {
-            How::Count(_) => false,
-            How::Mean(mean) => mean.in_cells,
-            How::Rate(_) => true,
+        match self {
+            Self::Count(_) => false,
+            Self::Mean(mean) => mean.in_cells,
+            Self::Rate(_) => true,
         }
     }
 
     pub fn reference(&self) -> ColumnReference {
-        let (unit, doc, holds) = match self.how {
-            How::Count(count) => ("", count.doc, DataType::UInt32),
-            How::Mean(mean) => (mean.unit, mean.doc, DataType::Float64),
-            How::Rate(rate) => ("", rate.doc, DataType::Float64),
+        let (unit, doc, holds) = match self {
+            Self::Count(count) => ("", count.doc, DataType::UInt32),
+            Self::Mean(mean) => (mean.unit, mean.doc, DataType::Float64),
+            Self::Rate(rate) => ("", rate.doc, DataType::Float64),
         };
         ColumnReference { name: self.name().into(), unit: unit.into(), doc: doc.into(), holds }
     }
@@ -246,6 +271,14 @@ pub const fn false_alarm_rate(reference: Reference, stops: bool) -> Rate {
         "false brakes of all episodes that *ended well*; missing without any"
     };
     Rate::new(name, false_alarms(reference, stops), PASSED, doc)
+}
+
+/// Whether a column of runs is of a reference driver.
+pub fn is_of_reference_driver(column: &str) -> bool {
+    let names =
+        |reference, stops| [false_alarms(reference, stops).name(), false_alarm_rate(reference, stops).name.into()];
+    let mut all = Reference::ALL.into_iter().flat_map(|each| [names(each, false), names(each, true)]).flatten();
+    all.any(|name| name == column)
 }
 
 /// The columns of episodes and the rates: brakes and stops, brakes and stops.

@@ -1,7 +1,7 @@
 //! An episode in a table: its key, its row, and the catalogue of columns, from which writing, reading and the reference follow.
 //!
 //! A [`Column`] has a name, a unit and a meaning, and is the only place where these are spelt. A [`Table`] pairs each column with a
-//! function that reads it from a row, and with the [`Metric`]s that runs and cells have of it. [`EpisodeTable`] reads the table of
+//! function that reads it from a row; [`metrics`] has what runs and cells make of the columns of episodes. [`EpisodeTable`] reads the table of
 //! episodes back by type. Tables of other modules have the same parts, defined beside the type of their rows.
 
 mod key;
@@ -10,6 +10,7 @@ mod column;
 pub mod columns;
 pub mod metric;
 mod verdicts;
+mod reference_drivers;
 mod episodes;
 mod read;
 mod tally;
@@ -20,13 +21,16 @@ mod tests;
 
 pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Table, TableReference};
 pub use episodes::{
-    EPISODES, IN_ERROR, cell_key, cell_key_names, cell_key_references, episode_table, episodes, metrics, run_key_names,
-    run_key_references,
+    EPISODES, IN_ERROR, cell_key, cell_key_names, cell_key_references, episode_references, episode_table, episodes,
+    run_key_names, run_key_references,
 };
 pub use key::{CellKey, RunKey};
-pub use metric::Metric;
+pub use metric::{Metric, metrics};
 pub use parquet_reader::read_parquet;
-pub use read::{EpisodeTable, HumanMargins};
+pub use read::EpisodeTable;
+pub use reference_drivers::{
+    REFERENCE_DRIVERS, reference_columns, reference_drivers, references as reference_driver_columns,
+};
 pub use row::EpisodeRow;
 pub use stored::{Chunk, Chunks, decode, encode, tally};
 pub use tally::Tally;

@@ -4,16 +4,16 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MARGIN,
-    MIN_TTC, MOVING, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN,
-    RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC,
+    MOVING, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID,
+    RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
 use world::av::DrivingMode;
 use world::env::{Ending, Outcome, Spawn};
 use world::geometry::Pose;
-use world::judge::{CLEAR, Label, Reference};
+use world::judge::{Label, Reference};
 
 impl CellKey {
     /// The key in a row of a table.
@@ -65,26 +65,6 @@ impl<'a> Weights<'a> {
     }
 }
 
-/// The room with which the two careful humans avoid collisions, in a table with verdicts.
-#[derive(Debug, Clone, Copy)]
-pub struct HumanMargins<'a>([&'a Float64Chunked; 2]);
-
-impl<'a> HumanMargins<'a> {
-    /// Reads it.
-    ///
-    /// # Errors
-    /// A column is missing or holds something else.
-    pub fn read(table: &'a DataFrame) -> PolarsResult<Self> {
-        let [a, b] = Label::humans().map(|human| MARGIN.read(human.name(), table));
-        Ok(Self([a?, b?]))
-    }
-
-    /// Whether one of them has less than [`CLEAR`] to spare.
-    pub fn is_narrow(&self, row: usize) -> bool {
-        self.0.iter().any(|margin| margin.get(row).is_some_and(|margin| margin < CLEAR))
-    }
-}
-
 /// A table of episodes, read row by row.
 ///
 /// Missing numbers are `None` if the type allows it, else 0.
@@ -96,8 +76,7 @@ pub struct EpisodeTable<'a> {
     outcome: &'a StringChunked,
     error: &'a StringChunked,
     front: &'a BooleanChunked,
-    /// Missing in reports of earlier versions.
-    on_crosswalk: Option<&'a BooleanChunked>,
+    on_crosswalk: &'a BooleanChunked,
     moving: &'a BooleanChunked,
     fault: &'a BooleanChunked,
     impact_speed: &'a Float64Chunked,
@@ -121,7 +100,6 @@ pub struct EpisodeTable<'a> {
     digest: &'a StringChunked,
     trail: &'a StringChunked,
     verdict: &'a StringChunked,
-    human_margins: HumanMargins<'a>,
     in_sight: &'a Float64Chunked,
 }
 
@@ -138,7 +116,7 @@ impl<'a> EpisodeTable<'a> {
             outcome: OUTCOME.read(table)?,
             error: ERROR.read(table)?,
             front: FRONT.read(table)?,
-            on_crosswalk: ON_CROSSWALK.read(table).ok(),
+            on_crosswalk: ON_CROSSWALK.read(table)?,
             moving: MOVING.read(table)?,
             fault: FAULT.read(table)?,
             impact_speed: IMPACT_SPEED.read(table)?,
@@ -162,7 +140,6 @@ impl<'a> EpisodeTable<'a> {
             digest: DIGEST.read(table)?,
             trail: STATE_HASHES.read(table)?,
             verdict: VERDICT.read(table)?,
-            human_margins: HumanMargins::read(table)?,
             in_sight: IN_SIGHT.read(table)?,
         })
     }
@@ -210,11 +187,6 @@ impl<'a> EpisodeTable<'a> {
     /// Whether it counts against the driver: preventable, with a foreseeable pedestrian.
     pub fn is_fault(&self, row: usize) -> bool {
         self.fault.get(row).unwrap_or_default()
-    }
-
-    /// Whether one of the two careful humans avoids it with less than [`CLEAR`] to spare.
-    pub fn is_narrow(&self, row: usize) -> bool {
-        self.human_margins.is_narrow(row)
     }
 
     /// Speed of the car at the touch (m/s).
@@ -272,13 +244,10 @@ impl<'a> EpisodeTable<'a> {
         self.in_sight.get(row)
     }
 
-    /// The rows of collisions that a reference driver avoids.
-    ///
-    /// # Errors
-    /// The column is missing or holds something else.
-    pub fn avoided(&self, reference: Reference) -> PolarsResult<impl Iterator<Item = usize>> {
-        let avoids = AVOIDS.read(reference.name(), self.table)?;
-        Ok(self.rows().filter(|row| avoids.get(*row) == Some(true)))
+    /// The rows of collisions that a reference driver avoids; none in the file of a report, where another table has them.
+    pub fn avoided(&self, reference: Reference) -> impl Iterator<Item = usize> {
+        let avoids = AVOIDS.read(reference.name(), self.table).ok();
+        self.rows().filter(move |row| avoids.and_then(|avoids| avoids.get(*row)) == Some(true))
     }
 
     /// The start.
@@ -314,7 +283,7 @@ impl<'a> EpisodeTable<'a> {
             ticks: self.ticks(row)?,
             duration: self.length(row).unwrap_or_default(),
             least_gap: self.least_gap.get(row).unwrap_or_default(),
-            on_crosswalk: self.on_crosswalk.and_then(|column| column.get(row)).unwrap_or(false),
+            on_crosswalk: self.on_crosswalk.get(row).unwrap_or(false),
             last_mode: self.driving_mode(row)?,
             digest: u64::from_str_radix(self.digest(row), 16).ok()?,
             state_hashes: self.trail.get(row).and_then(|hashes| hashes.parse().ok()).unwrap_or_default(),

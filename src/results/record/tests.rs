@@ -9,7 +9,7 @@ use super::*;
 use world::av::{DrivingMode, Fault};
 use world::env::{Ending, Outcome, Spawn};
 use world::geometry::Pose;
-use world::judge::{CLEAR, ContactSide, FalseAlarms, Label, NearMiss, Reference, Sensitivity, Sight, Trial, Verdict};
+use world::judge::{ContactSide, FalseAlarms, Label, NearMiss, Reference, Sensitivity, Sight, Trial, Verdict};
 
 fn key() -> RunKey {
     let cell = CellKey {
@@ -73,23 +73,6 @@ fn rows() -> Vec<EpisodeRow> {
 }
 
 #[test]
-fn a_collision_is_narrow_when_a_careful_human_barely_passes() {
-    let with = |label, margin: f64| {
-        let mut row = row(0, Ending::Collision { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 });
-        let verdict = row.verdict.as_mut().unwrap();
-        verdict.label = label;
-        verdict.trials[Reference::AttentiveHuman as usize].least_gap = margin;
-        row
-    };
-    let rows = [with(Label::Preventable, CLEAR - 1e-6), with(Label::Preventable, CLEAR), row(1, Ending::Timeout)];
-    let table = episodes(&rows);
-    let table = EpisodeTable::new(&table).unwrap();
-    let read: Vec<bool> = table.rows().map(|row| table.is_narrow(row)).collect();
-    let judged: Vec<bool> = rows.iter().map(|row| row.verdict.is_some_and(|verdict| verdict.is_narrow())).collect();
-    assert_eq!((&read, &judged), (&vec![true, false, false], &vec![true, false, false]));
-}
-
-#[test]
 fn rows_that_are_read_back_are_those_that_were_written() {
     let (rows, table) = (rows(), episodes(&rows()));
     let read = EpisodeTable::new(&table).unwrap();
@@ -103,7 +86,25 @@ fn rows_that_are_read_back_are_those_that_were_written() {
     }
     assert_eq!(read.outcome(3), None);
     assert!(read.error(3).is_some_and(|error| !error.is_empty()) && read.min_ttc(3).is_none());
-    assert_eq!(read.avoided(Reference::ALL[0]).unwrap().count(), 1);
+    assert_eq!(read.avoided(Reference::ALL[0]).count(), 1);
+}
+
+#[test]
+fn each_reference_driver_of_an_episode_that_ended_has_a_row() {
+    let mut rows = rows();
+    rows[3].false_alarms = None;
+    let table = reference_drivers(&episodes(&rows)).unwrap();
+    // The episode in error has none.
+    assert_eq!(table.height(), 3 * Reference::COUNT);
+    let said: Vec<_> = reference_driver_columns().columns.iter().map(|column| column.holds.clone()).collect();
+    assert_eq!(table.dtypes(), said);
+    let driver = |row| table.column("driver").unwrap().str().unwrap().get(row);
+    let named = |place: usize| Some(Reference::ALL[place].name());
+    assert_eq!([driver(0), driver(1)], [named(0), named(1)], "those of an episode follow each other");
+    let avoids = table.column("avoids").unwrap().bool().unwrap();
+    assert_eq!((avoids.get(0), avoids.get(Reference::COUNT)), (Some(true), None));
+    let episodes: Vec<_> = episode_references().columns.into_iter().map(|column| column.name).collect();
+    assert!(episodes.contains(&"fault".into()) && !episodes.iter().any(|name| name.starts_with("cc_")));
 }
 
 #[test]

@@ -1,10 +1,10 @@
 use super::Entry;
 use super::columns::{
-    AVOIDABLE_INJURY, AVOIDS, CONTACT_SIDE, COUNTS_AS, DANGER_SPEED, FATALITY_RISK, FAULT, FAULT_IF, FORESEEABLE, HARD,
-    HIDDEN_SHARE, IN_SIGHT, LATEST_REACTION, MARGIN, MOVED, PANEL, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK,
-    SPEED_REDUCTION, VERDICT, WALKED_INTO, WARNING,
+    AVOIDABLE_INJURY, CONTACT_SIDE, COUNTS_AS, DANGER_SPEED, FATALITY_RISK, FAULT, FAULT_IF, FORESEEABLE, HARD,
+    HIDDEN_SHARE, IN_SIGHT, LATEST_REACTION, PANEL, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK, VERDICT, WALKED_INTO,
+    WARNING,
 };
-use world::judge::{Reference, Sensitivity, Trial, Verdict, fatality_risk, severe_injury_risk};
+use world::judge::{Sensitivity, Verdict, fatality_risk, severe_injury_risk};
 
 /// The columns of the verdict on a collision, for a table whose rows may have one: the same in evaluations and in searches.
 pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + 't) -> Vec<Entry<'t, R>> {
@@ -30,18 +30,6 @@ pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + '
     ];
     for (place, change) in Sensitivity::NAMES.into_iter().enumerate() {
         entries.push(FAULT_IF.of(change, move |row| verdict(row).map(|verdict| verdict.sensitivity.values()[place])));
-    }
-    for reference in Reference::ALL {
-        let name = reference.name();
-        let trial = move |verdict: &Verdict| *verdict.trial(reference);
-        let margin =
-            move |verdict: &Verdict| Some(trial(verdict)).filter(Trial::is_avoided).map(|trial| trial.least_gap);
-        entries.extend([
-            AVOIDS.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).is_avoided())),
-            MOVED.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).moved)),
-            MARGIN.of(name, move |row| verdict(row).and_then(|verdict| margin(&verdict))),
-            SPEED_REDUCTION.of(name, move |row| verdict(row).map(|verdict| verdict.reduction(reference))),
-        ]);
     }
     entries
 }

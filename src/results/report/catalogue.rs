@@ -2,18 +2,19 @@
 
 use std::fmt::Write;
 
+use super::metric_table::{METRICS, metric_references, metric_table_reference};
 use super::{aggregate, failure_modes, infer};
-use crate::record::{TableReference, episode_table, metrics};
+use crate::record::{ColumnReference, TableReference, episode_references, metrics, reference_driver_columns};
 
 /// The tables of a report with their columns, in the order of `reports/README.md`.
 pub fn catalogue() -> Vec<TableReference> {
-    let [runs, mut cells] = aggregate::references(&metrics());
-    cells.columns.extend(infer::cell_table().reference().columns);
+    let [runs, _] = aggregate::references(&metrics());
     let mut all = vec![
         aggregate::results_table().reference(),
-        episode_table().reference(),
+        metric_table_reference(),
+        episode_references(),
+        reference_driver_columns(),
         runs,
-        cells,
         infer::comparison_columns().reference(),
         infer::transfer_columns().reference(),
         aggregate::published_table().reference(),
@@ -32,18 +33,27 @@ pub fn catalogue() -> Vec<TableReference> {
     all
 }
 
-/// The reference of all columns as Markdown: a heading and a table for each table. Consecutive columns of one meaning share a row.
+/// The reference of all columns as Markdown: a heading and a table for each table.
 pub fn column_reference() -> String {
     let mut text = String::new();
     for table in catalogue() {
-        let _ = write!(text, "### `{}`\n\n{}\n\n| column | unit | meaning |\n|---|---|---|\n", table.name, table.doc);
-        for group in table.columns.chunk_by(|one, next| (&one.unit, &one.doc) == (&next.unit, &next.doc)) {
-            let names: Vec<String> = group.iter().map(|column| format!("`{}`", column.name)).collect();
-            let _ = writeln!(text, "| {} | {} | {} |", names.join(", "), group[0].unit, group[0].doc);
+        let _ = write!(text, "### `{}`\n\n{}\n\n", table.name, table.doc);
+        list(&mut text, "column", &table.columns);
+        if table.name == METRICS {
+            list(&mut text, "metric", &metric_references());
         }
-        text.push('\n');
     }
     text
+}
+
+/// A table of names with their units and meanings. Consecutive ones of one meaning share a row.
+fn list(text: &mut String, head: &str, all: &[ColumnReference]) {
+    let _ = write!(text, "| {head} | unit | meaning |\n|---|---|---|\n");
+    for group in all.chunk_by(|one, next| (&one.unit, &one.doc) == (&next.unit, &next.doc)) {
+        let names: Vec<String> = group.iter().map(|each| format!("`{}`", each.name)).collect();
+        let _ = writeln!(text, "| {} | {} | {} |", names.join(", "), group[0].unit, group[0].doc);
+    }
+    text.push('\n');
 }
 
 #[cfg(test)]
@@ -85,17 +95,12 @@ mod tests {
     fn tables_of_metrics_have_the_columns_that_are_said() {
         let [runs, cells] = aggregate::references(&metrics());
         let made = aggregate::metrics(&crate::record::episodes(&[])).unwrap();
-        for (said, made) in [(runs, made.runs), (cells, made.cells)] {
+        let kept = made.runs.select(aggregate::run_columns()).unwrap();
+        for (said, made) in [(runs, kept), (cells, made.cells)] {
             let said: Vec<(&str, _)> = said.columns.iter().map(|column| (&*column.name, &column.holds)).collect();
             let made: Vec<(&str, _)> =
                 made.columns().iter().map(|column| (column.name().as_str(), column.dtype())).collect();
             assert_eq!(said, made);
         }
-    }
-
-    #[test]
-    fn metrics_have_places_of_their_own() {
-        let places: Vec<u8> = metrics().iter().map(|metric| metric.place).collect();
-        assert_eq!(places, (0..places.len() as u8).collect::<Vec<_>>());
     }
 }

@@ -1,6 +1,8 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
+use super::aggregate::run_columns;
 use super::failure_modes::CellModes;
+use super::metric_table::metric_table;
 use super::{
     Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
     SearchKind, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_kinds,
@@ -15,9 +17,11 @@ pub struct Findings<'a> {
     pub finished: &'a Finished,
     /// What one pass over the episodes gave.
     pub gathered: Gathered,
-    /// The table `runs`, and that of cells without their evidence.
-    pub metrics: Metrics,
-    /// The table `cells`.
+    /// The table `runs`.
+    pub runs: DataFrame,
+    /// The table `metrics`.
+    pub metrics: DataFrame,
+    /// One row for each cell, with all its metrics and its evidence: what gates read.
     pub cell_table: DataFrame,
     pub cells: Vec<Cell>,
     /// What was found about each driver, the worst first.
@@ -51,8 +55,11 @@ impl<'a> Findings<'a> {
         let metrics = Metrics::of_runs(gathered.runs.clone())?;
         let cells = metrics.cells()?;
         let evidence = &gathered.evidence.cells;
+        let cell_table = evident_cells(&metrics.cells, evidence)?;
         Ok(Self {
-            cell_table: evident_cells(&metrics.cells, evidence)?,
+            runs: metrics.runs.select(run_columns())?,
+            metrics: metric_table(&cell_table, &cells, evidence)?,
+            cell_table,
             drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, &finished.searches),
             modes: modes.finish(),
             published: beside(&campaign.published, &cells, evidence),
@@ -62,7 +69,6 @@ impl<'a> Findings<'a> {
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,
             finished,
-            metrics,
             cells,
             gathered,
         })

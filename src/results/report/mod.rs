@@ -20,14 +20,17 @@ mod text_forms;
 mod folder;
 mod overview;
 mod findings;
+mod listed_failure;
+mod metric_table;
+mod played;
 mod write;
 
 pub use aggregate::{
-    Agreement, Average, Cell, Colour, DriverResult, Episodes, FailureClass, Failures, FoundBy, FoundFailure, Gathered,
-    MedianTime, Metrics, ProtocolCell, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures,
-    SearchKind, Spread, Wanted, beside, driver_results, gather, layer_cells, learning_curve, learning_curve_lines,
-    metrics, published, search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failure,
-    search_failures, search_kind_table, search_kinds, searches, ticks, write_ticks,
+    Agreement, Average, Cell, Colour, DriverResult, Episodes, Failures, Gathered, MedianTime, Metrics, ProtocolCell,
+    PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures, SearchKind, Spread, Wanted, beside,
+    driver_results, gather, layer_cells, learning_curve, learning_curve_lines, metrics, published, search_cell_table,
+    search_cells, search_comparison_table, search_comparisons, search_failure, search_failures, search_kind_table,
+    search_kinds, searches, ticks, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use compare::{
@@ -42,11 +45,13 @@ pub use infer::{
     Baseline, CellEvidence, Change, Comparison, Doubt, Evidence, Figure, Gathering, Learning, Learnt, Quantiles,
     Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
 };
+pub use listed_failure::{FailureClass, FailureOrder, ListedFailure};
 pub use manifest::{Call, FileRecord, Manifest, RunRecord, ScenarioFile, TrainingRecord};
 pub use overview::{HighestRate, Overview, OverviewRow, Variant};
+pub use played::PlayedFailure;
 pub use read::{
-    Difference, FailureFilter, FailureOrder, Gate, GateError, Judged, ListedFailure, ReadError, StoredFailure,
-    StoredReport, TooFewRuns, differences, divergence, failure, failure_list,
+    Difference, FailureFilter, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, TooFewRuns,
+    differences, divergence, failure, failure_list,
 };
 pub use recheck::{
     CrossedStarts, Encounter, FoundIn, Met, Recheck, RecheckNote, RecheckedFailures, StartFaults, WalkedBy,

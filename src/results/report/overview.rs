@@ -169,7 +169,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         }));
     table
         .column(text("worst_failure", "", "verdict of the worst failure; empty without a collision").of(
-            |row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.class.name().to_string()),
+            |row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.class().name().to_string()),
         ))
         .column(
             number("worst_impact_speed", "m/s", "speed of the car at its touch")
@@ -177,7 +177,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         )
         .column(
             text("worst_episode", "", "its name, `RUN:EPISODE`")
-                .of(|row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), super::FoundFailure::name)),
+                .of(|row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), super::ListedFailure::name)),
         )
         .column(
             number("search_failures", "", "failures that searches found")

@@ -1,16 +1,19 @@
 use std::collections::BTreeMap;
 
-use super::aggregate::{CELLS, PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, protocol_table, results};
+use super::aggregate::{PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, protocol_table, results};
 use super::failure_modes::{self, CellModes};
+use super::metric_table::METRICS;
+use super::played::played;
 use super::render::{
-    Section, file_names, mode_panels, modes_section, protocol, published_section, rule_bars, search_section, summary,
-    trainings_section, write_page,
+    Section, file_names, mode_panels, modes_section, page_examples, protocol, published_section, rule_bars,
+    search_section, summary, trainings_section, write_page,
 };
 use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
     search_cell_table, search_comparison_table, search_comparisons, search_failures, search_kind_table, searches,
     town_map,
 };
+use base::seed::Seed;
 use compile::TrainingKey;
 
 /// The path of a trained pedestrian in a report, relative to the report's folder; the format is the file's extension.
@@ -25,9 +28,9 @@ pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
 pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -> Result<(), WriteError> {
     let Findings { campaign, finished, gathered, .. } = found;
     let evidence = &gathered.evidence;
-    folder.table(RUNS, &found.metrics.runs)?;
-    folder.table(RESULTS, &results(&found.cells, &gathered.failures))?;
-    folder.table(CELLS, &found.cell_table)?;
+    folder.table(RUNS, &found.runs)?;
+    folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
+    folder.table(METRICS, &found.metrics)?;
     folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &infer::transfer_table(&evidence.transfers))?;
     let modes_sections = write_failure_modes(folder, &found.modes)?;
@@ -84,7 +87,8 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
     sections.extend(trainings_section(&finished.trainings));
     folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
-    write_page(folder, found, manifest)
+    let played = played(&page_examples(found), found, &Seed::root(manifest.seed));
+    write_page(folder, found, &played, manifest)
 }
 
 /// Adds the tables and pictures of failure modes to a report; returns the section of its summary, none without any collision.

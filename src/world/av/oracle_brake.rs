@@ -71,19 +71,15 @@ impl OracleBrake {
         let (place, velocity) = (actor.pose.position(), actor.velocity);
         let (mut speed, mut along, mut time) = (ego.speed(), 0.0, 0.0);
         for tick in 0.. {
-            let gain = match tick < ticks {
-                true => acceleration,
-                false => perception.blueprint.acceleration(Control::FULL_BRAKE, speed),
-            };
+            let braking = || perception.blueprint.acceleration(Control::FULL_BRAKE, speed);
+            let gain = if tick < ticks { acceleration } else { braking() };
             // The world moves the car with the speed at the start of the tick.
             along += speed * dt;
             time += dt;
             speed = (speed + gain * dt).max(0.0);
             let Some((middle, ahead)) = self.driver.trace.at(along) else { return false };
-            let (then, grown) = match self.any_motion {
-                true => (place, size + self.running * time),
-                false => (place + velocity * time, size),
-            };
+            let (then, grown) =
+                if self.any_motion { (place, size + self.running * time) } else { (place + velocity * time, size) };
             if distance_to_box(then, middle, &ahead, &ego.half) < grown {
                 return true;
             }

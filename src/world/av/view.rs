@@ -142,7 +142,6 @@ impl LaneAhead {
     }
 }
 
-/// The number of an actor in messages.
 fn number(id: ActorId) -> u32 {
     match id {
         ActorId::Pedestrian(number) => u32::from(number),

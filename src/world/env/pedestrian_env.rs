@@ -109,7 +109,6 @@ struct Episode {
     spawn: Spawn,
     /// The hash of the spawn as it was drawn.
     start: u64,
-    /// Ticks of the run-up.
     run_up: u32,
     /// The environment's width when it started.
     width: f64,
@@ -391,7 +390,6 @@ impl PedestrianEnv {
         Some(path.tick_command(pacing, &world.pedestrians[0].state.pose, world.ticks, world.dt))
     }
 
-    /// The fault of a driver in the run-up.
     #[inline]
     fn failed_run_up(&self) -> Option<Fault> {
         match self.stage {

@@ -1,229 +1,133 @@
 //! Rewards are formulas of the scenario, evaluated at events.
 
+use std::f64::consts::PI;
+
 use super::Judgement;
 use crate::geometry::Pose;
 use base::signature::{Event, Formula, Variable, VariableId, Vocabulary};
 use base::units::Dimension;
 
-/// The variables of formulas, in SI units. The order of the fields is that of the vocabulary.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Situation {
-    /// Speed of the ego when it was hit (m/s); only at `hit`.
-    pub v_c: f64,
-    /// Bearing of the pedestrian from the ego's centre, positive to the left (rad).
-    pub bearing: f64,
-    /// Distance between the centres (m).
-    pub distance: f64,
-    /// Distance of the pedestrian ahead of the ego's centre, negative behind it (m).
-    pub ahead: f64,
-    /// Distance of the pedestrian to the left of the ego's axis (m).
-    pub aside: f64,
-    /// Speed of the ego (m/s).
-    pub ego_speed: f64,
-    /// Speed of the pedestrian (m/s).
-    pub walking_speed: f64,
-    /// Time since the start of the episode (s).
-    pub elapsed: f64,
-    /// Angle from the pedestrian's heading to the ego's centre, positive to the left (rad).
-    pub facing: f64,
-    /// Angle from the previous command to the last one, positive to the left (rad).
-    pub turn: f64,
-    /// Speed of the last command (m/s).
-    pub pace: f64,
-    /// Least distance so far from the pedestrian's disc to the ego's box (m); 0 at a hit.
-    pub miss_distance: f64,
-    /// Least time to collision so far, both keeping their velocities (s); 10 s when they were never on course to touch.
-    pub min_ttc: f64,
-    /// Greatest deceleration of the ego in the last decision (m/s²); 0 when it did not slow down.
-    pub ego_deceleration: f64,
-    /// Greatest acceleration of the pedestrian in the last decision, over the whole vector (m/s²).
-    pub walking_acceleration: f64,
-    /// Angle by which the pedestrian's direction of motion turned in the last decision, positive to the left (rad).
-    pub walking_turn: f64,
-    /// See [`Judgement`]; only at `hit`, as the rest.
-    pub preventability: f64,
-    /// See [`Judgement`] (m/s).
-    pub avoidable_speed: f64,
-    /// See [`Judgement`] (m).
-    pub margin: f64,
-    /// See [`Judgement`] (s).
-    pub warning: f64,
-    /// See [`Judgement`] (s).
-    pub seen: f64,
+/// Since when a variable has a value, in the order of an episode.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+enum Since {
+    Begin,
+    Decision,
+    /// The same; it must be measured in every tick.
+    Motion,
+    Hit,
+    /// The same; it needs the judgement of the hit.
+    Judgement,
+}
+
+/// Defines [`Situation`] and the table of its variables, which have the same order. A line has a name, the dimension and the bounds in any
+/// episode (SI), and since when there is a value; its documentation is that of the language.
+macro_rules! variables {
+    ($(#[doc = $doc:literal] $name:ident: $dimension:ident, $bounds:expr, $since:ident;)*) => {
+        /// The variables of formulas, in SI units.
+        #[derive(Debug, Clone, Copy, PartialEq, Default)]
+        pub struct Situation {
+            $(#[doc = $doc] pub $name: f64,)*
+        }
+
+        const VARIABLES: &[(Variable, Since)] = &[$((
+            Variable {
+                name: stringify!($name),
+                dimension: Dimension::$dimension,
+                bounds: $bounds,
+                doc: $doc.trim_ascii(),
+            },
+            Since::$since,
+        ),)*];
+
+        impl Situation {
+            fn value(&self, id: VariableId) -> f64 {
+                [$(self.$name),*][id.0]
+            }
+        }
+    };
+}
+
+variables! {
+    /// Speed of the ego at the collision.
+    v_c: SPEED, (0.0, FASTEST), Hit;
+    /// Bearing of the pedestrian from the ego's centre, positive to the left.
+    bearing: ANGLE, (-PI, PI), Begin;
+    /// Distance between the centres of pedestrian and ego.
+    distance: LENGTH, (TOUCHING, FARTHEST), Begin;
+    /// How far the pedestrian is ahead of the ego's centre; negative behind it.
+    ahead: LENGTH, (-FARTHEST, FARTHEST), Begin;
+    /// How far the pedestrian is to the left of the ego's axis.
+    aside: LENGTH, (-FARTHEST, FARTHEST), Begin;
+    /// Speed of the ego.
+    ego_speed: SPEED, (0.0, FASTEST), Begin;
+    /// Speed of the pedestrian.
+    walking_speed: SPEED, (0.0, WALKING), Decision;
+    /// Time since the episode began.
+    elapsed: TIME, (0.0, LONGEST), Decision;
+    /// Angle from where the pedestrian faces to the ego's centre, positive to the left.
+    facing: ANGLE, (-PI, PI), Begin;
+    /// How far the pedestrian's last command turned away from the one before, positive to the left; the first turns away from where it looked.
+    turn: ANGLE, (-PI, PI), Decision;
+    /// Speed that the pedestrian's last command asked for.
+    pace: SPEED, (0.0, WALKING), Decision;
+    /// Least distance so far between the pedestrian and the ego's body; 0 at a hit.
+    miss_distance: LENGTH, (0.0, FARTHEST), Decision;
+    /// Least time to collision so far while the ego moved, both keeping their velocities; at most 10 s.
+    min_ttc: TIME, (0.0, HORIZON), Motion;
+    /// Greatest deceleration of the ego during the last decision; 0 if it did not slow down.
+    ego_deceleration: ACCELERATION, (0.0, FASTEST / SHORTEST), Motion;
+    /// Greatest acceleration of the pedestrian during the last decision, over the whole vector, so turning counts.
+    walking_acceleration: ACCELERATION, (0.0, 2.0 * WALKING / SHORTEST), Motion;
+    /// How far the pedestrian's motion turned during the last decision, positive to the left; 0 if it stood.
+    walking_turn: ANGLE, (-PI, PI), Motion;
+    /// Share of careful drivers that would have avoided the hit, from 0 to 1.
+    preventability: RATIO, (0.0, 1.0), Judgement;
+    /// Part of the impact speed that a careful human would have avoided; negative if it would have hit faster.
+    avoidable_speed: SPEED, (-FASTEST, FASTEST), Judgement;
+    /// Least gap that a careful human would have kept; 0 if it hits as well.
+    margin: LENGTH, (0.0, FARTHEST), Judgement;
+    /// Time from the start of the danger to the hit.
+    warning: TIME, (0.0, LONGEST), Judgement;
+    /// Time before the hit in which the car could see the pedestrian without a break, at most 3 s.
+    seen: TIME, (0.0, LONGEST), Judgement;
 }
 
 /// The longest time to collision that counts (s).
 pub(super) const HORIZON: f64 = 10.0;
-
-const AT_HIT: &[&str] = &[
-    "v_c",
-    "bearing",
-    "distance",
-    "ahead",
-    "aside",
-    "ego_speed",
-    "walking_speed",
-    "elapsed",
-    "facing",
-    "turn",
-    "pace",
-    "miss_distance",
-    "min_ttc",
-    "ego_deceleration",
-    "walking_acceleration",
-    "walking_turn",
-    "preventability",
-    "avoidable_speed",
-    "margin",
-    "warning",
-    "seen",
-];
-/// The first of the variables that must be measured in every tick.
-const MOTIONS: usize = 12;
-/// The first of the variables that need the judgement of the hit.
-const JUDGED: usize = 16;
-/// All variables that do not need a hit.
-const ALWAYS: &[&str] = AT_HIT.split_at(JUDGED).0.split_at(1).1;
-const AT_BEGIN: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "facing"];
-
-/// The bounds of a variable in any episode. An episode has at most a million ticks of 0.1 s, no pedestrian is faster than 40.96 m/s, and
-/// no car reaches 1000 m/s. The centre of a pedestrian that touches a car is not at the car's centre.
-fn bounds_of(name: &str) -> (f64, f64) {
-    use std::f64::consts::PI;
-    const FASTEST: f64 = 1000.0;
-    const WALKING: f64 = 41.0;
-    const LONGEST: f64 = 1e5;
-    const SHORTEST: f64 = 1e-3;
-    const FARTHEST: f64 = FASTEST * LONGEST;
-    match name {
-        "v_c" | "ego_speed" => (0.0, FASTEST),
-        "walking_speed" | "pace" => (0.0, WALKING),
-        "elapsed" => (0.0, LONGEST),
-        "distance" => (0.1, FARTHEST),
-        "miss_distance" => (0.0, FARTHEST),
-        "ahead" | "aside" => (-FARTHEST, FARTHEST),
-        "bearing" | "facing" | "turn" | "walking_turn" => (-PI, PI),
-        "min_ttc" => (0.0, HORIZON),
-        // Within the shortest tick.
-        "ego_deceleration" => (0.0, FASTEST / SHORTEST),
-        "walking_acceleration" => (0.0, 2.0 * WALKING / SHORTEST),
-        "preventability" => (0.0, 1.0),
-        "avoidable_speed" => (-FASTEST, FASTEST),
-        "margin" => (0.0, FARTHEST),
-        "warning" | "seen" => (0.0, LONGEST),
-        other => unreachable!("`{other}` is no variable"),
-    }
-}
+/// No car reaches this speed, and no pedestrian this one (m/s).
+const FASTEST: f64 = 1000.0;
+const WALKING: f64 = 41.0;
+/// The longest episode: a million ticks of 0.1 s, and the shortest tick (s).
+const LONGEST: f64 = 1e5;
+const SHORTEST: f64 = 1e-3;
+const FARTHEST: f64 = FASTEST * LONGEST;
+/// The centre of a pedestrian that touches a car is not at the car's centre (m).
+const TOUCHING: f64 = 0.1;
 
 /// The variables and events that formulas may name.
 pub fn vocabulary() -> Vocabulary {
-    let variable = |name, dimension, doc| Variable { name, dimension, bounds: bounds_of(name), doc };
+    let until =
+        |last: Since| VARIABLES.iter().filter(|each| each.1 <= last).map(|each| each.0.name).collect::<Vec<_>>();
+    let moving = |name, doc| Event { name, words: &[], variables: until(Since::Motion), answered: true, doc };
     Vocabulary {
-        variables: vec![
-            variable("v_c", Dimension::SPEED, "Speed of the ego at the collision."),
-            variable(
-                "bearing",
-                Dimension::ANGLE,
-                "Bearing of the pedestrian from the ego's centre, positive to the left.",
-            ),
-            variable("distance", Dimension::LENGTH, "Distance between the centres of pedestrian and ego."),
-            variable(
-                "ahead",
-                Dimension::LENGTH,
-                "How far the pedestrian is ahead of the ego's centre; negative behind it.",
-            ),
-            variable("aside", Dimension::LENGTH, "How far the pedestrian is to the left of the ego's axis."),
-            variable("ego_speed", Dimension::SPEED, "Speed of the ego."),
-            variable("walking_speed", Dimension::SPEED, "Speed of the pedestrian."),
-            variable("elapsed", Dimension::TIME, "Time since the episode began."),
-            variable(
-                "facing",
-                Dimension::ANGLE,
-                "Angle from where the pedestrian faces to the ego's centre, positive to the left.",
-            ),
-            variable(
-                "turn",
-                Dimension::ANGLE,
-                "How far the pedestrian's last command turned away from the one before, positive to the left; the first \
-                 turns away from where it looked.",
-            ),
-            variable("pace", Dimension::SPEED, "Speed that the pedestrian's last command asked for."),
-            variable(
-                "miss_distance",
-                Dimension::LENGTH,
-                "Least distance so far between the pedestrian and the ego's body; 0 at a hit.",
-            ),
-            variable(
-                "min_ttc",
-                Dimension::TIME,
-                "Least time to collision so far while the ego moved, both keeping their velocities; at most 10 s.",
-            ),
-            variable(
-                "ego_deceleration",
-                Dimension::ACCELERATION,
-                "Greatest deceleration of the ego during the last decision; 0 if it did not slow down.",
-            ),
-            variable(
-                "walking_acceleration",
-                Dimension::ACCELERATION,
-                "Greatest acceleration of the pedestrian during the last decision, over the whole vector, so turning counts.",
-            ),
-            variable(
-                "walking_turn",
-                Dimension::ANGLE,
-                "How far the pedestrian's motion turned during the last decision, positive to the left; 0 if it stood.",
-            ),
-            variable(
-                "preventability",
-                Dimension::RATIO,
-                "Share of careful drivers that would have avoided the hit, from 0 to 1.",
-            ),
-            variable(
-                "avoidable_speed",
-                Dimension::SPEED,
-                "Part of the impact speed that a careful human would have avoided; negative if it would have hit faster.",
-            ),
-            variable(
-                "margin",
-                Dimension::LENGTH,
-                "Least gap that a careful human would have kept; 0 if it hits as well.",
-            ),
-            variable("warning", Dimension::TIME, "Time from the start of the danger to the hit."),
-            variable(
-                "seen",
-                Dimension::TIME,
-                "Time before the hit in which the car could see the pedestrian without a break, at most 3 s.",
-            ),
-        ],
+        variables: VARIABLES.iter().map(|(variable, _)| variable.clone()).collect(),
         events: vec![
             Event {
                 name: "hit",
                 words: HitClass::WORDS,
-                variables: AT_HIT,
+                variables: until(Since::Judgement),
                 answered: true,
                 doc: "The pedestrian and the ego touch. One clause counts, the first of these that is written and true: `fault` \
                       (preventable, and the pedestrian moved as real ones do), `preventable` (a careful driver would have avoided it), \
                       `moving` (the ego moved), `front` within the front sector, `other` elsewhere, `hit` without a word.",
             },
-            Event {
-                name: "step",
-                words: &[],
-                variables: ALWAYS,
-                answered: true,
-                doc: "A decision has been carried out and nothing was hit.",
-            },
-            Event {
-                name: "lost",
-                words: &[],
-                variables: ALWAYS,
-                answered: true,
-                doc: "The episode ends because its `end_when` condition holds.",
-            },
-            Event { name: "timeout", words: &[], variables: ALWAYS, answered: true, doc: "The episode's time is up." },
+            moving("step", "A decision has been carried out and nothing was hit."),
+            moving("lost", "The episode ends because its `end_when` condition holds."),
+            moving("timeout", "The episode's time is up."),
             Event {
                 name: "begin",
                 words: &[],
-                variables: AT_BEGIN,
+                variables: until(Since::Begin),
                 answered: false,
                 doc: "An episode is about to begin; for the `require` of a spawn.",
             },
@@ -245,33 +149,6 @@ impl Situation {
             facing: libm::atan2(seen.y, seen.x),
             ..Self::default()
         }
-    }
-
-    fn value(&self, id: VariableId) -> f64 {
-        let fields = [
-            self.v_c,
-            self.bearing,
-            self.distance,
-            self.ahead,
-            self.aside,
-            self.ego_speed,
-            self.walking_speed,
-            self.elapsed,
-            self.facing,
-            self.turn,
-            self.pace,
-            self.miss_distance,
-            self.min_ttc,
-            self.ego_deceleration,
-            self.walking_acceleration,
-            self.walking_turn,
-            self.preventability,
-            self.avoidable_speed,
-            self.margin,
-            self.warning,
-            self.seen,
-        ];
-        fields[id.0]
     }
 
     /// Whether a condition is true.
@@ -368,7 +245,7 @@ impl RewardRule {
     pub fn needs_judgement(&self) -> bool {
         let classes = HitClass::ALL.into_iter().zip(&self.hit);
         let by_class = |(class, formula): (HitClass, &Option<Formula>)| class.needs_judgement() && formula.is_some();
-        let by_variable = |formula: &Formula| formula.mentions(&|id| id.0 >= JUDGED);
+        let by_variable = |formula: &Formula| formula.mentions(&|id| VARIABLES[id.0].1 == Since::Judgement);
         classes.clone().any(by_class) || self.hit.iter().flatten().any(by_variable)
     }
 
@@ -381,7 +258,7 @@ impl RewardRule {
 
 /// Whether a formula depends on a motion that must be measured in every tick.
 pub(super) fn is_about_motion(formula: &Formula) -> bool {
-    formula.mentions(&|id| (MOTIONS..JUDGED).contains(&id.0))
+    formula.mentions(&|id| VARIABLES[id.0].1 == Since::Motion)
 }
 
 #[cfg(test)]
@@ -389,35 +266,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_vocabulary_and_the_fields_have_one_order() {
-        let situation = Situation {
-            v_c: 0.0,
-            bearing: 1.0,
-            distance: 2.0,
-            ahead: 3.0,
-            aside: 4.0,
-            ego_speed: 5.0,
-            walking_speed: 6.0,
-            elapsed: 7.0,
-            facing: 8.0,
-            turn: 9.0,
-            pace: 10.0,
-            miss_distance: 11.0,
-            min_ttc: 12.0,
-            ego_deceleration: 13.0,
-            walking_acceleration: 14.0,
-            walking_turn: 15.0,
-            preventability: 16.0,
-            avoidable_speed: 17.0,
-            margin: 18.0,
-            warning: 19.0,
-            seen: 20.0,
-        };
-        assert_eq!((AT_HIT[MOTIONS], AT_HIT[JUDGED]), ("min_ttc", "preventability"));
-        for (index, variable) in vocabulary().variables.iter().enumerate() {
-            assert_eq!(variable.name, AT_HIT[index]);
-            assert_eq!(situation.value(VariableId(index)), index as f64);
-        }
+    fn variables_are_available_in_the_order_of_an_episode() {
+        let events = vocabulary().events;
+        let of = |name: &str| events.iter().find(|event| event.name == name).unwrap().variables.clone();
+        assert_eq!(of("begin"), ["bearing", "distance", "ahead", "aside", "ego_speed", "facing"]);
+        assert_eq!((of("step").len(), of("hit").len()), (15, 21));
+        assert!(of("step").contains(&"min_ttc") && !of("step").contains(&"v_c") && !of("step").contains(&"seen"));
     }
 
     #[test]
@@ -440,20 +294,12 @@ mod tests {
         assert_eq!(paid(&[Moving, Any], &standing), Some(formula(Any as usize)));
         assert_eq!(paid(&[Fault], &rude), None);
         assert!(rule(&[Preventable]).needs_judgement() && !rule(&[Moving, Front, Any]).needs_judgement());
+        let place = |name| VARIABLES.iter().position(|each| each.0.name == name).unwrap();
+        let variable = |name| Formula::Variable(VariableId(place(name)));
         let mut by_variable = rule(&[]);
-        by_variable.hit[Any as usize] = Some(Formula::Variable(base::signature::VariableId(JUDGED + 1)));
+        by_variable.hit[Any as usize] = Some(variable("margin"));
         assert!(by_variable.needs_judgement() && !by_variable.needs_motion());
-        by_variable.step = Some(Formula::Variable(base::signature::VariableId(MOTIONS)));
+        by_variable.step = Some(variable("min_ttc"));
         assert!(by_variable.needs_motion());
-    }
-
-    #[test]
-    fn events_name_only_known_variables() {
-        let vocabulary = vocabulary();
-        for event in &vocabulary.events {
-            for name in event.variables {
-                assert!(vocabulary.variables.iter().any(|variable| variable.name == *name), "{name}");
-            }
-        }
     }
 }

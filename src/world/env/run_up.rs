@@ -20,7 +20,6 @@ pub(super) struct RunUp {
     at_goal: usize,
     limit: Option<f64>,
     speed: f64,
-    /// Memory for branches.
     branches: Vec<Waypoint>,
 }
 

@@ -54,7 +54,6 @@ impl StateHashes {
         self.stride *= 2;
     }
 
-    /// The marks in order.
     fn marks(&self) -> &[u8] {
         &self.marks[..usize::from(self.length)]
     }

@@ -114,7 +114,6 @@ struct Try {
     context: Context,
     goal: Goal,
     reward: f64,
-    /// The cell of its failure, if it failed.
     cell: Option<FailureCell>,
     /// What it gained when it was tried.
     gain: f64,

@@ -35,7 +35,6 @@ pub struct Simulator<'a> {
     stopped: bool,
     /// Hears the ticks that were used since the last episode began.
     progress: &'a (dyn Fn(u64) + Sync),
-    /// The ticks that it has heard.
     heard: u64,
     /// Ticks after every decision; only shares record them.
     clock: Option<Vec<u64>>,

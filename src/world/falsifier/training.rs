@@ -13,20 +13,10 @@ pub enum TrainError {
     /// The learner could not continue, or the observer asked to stop.
     #[error(transparent)]
     Learner(#[from] learn::TrainError),
-    /// The driver failed in too many episodes in a row.
     #[error("the driver failed again and again until update {update}; the last time it {fault}")]
-    Driver {
-        /// The update, from 1.
-        update: u64,
-        /// The driver's last fault.
-        fault: Fault,
-    },
-    /// The controller of a search failed in too many episodes in a row.
+    Driver { update: u64, fault: Fault },
     #[error("the controller failed in ten episodes in a row; the last time it {fault}")]
-    Controller {
-        /// The controller's last fault.
-        fault: Fault,
-    },
+    Controller { fault: Fault },
 }
 
 impl TrainError {
@@ -49,7 +39,7 @@ pub fn train(
     seed: &Seed,
     observer: &mut dyn FnMut(&UpdateLog) -> ControlFlow<()>,
 ) -> Result<Trained, TrainError> {
-    TrainingRun::begin(scenario, environments, config, seed)?.carry_on(&mut |run| {
+    TrainingRun::begin(std::slice::from_ref(scenario), environments, config, seed)?.carry_on(&mut |run| {
         let log = run.learning_curve().last().expect("an update has just ended");
         observer(log)
     })

@@ -23,11 +23,11 @@ use learn::{CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
 /// use learn::{PpoConfig, Trained};
 /// use base::seed::Seed;
 ///
-/// fn in_two_parts(scenario: &Arc<Scenario>, config: &PpoConfig) -> Result<Trained, Box<dyn std::error::Error>> {
-///     let mut run = TrainingRun::begin(scenario, 8, config, &Seed::root(7))?;
+/// fn in_two_parts(scenarios: &[Arc<Scenario>], config: &PpoConfig) -> Result<Trained, Box<dyn std::error::Error>> {
+///     let mut run = TrainingRun::begin(scenarios, 8, config, &Seed::root(7))?;
 ///     run.update()?;
 ///     let state = run.state(&BTreeMap::new());
-///     let mut run = TrainingRun::resume(&state, scenario, 8, config, &Seed::root(7))?;
+///     let mut run = TrainingRun::resume(&state, scenarios, 8, config, &Seed::root(7))?;
 ///     while !run.is_done() {
 ///         println!("{:?}", run.update()?.mean_reward);
 ///     }
@@ -40,27 +40,14 @@ pub struct TrainingRun {
 }
 
 impl TrainingRun {
-    /// Starts a training in a number of environments of a scenario, each with its own stream of episodes.
+    /// Starts a training in a number of environments, each with its own stream of episodes. The episodes of several scenarios alternate.
     ///
     /// # Errors
     /// A first state that is not finite.
-    pub fn begin(
-        scenario: &Arc<Scenario>,
-        environments: usize,
-        config: &PpoConfig,
-        seed: &Seed,
-    ) -> Result<Self, TrainError> {
-        Self::begin_among(std::slice::from_ref(scenario), environments, config, seed)
-    }
-
-    /// As [`TrainingRun::begin`], in several scenarios whose episodes alternate.
-    ///
-    /// # Errors
-    /// As [`TrainingRun::begin`].
     ///
     /// # Panics
     /// When there is no scenario.
-    pub fn begin_among(
+    pub fn begin(
         scenarios: &[Arc<Scenario>],
         environments: usize,
         config: &PpoConfig,
@@ -70,31 +57,17 @@ impl TrainingRun {
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
-    /// Continues a training that was started with the same scenario, environments, settings and seed.
+    /// Continues a training that was started with the same scenarios, environments, settings and seed.
     ///
     /// `total_steps` and `threads` may differ.
     ///
     /// # Errors
     /// The bytes are not the state of such a training: they are damaged, a setting differs, or the running episodes lead to other states
-    /// in this scenario.
-    pub fn resume(
-        state: &[u8],
-        scenario: &Arc<Scenario>,
-        environments: usize,
-        config: &PpoConfig,
-        seed: &Seed,
-    ) -> Result<Self, CheckpointError> {
-        Self::resume_among(state, std::slice::from_ref(scenario), environments, config, seed)
-    }
-
-    /// As [`TrainingRun::resume`], for [`TrainingRun::begin_among`].
-    ///
-    /// # Errors
-    /// As [`TrainingRun::resume`].
+    /// in these scenarios.
     ///
     /// # Panics
     /// When there is no scenario.
-    pub fn resume_among(
+    pub fn resume(
         state: &[u8],
         scenarios: &[Arc<Scenario>],
         environments: usize,

@@ -148,7 +148,6 @@ impl Tree {
         Self { nodes: vec![Node::default()], actions: vec![0.0; dim], dim, returns }
     }
 
-    /// The action that leads to a node.
     fn action(&self, node: usize) -> &[f64] {
         &self.actions[node * self.dim..(node + 1) * self.dim]
     }

@@ -39,16 +39,6 @@ impl Obstacles {
         }
     }
 
-    /// The number of boxes.
-    pub fn len(&self) -> usize {
-        self.boxes.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.boxes.is_empty()
-    }
-
     /// Moves the centre of a disc out of every box it overlaps, the shortest way; so a pedestrian slides along walls.
     ///
     /// Between two boxes closer than the disc is wide the last one wins.

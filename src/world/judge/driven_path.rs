@@ -44,11 +44,6 @@ impl DrivenPath {
         Self { vertices }
     }
 
-    /// The length at which the path ends and the straight line starts (m).
-    pub fn length(&self) -> f64 {
-        self.end().0
-    }
-
     /// The pose at a length along the path (m).
     pub fn pose(&self, along: f64) -> Pose {
         let next = self.vertices.partition_point(|(at, _)| *at <= along);
@@ -104,10 +99,6 @@ impl DrivenPath {
         let offset = point - start;
         Place { along: along + offset.dot(&direction), aside: direction.perp(&offset), direction }
     }
-
-    fn end(&self) -> (f64, Pose) {
-        *self.vertices.last().expect("checked: a path has a start")
-    }
 }
 
 #[cfg(test)]
@@ -124,10 +115,14 @@ mod tests {
         }))
     }
 
+    fn length(path: &DrivenPath) -> f64 {
+        path.vertices.last().unwrap().0
+    }
+
     #[test]
     fn places_and_poses_are_inverse_in_a_bend_and_beyond_it() {
         let path = bend();
-        assert!((path.length() - 10.0 * std::f64::consts::PI).abs() < 1e-3);
+        assert!((length(&path) - 10.0 * std::f64::consts::PI).abs() < 1e-3);
         for along in [0.0, 3.3, 15.0, 31.0, 40.0] {
             let pose = path.pose(along);
             for aside in [-4.0, 0.0, 3.0] {
@@ -146,7 +141,7 @@ mod tests {
             let distances = path.vertices.iter().map(|(_, pose)| (point - pose.position()).norm());
             let least = distances.fold(f64::INFINITY, f64::min);
             let place = path.place(point, 0.0);
-            let inside = (0.0..=path.length()).contains(&place.along);
+            let inside = (0.0..=length(&path)).contains(&place.along);
             assert!(!inside || (place.aside.abs() - least).abs() < 0.02, "{point}: {place:?}, {least} m");
         }
     }
@@ -154,7 +149,7 @@ mod tests {
     #[test]
     fn a_car_that_stood_has_a_straight_path() {
         let path = DrivenPath::new([Pose::new(1.0, 2.0, FRAC_PI_2); 3]);
-        assert_eq!(path.length(), 0.0);
+        assert_eq!(length(&path), 0.0);
         assert!((path.pose(5.0).y - 7.0).abs() < 1e-12);
         assert!((path.place(Point::new(0.0, 6.0), 0.0).aside - 1.0).abs() < 1e-12);
         assert!((path.place(Point::new(0.0, -1.0), 0.0).along + 3.0).abs() < 1e-12, "behind");

@@ -60,7 +60,6 @@ impl CarMotion {
     }
 }
 
-/// The recorded car at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RecordedCar {
     /// Its position on the path (m).

@@ -54,56 +54,18 @@ impl Sizes {
 /// A recording that cannot be judged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordingError {
-    /// The tracks have different lengths, or a length that is not allowed.
     #[error("there are {ego} instants of the car and {pedestrian} of the pedestrian; give the same number of both, 2 to {most}", most = Recording::MOST_INSTANTS)]
-    Instants {
-        /// Instants of the car.
-        ego: usize,
-        /// Instants of the pedestrian.
-        pedestrian: usize,
-    },
-    /// The time between two instants is not allowed.
+    Instants { ego: usize, pedestrian: usize },
     #[error("the time between two instants is {0} s; give 0.001 s to 0.5 s")]
     Step(f64),
-    /// A size is not allowed.
     #[error("`{quantity}` is {size}; give {low} to {high} m")]
-    Size {
-        /// The name of the size.
-        quantity: &'static str,
-        /// The size (m).
-        size: f64,
-        /// The least that is allowed (m).
-        low: f64,
-        /// The greatest that is allowed (m).
-        high: f64,
-    },
-    /// A number is not allowed.
+    Size { quantity: &'static str, size: f64, low: f64, high: f64 },
     #[error("instant {instant}: the {quantity} is {number}; give {low} to {high}")]
-    Number {
-        /// Index of the instant, from 0.
-        instant: usize,
-        /// The name and the unit of the quantity.
-        quantity: &'static str,
-        number: f64,
-        /// The least that is allowed.
-        low: f64,
-        /// The greatest that is allowed.
-        high: f64,
-    },
-    /// A step is much longer than the speed explains.
+    Number { instant: usize, quantity: &'static str, number: f64, low: f64, high: f64 },
     #[error(
         "instant {instant}: the {who} has moved {moved:.1} m since the instant before, at {speed:.1} m/s; correct the position or the speed"
     )]
-    Jump {
-        /// Index of the instant, from 0.
-        instant: usize,
-        /// Who has moved.
-        who: &'static str,
-        /// How far (m).
-        moved: f64,
-        /// The greater of its two speeds (m/s).
-        speed: f64,
-    },
+    Jump { instant: usize, who: &'static str, moved: f64, speed: f64 },
 }
 
 /// What a recording shows.

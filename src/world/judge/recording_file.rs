@@ -15,53 +15,18 @@ const UNEVEN: f64 = 0.1;
 /// A file that holds no recording.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordingFileError {
-    /// A column is absent.
     #[error("there is no column `{column}`; there is {}", if found.is_empty() { "none".to_owned() } else { found.join(", ") })]
-    Column {
-        column: &'static str,
-        /// The columns of the file.
-        found: Vec<String>,
-    },
-    /// A row has another number of fields than the header.
+    Column { column: &'static str, found: Vec<String> },
     #[error("line {line}: there are {found} fields; the header has {wanted}")]
-    Fields {
-        /// Number of the line, from 1.
-        line: usize,
-        /// Fields of the row.
-        found: usize,
-        /// Columns of the header.
-        wanted: usize,
-    },
-    /// There are more rows than a recording may have.
+    Fields { line: usize, found: usize, wanted: usize },
     #[error("line {line}: there are more than {most} rows; cut the recording", most = Recording::MOST_INSTANTS)]
-    Long {
-        /// Number of the line, from 1.
-        line: usize,
-    },
-    /// A field is not a number.
+    Long { line: usize },
     #[error("line {line}, column `{column}`: `{text}` is not a number")]
-    Number {
-        /// Number of the line, from 1.
-        line: usize,
-        column: &'static str,
-        /// The field.
-        text: String,
-    },
-    /// The time between two rows is not constant.
+    Number { line: usize, column: &'static str, text: String },
     #[error(
         "line {line}: the time is {time} s; with the mean step of {step:.6} s it is {wanted:.6} s. Give rows at a constant step"
     )]
-    Uneven {
-        /// Number of the line, from 1.
-        line: usize,
-        /// The time of the row (s).
-        time: f64,
-        /// The mean step (s).
-        step: f64,
-        /// The time that a constant step gives (s).
-        wanted: f64,
-    },
-    /// The numbers are not those of a recording. Instant 0 is line 2.
+    Uneven { line: usize, time: f64, step: f64, wanted: f64 },
     #[error("{0}; instant 0 is line 2")]
     Recording(#[from] RecordingError),
 }

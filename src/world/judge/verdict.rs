@@ -144,11 +144,6 @@ impl Verdict {
         self.impact_speed - self.trial(reference).impact_speed.unwrap_or(0.0)
     }
 
-    /// The impact speed that the careful human would have spared the pedestrian (m/s), at least 0.
-    pub fn avoidable_speed(&self) -> f64 {
-        self.reduction(Reference::CarefulHuman).max(0.0)
-    }
-
     /// The probability that a driver who is drawn at random avoids it: the share of drivers who react in time
     /// ([`share_of_drivers`](reaction::share_of_drivers)). All of them notice the pedestrian at the gate and brake like UN R157's human.
     pub fn preventable_probability(&self) -> f64 {
@@ -158,11 +153,6 @@ impl Verdict {
     /// The least gap of a driver's car to the pedestrian (m); 0 when it touches it.
     pub fn margin(&self, reference: Reference) -> f64 {
         self.trial(reference).least_gap
-    }
-
-    /// The time before the touch for which the pedestrian could be seen without a break (s), at most 3 s.
-    pub fn in_sight(&self) -> f64 {
-        self.sight.seen
     }
 }
 

@@ -23,9 +23,6 @@ pub(super) struct Chord {
     pub length: f64,
     pub from_s: f64,
     pub to_s: f64,
-    /// The height at its start, and its rise (m).
-    pub height: f64,
-    pub rise: f64,
     pub slot: LaneSlot,
 }
 
@@ -66,7 +63,7 @@ pub(super) fn chords(roads: &[Road], network: &LaneNetwork, filter: LaneFilter) 
             let (from, height) = (begin.place, begin.height);
             if [from.x, from.y, height, length, rise].iter().all(|number| number.is_finite()) {
                 let along = if length > 0.0 { whole / length } else { Vector::zeros() };
-                chords.push(Chord { from, along, length, from_s: begin.s, to_s: end.s, height, rise, slot });
+                chords.push(Chord { from, along, length, from_s: begin.s, to_s: end.s, slot });
             }
         });
     }

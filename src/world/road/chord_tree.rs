@@ -11,7 +11,6 @@ type Leaf = GeomWithData<Line<[f64; 2]>, u32>;
 /// A chord is checked exactly when the tree puts it at most this much farther than the nearest one (m).
 const SLACK: f64 = 1e-6;
 
-/// Chords in an R-tree.
 pub(super) struct ChordTree(RTree<Leaf>);
 
 impl ChordTree {

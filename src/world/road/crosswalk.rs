@@ -9,10 +9,8 @@ const BESIDE: f64 = 1.0;
 /// Why there can be no crosswalk at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CrosswalkError {
-    /// No carriageway is there.
     #[error("no street is there to cross")]
     NoStreet,
-    /// The place lies in a junction, where streets have no edges.
     #[error("it lies inside a junction: place it on a street that leads there")]
     InJunction,
 }

@@ -3,9 +3,6 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use rstar::RTree;
-use rstar::primitives::{GeomWithData, Line};
-
 use super::chord::{Chord, chords};
 use super::chord_grid::ChordGrid;
 use super::chord_tree::{ChordTree, first_nearest};
@@ -35,8 +32,6 @@ impl LaneFilter {
     }
 }
 
-type LeafInSpace = GeomWithData<Line<[f64; 3]>, u32>;
-
 /// The number of look-ups after which a tree is built; earlier ones check all chords.
 const WORTH_A_TREE: u32 = 50;
 /// The number of look-ups after which a grid is built; a grid costs as much as some thousand look-ups in the tree.
@@ -57,15 +52,11 @@ pub(super) struct LaneIndex {
 #[derive(Default)]
 struct Filtered {
     chords: OnceLock<Vec<Chord>>,
-    /// Whether all of them lie at one height, so that height does not matter.
-    level: OnceLock<bool>,
     tree: OnceLock<ChordTree>,
     grid: OnceLock<ChordGrid>,
-    in_space: OnceLock<RTree<LeafInSpace>>,
     questions: AtomicU32,
 }
 
-/// The lanes that are indexed.
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<'a> {
     pub roads: &'a [Road],
@@ -109,35 +100,9 @@ impl LaneIndex {
         };
         Some(place(&chords[index as usize], lanes, point))
     }
-
-    /// The place on the chord nearest in space; none without lanes of that kind, or for a place that is not finite.
-    pub fn nearest_in_space(&self, lanes: Lanes, point: Point, height: f64, filter: LaneFilter) -> Option<Waypoint> {
-        let chords = self.chords(lanes, filter);
-        let level = self.filters[filter as usize].level.get_or_init(|| {
-            let height = chords.first().map_or(0.0, |chord| chord.height);
-            chords.iter().all(|chord| chord.height == height && chord.rise == 0.0)
-        });
-        if *level || !height.is_finite() {
-            return self.nearest(lanes, point, filter).filter(|_| height.is_finite());
-        }
-        let tree = self.filters[filter as usize].in_space.get_or_init(|| {
-            let leaf = |(chord, index): (&Chord, u32)| {
-                let end = chord.end();
-                let ends = [[chord.from.x, chord.from.y, chord.height], [end.x, end.y, chord.height + chord.rise]];
-                LeafInSpace::new(Line::new(ends[0], ends[1]), index)
-            };
-            RTree::bulk_load(chords.iter().zip(0..).map(leaf).collect())
-        });
-        if !point.x.is_finite() || !point.y.is_finite() {
-            return None;
-        }
-        let index = tree.nearest_neighbor([point.x, point.y, height])?.data;
-        Some(place(&chords[index as usize], lanes, point))
-    }
 }
 
-/// The place on the chord that was found to be nearest. As in CARLA it is the nearest place seen from above, even if the chord
-/// was chosen in space.
+/// The place on the chord that was found to be nearest.
 fn place(chord: &Chord, lanes: Lanes, point: Point) -> Waypoint {
     lanes.network.lane(chord.slot).waypoint(chord.s(chord.project(point)))
 }

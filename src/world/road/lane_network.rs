@@ -254,15 +254,6 @@ impl LaneNetwork {
         roads[lane.road.0 as usize].plan_view.elevation().value(s)
     }
 
-    /// The angle at which a lane rises in its driving direction (rad).
-    ///
-    /// # Source
-    /// CARLA `road/Road.cpp`, `GetDirectedPointIn`: the slope is taken for the angle.
-    pub fn pitch(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> f64 {
-        let slope = roads[lane.road.0 as usize].plan_view.elevation().slope(s);
-        if lane.forward() { slope } else { -slope }
-    }
-
     /// The centre of a lane, and its direction in CARLA's 32-bit numbers and CARLA's axes: some of its decisions depend on the last
     /// bit.
     ///

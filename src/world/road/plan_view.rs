@@ -243,11 +243,6 @@ impl PlanView {
             }
         }
     }
-
-    /// The place at the end of the line.
-    pub fn end(&self) -> Point {
-        self.pieces.last().map_or_else(Point::origin, |piece| self.point(piece.s + piece.length).position)
-    }
 }
 
 #[cfg(test)]

@@ -32,15 +32,10 @@ impl Town {
     /// # Source
     /// CARLA `road/Map.cpp`, `GetNext`.
     pub fn next(&self, waypoint: Waypoint, distance: f64, out: &mut Vec<Waypoint>) {
-        self.step(waypoint, distance, Way::Ahead, out);
-    }
-
-    /// Appends the waypoints `distance` (m) back against the driving direction, one for each branch.
-    ///
-    /// # Source
-    /// CARLA `road/Map.cpp`, `GetPrevious`.
-    pub fn previous(&self, waypoint: Waypoint, distance: f64, out: &mut Vec<Waypoint>) {
-        self.step(waypoint, distance, Way::Back, out);
+        if let Some(slot) = self.network.slot(waypoint).filter(|_| distance > 0.0 && waypoint.s.is_finite()) {
+            let mut left = MAX_LANES;
+            self.walk(slot, waypoint.s, distance, MAX_DEPTH, &mut left, out);
+        }
     }
 
     /// The starts of the lanes that follow a waypoint's lane.
@@ -120,27 +115,9 @@ impl Town {
         waypoints
     }
 
-    fn step(&self, waypoint: Waypoint, distance: f64, way: Way, out: &mut Vec<Waypoint>) {
-        if let Some(slot) = self.network.slot(waypoint).filter(|_| distance > 0.0 && waypoint.s.is_finite()) {
-            let mut left = MAX_LANES;
-            self.walk(slot, waypoint.s, distance, way, MAX_DEPTH, &mut left, out);
-        }
-    }
-
-    #[expect(clippy::too_many_arguments, reason = "the state of one recursion")]
-    fn walk(
-        &self,
-        slot: LaneSlot,
-        s: f64,
-        distance: f64,
-        way: Way,
-        depth: u32,
-        left: &mut u32,
-        out: &mut Vec<Waypoint>,
-    ) {
+    fn walk(&self, slot: LaneSlot, s: f64, distance: f64, depth: u32, left: &mut u32, out: &mut Vec<Waypoint>) {
         let lane = self.network.lane(slot);
-        let ahead = matches!(way, Way::Ahead);
-        let grows = lane.forward() == ahead;
+        let grows = lane.forward();
         let passed = s - lane.start + EPSILON;
         let remaining = if grows { lane.end - lane.start - passed } else { passed };
         if distance <= remaining {
@@ -152,12 +129,11 @@ impl Town {
             return;
         }
         let first = out.len();
-        let ways = if ahead { self.network.next(lane) } else { self.network.previous(lane) };
-        for slot in ways {
+        for slot in self.network.next(lane) {
             let Some(fewer) = left.checked_sub(1) else { return };
             *left = fewer;
             let middle = out.len();
-            self.walk(*slot, entry(self.network.lane(*slot), way), distance - remaining, way, depth - 1, left, out);
+            self.walk(*slot, entry(self.network.lane(*slot), Way::Ahead), distance - remaining, depth - 1, left, out);
             // CARLA puts the longer of two lists first.
             if out.len() - middle > middle - first {
                 out[first..].rotate_left(middle - first);

@@ -5,8 +5,7 @@ use super::lane_index::{LaneFilter, LaneIndex, Lanes};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
 use super::{
-    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, RoutePlanner, SpeedSign, TrafficLight,
-    Waypoint,
+    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, Road, RoutePlanner, SpeedSign, TrafficLight, Waypoint,
 };
 use crate::geometry::{OrientedBox, Point, Pose};
 
@@ -101,25 +100,9 @@ impl Town {
         self.roads.get(waypoint.road.0 as usize).map_or(0.0, |road| road.plan_view.elevation().value(waypoint.s))
     }
 
-    /// The angle at which the lane at a waypoint rises (rad), positive uphill in driving direction; 0 for a lane that does not
-    /// exist.
-    ///
-    /// # Source
-    /// CARLA `road/Road.cpp`, `GetDirectedPointIn`: the slope is taken for the angle.
-    pub fn pitch(&self, waypoint: Waypoint) -> f64 {
-        self.network
-            .slot(waypoint)
-            .map_or(0.0, |slot| self.network.pitch(&self.roads, self.network.lane(slot), waypoint.s))
-    }
-
     /// Whether a place lies on a crosswalk.
     pub fn is_on_crosswalk(&self, place: Point) -> bool {
         self.crosswalks.iter().any(|corners| crosswalk::contains(corners, place))
-    }
-
-    /// A waypoint together with its pose.
-    pub fn posed(&self, waypoint: Waypoint) -> PosedWaypoint {
-        PosedWaypoint { waypoint, pose: self.pose(waypoint) }
     }
 
     /// The edges of the lane at a waypoint: left and right of its centre along the reference line; none for a lane that does not exist.
@@ -184,15 +167,6 @@ impl Town {
     /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`, in the plane: the same answers where all roads are level.
     pub fn nearest_lane(&self, point: Point, filter: LaneFilter) -> Option<Waypoint> {
         self.index.nearest(self.lanes(), point, filter)
-    }
-
-    /// The place on the lane whose centre line is nearest to a point at a height (m), whatever the lanes' widths. Where roads
-    /// cross on two levels, it is on the level of the point.
-    ///
-    /// # Source
-    /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`.
-    pub fn nearest_lane_in_space(&self, point: Point, height: f64, filter: LaneFilter) -> Option<Waypoint> {
-        self.index.nearest_in_space(self.lanes(), point, height, filter)
     }
 
     fn lanes(&self) -> Lanes<'_> {

@@ -1,5 +1,4 @@
 use super::{LaneId, RoadIndex};
-use crate::geometry::Pose;
 
 /// A place on a lane's centre line. The [`Town`](super::Town) gives its pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,13 +26,4 @@ pub struct LaneStretch {
     pub start: Waypoint,
     /// Its length along the reference line (m).
     pub length: f64,
-}
-
-/// A waypoint with its pose, where a planner needs both.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PosedWaypoint {
-    /// The place on the lane.
-    pub waypoint: Waypoint,
-    /// Centre of the lane, heading along its driving direction.
-    pub pose: Pose,
 }

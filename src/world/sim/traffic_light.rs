@@ -37,11 +37,6 @@ impl LightCycle {
         self.green + self.yellow + self.red
     }
 
-    /// The colour of a light at this time (s) after the first turn of its group started.
-    pub fn colour(&self, light: &TrafficLight, time: f64) -> LightColour {
-        self.clock(time).colour(light)
-    }
-
     /// The clock of all groups at this time (s) after their first turns started.
     pub fn clock(&self, time: f64) -> LightClock {
         let within = |turns: usize| {
@@ -96,14 +91,14 @@ mod tests {
             stop: Pose::default(),
             trigger: OrientedBox::new(Pose::default(), 1.5, 1.0),
         };
-        let cycle = LightCycle::default();
-        assert_eq!(cycle.colour(&light(0), 0.0), LightColour::Green);
-        assert_eq!(cycle.colour(&light(0), 10.0), LightColour::Yellow);
-        assert_eq!(cycle.colour(&light(0), 13.0), LightColour::Red);
-        assert_eq!(cycle.colour(&light(1), 15.0), LightColour::Green);
-        assert_eq!(cycle.colour(&light(0), 45.0), LightColour::Green);
+        let colour = |turn, time| LightCycle::default().clock(time).colour(&light(turn));
+        assert_eq!(colour(0, 0.0), LightColour::Green);
+        assert_eq!(colour(0, 10.0), LightColour::Yellow);
+        assert_eq!(colour(0, 13.0), LightColour::Red);
+        assert_eq!(colour(1, 15.0), LightColour::Green);
+        assert_eq!(colour(0, 45.0), LightColour::Green);
         for tenth in 0..450 {
-            let open = (0..3).filter(|turn| cycle.colour(&light(*turn), f64::from(tenth) / 10.0) != LightColour::Red);
+            let open = (0..3).filter(|turn| colour(*turn, f64::from(tenth) / 10.0) != LightColour::Red);
             assert!(open.count() <= 1, "never two at once");
         }
     }

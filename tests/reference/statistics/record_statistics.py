@@ -6,12 +6,9 @@ wilson              hits, trials, alpha, low, high
 student_tails       t, degrees of freedom, two-sided p
 student_quantile    degrees of freedom, two-sided 95 % quantile
 quantile            share, quantile, then the numbers
-interquartile_mean  mean, then the numbers
 mcnemar             pairs in which only the first is true, only the second, exact p
-p, holm, benjamini_hochberg   raw p-values and their corrections, the same tests in the same places
+p, holm             raw p-values and their corrections, the same tests in the same places
 welch               size of the first group, p, low, high, then the numbers of both groups
-bootstrap           members, size of the first group, episodes, figures of the members, their covariance, low, high:
-                    members and episodes drawn again one by one, the same episodes for all members
 """
 
 import json
@@ -41,10 +38,8 @@ record["student_tails"] = [
 ]
 record["student_quantile"] = [[df, float(stats.t.ppf(0.975, df))] for df in (1, 1.5, 2, 2.7, 4, 9, 31, 100, 1e6)]
 record["quantile"] = []
-record["interquartile_mean"] = []
 for size in (1, 2, 3, 4, 5, 8, 11, 40):
     numbers = rng.normal(5, 2, size).tolist()
-    record["interquartile_mean"].append([float(stats.trim_mean(numbers, 0.25)), *numbers])
     record["quantile"] += [[share, float(numpy.quantile(numbers, share)), *numbers] for share in (0.01, 0.5, 0.9, 0.99)]
 record["mcnemar"] = [
     [a, b, float(mcnemar([[0, a], [b, 0]], exact=True).pvalue)]
@@ -56,44 +51,13 @@ record["p"] = [
     [0.2, 0.2, 0.9, 0.001, 0.001, 0.0004, 1.0],
     rng.uniform(0, 0.2, 30).tolist(),
 ]
-for name, method in (("holm", "holm"), ("benjamini_hochberg", "fdr_bh")):
-    record[name] = [multipletests(p, method=method)[1].tolist() for p in record["p"]]
+record["holm"] = [multipletests(p, method="holm")[1].tolist() for p in record["p"]]
 record["welch"] = []
 for first, second in [(3, 3), (5, 3), (10, 5)]:
     a, b = rng.normal(0.9, 0.03, first), rng.normal(0.84, 0.05, second)
     test = stats.ttest_ind(a, b, equal_var=False)
     interval = test.confidence_interval()
     record["welch"].append([first, float(test.pvalue), float(interval.low), float(interval.high), *a, *b])
-
-
-def episodes(rates, count):
-    """Hits of members whose episodes begin the same: some beginnings are easier than others for all of them."""
-    easy = rng.normal(0, 1, count)
-    own = rng.normal(0, 1, (len(rates), count))
-    return (stats.norm.cdf((easy + own) / 2**0.5) < numpy.array(rates)[:, None]).astype(float)
-
-
-record["bootstrap"] = []
-for first, rates in [
-    (5, [0.91, 0.85, 0.88, 0.8, 0.93]),
-    (3, [0.55, 0.6, 0.42]),
-    (4, [0.9, 0.86, 0.81, 0.88, 0.5, 0.52, 0.48]),
-    (3, [0.7, 0.6, 0.65, 0.62]),
-]:
-    hits = episodes(rates, 400)
-    members, count = hits.shape
-    centred = hits - hits.mean(axis=1, keepdims=True)
-    drawn = []
-    for _ in range(100_000):
-        sample = rng.integers(0, count, count)
-        means = numpy.bincount(sample, minlength=count) @ hits.T / count
-        value = means[rng.integers(0, first, first)].mean()
-        if first < members:
-            value -= means[rng.integers(first, members, members - first)].mean()
-        drawn.append(value)
-    covariance = centred @ centred.T / count**2
-    ends = numpy.quantile(drawn, [0.025, 0.975])
-    record["bootstrap"].append([members, first, count, *hits.mean(axis=1), *covariance.ravel(), *ends])
 
 text = json.dumps(record, default=float)
 pathlib.Path(__file__).with_name("statistics.json").write_text(text.replace(']], "', ']],\n"') + "\n")

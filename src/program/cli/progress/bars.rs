@@ -1,6 +1,5 @@
 //! Bars on a terminal: one for the campaign and one for each job under way, at most a screenful.
 
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{FormattedDuration, HumanCount, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -18,7 +17,7 @@ pub struct Bars {
     screen: MultiProgress,
     whole: ProgressBar,
     /// Bars of jobs under way, with the places of these on the board.
-    shown: Mutex<Vec<(usize, ProgressBar)>>,
+    shown: Vec<(usize, ProgressBar)>,
 }
 
 fn style(form: &str) -> ProgressStyle {
@@ -27,20 +26,20 @@ fn style(form: &str) -> ProgressStyle {
 
 impl Bars {
     /// Draws the bar of the campaign.
-    pub fn new(board: &Board<'_>) -> Self {
+    pub fn new(board: &Board) -> Self {
         let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(5));
         let whole = screen.add(ProgressBar::new(board.jobs.len() as u64));
         whole.set_style(style(
             "{prefix:.bold} {bar:16.green/black.bright} {pos}/{len} tasks, {elapsed_precise} elapsed{wide_msg}",
         ));
-        whole.set_prefix(board.campaign.name.clone());
+        whole.set_prefix(board.campaign.clone());
         whole.enable_steady_tick(Duration::from_millis(500));
-        Self { screen, whole, shown: Mutex::default() }
+        Self { screen, whole, shown: Vec::new() }
     }
 
     /// Draws the pieces under way.
-    pub fn draw(&self, board: &Board<'_>) {
-        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+    pub fn draw(&mut self, board: &Board) {
+        let shown = &mut self.shown;
         shown.retain(|(place, bar)| {
             let stays = board.jobs[*place].is_under_way();
             if !stays {

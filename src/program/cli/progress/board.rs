@@ -6,9 +6,9 @@ use results::campaign::Task;
 
 /// All jobs of a campaign that are done here: trainings, evaluations, searches.
 #[derive(Debug)]
-pub struct Board<'a> {
-    /// The campaign.
-    pub campaign: &'a Campaign,
+pub struct Board {
+    /// The name of the campaign.
+    pub campaign: String,
     /// The time of its start.
     pub began: Instant,
     /// The jobs, in the plan's order.
@@ -16,16 +16,27 @@ pub struct Board<'a> {
     threads: usize,
 }
 
-impl<'a> Board<'a> {
+impl Board {
     /// Makes the pieces of some tasks of a campaign, for this number of threads.
-    pub fn new(campaign: &'a Campaign, wanted: &[Task], threads: usize) -> Self {
-        Self { campaign, began: Instant::now(), jobs: Job::all(campaign, wanted), threads }
+    pub fn new(campaign: &Campaign, wanted: &[Task], threads: usize) -> Self {
+        Self { campaign: campaign.name.clone(), began: Instant::now(), jobs: Job::all(campaign, wanted), threads }
+    }
+
+    /// The place of a task's job.
+    pub fn place(&self, task: Task) -> usize {
+        let place = self.jobs.binary_search_by_key(&Job::of(task), |job| (job.kind, job.place));
+        place.expect("only what is wanted is done")
     }
 
     /// The job of a task.
-    pub fn job(&self, task: Task) -> &Job {
-        let place = self.jobs.binary_search_by_key(&Job::of(task), |job| (job.kind, job.place));
-        &self.jobs[place.expect("only what is wanted is done")]
+    pub fn job(&mut self, task: Task) -> &mut Job {
+        let place = self.place(task);
+        &mut self.jobs[place]
+    }
+
+    /// The number of jobs of a kind.
+    pub fn count(&self, kind: Kind) -> usize {
+        self.jobs.iter().filter(|job| job.kind == kind).count()
     }
 
     /// How many jobs have ended.

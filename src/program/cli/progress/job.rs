@@ -1,11 +1,9 @@
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::learnt::Learnt;
 use compile::{Campaign, ControllerKind, Evaluation, NO_REWARD};
 use learn::UpdateLog;
-use results::campaign::Task;
+use results::campaign::{Task, units};
 
 /// What a job of work is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -59,20 +57,15 @@ pub struct Job {
     pub name: String,
     /// The amount to do in this run, in units of its kind.
     pub total: u64,
-    done: AtomicU64,
-    before: AtomicU64,
-    state: Mutex<State>,
-    /// What a training has learnt up to now.
-    learnt: Mutex<Learnt>,
-}
-
-#[derive(Debug, Default)]
-struct State {
-    /// Tasks that have not ended.
+    /// The first error of its tasks.
+    pub error: Option<String>,
+    done: u64,
+    before: u64,
+    /// The number of its tasks that have not ended.
     open: usize,
     begun: Option<Instant>,
     took: Option<Duration>,
-    error: Option<String>,
+    learnt: Learnt,
 }
 
 impl Job {
@@ -85,8 +78,8 @@ impl Job {
                 jobs.push(Self::new(campaign, kind, place));
             }
             let job = jobs.last_mut().expect("one was put there");
-            job.total += amount(campaign, *task);
-            job.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
+            job.total += units(campaign, *task);
+            job.open += 1;
         }
         jobs
     }
@@ -106,96 +99,93 @@ impl Job {
             Kind::Evaluation => evaluation(&campaign.evaluations[place]),
             Kind::Search => campaign.searches[place].key.to_string(),
         };
-        let (done, before, state) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
-        Self { kind, place, name, total: 0, done, before, state, learnt: Mutex::default() }
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        Self {
+            kind,
+            place,
+            name,
+            total: 0,
+            error: None,
+            done: 0,
+            before: 0,
+            open: 0,
+            begun: None,
+            took: None,
+            learnt: Learnt::default(),
+        }
     }
 
     /// Starts it, if it has not started; returns whether it starts now.
-    pub fn begin(&self) -> bool {
-        let mut state = self.state();
-        let first = state.begun.is_none();
-        state.begun.get_or_insert_with(Instant::now);
+    pub fn begin(&mut self) -> bool {
+        let first = self.begun.is_none();
+        self.begun.get_or_insert_with(Instant::now);
         first
     }
 
     /// Counts units that were done before it started.
-    pub fn found(&self, units: u64) {
-        self.before.fetch_add(units, Ordering::Relaxed);
-        self.done.fetch_add(units, Ordering::Relaxed);
+    pub fn found(&mut self, units: u64) {
+        self.before += units;
+        self.done += units;
     }
 
-    /// Counts units.
-    pub fn advance(&self, units: u64) {
-        self.done.fetch_add(units, Ordering::Relaxed);
+    /// Counts a unit.
+    pub fn advance(&mut self) {
+        self.done += 1;
     }
 
     /// Sets the number of units that are done.
-    pub fn reach(&self, units: u64) {
-        self.done.store(units, Ordering::Relaxed);
+    pub fn reach(&mut self, units: u64) {
+        self.done = units;
     }
 
     /// Raises the number of units that are done. Several parts of a search report their ticks in any order.
-    pub fn rise(&self, units: u64) {
-        self.done.fetch_max(units, Ordering::Relaxed);
+    pub fn rise(&mut self, units: u64) {
+        self.done = self.done.max(units);
     }
 
     /// Notes the learning curve of a training up to now.
-    pub fn learn(&self, curve: &[UpdateLog]) {
-        self.learnt.lock().unwrap_or_else(PoisonError::into_inner).follow(curve);
+    pub fn learn(&mut self, curve: &[UpdateLog]) {
+        self.learnt.follow(curve);
     }
 
     /// What a training has learnt up to now; none for other jobs and before the first update.
     pub fn learnt(&self) -> Option<Learnt> {
-        let learnt = *self.learnt.lock().unwrap_or_else(PoisonError::into_inner);
-        (learnt.updates > 0).then_some(learnt)
+        Some(self.learnt).filter(|learnt| learnt.updates > 0)
     }
 
     /// Ends one of its tasks; returns whether that was the last.
-    pub fn end_task(&self, error: Option<String>) -> bool {
-        let mut state = self.state();
-        state.open = state.open.saturating_sub(1);
-        state.error = state.error.take().or(error);
-        let last = state.open == 0 && state.took.is_none();
+    pub fn end_task(&mut self, error: Option<String>) -> bool {
+        self.open = self.open.saturating_sub(1);
+        self.error = self.error.take().or(error);
+        let last = self.open == 0 && self.took.is_none();
         if last {
-            state.took = Some(state.begun.map_or(Duration::ZERO, |begun| begun.elapsed()));
+            self.took = Some(self.time());
         }
         last
     }
 
-    /// The first error, if there is one.
-    pub fn error(&self) -> Option<String> {
-        self.state().error.clone()
-    }
-
     /// The number of units that are done.
     pub fn done(&self) -> u64 {
-        self.done.load(Ordering::Relaxed).min(self.total)
+        self.done.min(self.total)
     }
 
     /// The number of units that were done before this run of the program.
     pub fn before(&self) -> u64 {
-        self.before.load(Ordering::Relaxed).min(self.total)
+        self.before.min(self.total)
     }
 
     /// Whether it has started and not ended.
     pub fn is_under_way(&self) -> bool {
-        let state = self.state();
-        state.begun.is_some() && state.took.is_none()
+        self.begun.is_some() && self.took.is_none()
     }
 
     /// Whether it has ended.
     pub fn is_ended(&self) -> bool {
-        self.state().took.is_some()
+        self.took.is_some()
     }
 
     /// Its time, up to now or to its end.
     pub fn time(&self) -> Duration {
-        let state = self.state();
-        state.took.or_else(|| state.begun.map(|begun| begun.elapsed())).unwrap_or_default()
+        self.took.or_else(|| self.begun.map(|begun| begun.elapsed())).unwrap_or_default()
     }
 
     /// Whether all of it was done before this run of the program.
@@ -205,7 +195,8 @@ impl Job {
 
     /// Units per second; none before the first measurement.
     pub fn rate(&self) -> Option<f64> {
-        let (units, time) = (self.done().saturating_sub(self.before()) as f64, self.time().as_secs_f64());
+        let units = self.done().saturating_sub(self.before()) as f64;
+        let time = self.time().as_secs_f64();
         (units > 0.0 && time > 0.0).then(|| units / time)
     }
 
@@ -217,7 +208,8 @@ impl Job {
 
 /// Controller, town and driver of an evaluation.
 fn evaluation(evaluation: &Evaluation) -> String {
-    let (key, here) = (&evaluation.trained, (&*evaluation.town, &*evaluation.policy));
+    let key = &evaluation.trained;
+    let here = (&*evaluation.town, &*evaluation.policy);
     let who = match &evaluation.controller {
         ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
         ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
@@ -226,13 +218,4 @@ fn evaluation(evaluation: &Evaluation) -> String {
         other => format!("{} ({})", other.name(), key.reward),
     };
     format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
-}
-
-/// The size of a task, in units of its kind.
-pub fn amount(campaign: &Campaign, task: Task) -> u64 {
-    match task {
-        Task::Training(place) => campaign.trainings[place].config.total_steps,
-        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
-        Task::Search(place) => campaign.searches[place].budget,
-    }
 }

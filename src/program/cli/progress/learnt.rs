@@ -33,14 +33,16 @@ impl Learnt {
         self.episodes += curve[known..].iter().map(|log| log.episodes as u64).sum::<u64>();
         if let Some(last) = curve.last() {
             self.updates = last.update;
-            (self.mean_reward, self.mean_length_decisions) = (last.mean_reward, last.mean_length);
+            self.mean_reward = last.mean_reward;
+            self.mean_length_decisions = last.mean_length;
             self.collision_rate = last.success_rate;
         }
     }
 
     /// Its reward and collisions, for people; none before the first episode has ended.
     pub fn told(&self) -> Option<String> {
-        let (reward, rate) = (self.mean_reward?, self.collision_rate?);
+        let reward = self.mean_reward?;
+        let rate = self.collision_rate?;
         Some(format!("mean reward {reward:.3}, {:.0} % hit, {} episodes", 100.0 * rate, HumanCount(self.episodes)))
     }
 }

@@ -5,11 +5,10 @@ mod learnt;
 mod job;
 mod board;
 mod bars;
-mod lines;
-mod events;
-mod observer;
+mod event_line;
+mod follow;
 
-pub use events::Event;
+pub use event_line::EventLine;
+pub use follow::Progress;
 pub use learnt::Learnt;
-pub use observer::Progress;
 pub use showing::Showing;

@@ -1,7 +1,8 @@
 use std::cmp::Ordering;
 
-use super::{Cell, Failures, FoundFailure};
+use super::{Cell, Failures};
 use crate::campaign::SearchResult;
+use crate::report::ListedFailure;
 use compile::Driver;
 use world::judge::Verdict;
 
@@ -33,7 +34,7 @@ impl SearchFailures {
 pub struct DriverResult {
     pub driver: Driver,
     /// Its worst failure; none if there was no collision.
-    pub worst: Option<FoundFailure>,
+    pub worst: Option<ListedFailure>,
     /// The place of the cell with the highest rates in the list of cells; none if it was not evaluated.
     pub cell: Option<usize>,
     /// The failures that searches found; none without a search.

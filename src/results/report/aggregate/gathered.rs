@@ -4,10 +4,10 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::run_totals::RunTotals;
-use super::{Episodes, Failures, Run};
-use crate::record::{self, EPISODES, EpisodeTable};
+use super::{Episodes, Failures, Run, search_failures, search_references};
+use crate::campaign::SearchResult;
+use crate::record::{self, EPISODES, EpisodeTable, REFERENCE_DRIVERS};
 use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
-use base::seed::Seed;
 use compile::{ControllerKind, Evaluation};
 
 /// The results of one pass over all episodes: small tables, counts, and a bounded sample.
@@ -45,7 +45,7 @@ pub struct Gathered {
     pub protocol: Vec<ProtocolCell>,
 }
 
-/// Reads all episodes once: writes the table `episodes` and gathers the data of all other outputs.
+/// Reads all episodes once: writes the tables `episodes` and `reference_drivers`, and gathers the data of all other outputs.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
@@ -53,7 +53,7 @@ pub fn gather(
     folder: &ReportFolder,
     episodes: &Episodes<'_>,
     kinds: &mut FailureModes<'_>,
-    seed: &Seed,
+    searches: &[SearchResult],
 ) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
     let mut gathered = Gathered {
@@ -73,16 +73,22 @@ pub fn gather(
         failures: Failures::default(),
         protocol: Vec::new(),
     };
-    let mut evidence = Gathering::new(seed.child("report"));
+    let mut evidence = Gathering::new();
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
-    let mut file = folder.stream(EPISODES, record::episodes(&[]).schema())?;
+    let none = record::episodes(&[]);
+    let columns: Vec<_> = record::episode_references().columns.into_iter().map(|column| column.name).collect();
+    let own = |part: &DataFrame| part.select(columns.iter().map(AsRef::as_ref));
+    let mut file = folder.stream(EPISODES, own(&none).map_err(failed)?.schema())?;
+    let mut references =
+        folder.stream(REFERENCE_DRIVERS, record::reference_drivers(&none).map_err(failed)?.schema())?;
     for run in episodes.runs() {
         let evaluation = run.evaluation;
         let (mut totals, mut tally) = (RunTotals::new(), record::Tally::default());
         let mut protocol = ProtocolRun::new(evaluation);
         for part in run.parts() {
             let part = part.map_err(failed)?;
-            file.add(&part)?;
+            file.add(&own(&part).map_err(failed)?)?;
+            references.add(&record::reference_drivers(&part).map_err(failed)?)?;
             gathered.tally.add(&part).map_err(failed)?;
             let drives = gathered.count(&run, &part).map_err(failed)?;
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
@@ -113,6 +119,9 @@ pub fn gather(
     gathered.runs.rechunk_mut();
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
+    references.add(&record::reference_drivers(&search_references(searches)).map_err(failed)?)?;
+    references.finish()?;
+    gathered.failures.add_searches(&search_failures(searches)).map_err(failed)?;
     gathered.evidence = evidence.finish();
     Ok(gathered)
 }

@@ -2,7 +2,7 @@ use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
 use super::run_totals::to_runs;
-use crate::record::metric::{self, How};
+use crate::record::metric;
 use crate::record::{self, CellKey, ColumnReference, Metric, TableReference};
 use base::statistics::{Weighted, wilson};
 use world::judge::{Label, Reference};
@@ -40,6 +40,8 @@ pub struct Cell {
     pub interval: (f64, f64),
     /// Frontal collisions of all collisions.
     pub front: Spread,
+    /// The number of collisions with a moving ego.
+    pub moving_collisions: u32,
     /// Collisions with a moving ego of all episodes.
     pub moving: Spread,
     /// Wilson's interval of that, over all episodes.
@@ -91,7 +93,7 @@ pub struct Cell {
 
 /// The stem of the files of the table of runs.
 pub const RUNS: &str = "runs";
-/// The stem of the files of the table of cells.
+/// The name of the table of cells, which gates read.
 pub const CELLS: &str = "cells";
 
 /// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed are counted
@@ -108,7 +110,7 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
     let mut cells = groups.table()?;
     cells.with_column(groups.sizes(&metric::RUNS.name()))?;
     for metric in metrics {
-        if let How::Count(count) = metric.how {
+        if let Metric::Count(count) = *metric {
             let counts = count.read(runs)?;
             cells.with_column(groups.sum(&count.name(), |row| counts.get(row).unwrap_or_default()))?;
         }
@@ -122,10 +124,10 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
     Ok(cells)
 }
 
-/// Adds Wilson's intervals to runs or cells.
-pub(super) fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
+/// Adds Wilson's intervals to cells.
+fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
     for metric in metrics {
-        let How::Rate(rate) = metric.how else { continue };
+        let Metric::Rate(rate) = *metric else { continue };
         let pairs = weighted(rate.part, table)?.into_iter().zip(weighted(rate.whole, table)?);
         let (low, high): (Vec<f64>, Vec<f64>) = pairs.map(|(hits, trials)| wilson(hits, trials)).unzip();
         table.with_column(Column::new(metric::WILSON_LOW.name(rate.name).into(), low))?;
@@ -141,18 +143,19 @@ fn weighted(count: metric::Count, table: &DataFrame) -> PolarsResult<Vec<Weighte
 
 /// The reference of the tables of runs and of cells, without the columns that [`infer`](crate::report::infer) adds to the latter.
 pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
-    let interval = |metric: &Metric| match metric.how {
-        How::Rate(rate) => vec![metric::WILSON_LOW.reference(rate.name), metric::WILSON_HIGH.reference(rate.name)],
+    let interval = |metric: &Metric| match *metric {
+        Metric::Rate(rate) => vec![metric::WILSON_LOW.reference(rate.name), metric::WILSON_HIGH.reference(rate.name)],
         _ => Vec::new(),
     };
-    let is_rate = |metric: &&Metric| matches!(metric.how, How::Rate(_));
-    let is_count = |metric: &&Metric| matches!(metric.how, How::Count(_));
+    let is_rate = |metric: &&Metric| matches!(*metric, Metric::Rate(_));
+    let is_count = |metric: &&Metric| matches!(*metric, Metric::Count(_));
     let mut runs = record::run_key_references();
     runs.extend(metrics.iter().filter(|metric| !is_rate(metric)).map(Metric::reference));
     runs.extend(metrics.iter().filter(is_rate).map(Metric::reference));
-    runs.extend(metrics.iter().flat_map(interval));
+    // Those of the reference drivers are in `metrics`.
+    runs.retain(|column| !metric::is_of_reference_driver(&column.name));
     let mut cells = record::cell_key_references();
-    cells.push(metric::RUNS.at(0).reference());
+    cells.push(Metric::Count(metric::RUNS).reference());
     cells.extend(metrics.iter().filter(is_count).map(Metric::reference));
     for averaged in metrics.iter().filter(|metric| metric.is_averaged()).map(Metric::reference) {
         let over = |family: &record::Family<f64>| {
@@ -174,6 +177,19 @@ pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
             columns: cells,
         },
     ]
+}
+
+/// The names of the columns of the files of runs.
+pub fn run_columns() -> Vec<String> {
+    let [runs, _] = references(&record::metrics());
+    runs.columns.into_iter().map(|column| column.name.into_owned()).collect()
+}
+
+impl Cell {
+    /// The number of preventable collisions in all runs.
+    pub fn preventable_collisions(&self) -> u32 {
+        self.labels[Label::Preventable as usize]
+    }
 }
 
 impl Metrics {
@@ -230,6 +246,7 @@ impl Metrics {
                 collision: spread(metric::COLLISION_RATE.name, row)?,
                 interval: interval(metric::COLLISION_RATE, row)?,
                 front: spread(metric::FRONT_RATE.name, row)?,
+                moving_collisions: count(metric::MOVING_COLLISIONS, row)?,
                 moving: spread(metric::MOVING_RATE.name, row)?,
                 moving_interval: interval(metric::MOVING_RATE, row)?,
                 reward_sum: spread(metric::EPISODE_REWARD.name, row)?,
@@ -377,15 +394,12 @@ mod tests {
     }
 
     #[test]
-    fn a_new_quantity_of_an_episode_is_one_entry() {
+    fn a_new_quantity_of_an_episode_is_a_column_and_a_metric() {
         const HURRY: record::Column<f64> = record::Column::new("hurry", "1/s", "how soon it was over");
-        let entry = HURRY.of(|row: &EpisodeRow| 1.0 / f64::from(row.outcome.ticks)).aggregated([metric::Mean::new(
-            &HURRY,
-            "mean hurry",
-        )
-        .at(u8::MAX)]);
+        let entry = HURRY.of(|row: &EpisodeRow| 1.0 / f64::from(row.outcome.ticks));
         let table = record::episode_table().column(entry);
-        let all = table.metrics();
+        let mut all = record::metrics();
+        all.push(Metric::Mean(metric::Mean::new(&HURRY, "mean hurry")));
         let episodes = table.frame(&[row(0, 0, None), row(1, 0, Some((true, 4.0)))]);
         let runs = to_runs(&episodes, &all).unwrap();
         let cells = to_cells(&runs, &all).unwrap();

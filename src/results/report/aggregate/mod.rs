@@ -24,10 +24,10 @@ mod tick_file;
 
 pub use drivers::{DriverResult, SearchFailures, driver_results};
 pub use episodes::{Episodes, Run};
-pub use failures::{FailureClass, Failures, FoundBy, FoundFailure};
+pub use failures::Failures;
 pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_table};
-pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
+pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references, run_columns};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
 pub use results::{RESULTS, results, results_table};
@@ -38,7 +38,7 @@ pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kin
 pub use searches::{
     Average, BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_FAILURE, FIRST_START, FOUND_AFTER, SEARCH_BLOCK,
     SEARCH_RUN, SEARCHES, START, SearchCell, TRIED, failure_table, search_cell_columns, search_cell_table,
-    search_cells, search_failure, search_failures, search_key, search_table, searches,
+    search_cells, search_failure, search_failures, search_key, search_references, search_table, searches,
 };
 pub use survival::MedianTime;
 pub use tick_file::{Wanted, write_ticks};

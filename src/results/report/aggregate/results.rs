@@ -1,18 +1,22 @@
 use polars::prelude::DataFrame;
 
-use super::{Cell, Failures, FoundFailure, Spread};
+use super::{Cell, Failures, Spread};
 use crate::record::columns::{CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN};
 use crate::record::{Column, Entry, Interval, Table};
+use crate::report::ListedFailure;
+use crate::report::infer::{CellEvidence, LEARNT};
 
 /// The stem of the files of the table of results.
 pub const RESULTS: &str = "results";
 
-/// A cell with the worst of its failures.
-type Row<'a> = (&'a Cell, Option<&'a FoundFailure>);
+/// A cell, whether its trainings learnt, and the worst of its failures.
+type Row<'a> = (&'a Cell, Option<&'static str>, Option<&'a ListedFailure>);
 
 /// The table to open first: one row for each pedestrian, town and driver.
-pub fn results(cells: &[Cell], failures: &Failures) -> DataFrame {
-    let rows: Vec<Row<'_>> = cells.iter().map(|cell| (cell, failures.worst_of(&cell.key))).collect();
+pub fn results(cells: &[Cell], evidence: &[CellEvidence], failures: &Failures) -> DataFrame {
+    let learnt = |found: &CellEvidence| found.learning.as_ref().map(|learning| learning.learnt().name());
+    let rows: Vec<Row<'_>> =
+        cells.iter().zip(evidence).map(|(cell, found)| (cell, learnt(found), failures.worst_of(&cell.key))).collect();
     results_table().frame(&rows)
 }
 
@@ -22,7 +26,7 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     let number = Column::<f64>::new;
     let mut table = Table::new(
         RESULTS,
-        "One row for each pedestrian, town and driver. Open this table first; `cells` has all that is known.",
+        "One row for each pedestrian, town and driver. Open this table first; `metrics` has all that is known.",
     )
     .column(CONTROLLER.of(|row: &Row<'_>| row.0.key.controller.clone()))
     .column(REWARD.of(|row: &Row<'_>| row.0.key.reward.clone()))
@@ -31,7 +35,8 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     .column(TOWN.of(|row: &Row<'_>| row.0.key.town.clone()))
     .column(POLICY.of(|row: &Row<'_>| row.0.key.policy.clone()))
     .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs))
-    .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes));
+    .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes))
+    .column(LEARNT.of(|row: &Row<'_>| row.1));
     let collision = "collisions, standing cars included, of all episodes, with Wilson's 95 % interval over episodes";
     table = rate(table, "collision_rate", collision, |cell| (cell.collision, cell.interval));
     let moving = "collisions with the moving car of all episodes, as above";
@@ -51,15 +56,11 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
                 "",
                 "name of the failure that counts most against the driver, `RUN:EPISODE`",
             )
-            .of(|row: &Row<'_>| row.1.map(FoundFailure::name)),
-        )
-        .column(
-            Column::<String>::new("worst_class", "", "how much it counts, as lists of failures say it")
-                .of(|row: &Row<'_>| row.1.map(|found| found.class.name())),
+            .of(|row: &Row<'_>| row.2.map(ListedFailure::name)),
         )
         .column(
             number("worst_speed_mps", "m/s", "speed of the car at its touch")
-                .of(|row: &Row<'_>| row.1.map(|found| found.impact_speed)),
+                .of(|row: &Row<'_>| row.2.map(|found| found.impact_speed)),
         )
 }
 

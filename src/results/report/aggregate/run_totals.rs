@@ -1,8 +1,7 @@
 use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
-use super::metrics::add_intervals;
-use crate::record::metric::{Count, How, Which};
+use crate::record::metric::{Count, Which};
 use crate::record::{self, Metric, columns};
 use base::statistics::RunningMean;
 
@@ -26,10 +25,10 @@ enum Total {
 
 impl Total {
     fn none(metric: &Metric) -> Self {
-        match metric.how {
-            How::Count(_) => Self::Count(0),
-            How::Mean(_) => Self::Mean(RunningMean::default()),
-            How::Rate(_) => Self::Rate,
+        match *metric {
+            Metric::Count(_) => Self::Count(0),
+            Metric::Mean(_) => Self::Mean(RunningMean::default()),
+            Metric::Rate(_) => Self::Rate,
         }
     }
 
@@ -95,9 +94,9 @@ fn include<R: Iterator<Item = usize>>(
     // An episode without error counts.
     let valid = |row: usize| outcome.get(row).is_some_and(|outcome| outcome != record::IN_ERROR);
     for (metric, total) in metrics.iter().zip(totals) {
-        match (metric.how, total) {
-            (How::Count(count), Total::Count(total)) => *total += counted(&count, episodes, valid, rows())?,
-            (How::Mean(mean), Total::Mean(total)) => {
+        match (*metric, total) {
+            (Metric::Count(count), Total::Count(total)) => *total += counted(&count, episodes, valid, rows())?,
+            (Metric::Mean(mean), Total::Mean(total)) => {
                 let values = episodes.column(mean.column)?.f64()?;
                 match mean.of_valid {
                     true => {
@@ -146,15 +145,15 @@ fn counted(
 fn table(mut runs: DataFrame, metrics: &[Metric], totals: &[Vec<Total>]) -> PolarsResult<DataFrame> {
     for (place, metric) in metrics.iter().enumerate() {
         let of_runs = || totals.iter().map(|run| run[place]);
-        let column = match metric.how {
-            How::Count(count) => Column::new(count.name().into(), of_runs().map(Total::count).collect::<Vec<_>>()),
-            How::Mean(mean) => Column::new(mean.name.into(), of_runs().map(Total::mean).collect::<Vec<_>>()),
-            How::Rate(_) => continue,
+        let column = match *metric {
+            Metric::Count(count) => Column::new(count.name().into(), of_runs().map(Total::count).collect::<Vec<_>>()),
+            Metric::Mean(mean) => Column::new(mean.name.into(), of_runs().map(Total::mean).collect::<Vec<_>>()),
+            Metric::Rate(_) => continue,
         };
         runs.with_column(column)?;
     }
     for metric in metrics {
-        if let How::Rate(rate) = metric.how {
+        if let Metric::Rate(rate) = *metric {
             let (part, whole) = (rate.part.read(&runs)?, rate.whole.read(&runs)?);
             // A share is missing when the whole is zero.
             let share = |(part, whole)| (whole > 0).then(|| f64::from(part) / f64::from(whole));
@@ -163,6 +162,5 @@ fn table(mut runs: DataFrame, metrics: &[Metric], totals: &[Vec<Total>]) -> Pola
             runs.with_column(column)?;
         }
     }
-    add_intervals(&mut runs, metrics)?;
     Ok(runs)
 }

@@ -6,7 +6,7 @@ use super::searches::Figures;
 use crate::campaign::SearchResult;
 use crate::record::columns::TOWN;
 use crate::record::{Column, Interval, Table};
-use base::statistics::{holm, mean_interval, mean_p};
+use base::statistics::{holm, mean_interval_at, mean_p};
 use compile::SearchKey;
 
 /// Two falsifiers against one driver, or one falsifier against two drivers, compared run by run: equal runs have equal starts.
@@ -23,8 +23,11 @@ pub struct SearchComparison {
     runs: u64,
     /// Means over these.
     values: [f64; 2],
+    /// First less second, of each run.
+    differences: Vec<f64>,
     difference: f64,
-    student: Option<(f64, f64)>,
+    /// In 95 % of campaigns those of all rows that are read together hold the truth.
+    interval: Option<(f64, f64)>,
     p: Option<f64>,
     p_holm: Option<f64>,
 }
@@ -34,7 +37,7 @@ pub const SEARCH_COMPARISONS: &str = "search_comparisons";
 
 /// All comparisons of the searches of a campaign, in the order of their first side.
 ///
-/// Holm's correction covers all rows that are read together: those of a figure for all pairs of falsifiers, or for all pairs of drivers, in all
+/// Holm's correction, and Bonferroni's of the intervals, cover all rows that are read together: those of a figure for all pairs of falsifiers, or for all pairs of drivers, in all
 /// towns and blocks.
 pub fn search_comparisons(results: &[SearchResult]) -> Vec<SearchComparison> {
     compared(results.iter().map(|result| (&result.key, Figures::new(result).compared())))
@@ -63,14 +66,20 @@ fn compared<'a>(searches: impl Iterator<Item = (&'a SearchKey, Named)>) -> Vec<S
         }
     }
     let mut families: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    for (place, each) in all.iter().enumerate().filter(|(_, each)| each.p.is_some()) {
+    for (place, each) in all.iter().enumerate() {
         let of_falsifiers = each.one.1 == each.other.1;
         families.entry((each.figure, of_falsifiers)).or_default().push(place);
     }
     for family in families.values() {
-        let p: Vec<f64> = family.iter().filter_map(|place| all[*place].p).collect();
-        for (place, adjusted) in family.iter().zip(holm(&p)) {
-            all[*place].p_holm = Some(adjusted);
+        let alpha = 0.05 / family.len() as f64;
+        for place in family {
+            let each: &mut SearchComparison = &mut all[*place];
+            each.interval = mean_interval_at(&each.differences, alpha).map(|ends| cut(ends, each.figure));
+        }
+        let tested: Vec<usize> = family.iter().copied().filter(|place| all[*place].p.is_some()).collect();
+        let p: Vec<f64> = tested.iter().filter_map(|place| all[*place].p).collect();
+        for (place, adjusted) in tested.into_iter().zip(holm(&p)) {
+            all[place].p_holm = Some(adjusted);
         }
     }
     all
@@ -102,8 +111,9 @@ fn compare(one: &[(&SearchKey, Named)], other: &[(&SearchKey, Named)]) -> Vec<Se
                 pairs.iter().map(|pair| pair.1).sum::<f64>() / n,
             ],
             difference: differences.iter().sum::<f64>() / n,
-            student: mean_interval(&differences).1.map(|ends| cut(ends, names[figure].0)),
+            interval: None,
             p: mean_p(&differences),
+            differences,
             p_holm: None,
         })
     };
@@ -144,20 +154,20 @@ pub fn search_comparison_columns() -> Table<'static, SearchComparison> {
     .column(number("other_value", "", "mean of the other side").of(|row: &SearchComparison| row.values[1]))
     .column(number("difference", "", "`value` less `other_value`").of(|row: &SearchComparison| row.difference))
     .columns(
-        Interval::new("difference", "", "Student's 95 % interval of this row alone, over the pairs of runs and about further runs in this town; missing for fewer than four")
-            .of(|row: &SearchComparison| row.student),
-    )
-    .column(
-        number("p", "", "two-sided p-value of Student's paired test; missing for a single run and where all pairs are equal; where all \
-                 differences are one number, that of the sign test")
-            .of(|row: &SearchComparison| row.p),
+        Interval::new(
+            "difference",
+            "",
+            "Student's, over the pairs of runs and about further runs in this town: in 95 % of campaigns those of all rows of the figure that compare \
+             falsifiers, or of all that compare drivers, hold the truth (Bonferroni); missing for fewer than four runs",
+        )
+        .of(|row: &SearchComparison| row.interval),
     )
     .column(
         number(
             "p_holm",
             "",
-            "`p` adjusted by Holm's method for all rows of the figure that compare falsifiers, or for all that compare drivers, in all towns: in \
-             95 % of campaigns none of these rows below 0.05 is a false finding",
+            "two-sided p-value of Student's paired test, adjusted by Holm's method for the same rows: in 95 % of campaigns none of them below 0.05 is a \
+             false finding. Missing for a single run and where all pairs are equal; where all differences are one number, from the sign test",
         )
         .of(|row: &SearchComparison| row.p_holm),
     )

@@ -6,11 +6,11 @@ use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
 use crate::campaign::{Evaluated, SearchResult};
 use crate::record::columns::{
-    BLOCK, DIGEST, DRIVING_MODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED, MOTION, POLICY,
-    REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,
+    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED, MOTION,
+    POLICY, REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,
 };
 use crate::record::metric::MEAN;
-use crate::record::{Column, Entry, Interval, Table, verdict_columns};
+use crate::record::{Column, Entry, Interval, Table, reference_columns, verdict_columns};
 use base::statistics::mean_interval;
 use compile::SearchKey;
 use world::env::{Ending, Outcome};
@@ -541,14 +541,27 @@ fn averaged(name: &'static str, value: fn(&SearchCell) -> &Average) -> Vec<Entry
 pub type Found<'a> = (&'a SearchKey, &'a Failure, u64, Option<Verdict>);
 
 /// The failures of all searches as a table, one row each, in the order in which they were found.
-pub fn search_failures<'a>(results: &'a [SearchResult]) -> DataFrame {
+pub fn search_failures(results: &[SearchResult]) -> DataFrame {
+    failure_table().frame(&found(results))
+}
+
+/// What the reference drivers did in these failures, as [`reference_drivers`](crate::record::reference_drivers) reads it.
+pub fn search_references(results: &[SearchResult]) -> DataFrame {
+    let of_drivers = reference_columns(|row: &Found<'_>| row.3, |_| None);
+    Table::new("", "")
+        .column(RUN_ID.of(|row: &Found<'_>| row.0.id.to_string()))
+        .column(EPISODE.of(|row: &Found<'_>| row.2 as u32))
+        .columns(of_drivers)
+        .frame(&found(results))
+}
+
+fn found<'a>(results: &'a [SearchResult]) -> Vec<Found<'a>> {
     let numbered = |result: &'a SearchResult| {
         let verdict = |number: usize| result.verdicts.get(number).copied().flatten();
         let failures = result.spent.failures.iter().enumerate();
         failures.map(move |(number, each)| (&result.key, each, number as u64, verdict(number)))
     };
-    let rows: Vec<Found<'_>> = results.iter().flat_map(numbered).collect();
-    failure_table().frame(&rows)
+    results.iter().flat_map(numbered).collect()
 }
 
 /// A failure of a search as a row of that table.

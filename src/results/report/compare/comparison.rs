@@ -9,9 +9,9 @@ use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::infer::{Comparison, Figure, adjust, sides};
-use crate::report::read::{StoredRun, listed};
+use crate::report::listed_failure::listed;
+use crate::report::read::StoredRun;
 use crate::report::{ListedFailure, ReadError};
-use base::seed::Seed;
 use world::judge::Label;
 
 /// Two sides, compared over the starts that they share.
@@ -196,8 +196,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         }
         if found.starts > 0 {
             let path = before.report.folder().join(format!("{EPISODES}.parquet"));
-            let seed = Seed::root(1).child("compare");
-            let figures = sides(&frames[0], &frames[1], &seed);
+            let figures = sides(&frames[0], &frames[1]);
             found.figures = figures.map_err(|source| ReadError::Table { path, source })?;
         }
         compared.push(found);

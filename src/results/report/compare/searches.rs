@@ -39,11 +39,9 @@ pub struct ComparedSearch {
     pub shares: [f64; 2],
     /// Second less first, of each run.
     pub differences: Vec<f64>,
-    /// 95 % interval of second less first: Student's over four or more runs; Clopper and Pearson's for a single run, and where no start differs.
-    /// None for two and three runs.
+    /// An interval of second less first such that, in 95 % of comparisons, those of all searches hold the truth (Bonferroni): Student's over four or
+    /// more runs; Clopper and Pearson's for a single run, and where no start differs. None for two and three runs.
     pub interval: Option<(f64, f64)>,
-    /// An interval of the same such that, in 95 % of comparisons, those of all searches hold the truth (Bonferroni).
-    pub simultaneous: Option<(f64, f64)>,
     /// Probability of such a difference by chance: McNemar's exact test for one run, Student's paired test over several.
     pub p: Option<f64>,
     /// The same, adjusted by Holm's method for all searches.
@@ -145,7 +143,7 @@ fn adjust(searches: &mut [ComparedSearch]) {
     }
     let alpha = 0.05 / searches.len().max(1) as f64;
     for search in searches {
-        search.simultaneous = search.interval_at(alpha);
+        search.interval = search.interval_at(alpha);
     }
 }
 
@@ -172,7 +170,6 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
         shares: [0.0; 2],
         differences: Vec::new(),
         interval: None,
-        simultaneous: None,
         p: None,
         holm: None,
         changes: Vec::new(),
@@ -205,7 +202,6 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
     }
     let n = found.differences.len().max(1) as f64;
     found.shares = found.shares.map(|sum| sum / n);
-    found.interval = found.interval_at(0.05);
     found.p = match (found.differences.len(), found.fault) {
         (0, _) | (_, Changed { fixed: 0, new: 0, .. }) => None,
         (1, Changed { fixed, new, .. }) => Some(mcnemar(fixed, new)),
@@ -261,24 +257,20 @@ fn table() -> Table<'static, ComparedSearch> {
             Interval::new(
                 "found_difference",
                 "",
-                "95 % interval of this row alone: Student's over runs, about further runs in this town; Clopper and Pearson's for a single run (given \
-                 the number of starts that differ) and where no start differs; missing for two and three runs",
+                "in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): Student's over runs, about further runs in this town; Clopper \
+                 and Pearson's for a single run (given the number of starts that differ) and where no start differs; missing for two and three runs",
             )
             .of(|row: &Row| row.interval),
         )
-        .columns(
-            Interval::new(
-                "found_simultaneous",
-                "",
-                "the same, wider, so that in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): the one for a gate",
-            )
-            .of(|row: &Row| row.simultaneous),
-        )
         .column(
-            number("found_p", "", "probability of such a difference by chance: McNemar's exact test for one run, Student's paired test over several")
-                .of(|row: &Row| row.p),
+            number(
+                "found_p_holm",
+                "",
+                "probability of such a difference by chance (McNemar's exact test for one run, Student's paired test over several), adjusted by Holm's \
+                 method for all rows, so that in 95 % of comparisons no finding below 0.05 is false",
+            )
+            .of(|row: &Row| row.holm),
         )
-        .column(number("found_p_holm", "", "the same, adjusted by Holm's method for all rows, so that in 95 % of comparisons no finding below 0.05 is false").of(|row: &Row| row.holm))
         .columns(changed("failed_starts", "failure", |row| row.collisions))
         .columns(changed("preventable_starts", "preventable failure", |row| row.preventable))
         .columns(changed("fault_starts", "fault", |row| row.fault))
@@ -323,7 +315,6 @@ mod tests {
             verdict: Some(if fault { Label::Preventable } else { Label::Standing }),
             foreseeable: fault,
             fault,
-            narrow: false,
             impact: "front".into(),
             moving: fault,
             occluded: false,
@@ -359,7 +350,7 @@ mod tests {
         assert_eq!(found.shares, [0.25, 0.5]);
         assert_eq!(found.p, Some(1.0), "one pair of starts differs: exact p is 1");
         // The share of one pair that is new lies between 0.025 and 1, and one start of four differs.
-        let (low, high) = found.interval.unwrap();
+        let (low, high) = found.interval_at(0.05).unwrap();
         assert!((low + 0.95 / 4.0).abs() < 1e-12 && (high - 0.25).abs() < 1e-12, "{low}..{high}");
         let worst = found.changes.iter().find(|change| change.start == 0).unwrap();
         assert_eq!(worst.sides[1].as_ref().unwrap().impact_speed, 5.0);
@@ -390,15 +381,15 @@ mod tests {
                 let any = |is: fn(&ComparedSearch) -> bool| u64::from(searches.iter().any(is));
                 let gates: [u64; 4] = [
                     any(|each| each.holm.is_some_and(|p| p < 0.05) && each.difference() > 0.0),
-                    any(|each| each.simultaneous.is_some_and(|(low, _)| low > 0.0)),
+                    any(|each| each.interval.is_some_and(|(low, _)| low > 0.0)),
                     any(|each| each.p.is_some_and(|p| p < 0.05) && each.difference() > 0.0),
                     any(|each| each.fault.new > 0),
                 ];
                 fired.iter_mut().zip(gates).for_each(|(sum, fired)| *sum += fired);
             }
-            let [holm, simultaneous, raw, new] = fired.map(|fired| fired as f64 / COMPARISONS as f64);
+            let [holm, interval, raw, new] = fired.map(|fired| fired as f64 / COMPARISONS as f64);
             // At most 0.025 is said, since one side of 0.05 counts; of 200 comparisons the share has a standard deviation of 0.011.
-            assert!(holm <= 0.06 && simultaneous <= 0.06, "{runs}: {holm} {simultaneous}");
+            assert!(holm <= 0.06 && interval <= 0.06, "{runs}: {holm} {interval}");
             assert!(raw > 2.0 * holm && new == 1.0, "what is not adjusted fires often: {raw} {new}");
         }
     }
@@ -410,12 +401,12 @@ mod tests {
             [search(run, 0..10, Vec::new()), search(run, 0..10, after)]
         };
         let found = compared(&[pair(0, 1), pair(1, 2), pair(2, 3)]);
-        assert_eq!((found.runs, found.starts, found.fault.new, found.interval), (3, 30, 6, None));
+        assert_eq!((found.runs, found.starts, found.fault.new, found.interval_at(0.05)), (3, 30, 6, None));
         assert!(found.p.is_some_and(|p| (p - 0.074_18).abs() < 1e-4), "{:?}", found.p);
         let found = compared(&[pair(0, 1), pair(1, 2), pair(2, 2), pair(3, 3)]);
         // By hand: mean 0.2, variance 0.02 / 3, t = 3.182446.
         let half = 3.182_446_305_284 * (0.02_f64 / 12.0).sqrt();
-        let (low, high) = found.interval.unwrap();
+        let (low, high) = found.interval_at(0.05).unwrap();
         assert!(
             (found.difference() - 0.2).abs() < 1e-12
                 && (low - 0.2 + half).abs() < 1e-9

@@ -12,25 +12,15 @@ const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less firs
 const LOW: Family<f64> = Family::new(
     "_low",
     "",
-    "low end of the 95 % interval of this row and rate alone, over common starts and runs; missing for two and three runs",
+    "low end of an interval of the difference: in 95 % of comparisons those of all rows and rates hold the truth (Bonferroni; exact for one run, \
+     given the number of starts that differ, else Student's; missing for two and three runs)",
 );
 const HIGH: Family<f64> = Family::new("_high", "", "high end of the same");
-const SIMULTANEOUS_LOW: Family<f64> = Family::new(
-    "_simultaneous_low",
-    "",
-    "low end of a wider interval: in 95 % of comparisons those of all rows and rates hold the truth (Bonferroni; exact for one run, given the \
-     number of starts that differ, else Student's; missing for two and three runs): the one for a gate",
-);
-const SIMULTANEOUS_HIGH: Family<f64> = Family::new("_simultaneous_high", "", "high end of the same");
-const P: Family<f64> = Family::new(
-    "_p",
-    "",
-    "probability of such a difference by chance: McNemar's exact test for one run, Student's over several trainings",
-);
 const HOLM: Family<f64> = Family::new(
     "_p_holm",
     "",
-    "the same, adjusted by Holm's method for all rows and rates, so that in 95 % of comparisons no finding below 0.05 is false",
+    "probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings), adjusted by Holm's method for \
+     all rows and rates, so that in 95 % of comparisons no finding below 0.05 is false",
 );
 const FIXED: Family<u64> = Family::new("_fixed", "", "common starts with such a collision on the first side only");
 const NEW: Family<u64> = Family::new("_new", "", "common starts with such a collision on the second side only");
@@ -74,11 +64,8 @@ fn table() -> Table<'static, ComparedCell> {
             .column(BEFORE.of(name, of(|each| Some(each.values[1]))))
             .column(AFTER.of(name, of(|each| Some(each.values[0]))))
             .column(DIFFERENCE.of(name, of(|each| Some(each.difference))))
-            .column(LOW.of(name, of(|each| each.interval().map(|ends| ends.0))))
-            .column(HIGH.of(name, of(|each| each.interval().map(|ends| ends.1))))
-            .column(SIMULTANEOUS_LOW.of(name, of(|each| each.simultaneous.map(|ends| ends.0))))
-            .column(SIMULTANEOUS_HIGH.of(name, of(|each| each.simultaneous.map(|ends| ends.1))))
-            .column(P.of(name, of(|each| each.p)))
+            .column(LOW.of(name, of(|each| each.interval.map(|ends| ends.0))))
+            .column(HIGH.of(name, of(|each| each.interval.map(|ends| ends.1))))
             .column(HOLM.of(name, of(|each| each.holm)));
     }
     type Counted = (&'static str, fn(&Row) -> Changed);

@@ -2,8 +2,7 @@ use super::place::{Measured, Place};
 use super::tried::Tried;
 use super::{Figure, Learning};
 use crate::record::CellKey;
-use base::seed::Seed;
-use base::statistics::{Sample, Uncertainty, Weighted, interquartile_mean, quantile};
+use base::statistics::{Sample, Uncertainty, Weighted, quantile};
 use world::judge::Reference;
 
 /// The distribution of a figure between trainings.
@@ -11,14 +10,10 @@ use world::judge::Reference;
 pub struct AcrossRuns {
     /// The value of each run, in order; none where a run has no value.
     pub by_run: Vec<Option<f64>>,
-    /// Mean of the middle half of the runs.
-    pub iqm: Option<f64>,
-    /// 95 % interval of the mean by hierarchical bootstrap.
-    pub bootstrap: Option<(f64, f64)>,
     /// The standard error of the mean about further trainings and episodes; none for a single training.
     pub uncertainty: Option<Uncertainty>,
-    /// Student's 95 % interval of the mean, from that; none with two or three runs.
-    pub student: Option<(f64, f64)>,
+    /// Student's 95 % interval of the mean, from that; none with fewer than four runs.
+    pub interval: Option<(f64, f64)>,
 }
 
 /// Median and tails of a quantity.
@@ -81,20 +76,17 @@ impl CellEvidence {
     }
 
     /// Adds a figure of this cell of a place.
-    pub(super) fn measure(&mut self, place: &Place, measured: &Measured, cell: usize, seed: &Seed) {
+    pub(super) fn measure(&mut self, place: &Place, measured: &Measured, cell: usize) {
         let figure = measured.figure;
         let runs = place.cells[cell].clone();
         let by_run: Vec<Option<f64>> =
             measured.runs[runs.clone()].iter().map(|run| run.as_ref().map(|(value, _)| *value)).collect();
-        let known: Vec<f64> = by_run.iter().copied().flatten().collect();
         let sample = place.sample(measured, cell, None);
         let (least, most) = figure.bounds();
         let cut = |(low, high): (f64, f64)| (low.clamp(least, most), high.clamp(least, most));
         self.between[figure as usize] = AcrossRuns {
-            iqm: interquartile_mean(&known),
-            bootstrap: sample.as_ref().map(|sample| cut(sample.bootstrap(&seed.child(figure.name())))),
             uncertainty: sample.as_ref().and_then(Sample::uncertainty),
-            student: sample.as_ref().and_then(Sample::interval).map(cut),
+            interval: sample.as_ref().and_then(Sample::interval).map(cut),
             by_run,
         };
         if figure == Figure::Reward {

@@ -2,8 +2,7 @@ use super::Figure;
 use super::place::{Measured, Place};
 use crate::record::CellKey;
 use base::choice;
-use base::seed::Seed;
-use base::statistics::{LEAST_RUNS, Uncertainty, benjamini_hochberg, disagreement, holm, mcnemar};
+use base::statistics::{LEAST_RUNS, Uncertainty, disagreement, holm, mcnemar};
 
 choice! {
     /// The method behind a p-value.
@@ -34,10 +33,6 @@ pub struct Comparison {
     pub values: [f64; 2],
     /// First less second.
     pub difference: f64,
-    /// 95 % interval by hierarchical bootstrap on common starts.
-    pub bootstrap: (f64, f64),
-    /// Student's 95 % interval; none where a side is a single training, or has two or three runs.
-    pub student: Option<(f64, f64)>,
     /// The values of the runs of either side; the differences of the runs, and nothing, where drivers are compared.
     pub by_run: [Vec<f64>; 2],
     /// The standard error of the difference about further trainings and episodes; none where a side is a single training.
@@ -51,18 +46,11 @@ pub struct Comparison {
     /// The same, adjusted for all comparisons of controllers, or of drivers, of the campaign by Holm's method.
     pub holm: Option<f64>,
     /// An interval of the difference such that, in 95 % of campaigns, those of all comparisons of controllers, or of drivers, hold the truth
-    /// (Bonferroni). None with two or three runs.
-    pub simultaneous: Option<(f64, f64)>,
-    /// The same by Benjamini and Hochberg's.
-    pub benjamini_hochberg: Option<f64>,
+    /// (Bonferroni). None with two or three runs, and for a single training against several runs.
+    pub interval: Option<(f64, f64)>,
 }
 
 impl Comparison {
-    /// The 95 % interval: Student's over trainings if there is one, else that over common starts. None with few runs.
-    pub fn interval(&self) -> Option<(f64, f64)> {
-        self.student.or_else(|| (!self.has_few_runs()).then_some(self.bootstrap))
-    }
-
     /// Whether a side has several runs, but too few for an interval. Where no pair of episodes disagrees, their number makes one.
     pub fn has_few_runs(&self) -> bool {
         let few = |runs: &u64| (2..LEAST_RUNS as u64).contains(runs);
@@ -113,7 +101,7 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
 }
 
 /// Compares two cells of a place; none when one of them has no value.
-pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize), seed: &Seed) -> Option<Comparison> {
+pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize)) -> Option<Comparison> {
     let figure = measured.figure;
     let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);
     let drivers = ours.key.policy != theirs.key.policy;
@@ -128,21 +116,17 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
         let (values, runs) = ([mean(a), mean(b)], [a.len() as u64, b.len() as u64]);
         (sample, values, runs)
     };
-    let seed = ours.key.place_seed(seed).child("comparison");
-    let seed = theirs.key.controller_seed(&ours.key.controller_seed(&seed));
-    let seed = if drivers { theirs.key.place_seed(&seed) } else { seed };
     let plain = ours.episodes().is_plain() && theirs.episodes().is_plain();
     // An exact test counts pairs; there is none for pairs of different weights.
     let has_events = values.iter().any(|value| *value != 0.0);
     let single = runs == [1, 1] && [first, second].map(|cell| place.runs(cell).len()) == [1, 1];
     let discordant = (plain && single).then(|| ours.discordant(theirs, figure));
-    let student = sample.interval().map(cut);
-    let (test, p, student) = match (discordant, sample.p()) {
+    let (test, p) = match (discordant, sample.p()) {
         // Neither could be significant, so it is no test and costs the others nothing.
-        _ if !has_events => (Test::None, None, student),
-        (Some((only_first, only_second)), _) => (Test::McNemar, Some(mcnemar(only_first, only_second)), None),
-        (None, Some(p)) => (Test::Student, Some(p), student),
-        (None, None) => (Test::None, None, None),
+        _ if !has_events => (Test::None, None),
+        (Some((only_first, only_second)), _) => (Test::McNemar, Some(mcnemar(only_first, only_second))),
+        (None, Some(p)) => (Test::Student, Some(p)),
+        (None, None) => (Test::None, None),
     };
     Some(Comparison {
         first: ours.key.clone(),
@@ -152,16 +136,13 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
         episodes: sample.episodes.count(),
         values,
         difference: sample.estimate(),
-        bootstrap: cut(sample.bootstrap(&seed.child(figure.name()))),
-        student,
         uncertainty: sample.uncertainty(),
         by_run: [sample.values[..sample.first].to_vec(), sample.values[sample.first..].to_vec()],
         discordant,
         test,
         p,
         holm: None,
-        simultaneous: None,
-        benjamini_hochberg: None,
+        interval: None,
     })
 }
 
@@ -176,14 +157,14 @@ pub fn adjust(comparisons: &mut [Comparison]) {
         let mut tested: Vec<&mut Comparison> =
             comparisons.iter_mut().filter(|each| each.p.is_some() && each.is_of_drivers() == drivers).collect();
         let raw: Vec<f64> = tested.iter().filter_map(|comparison| comparison.p).collect();
-        for (comparison, (first, second)) in tested.iter_mut().zip(holm(&raw).into_iter().zip(benjamini_hochberg(&raw)))
-        {
-            (comparison.holm, comparison.benjamini_hochberg) = (Some(first), Some(second));
+        for (comparison, adjusted) in tested.iter_mut().zip(holm(&raw)) {
+            comparison.holm = Some(adjusted);
         }
-        let all = || comparisons.iter().filter(|each| each.is_of_drivers() == drivers);
-        let alpha = 0.05 / all().count().max(1) as f64;
-        for comparison in comparisons.iter_mut().filter(|each| each.is_of_drivers() == drivers) {
-            comparison.simultaneous = comparison.interval_at(alpha);
+        let mut all: Vec<&mut Comparison> =
+            comparisons.iter_mut().filter(|each| each.is_of_drivers() == drivers).collect();
+        let alpha = 0.05 / all.len().max(1) as f64;
+        for comparison in &mut all {
+            comparison.interval = comparison.interval_at(alpha);
         }
     }
 }

@@ -7,7 +7,6 @@ use super::transfer::{PolicyGaps, Transfer, transfers};
 use super::tried::{KEPT, Tried};
 use super::{Figure, learning};
 use crate::record::{EpisodeTable, RunKey};
-use base::seed::Seed;
 
 /// The evidence of a campaign's results, in addition to means.
 #[derive(Debug, Clone, Default)]
@@ -21,10 +20,9 @@ pub struct Evidence {
 }
 
 /// Gathers the evidence from the episodes of a campaign, run by run in the plan's order. A run is one table or several that follow each
-/// other, for a pedestrian in one town against one policy. The resampling depends only on the seed and the names of a place.
+/// other, for a pedestrian in one town against one policy.
 #[derive(Debug, Clone)]
 pub struct Gathering {
-    seed: Seed,
     kept: usize,
     /// The run of the last rows, of which more may follow.
     last: Option<(RunKey, Tried)>,
@@ -35,13 +33,13 @@ pub struct Gathering {
 
 impl Gathering {
     /// Starts without any run.
-    pub fn new(seed: Seed) -> Self {
-        Self::keeping(KEPT, seed)
+    pub fn new() -> Self {
+        Self::keeping(KEPT)
     }
 
     /// Starts with another number of episodes of a run that are kept one by one.
-    pub(super) fn keeping(kept: usize, seed: Seed) -> Self {
-        Self { seed, kept, last: None, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }
+    pub(super) fn keeping(kept: usize) -> Self {
+        Self { kept, last: None, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }
     }
 
     /// Adds the episodes of a run or of a part of it. The parts of a run follow each other.
@@ -67,7 +65,7 @@ impl Gathering {
     fn close(&mut self) {
         let Some((_, tried)) = self.last.take() else { return };
         if self.here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
-            self.found.add(std::mem::take(&mut self.here), &mut self.gaps, &self.seed);
+            self.found.add(std::mem::take(&mut self.here), &mut self.gaps);
         }
         self.here.push(tried);
     }
@@ -75,17 +73,17 @@ impl Gathering {
     /// The evidence of all runs.
     pub fn finish(mut self) -> Evidence {
         self.close();
-        self.found.add(self.here, &mut self.gaps, &self.seed);
+        self.found.add(self.here, &mut self.gaps);
         adjust(&mut self.found.comparisons);
         learning::adjust(&mut self.found.cells);
-        self.found.transfers = transfers(&self.found.cells, &self.gaps, &self.seed.child("transfer"));
+        self.found.transfers = transfers(&self.found.cells, &self.gaps);
         self.found
     }
 }
 
 impl Evidence {
     /// Adds all runs of a place.
-    fn add(&mut self, runs: Vec<Tried>, gaps: &mut PolicyGaps, seed: &Seed) {
+    fn add(&mut self, runs: Vec<Tried>, gaps: &mut PolicyGaps) {
         if runs.is_empty() {
             return;
         }
@@ -97,13 +95,11 @@ impl Evidence {
         for figure in Figure::ALL {
             let measured = place.measure(figure);
             for (number, cell) in cells.iter_mut().enumerate() {
-                let seed = cell.key.controller_seed(&cell.key.place_seed(seed).child("cell"));
-                cell.measure(&place, &measured, number, &seed);
+                cell.measure(&place, &measured, number);
             }
             if Figure::COMPARED.contains(&figure) {
                 gaps.add(&place, &measured, before);
-                let found =
-                    pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair, seed)));
+                let found = pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair)));
                 comparisons.extend(found);
             }
         }

@@ -22,5 +22,8 @@ pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
 pub use learning::{Baseline, Doubt, Learning, Learnt, Reason, TrainingDifference, Untrained, doubts};
 pub use sides::sides;
-pub use tables::{cell_table, comparison_columns, comparison_table, evident_cells, transfer_columns, transfer_table};
+pub use tables::{
+    LEARNT, QUANTILES, cell_table, comparison_columns, comparison_table, evident_cells, reference_metrics,
+    transfer_columns, transfer_table,
+};
 pub use transfer::{Change, Transfer};

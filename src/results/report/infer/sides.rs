@@ -4,15 +4,13 @@ use super::Figure;
 use super::comparison::{Comparison, compare};
 use super::place::Place;
 use super::tried::{KEPT, Tried};
-use base::seed::Seed;
-use base::statistics::disagreement;
 
 /// Compares the runs of one cell on two sides, such as two reports: second less first. Runs of a number belong together, and their episodes
 /// of a number have equal starts. Figures without a value on a side are left out; p is not adjusted.
 ///
 /// # Errors
 /// Those of polars; none for tables made by [`episodes`](crate::record::episodes).
-pub fn sides(first: &[DataFrame], second: &[DataFrame], seed: &Seed) -> PolarsResult<Vec<Comparison>> {
+pub fn sides(first: &[DataFrame], second: &[DataFrame]) -> PolarsResult<Vec<Comparison>> {
     let of_side = |name: &'static str| {
         move |run: &DataFrame| {
             // Cells of a place differ in their keys, so the driver's name tells the sides apart.
@@ -35,10 +33,9 @@ pub fn sides(first: &[DataFrame], second: &[DataFrame], seed: &Seed) -> PolarsRe
         pairs.all(|(run, other)| run.discordant(other, figure) == (0, 0))
     };
     let compared = |figure| {
-        let mut found = compare(&place, &place.measure(figure), (1, 0), seed)?;
+        let mut found = compare(&place, &place.measure(figure), (1, 0))?;
         if agree(figure) {
             // Without a pair that disagrees the samples show no spread, but not that there is no difference.
-            (found.bootstrap, found.student) = (disagreement(0, 0, found.episodes, 0.05), None);
             found.discordant = Some((0, 0));
         }
         Some(found)

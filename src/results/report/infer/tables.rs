@@ -1,10 +1,10 @@
-use polars::prelude::{Column as Values, DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::{CellEvidence, Comparison, Figure, Quantiles, Transfer};
 use crate::record::columns::{
     ADVERSARY, BLOCK, CONTROLLER, IMPACT_SPEED, MIN_TTC, PET, REWARD, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
 };
-use crate::record::{Column, Entry, Family, Interval, Table, cell_key};
+use crate::record::{Column, ColumnReference, Entry, Family, Interval, Table, cell_key};
 use crate::report::aggregate::CELLS;
 use base::statistics::wilson;
 use world::judge::Reference;
@@ -22,17 +22,19 @@ const FIGURE: Column<String> =
 const VALUE: Column<f64> = Column::new("value", "", "mean over the runs of the cell");
 const OTHER_VALUE: Column<f64> = Column::new("other_value", "", "mean over the runs of the other cell");
 const DIFFERENCE: Column<f64> = Column::new("difference", "", "`value` less `other_value`");
-const DIFFERENCE_STUDENT: Interval = Interval::new(
-    "difference_student",
+const DIFFERENCE_INTERVAL: Interval = Interval::new(
+    "difference",
     "",
-    "Student's interval with Welch's degrees of freedom; its variance is that between the trainings of either cell plus that of the \
-     common episodes (at least that of one episode). Missing if one side is a single training, or has two or three runs",
+    "in 95 % of campaigns the intervals of all rows of its kind hold the truth (Bonferroni). Student's with Welch's degrees of freedom; its variance is \
+     that between the trainings of either cell plus that of the common episodes (at least that of one episode). Exact for one run on each side. \
+     Missing if one side alone is a single training, or has two or three runs",
 );
 const P_HOLM: Column<f64> = Column::new(
     "p_holm",
     "",
-    "`p` adjusted for all tests of its kind in the table by Holm's method, so that in 95 % of campaigns no finding of its kind \
-     below 0.05 is false; a kind is all rows that compare controllers, or all that compare drivers",
+    "two-sided p-value, adjusted for all tests of its kind in the table by Holm's method, so that in 95 % of campaigns no finding of its kind \
+     below 0.05 is false; a kind is all rows that compare controllers, or all that compare drivers. Missing without a test, as where neither cell has \
+     such a collision",
 );
 
 const CHANGED: Column<String> = Column::new(
@@ -50,23 +52,12 @@ const HOME_VALUE: Column<f64> =
 const AWAY_VALUE: Column<f64> = Column::new("away_value", "", "mean of the same trainings away");
 const GAP: Column<f64> =
     Column::new("gap", "", "`home_value` less `away_value`: above 0 the part that does not transfer");
-const GAP_STUDENT: Interval = Interval::new(
-    "gap_student",
+const GAP_INTERVAL: Interval = Interval::new(
+    "gap",
     "",
     "Student's 95 % interval over the gaps of the trainings, with the variance of the starts; missing for fewer than four trainings",
 );
 
-const BY_RUN: Family<String> = Family::new(
-    "_by_run",
-    "as the figure",
-    "the figure of each run, in their order, with blanks between; `–` for a run without it",
-);
-const IQM: Family<f64> = Family::new(
-    "_iqm",
-    "as the figure",
-    "mean over the runs without the best and the worst quarter, these rounded down (as rliable's interquartile mean); of three runs \
-     all, of five the middle three",
-);
 const AVOIDED: Family<u64> = Family::new(
     "_avoided_collisions",
     "",
@@ -79,7 +70,7 @@ const REST: Family<f64> = Family::new(
      are not run again, so it never is above `collision_rate`",
 );
 
-const LEARNT: Column<String> = Column::new(
+pub const LEARNT: Column<String> = Column::new(
     "learnt",
     "",
     "whether the trainings of the cell learnt, by the mean reward of an episode: `no` where a training is significantly below an untrained \
@@ -99,38 +90,23 @@ const TRAININGS_DISAGREE: Column<String> = Column::new(
 /// # Errors
 /// The evidence is of other cells.
 pub fn evident_cells(metrics: &DataFrame, evidence: &[CellEvidence]) -> PolarsResult<DataFrame> {
-    metrics.hstack(&cell_columns(evidence))
+    metrics.hstack(&cell_table().values(evidence))
 }
 
-/// The columns that the table of cells has in addition to its metrics, in the order of the cells.
-fn cell_columns(cells: &[CellEvidence]) -> Vec<Values> {
-    cell_table().values(cells)
-}
-
-/// The columns of [`cell_columns`].
+/// The columns that the table of cells has in addition to its metrics.
 pub fn cell_table() -> Table<'static, CellEvidence> {
-    let above = "see [above](#which-interval-answers-which-question); cut at the bounds of the figure";
-    let student = "see [above](#which-interval-answers-which-question); cut at the bounds of the figure; missing for two and three runs";
+    let student = "see [above](#which-interval-answers-which-question); cut at the bounds of the figure; missing for fewer than four runs";
     let mut table = Table::new(CELLS, "");
     for figure in Figure::ALL {
-        let name = figure.name();
-        let between = move |cell: &CellEvidence| cell.between(figure).clone();
-        table = table
-            .column(BY_RUN.of(name, move |cell| by_run(&between(cell).by_run)))
-            .column(IQM.of(name, move |cell| between(cell).iqm))
-            .columns(interval(format!("{name}_bootstrap"), "as the figure", above, move |cell| between(cell).bootstrap))
-            .columns(interval(format!("{name}_student"), "as the figure", student, move |cell| between(cell).student));
+        let ends = move |cell: &CellEvidence| cell.between(figure).interval;
+        table = table.columns(interval(format!("{}_student", figure.name()), "as the figure", student, ends));
     }
-    let all =
-        "of all collisions, standing cars included; of each run the first 100,000 episodes, as for the quantiles below";
-    let with = "episodes *without* a collision that have a value, of the first 100,000 of each run";
-    let low = ["p01", "p10", "median"];
-    table = table
-        .columns(quantiles(&IMPACT_SPEED, all, ["median", "p90", "p99"], |cell| &cell.impact_speed))
-        .column(Column::<u64>::new("min_ttc_episodes", "", with).of(|cell: &CellEvidence| cell.min_ttc.n))
-        .columns(quantiles(&MIN_TTC, "quantile of these episodes", low, |cell| &cell.min_ttc))
-        .column(Column::<u64>::new("pet_episodes", "", with).of(|cell: &CellEvidence| cell.pet.n))
-        .columns(quantiles(&PET, "quantile of these episodes", low, |cell| &cell.pet));
+    for family in &QUANTILES {
+        for (place, reference) in family.references().into_iter().enumerate() {
+            let value = move |cell: &CellEvidence| (family.of)(cell).at[place];
+            table = table.column(Entry::new::<f64, _>(reference.name, reference.unit, reference.doc, value));
+        }
+    }
     for reference in Reference::ALL {
         let name = reference.name();
         let rest = move |cell: &CellEvidence| cell.split(reference).1;
@@ -153,6 +129,50 @@ pub fn cell_table() -> Table<'static, CellEvidence> {
     )
 }
 
+/// The metrics of a reference driver: the collisions that it avoids, and the rate of the others.
+pub fn reference_metrics(reference: Reference) -> [ColumnReference; 2] {
+    [AVOIDED.reference(reference.name()), REST.reference(reference.name())]
+}
+
+/// Quantiles of a column of episodes.
+pub struct QuantileFamily {
+    column: Column<f64>,
+    /// What is counted: `collisions` or `episodes`.
+    pub counted: &'static str,
+    doc: &'static str,
+    names: [&'static str; 3],
+    pub of: fn(&CellEvidence) -> &Quantiles,
+}
+
+/// The quantiles that a cell has.
+pub const QUANTILES: [QuantileFamily; 3] = {
+    const WITH: &str =
+        "quantile over episodes *without* a collision that have a value, of the first 100,000 of each run";
+    const LOW: [&str; 3] = ["p01", "p10", "median"];
+    [
+        QuantileFamily {
+            column: IMPACT_SPEED,
+            counted: "collisions",
+            doc: "of all collisions, standing cars included; of each run the first 100,000 episodes",
+            names: ["median", "p90", "p99"],
+            of: |cell| &cell.impact_speed,
+        },
+        QuantileFamily { column: MIN_TTC, counted: "episodes", doc: WITH, names: LOW, of: |cell| &cell.min_ttc },
+        QuantileFamily { column: PET, counted: "episodes", doc: WITH, names: LOW, of: |cell| &cell.pet },
+    ]
+};
+
+impl QuantileFamily {
+    /// The names, units and meanings of its quantiles, in their order.
+    pub fn references(&self) -> [ColumnReference; 3] {
+        self.names.map(|name| ColumnReference {
+            name: format!("{}_{name}", self.column.name).into(),
+            doc: self.doc.into(),
+            ..self.column.reference()
+        })
+    }
+}
+
 /// The two ends of an interval whose name is computed.
 fn interval<R>(
     name: String,
@@ -164,25 +184,6 @@ fn interval<R>(
     [low.named(format!("{name}_low")), high.named(format!("{name}_high"))]
 }
 
-fn quantiles(
-    column: &Column<f64>,
-    doc: &'static str,
-    shares: [&str; 3],
-    of: fn(&CellEvidence) -> &Quantiles,
-) -> Vec<Entry<'static, CellEvidence>> {
-    let quantile = |(place, share): (usize, &str)| {
-        let value = move |cell: &CellEvidence| of(cell).at[place];
-        Entry::new::<f64, _>(format!("{}_{share}", column.name).into(), column.unit.into(), doc.into(), value)
-    };
-    shares.into_iter().enumerate().map(quantile).collect()
-}
-
-/// The figure of each run, `–` for one without.
-fn by_run(values: &[Option<f64>]) -> String {
-    let words = values.iter().map(|value| value.map_or("–".to_string(), |value| format!("{value:.4}")));
-    words.collect::<Vec<_>>().join(" ")
-}
-
 /// Comparisons as a table, one row each, in the order given.
 pub fn comparison_table(comparisons: &[Comparison]) -> DataFrame {
     comparison_columns().frame(comparisons)
@@ -190,7 +191,7 @@ pub fn comparison_table(comparisons: &[Comparison]) -> DataFrame {
 
 /// The columns of [`comparison_table`].
 pub fn comparison_columns() -> Table<'static, Comparison> {
-    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
+    let count = Column::<u64>::new;
     Table::new(
         "comparisons",
         "One row for each pair of cells with common starts, and figure; both have the same town, vehicle, adversary and block. Where `other_policy` is \
@@ -209,15 +210,7 @@ pub fn comparison_columns() -> Table<'static, Comparison> {
     .column(VALUE.of(|row: &Comparison| row.values[0]))
     .column(OTHER_VALUE.of(|row: &Comparison| row.values[1]))
     .column(DIFFERENCE.of(|row: &Comparison| row.difference))
-    .columns(
-        Interval::new(
-            "difference_bootstrap",
-            "",
-            "hierarchical bootstrap: the runs of both cells are drawn independently, those of two drivers as pairs; their episodes together",
-        )
-        .of(|row: &Comparison| Some(row.bootstrap)),
-    )
-    .columns(DIFFERENCE_STUDENT.of(|row: &Comparison| row.student))
+    .columns(DIFFERENCE_INTERVAL.of(|row: &Comparison| row.interval))
     .column(
         Column::<String>::new(
             "test",
@@ -227,16 +220,7 @@ pub fn comparison_columns() -> Table<'static, Comparison> {
         )
         .of(|row: &Comparison| row.test.name()),
     )
-    .column(number("p", "", "two-sided p-value; missing without a test, as where neither cell has such a collision").of(|row: &Comparison| row.p))
     .column(P_HOLM.of(|row: &Comparison| row.holm))
-    .column(
-        number(
-            "p_benjamini_hochberg",
-            "",
-            "`p` adjusted by Benjamini and Hochberg's method, so that of the findings below 0.05 on average no more than 5 % are false",
-        )
-        .of(|row: &Comparison| row.benjamini_hochberg),
-    )
 }
 
 /// Transfer gaps as a table, one row each, in the order given.
@@ -271,14 +255,5 @@ pub fn transfer_columns() -> Table<'static, Transfer> {
     .column(HOME_VALUE.of(|row: &Transfer| row.values[0]))
     .column(AWAY_VALUE.of(|row: &Transfer| row.values[1]))
     .column(GAP.of(|row: &Transfer| row.gap))
-    .columns(
-        Interval::new(
-            "gap_bootstrap",
-            "",
-            "hierarchical bootstrap: trainings are drawn as pairs; so are the episodes of two policies in one town, which share their starts. The \
-             episodes of two towns are drawn independently",
-        )
-        .of(|row: &Transfer| Some(row.bootstrap)),
-    )
-    .columns(GAP_STUDENT.of(|row: &Transfer| row.student))
+    .columns(GAP_INTERVAL.of(|row: &Transfer| row.interval))
 }

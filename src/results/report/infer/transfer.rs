@@ -4,7 +4,6 @@ use super::place::{Measured, Place, least};
 use super::{CellEvidence, Figure};
 use crate::record::CellKey;
 use base::choice;
-use base::seed::Seed;
 use base::statistics::Sample;
 
 choice! {
@@ -33,10 +32,8 @@ pub struct Transfer {
     pub values: [f64; 2],
     /// Home less away: above 0 the part that does not transfer.
     pub gap: f64,
-    /// 95 % interval by hierarchical bootstrap: trainings as pairs; episodes as pairs between drivers, separately between towns.
-    pub bootstrap: (f64, f64),
     /// Student's 95 % interval over the gaps of the trainings and over episodes; none for fewer than four trainings.
-    pub student: Option<(f64, f64)>,
+    pub interval: Option<(f64, f64)>,
     /// The gap of each training.
     pub by_run: Vec<f64>,
 }
@@ -73,7 +70,7 @@ fn change(home: &CellKey, away: &CellKey) -> Option<Change> {
 }
 
 /// The transfer gaps between all cells of a campaign.
-pub fn transfers(cells: &[CellEvidence], gaps: &PolicyGaps, seed: &Seed) -> Vec<Transfer> {
+pub fn transfers(cells: &[CellEvidence], gaps: &PolicyGaps) -> Vec<Transfer> {
     let mut everywhere: BTreeMap<_, Vec<(usize, &CellEvidence)>> = BTreeMap::new();
     let trained = || cells.iter().enumerate().filter(|(_, cell)| cell.key.is_trained());
     for (number, cell) in trained() {
@@ -84,7 +81,6 @@ pub fn transfers(cells: &[CellEvidence], gaps: &PolicyGaps, seed: &Seed) -> Vec<
         for (abroad, away) in &everywhere[&pedestrian(&home.key)] {
             let (here, there) = (&home.key, &away.key);
             let Some(change) = change(here, there) else { continue };
-            let seed = there.place_seed(&here.controller_seed(&here.place_seed(seed)));
             for (slot, figure) in Figure::COMPARED.into_iter().enumerate() {
                 let found = match change {
                     Change::Policy => gaps.0.get(&(at_home, *abroad, figure)).cloned(),
@@ -100,8 +96,7 @@ pub fn transfers(cells: &[CellEvidence], gaps: &PolicyGaps, seed: &Seed) -> Vec<
                     runs: sample.values.len() as u64,
                     values,
                     gap: sample.estimate(),
-                    bootstrap: cut(sample.bootstrap(&seed.child(figure.name()))),
-                    student: sample.interval().map(cut),
+                    interval: sample.interval().map(cut),
                     by_run: sample.values,
                 }));
             }

@@ -2,23 +2,8 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::Figure;
 use crate::record::{CellKey, EpisodeTable, RunKey};
-use base::seed::Seed;
 use base::statistics::Weighted;
 use world::judge::{Label, Reference};
-
-impl CellKey {
-    /// The branch of a seed that belongs to the place and the driver.
-    pub(super) fn place_seed(&self, seed: &Seed) -> Seed {
-        let names = [&self.town, &self.policy, &self.vehicle, &self.adversary];
-        names.iter().fold(seed.child("place").index(self.block.into()), |seed, name| seed.child(name))
-    }
-
-    /// The branch of a seed that belongs to the controller.
-    pub(super) fn controller_seed(&self, seed: &Seed) -> Seed {
-        let names = [&self.controller, &self.reward, &self.train_town, &self.train_policy];
-        names.iter().fold(*seed, |seed, name| seed.child(name))
-    }
-}
 
 /// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count only in
 /// sums, so memory does not grow with them. With this number, an error is known to 0.3 %.
@@ -153,7 +138,7 @@ impl Tried {
             }
         }
         for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
-            table.avoided(reference)?.for_each(|row| avoided.include(table.weight(row)));
+            table.avoided(reference).for_each(|row| avoided.include(table.weight(row)));
         }
         Ok(())
     }

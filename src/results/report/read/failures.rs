@@ -1,101 +1,21 @@
 //! The failures of a report, of evaluations and searches alike, as a list.
 
-use std::cmp::Ordering;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::DataFrame;
 
 use super::{ReadError, StoredReport};
-use crate::analysis::Impact;
 use crate::record::columns::{
-    CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, MOTION, POLICY,
-    REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
+    CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, MOTION, POLICY, REWARD, RUN_ID,
+    TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
-use crate::record::{Column, EPISODES, EpisodeTable, HumanMargins, RunKey, Table};
-use crate::report::aggregate::{FAILURE, FAILURES, FALSIFIER, FailureClass, START};
-use world::av::DrivingMode;
-use world::judge::{Label, Sight};
+use crate::record::{Column, EPISODES, Table};
+use crate::report::aggregate::FAILURES;
+use crate::report::listed_failure::{ListedFailure, listed, searched};
+use world::judge::Label;
 
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 17;
-
-/// A failure: a collision of an evaluation, or a failure that a search found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ListedFailure {
-    pub run: String,
-    /// The number of the episode, or of the failure of a search.
-    pub number: u64,
-    /// The number of its start: that of the episode, or that which a search gave it.
-    pub start: u64,
-    /// The controller of the pedestrian; for a search, its falsifier.
-    pub controller: String,
-    /// Whether a search found it.
-    pub searched: bool,
-    /// The reward of the controller; empty without one.
-    pub reward: String,
-    /// The town of the training; empty for an untrained controller.
-    pub train_town: String,
-    /// The driving policy of the training; empty for an untrained controller.
-    pub train_policy: String,
-    pub town: String,
-    /// The driving policy.
-    pub policy: String,
-    /// The verdict; none if the failure of a search does not repeat.
-    pub verdict: Option<Label>,
-    /// Whether the pedestrian moved as people do.
-    pub foreseeable: bool,
-    /// Whether it counts against the driver: preventable and foreseeable.
-    pub fault: bool,
-    /// Whether a careful human avoids it with less than [`CLEAR`](world::judge::CLEAR) to spare.
-    pub narrow: bool,
-    /// The side of the car that was hit.
-    pub impact: String,
-    /// Whether the car moved.
-    pub moving: bool,
-    /// Whether the pedestrian came into sight too late for a careful human.
-    pub occluded: bool,
-    /// What the driver was doing at the last decision.
-    pub driving_mode: String,
-    /// Speed of the car at the touch (m/s).
-    pub impact_speed: f64,
-    /// Time from the start of the episode to the touch (s).
-    pub length: f64,
-}
-
-impl ListedFailure {
-    /// Its name in its report, `RUN:EPISODE`.
-    pub fn name(&self) -> String {
-        format!("{}:{}", self.run, self.number)
-    }
-
-    /// Its kind without the verdict, as `front, moving, occluded, cruise`.
-    pub fn kind(&self) -> String {
-        let (motion, occluded) =
-            (if self.moving { "moving" } else { "standing" }, if self.occluded { "occluded, " } else { "" });
-        format!("{}, {motion}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
-    }
-
-    /// The verdict in a word: `fault` precedes the verdict of the reference drivers.
-    pub fn verdict_name(&self) -> &'static str {
-        match self.verdict {
-            _ if self.fault => "fault",
-            Some(label) => label.name(),
-            None => "",
-        }
-    }
-
-    /// The verdict for people, as `fault, narrowly`.
-    pub fn verdict_text(&self) -> String {
-        let narrowly = if self.class() == FailureClass::NarrowlyFault { ", narrowly" } else { "" };
-        self.verdict_name().replace('_', " ") + narrowly
-    }
-
-    /// How much it counts against the driver.
-    pub fn class(&self) -> FailureClass {
-        FailureClass::new(self.verdict, self.fault, self.narrow)
-    }
-}
 
 /// The failures that a list shows. An empty list of words allows every value.
 #[derive(Debug, Clone, Default)]
@@ -136,34 +56,6 @@ impl FailureFilter {
     }
 }
 
-/// The order of a list of failures. Equal ones stay in the order of the report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum FailureOrder {
-    /// By [`FailureClass`]: fault ones first, then the verdicts from `preventable` to `standing`; in each the highest speed at the
-    /// touch first.
-    #[default]
-    Severity,
-    /// The highest speed at the touch first.
-    Speed,
-    /// The shortest time to the touch first.
-    Time,
-    /// As in the report.
-    Report,
-}
-
-impl FailureOrder {
-    /// Which of two failures precedes the other.
-    pub fn compare(self, a: &ListedFailure, b: &ListedFailure) -> Ordering {
-        let faster = || b.impact_speed.total_cmp(&a.impact_speed);
-        match self {
-            Self::Severity => a.class().cmp(&b.class()).then_with(faster),
-            Self::Speed => faster(),
-            Self::Time => a.length.total_cmp(&b.length),
-            Self::Report => Ordering::Equal,
-        }
-    }
-}
-
 impl StoredReport {
     /// The failures that a filter lets through: those of evaluations, then those of searches, each in the order of its table.
     ///
@@ -171,86 +63,16 @@ impl StoredReport {
     /// A table that is damaged, or that the report has as CSV only.
     pub fn failures(&self, filter: &FailureFilter) -> Result<Vec<ListedFailure>, ReadError> {
         let mut found = Vec::new();
-        self.each_part(EPISODES, ROWS, |rows| evaluated(rows, filter, &mut found))?;
-        self.each_part(FAILURES, ROWS, |rows| searched(rows, filter, &mut found))?;
+        self.each_part(EPISODES, ROWS, |rows| {
+            found.extend(listed(rows)?.into_values().filter(|failure| filter.allows(failure)));
+            Ok(())
+        })?;
+        self.each_part(FAILURES, ROWS, |rows| {
+            found.extend(searched(rows)?.into_iter().filter(|failure| filter.allows(failure)));
+            Ok(())
+        })?;
         Ok(found)
     }
-}
-
-/// Adds the collisions of a part of the table of episodes.
-fn evaluated(rows: &DataFrame, filter: &FailureFilter, found: &mut Vec<ListedFailure>) -> PolarsResult<()> {
-    found.extend(listed(rows)?.into_values().filter(|failure| filter.allows(failure)));
-    Ok(())
-}
-
-/// The collisions of a part of the table of episodes, by their rows.
-pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> {
-    let (table, foreseeable) = (EpisodeTable::new(rows)?, FORESEEABLE.read(rows)?);
-    let failure = |row: usize| {
-        let RunKey { id, cell, .. } = RunKey::read(rows, row)?;
-        let failure = ListedFailure {
-            run: id.to_string(),
-            number: table.episode(row).into(),
-            start: table.episode(row).into(),
-            controller: cell.controller,
-            searched: false,
-            reward: cell.reward,
-            train_town: cell.train_town,
-            train_policy: cell.train_policy,
-            town: cell.town,
-            policy: cell.policy,
-            verdict: table.label(row),
-            foreseeable: foreseeable.get(row) == Some(true),
-            fault: table.is_fault(row),
-            narrow: table.is_narrow(row),
-            impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()).name().into(),
-            moving: table.is_moving(row),
-            occluded: is_occluded(table.in_sight(row)),
-            driving_mode: table.driving_mode(row).map_or("", DrivingMode::name).into(),
-            impact_speed: table.impact_speed(row).unwrap_or_default(),
-            length: table.length(row).unwrap_or_default(),
-        };
-        Ok((row, failure))
-    };
-    table.rows().filter(|row| table.is_collision(*row)).map(failure).collect()
-}
-
-/// Adds the failures of a part of the table of failures of searches.
-fn searched(rows: &DataFrame, filter: &FailureFilter, found: &mut Vec<ListedFailure>) -> PolarsResult<()> {
-    let text = |column: &Column<String>, row: usize| -> PolarsResult<String> {
-        Ok(column.read(rows)?.get(row).unwrap_or_default().to_string())
-    };
-    let number = |column: &Column<f64>, row: usize| -> PolarsResult<Option<f64>> { Ok(column.read(rows)?.get(row)) };
-    for row in 0..rows.height() {
-        let failure = ListedFailure {
-            run: text(&RUN_ID, row)?,
-            number: FAILURE.read(rows)?.get(row).unwrap_or_default(),
-            start: START.read(rows)?.get(row).unwrap_or_default(),
-            controller: text(&FALSIFIER, row)?,
-            searched: true,
-            reward: text(&REWARD, row)?,
-            train_town: String::new(),
-            train_policy: String::new(),
-            town: text(&TOWN, row)?,
-            policy: text(&POLICY, row)?,
-            verdict: Label::named(&text(&VERDICT, row)?),
-            foreseeable: FORESEEABLE.read(rows)?.get(row) == Some(true),
-            fault: FAULT.read(rows)?.get(row) == Some(true),
-            narrow: HumanMargins::read(rows)?.is_narrow(row),
-            impact: text(&IMPACT, row)?,
-            moving: text(&MOTION, row)? == "moving",
-            occluded: is_occluded(number(&IN_SIGHT, row)?),
-            driving_mode: text(&DRIVING_MODE, row)?,
-            impact_speed: number(&IMPACT_SPEED, row)?.unwrap_or_default(),
-            length: number(&EPISODE_LENGTH, row)?.unwrap_or_default(),
-        };
-        found.extend(Some(failure).filter(|failure| filter.allows(failure)));
-    }
-    Ok(())
-}
-
-fn is_occluded(in_sight: Option<f64>) -> bool {
-    in_sight.is_some_and(|seen| Sight { hidden: 0.0, seen }.is_occluded())
 }
 
 /// Failures with the folders of their reports as a table, one row each, in the order given.
@@ -296,48 +118,7 @@ pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn failure(verdict: Option<Label>, fault: bool, speed: f64) -> ListedFailure {
-        ListedFailure {
-            run: "1a2b3c4d".into(),
-            number: 3,
-            start: 3,
-            controller: "random".into(),
-            searched: false,
-            reward: "r1".into(),
-            train_town: String::new(),
-            train_policy: String::new(),
-            town: "harbour".into(),
-            policy: "behavior".into(),
-            verdict,
-            foreseeable: fault,
-            fault,
-            narrow: false,
-            impact: "front".into(),
-            moving: speed > 0.1,
-            occluded: false,
-            driving_mode: "emergency_stop".into(),
-            impact_speed: speed,
-            length: 10.0 - speed,
-        }
-    }
-
-    #[test]
-    fn what_counts_most_against_the_driver_comes_first() {
-        let mut all = vec![
-            failure(Some(Label::Standing), false, 0.0),
-            failure(None, false, 9.0),
-            failure(Some(Label::Unpreventable), false, 8.0),
-            failure(Some(Label::Preventable), false, 7.0),
-            failure(Some(Label::Preventable), true, 2.0),
-            failure(Some(Label::Preventable), true, 3.0),
-        ];
-        let speeds = |all: &[ListedFailure]| all.iter().map(|each| each.impact_speed).collect::<Vec<_>>();
-        all.sort_by(|a, b| FailureOrder::Severity.compare(a, b));
-        assert_eq!(speeds(&all), [3.0, 2.0, 7.0, 8.0, 0.0, 9.0]);
-        all.sort_by(|a, b| FailureOrder::Time.compare(a, b));
-        assert_eq!(speeds(&all), [9.0, 8.0, 7.0, 3.0, 2.0, 0.0]);
-    }
+    use crate::report::listed_failure::tests::failure;
 
     #[test]
     fn a_filter_joins_its_conditions() {

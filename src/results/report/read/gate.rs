@@ -8,7 +8,7 @@ use crate::report::infer::cell_table;
 use base::statistics::LEAST_RUNS;
 use compile::{Campaign, SearchKey};
 
-/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about the table `cells`, or about `search_cells`
+/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about `search_cells`
 /// when it names a column that only that table has.
 ///
 /// Conditions on words of a cell's key choose the cells. All others must be true for the gate to be broken. With `max over controllers` or
@@ -28,8 +28,8 @@ pub enum GateError {
         "`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
     )]
     Form { text: String },
-    /// The table of cells has no such column.
-    #[error("`cells` has no column `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists its columns".to_string(), |near| format!("did you mean `{near}`?")))]
+    /// There is no such metric.
+    #[error("nothing that a gate can judge is called `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists the metrics".to_string(), |near| format!("did you mean `{near}`?")))]
     Column {
         /// The name that was written.
         name: String,
@@ -103,7 +103,7 @@ impl TooFewRuns {
         if found.is_some() || runs >= LEAST_RUNS as f64 || stem == FIRST_FAILURE {
             return None;
         }
-        let bare = ["_simultaneous", "_student", "_bootstrap", "_difference"];
+        let bare = ["_student", "_difference"];
         let figure = bare.iter().find_map(|kind| stem.strip_suffix(kind)).unwrap_or(stem);
         let others = [format!("{figure}_wilson{end}"), format!("{figure}_p_holm"), MEAN.name(figure)];
         let instead = others.into_iter().find(|other| number(&value(cells, other, row)).is_some());
@@ -575,7 +575,7 @@ mod tests {
         assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
         assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().conditions[0].column, "preventable_rate_mean");
         assert!(said("preventible_rate > 0.05").contains("did you mean `preventable_rate_mean`?"));
-        assert!(said("xyz > 1").contains("reports/README.md lists its columns"));
+        assert!(said("xyz > 1").contains("reports/README.md lists the metrics"));
         for text in ["", "preventable_rate", "preventable_rate = 1", "> 1", "preventable_rate >", "a > 1 and "] {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. } | GateError::Column { .. })), "{text}");
         }
@@ -587,6 +587,6 @@ mod tests {
         for text in ["max over towns moving_rate > 0", "max over controllers > 0", "maximum moving_rate > 0"] {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
         }
-        assert!(Gate::parse("max over controllers preventable_rate_bootstrap_low > 0.05 and learnt == yes").is_ok());
+        assert!(Gate::parse("max over controllers preventable_rate_student_low > 0.05 and learnt == yes").is_ok());
     }
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use polars::prelude::PolarsResult;
 
-use super::{FailureFilter, ListedFailure, ReadError, StoredReport};
+use super::{FailureFilter, ReadError, StoredReport};
 use crate::record::Column;
 use crate::record::columns::{POLICY, REWARD, RUN_ID, TOWN};
+use crate::report::ListedFailure;
 use crate::report::aggregate::{BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
 use world::falsifier::StartSet;
 

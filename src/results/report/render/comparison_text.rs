@@ -89,7 +89,7 @@ pub fn rates(cell: &ComparedCell) -> Table {
             Value::Text(figure.name().trim_end_matches("_rate").into()),
             Value::Number(Some(found.values[1]), 3),
             Value::Number(Some(found.values[0]), 3),
-            difference(found.difference, found.interval(), &found.by_run[0]),
+            difference(found.difference, found.interval, &found.by_run[0]),
             Value::Text(found.holm.map_or("–".into(), p)),
             count(changed.map(|changed| changed.new)),
             count(changed.map(|changed| changed.fixed)),

@@ -25,7 +25,7 @@ pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit, shown};
 pub use modes::{file_names, mode_panels, modes_section, rule_bars};
 pub use overview::{overview_for_terminal, overview_page};
-pub use page::{Replay, Tally, write_page};
+pub use page::{Replay, Tally, page_examples, write_page};
 pub use recheck_text::{crossed_title, recheck_for_terminal, rechecked_title};
 pub use sections::{
     drivers_for_terminal, failures_for_terminal, protocol, protocol_for_terminal, published_section,

@@ -68,7 +68,7 @@ fn table(overview: &Overview<'_>) -> Table {
         values.extend(row.values.iter().map(|value| Value::from(value.as_deref().unwrap_or("–"))));
         values.push(Value::from(&row.result.driver.name));
         values.push(Value::Text(match &row.result.worst {
-            Some(found) => format!("{}, {:.1} m/s", found.class.name(), found.impact_speed),
+            Some(found) => format!("{}, {:.1} m/s", found.class().name(), found.impact_speed),
             None => "no collision".into(),
         }));
         if evaluated {

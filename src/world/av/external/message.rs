@@ -91,7 +91,6 @@ pub(super) enum Pedals {
     Acceleration,
 }
 
-/// A driver's greeting.
 #[derive(Deserialize)]
 pub(super) struct Greeting {
     pub protocol: String,
@@ -171,7 +170,6 @@ impl<T, U: Serialize> Serialize for Each<'_, T, U> {
     }
 }
 
-/// An actor of revision 1.
 fn actor(seen: &Seen) -> Actor {
     Actor {
         id: None,

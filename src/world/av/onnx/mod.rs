@@ -12,15 +12,13 @@
 //! Its one output holds two numbers, acceleration (m/s²) and steer, or three: throttle, brake, steer. K and R are read from the
 //! file; the first dimension is 1 or free.
 //!
-//! A file goes through `vetting`, which trusts no length in it, and through `trial`, which evaluates it once, operator by operator, within
-//! the bounds of `cost`. A network makes at most 16 million numbers in 268 million steps, and the sizes of its results are constant.
+//! A file goes through `vetting`, which trusts no length in it and refuses results whose sizes are not constant. So all evaluations take the
+//! memory and about the time of the first one, which has no bound here: whoever reads files that are not trusted tries them elsewhere first.
 //!
 //! A [`Network`] is a network of plain numbers, without the meaning that a driver's have: a pedestrian is one.
 
 mod model;
-mod cost;
 mod vetting;
-mod trial;
 mod engine;
 mod driver;
 mod network;

@@ -1,9 +1,8 @@
-use rten::{Dimension, NodeId, RunOptions, Value, ValueOrView};
+use rten::{Dimension, NodeId, RunOptions, ValueOrView};
 use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
-use super::trial::{evaluate, load};
-use super::vetting::vet;
+use super::vetting::load;
 use crate::av::Fault;
 use crate::av::view::View;
 use crate::geometry::{Pose, Vector, wrap_angle};
@@ -17,32 +16,16 @@ const MOST_POINTS: usize = 40;
 /// Why a file contains no driver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
-    /// It is not ONNX, or has operators that are not supported here.
     #[error("{0}")]
     Unreadable(String),
-    /// An input has an unknown name.
     #[error("its input `{0}` is none of `ego`, `actors`, `route`")]
     UnknownInput(String),
-    /// An input has a shape that does not fit its name.
     #[error("its input `{name}` must have the shape {wanted}")]
-    Shape {
-        /// The input.
-        name: &'static str,
-        /// The required shape.
-        wanted: &'static str,
-    },
-    /// It has no input, or not exactly one output.
+    Shape { name: &'static str, wanted: &'static str },
     #[error("it needs at least one input and exactly one output, and has {inputs} and {outputs}")]
-    Count {
-        /// How many inputs it has.
-        inputs: usize,
-        /// How many outputs it has.
-        outputs: usize,
-    },
-    /// Its output is not two or three numbers.
+    Count { inputs: usize, outputs: usize },
     #[error("its output has {0} numbers instead of two (acceleration, steer) or three (throttle, brake, steer)")]
     Output(usize),
-    /// It fails on an empty road.
     #[error("it cannot be run: {0}")]
     Unrunnable(String),
 }
@@ -85,12 +68,8 @@ impl Model {
     }
 
     fn read_and_try(bytes: Vec<u8>) -> Result<Self, ModelError> {
-        let operators = vet(&bytes).map_err(ModelError::Unreadable)?;
-        let load = |bytes, optimized| load(bytes, optimized).map_err(ModelError::Unreadable);
-        let mut this = Self::of(load(bytes.clone(), false)?)?;
+        let mut this = Self::of(load(bytes).map_err(ModelError::Unreadable)?)?;
         let empty = this.encode(&View::default());
-        evaluate(&this.network, &operators, this.values(&empty)).map_err(ModelError::Unrunnable)?;
-        this = Self::of(load(bytes, true)?)?;
         let answer = this.answer(&empty, RunOptions::default()).map_err(ModelError::Unrunnable)?;
         this.numbers = answer.len();
         if [2, 3].contains(&answer.len()) { Ok(this) } else { Err(ModelError::Output(answer.len())) }
@@ -140,18 +119,13 @@ impl Model {
         }
     }
 
-    /// The inputs of the network.
-    fn values(&self, inputs: &[Vec<f32>]) -> Vec<(NodeId, Value)> {
+    fn answer(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, String> {
         let value = |((id, input), numbers): (&(NodeId, Input), &Vec<f32>)| {
             let (shape, rank) = input.shape();
             let view: TensorView<f32> = TensorView::from_data(&shape[..rank], numbers.as_slice());
-            (*id, Value::from(view.to_tensor()))
+            (*id, ValueOrView::from(view.to_tensor()))
         };
-        self.inputs.iter().zip(inputs).map(value).collect()
-    }
-
-    fn answer(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, String> {
-        let inputs = self.values(inputs).into_iter().map(|(id, value)| (id, ValueOrView::from(value))).collect();
+        let inputs = self.inputs.iter().zip(inputs).map(value).collect();
         let [answer] = self.network.run_n(inputs, [self.output], Some(options)).map_err(|error| error.to_string())?;
         let answer: Tensor<f32> = answer.into_tensor().ok_or("its output is not in 32-bit floats")?;
         Ok(answer.iter().copied().collect())

@@ -1,12 +1,11 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rten::{DataType, Dimension, NodeId, RunOptions, Value, ValueOrView, ValueType};
+use rten::{DataType, Dimension, NodeId, RunOptions, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
 use super::engine::{Batch, Engine};
-use super::trial::{evaluate, load};
-use super::vetting::vet;
+use super::vetting::load;
 use crate::av::Fault;
 use base::contained::contained;
 
@@ -16,21 +15,12 @@ const MOST_NUMBERS: usize = 1 << 16;
 /// Why a file contains no network of plain numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NetworkError {
-    /// It is not ONNX, or has operators that are not supported here.
     #[error("{0}")]
     Unreadable(String),
-    /// It has another number of inputs or outputs than one.
     #[error("it needs exactly one input and one output, and has {inputs} and {outputs}")]
-    Count {
-        /// How many inputs it has.
-        inputs: usize,
-        /// How many outputs it has.
-        outputs: usize,
-    },
-    /// Its input has a shape or a type that is not one of a row of numbers.
+    Count { inputs: usize, outputs: usize },
     #[error("its input must have the shape (1, n) or (batch, n) in 32-bit floats or 64-bit floats")]
     Input,
-    /// It fails on zeros.
     #[error("it cannot be run: {0}")]
     Unrunnable(String),
 }
@@ -56,14 +46,8 @@ impl Network {
     }
 
     fn read_and_try(bytes: Vec<u8>) -> Result<Self, NetworkError> {
-        let operators = vet(&bytes).map_err(NetworkError::Unreadable)?;
-        let load = |bytes, optimized| load(bytes, optimized).map_err(NetworkError::Unreadable);
-        let mut this = Self::of(load(bytes.clone(), false)?)?;
+        let mut this = Self::of(load(bytes).map_err(NetworkError::Unreadable)?)?;
         let zeros = vec![0.0; this.inputs];
-        let row: TensorView<f32> = TensorView::from_data(&[1, this.inputs], zeros.as_slice());
-        let values = vec![(this.input, Value::from(row.to_tensor()))];
-        evaluate(&this.network, &operators, values).map_err(NetworkError::Unrunnable)?;
-        this = Self::of(load(bytes, true)?)?;
         this.outputs = this.answer(&zeros, RunOptions::default()).map_err(NetworkError::Unrunnable)?.len();
         Ok(this)
     }
@@ -90,11 +74,11 @@ impl Network {
 
     fn decide(&self, numbers: &[f32], options: RunOptions) -> Result<Vec<f32>, Fault> {
         let answer = self.answer(numbers, options).map_err(|_| Fault::Answer("the network failed"))?;
-        match answer.iter().all(|number| number.is_finite()) {
-            _ if answer.len() != self.outputs => Err(Fault::Answer("another number of outputs than before")),
-            true => Ok(answer),
-            false => Err(Fault::Answer("a number is not finite")),
+        if answer.len() != self.outputs {
+            return Err(Fault::Answer("another number of outputs than before"));
         }
+        let finite = answer.iter().all(|number| number.is_finite());
+        if finite { Ok(answer) } else { Err(Fault::Answer("a number is not finite")) }
     }
 
     fn answer(&self, numbers: &[f32], options: RunOptions) -> Result<Vec<f32>, String> {

@@ -1,13 +1,11 @@
 //! Checks of an ONNX file before the runtime sees it: the runtime takes the lengths and sizes in a file for true.
 
-use super::cost::Operator;
+use std::collections::BTreeMap;
 
-/// The most elements of a constant, and of a tensor that an operator makes of sizes.
+/// The most elements of a constant.
 const MOST_ELEMENTS: u64 = 1 << 26;
-/// The deepest nesting of graphs.
-const DEEPEST: u32 = 4;
 /// The most operators of a network.
-const MOST_OPERATORS: u32 = 20_000;
+const MOST_OPERATORS: usize = 20_000;
 
 /// Operators that have graphs of their own, or make lists of tensors.
 const UNBOUNDED: [&str; 8] = [
@@ -33,7 +31,6 @@ enum Kind {
     Model,
     Graph,
     Node,
-    Attribute,
     Tensor,
     Value,
     Type,
@@ -44,32 +41,67 @@ enum Kind {
     Entry,
 }
 
-/// The content of a field.
 #[derive(Clone, Copy)]
 enum Content<'a> {
     Number(u64),
     Bytes(&'a [u8]),
 }
 
-/// Checks a file, and returns its operators in the order of the file.
+/// Checks a file. All evaluations of a network that passes have results of the same sizes.
 ///
 /// # Errors
-/// A length that does not fit, a tensor without its data, or an operator whose work has no bound.
+/// A length that does not fit, a tensor without its data, or an operator whose result has no constant size.
 ///
 /// # Source
 /// `onnx.proto` of the ONNX project; the encoding of protocol buffers.
-pub(super) fn vet(bytes: &[u8]) -> Result<Vec<Operator>, Refusal> {
+fn vet(bytes: &[u8]) -> Result<(), Refusal> {
     let mut vetting = Vetting::default();
-    vetting.message(Kind::Model, bytes, 0)?;
-    Ok(vetting.operators)
+    vetting.message(Kind::Model, bytes)?;
+    vetting.sizes_are_constant()
+}
+
+/// Checks and loads a file.
+///
+/// # Errors
+/// It is not ONNX, does not pass, or has operators that are not supported here.
+pub(super) fn load(bytes: Vec<u8>) -> Result<rten::Model, Refusal> {
+    vet(&bytes)?;
+    rten::Model::load(bytes).map_err(|error| error.to_string())
 }
 
 /// What was found on the way.
 #[derive(Default)]
 struct Vetting {
+    graphs: usize,
+    /// In the order of the file.
     operators: Vec<Operator>,
-    /// The number of all operators, also of graphs within graphs.
-    count: u32,
+    /// The values at the start, by name: whether they are the same in all evaluations. An input with the name of a constant is that constant.
+    values: BTreeMap<String, bool>,
+}
+
+/// An operator with the names of its inputs and outputs; an empty name stands for one that is left out.
+#[derive(Default)]
+struct Operator {
+    kind: String,
+    inputs: Vec<String>,
+    outputs: Vec<String>,
+}
+
+impl Operator {
+    /// The places of the inputs whose numbers set the size of the results.
+    fn sizing(&self) -> &'static [usize] {
+        match self.kind.as_str() {
+            "ConstantOfShape" | "NonZero" => &[0],
+            "Expand" | "Tile" | "Upsample" | "OneHot" | "Reshape" | "Split" | "Squeeze" | "Unsqueeze" | "TopK" => &[1],
+            "Pad" => &[1, 3],
+            "Range" => &[0, 1, 2],
+            "Resize" => &[1, 2, 3],
+            "Slice" => &[1, 2, 3, 4],
+            "NonMaxSuppression" => &[0, 1, 2, 3, 4],
+            kind if kind.starts_with("Reduce") => &[1],
+            _ => &[],
+        }
+    }
 }
 
 /// The parts of a tensor that its size follows from.
@@ -84,22 +116,41 @@ struct Tensor {
 }
 
 impl Vetting {
-    fn message(&mut self, kind: Kind, bytes: &[u8], depth: u32) -> Result<(), Refusal> {
-        if depth > DEEPEST {
-            return Err("its graphs are nested too deeply".into());
+    fn message(&mut self, kind: Kind, bytes: &[u8]) -> Result<(), Refusal> {
+        self.graphs += usize::from(kind == Kind::Graph);
+        if self.graphs > 1 {
+            return Err("it has more than one graph".into());
         }
         fields(bytes, &mut |number, content| match (inner(kind, number), content) {
             (None, _) => Ok(()),
             (Some(_), Content::Number(_)) => Err("a part of it has the wrong type".into()),
-            (Some(Kind::Tensor), Content::Bytes(bytes)) => self.tensor(bytes),
-            (Some(Kind::Node), Content::Bytes(bytes)) => self.node(bytes, depth),
-            (Some(inner), Content::Bytes(bytes)) => self.message(inner, bytes, depth + u32::from(inner == Kind::Graph)),
+            (Some(Kind::Tensor), Content::Bytes(bytes)) => {
+                let name = tensor(bytes)?;
+                self.values.insert(name, true);
+                Ok(())
+            }
+            (Some(Kind::Node), Content::Bytes(bytes)) => self.node(bytes),
+            (Some(inner), Content::Bytes(bytes)) => {
+                if (kind, number) == (Kind::Graph, 11) {
+                    self.input(bytes)?;
+                }
+                self.message(inner, bytes)
+            }
         })
     }
 
-    fn node(&mut self, bytes: &[u8], depth: u32) -> Result<(), Refusal> {
-        self.count += 1;
-        if self.count > MOST_OPERATORS {
+    /// Reads the name of an input of the network.
+    fn input(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
+        fields(bytes, &mut |number, content| {
+            if let (1, Content::Bytes(name)) = (number, content) {
+                self.values.entry(text(name)).or_insert(false);
+            }
+            Ok(())
+        })
+    }
+
+    fn node(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
+        if self.operators.len() == MOST_OPERATORS {
             return Err(format!("it has more than {MOST_OPERATORS} operators"));
         }
         let mut operator = Operator::default();
@@ -108,7 +159,7 @@ impl Vetting {
                 (1, Content::Bytes(name)) => operator.inputs.push(text(name)),
                 (2, Content::Bytes(name)) => operator.outputs.push(text(name)),
                 (4, Content::Bytes(name)) => operator.kind = text(name),
-                (5, Content::Bytes(attribute)) => self.attribute(attribute, depth, &mut operator)?,
+                (5, Content::Bytes(bytes)) => attribute(bytes)?,
                 (1..=5, Content::Number(_)) => return Err("a part of it has the wrong type".into()),
                 _ => {}
             }
@@ -121,72 +172,88 @@ impl Vetting {
         Ok(())
     }
 
-    fn attribute(&mut self, bytes: &[u8], depth: u32, operator: &mut Operator) -> Result<(), Refusal> {
-        let (mut name, mut numbers, mut words) = (String::new(), Vec::new(), None);
-        fields(bytes, &mut |number, content| {
-            match (number, content) {
-                (1, Content::Bytes(bytes)) => name = text(bytes),
-                (3, content) => whole_numbers(content, &mut numbers)?,
-                (4, Content::Bytes(bytes)) => words = Some(text(bytes)),
-                (5 | 10, Content::Bytes(bytes)) => self.tensor(bytes)?,
-                (6 | 11, Content::Bytes(bytes)) => self.message(Kind::Graph, bytes, depth + 1)?,
-                (8, content) => whole_numbers(content, &mut numbers)?,
-                (5 | 6, Content::Number(_)) => return Err("a part of it has the wrong type".into()),
-                _ => {}
+    fn sizes_are_constant(mut self) -> Result<(), Refusal> {
+        for operator in &self.operators {
+            let kind = &operator.kind;
+            let is_constant = |name: &String| {
+                let known = if name.is_empty() { Some(true) } else { self.values.get(name).copied() };
+                known.ok_or_else(|| {
+                    format!("its operator {kind} has the input `{name}`, which no operator before it makes")
+                })
+            };
+            let constant: Vec<bool> = operator.inputs.iter().map(is_constant).collect::<Result<_, _>>()?;
+            if operator.sizing().iter().any(|place| constant.get(*place) == Some(&false)) {
+                return Err(format!(
+                    "the result of its operator {kind} has a size that is not constant; export it with constant sizes"
+                ));
             }
-            Ok(())
-        })?;
-        if numbers
-            .iter()
-            .any(|number| number.unsigned_abs() > MOST_ELEMENTS && *number != i64::MAX && *number != i64::MIN)
-        {
-            return Err(format!("the attribute `{name}` has a number beyond {MOST_ELEMENTS}"));
-        }
-        if SIZES.contains(&name.as_str()) && numbers.iter().any(|number| number.unsigned_abs() > 1 << 16) {
-            return Err(format!("the attribute `{name}` has a size beyond {}", 1 << 16));
-        }
-        if !numbers.is_empty() {
-            operator.numbers.insert(name, numbers);
-        } else if let Some(words) = words {
-            operator.texts.insert(name, words);
-        }
-        Ok(())
-    }
-
-    fn tensor(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
-        let mut tensor = Tensor::default();
-        fields(bytes, &mut |number, content| {
-            match (number, content) {
-                (1, content) => whole_numbers(content, &mut tensor.dimensions)?,
-                (2, Content::Number(kind)) => tensor.kind = kind,
-                (4, Content::Bytes(bytes)) => tensor.listed += bytes.len() as u64 / 4,
-                (10, Content::Bytes(bytes)) => tensor.listed += bytes.len() as u64 / 8,
-                (5 | 7 | 11, Content::Bytes(bytes)) => {
-                    let mut numbers = Vec::new();
-                    whole_numbers(Content::Bytes(bytes), &mut numbers)?;
-                    tensor.listed += numbers.len() as u64;
+            let constant = ["Shape", "Size"].contains(&kind.as_str()) || !constant.contains(&false);
+            for name in operator.outputs.iter().filter(|name| !name.is_empty()) {
+                if self.values.insert(name.clone(), constant).is_some() {
+                    return Err(format!("two of its values have the name `{name}`"));
                 }
-                (4 | 5 | 7 | 10 | 11, Content::Number(_)) => tensor.listed += 1,
-                (6, Content::Bytes(_)) => tensor.listed += 1,
-                (8, Content::Bytes(name)) => tensor.name = text(name),
-                (9, Content::Bytes(raw)) => tensor.raw = raw.len() as u64,
-                (13, _) => return Err("a constant of it is in another file; export it as one file".into()),
-                (2 | 6 | 8 | 9, _) => return Err("a part of it has the wrong type".into()),
-                _ => {}
             }
-            Ok(())
-        })?;
-        let name = &tensor.name;
-        let elements = product(&tensor.dimensions).filter(|elements| *elements <= MOST_ELEMENTS);
-        let elements = elements.ok_or_else(|| {
-            format!("the constant `{name}` has more than {MOST_ELEMENTS} elements, or a negative size")
-        })?;
-        let bytes = elements.saturating_mul(element_bytes(tensor.kind));
-        if tensor.raw.max(tensor.listed.saturating_mul(element_bytes(tensor.kind))) < bytes {
-            return Err(format!("the constant `{name}` should have {elements} elements and has fewer"));
         }
         Ok(())
     }
+}
+
+fn attribute(bytes: &[u8]) -> Result<(), Refusal> {
+    let (mut name, mut numbers) = (String::new(), Vec::new());
+    fields(bytes, &mut |number, content| {
+        match (number, content) {
+            (1, Content::Bytes(bytes)) => name = text(bytes),
+            (3 | 8, content) => whole_numbers(content, &mut numbers)?,
+            (5 | 10, Content::Bytes(bytes)) => drop(tensor(bytes)?),
+            (6 | 11, Content::Bytes(_)) => return Err("an operator of it has a graph inside; export it without".into()),
+            (5 | 6, Content::Number(_)) => return Err("a part of it has the wrong type".into()),
+            _ => {}
+        }
+        Ok(())
+    })?;
+    if numbers.iter().any(|number| number.unsigned_abs() > MOST_ELEMENTS && *number != i64::MAX && *number != i64::MIN)
+    {
+        return Err(format!("the attribute `{name}` has a number beyond {MOST_ELEMENTS}"));
+    }
+    if SIZES.contains(&name.as_str()) && numbers.iter().any(|number| number.unsigned_abs() > 1 << 16) {
+        return Err(format!("the attribute `{name}` has a size beyond {}", 1 << 16));
+    }
+    Ok(())
+}
+
+/// Checks a tensor, and returns its name.
+fn tensor(bytes: &[u8]) -> Result<String, Refusal> {
+    let mut tensor = Tensor::default();
+    fields(bytes, &mut |number, content| {
+        match (number, content) {
+            (1, content) => whole_numbers(content, &mut tensor.dimensions)?,
+            (2, Content::Number(kind)) => tensor.kind = kind,
+            (4, Content::Bytes(bytes)) => tensor.listed += bytes.len() as u64 / 4,
+            (10, Content::Bytes(bytes)) => tensor.listed += bytes.len() as u64 / 8,
+            (5 | 7 | 11, Content::Bytes(bytes)) => {
+                let mut numbers = Vec::new();
+                whole_numbers(Content::Bytes(bytes), &mut numbers)?;
+                tensor.listed += numbers.len() as u64;
+            }
+            (4 | 5 | 7 | 10 | 11, Content::Number(_)) => tensor.listed += 1,
+            (6, Content::Bytes(_)) => tensor.listed += 1,
+            (8, Content::Bytes(name)) => tensor.name = text(name),
+            (9, Content::Bytes(raw)) => tensor.raw = raw.len() as u64,
+            (13, _) => return Err("a constant of it is in another file; export it as one file".into()),
+            (2 | 6 | 8 | 9, _) => return Err("a part of it has the wrong type".into()),
+            _ => {}
+        }
+        Ok(())
+    })?;
+    let name = &tensor.name;
+    let elements = product(&tensor.dimensions).filter(|elements| *elements <= MOST_ELEMENTS);
+    let elements = elements
+        .ok_or_else(|| format!("the constant `{name}` has more than {MOST_ELEMENTS} elements, or a negative size"))?;
+    let bytes = elements.saturating_mul(element_bytes(tensor.kind));
+    if tensor.raw.max(tensor.listed.saturating_mul(element_bytes(tensor.kind))) < bytes {
+        return Err(format!("the constant `{name}` should have {elements} elements and has fewer"));
+    }
+    Ok(tensor.name)
 }
 
 /// The least number of bytes of an element.
@@ -209,7 +276,6 @@ fn inner(kind: Kind, field: u32) -> Option<Kind> {
         (Kind::Graph, 1) => Kind::Node,
         (Kind::Graph, 5) => Kind::Tensor,
         (Kind::Graph, 11..=13) => Kind::Value,
-        (Kind::Node, 5) => Kind::Attribute,
         (Kind::Value, 2) => Kind::Type,
         (Kind::Type, 1) => Kind::TensorType,
         (Kind::TensorType, 2) => Kind::Shape,

@@ -5,47 +5,16 @@ use super::Survey;
 /// Why no pedestrian can be placed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpawnError {
-    /// The town has no lane to start on.
     #[error("the town has no driving lane outside junctions")]
     NoLane,
-    /// A listed pose of the ego is not on a lane, or is against its direction.
     #[error(
         "the pose at ({x} m, {y} m) is {apart:.1} m from the nearest driving lane and turned by {degrees:.0} degrees from it"
     )]
-    OffLane {
-        /// Its x (m).
-        x: f64,
-        /// Its y (m).
-        y: f64,
-        /// Distance from the middle of the nearest lane (m).
-        apart: f64,
-        /// Angle from its heading to the lane's (degrees).
-        degrees: f64,
-    },
-    /// A part of a lane is longer than the lane.
+    OffLane { x: f64, y: f64, apart: f64, degrees: f64 },
     #[error("the lane at ({x} m, {y} m) ends after {room:.1} m, before the {length} m asked for")]
-    ShortLane {
-        /// The x of its start (m).
-        x: f64,
-        /// The y of its start (m).
-        y: f64,
-        /// The length that was asked for (m).
-        length: f64,
-        /// The length of the lane (m).
-        room: f64,
-    },
-    /// A turn of the ego's route does not exist.
+    ShortLane { x: f64, y: f64, length: f64, room: f64 },
     #[error("turn {number} of `ego_route` from ({x} m, {y} m) cannot be taken: {why}")]
-    NoTurn {
-        /// Its number, from 1.
-        number: usize,
-        /// The x of the ego's start (m).
-        x: f64,
-        /// The y of the ego's start (m).
-        y: f64,
-        why: &'static str,
-    },
-    /// Too few starts satisfy all constraints.
+    NoTurn { number: usize, x: f64, y: f64, why: &'static str },
     #[error("{0}; at least about one in ten thousand must")]
     Crowded(Rarity),
 }
@@ -67,7 +36,6 @@ pub struct Rarity {
 }
 
 impl Rarity {
-    /// The numbers of a survey.
     pub(super) fn of(survey: &Survey) -> Self {
         let (worst, worst_passed) = survey.worst().unwrap_or_default();
         let (accepted, tried, worst) = (survey.accepted, survey.tried, worst.to_string());

@@ -183,15 +183,6 @@ impl SpawnRule {
         self.ego_start.check(town).is_ok()
     }
 
-    /// The share of draws that the rule accepts. The density of a draw divided by this share is the density of a start.
-    ///
-    /// It is 1 when no draw is rejected. None (unknown) when constraints or the shape of the road reject draws; then only a [`Survey`] can
-    /// estimate it.
-    pub fn normaliser(&self) -> Option<f64> {
-        let admits_all = |each: &Constraint| matches!(each, Constraint::Clearance(least) if *least <= 0.0);
-        (self.constraints.iter().all(admits_all) && self.road_shape == RoadShape::Any).then_some(1.0)
-    }
-
     /// The rule with only the nearest of its distances: a tenth of them at a share of 0, all at 1. None at a share of 1, and for distances
     /// without an upper bound.
     ///

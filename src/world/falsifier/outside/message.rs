@@ -47,7 +47,6 @@ impl<'a> Hello<'a> {
     }
 }
 
-/// A program's greeting.
 #[derive(Deserialize)]
 struct Greeting {
     protocol: String,
@@ -59,10 +58,8 @@ struct Greeting {
 /// [`Fault::Greeting`].
 pub(super) fn read_greeting(line: &[u8]) -> Result<(), Fault> {
     let greeting: Greeting = serde_json::from_slice(line).map_err(|_| Fault::Greeting("not the JSON of a greeting"))?;
-    match greeting.protocol == PROTOCOL {
-        true => Ok(()),
-        false => Err(Fault::Greeting("another protocol than falsify-pedestrian/1")),
-    }
+    let known = greeting.protocol == PROTOCOL;
+    known.then_some(()).ok_or(Fault::Greeting("another protocol than falsify-pedestrian/1"))
 }
 
 #[derive(Serialize)]
@@ -128,10 +125,8 @@ pub(super) fn read_action(line: &[u8], id: u32, action: &mut [f64]) -> Result<()
             }
             action.copy_from_slice(&answer.action);
             // A number like 1e999 would be infinite.
-            match action.iter().all(|number| number.is_finite()) {
-                true => Ok(()),
-                false => Err(Fault::Answer("a number is not finite")),
-            }
+            let finite = action.iter().all(|number| number.is_finite());
+            finite.then_some(()).ok_or(Fault::Answer("a number is not finite"))
         }
         _ => Err(Fault::Answer("not one action for each world")),
     }

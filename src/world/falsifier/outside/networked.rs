@@ -22,10 +22,8 @@ keys! {
 /// Why a network cannot control one pedestrian.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnsuitableNetwork {
-    /// Its input is not one or several states.
     #[error("its input has {0} numbers, and a state of a pedestrian has 4; several states are a multiple of 4")]
     Input(usize),
-    /// Its output is not an action.
     #[error("its output has {0} numbers instead of 2: heading and speed")]
     Output(usize),
 }

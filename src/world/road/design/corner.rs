@@ -58,6 +58,6 @@ mod tests {
         let middle = plan.pose(10.0 + 5.0 * PI).position();
         let centre = Point::new(25.0, 25.0);
         assert!(((middle - centre).norm() - 20.0).abs() < 1e-12);
-        assert!((plan.end() - Point::new(5.0, 25.0)).norm() < 1e-12);
+        assert!((plan.pose(length).position() - Point::new(5.0, 25.0)).norm() < 1e-12);
     }
 }

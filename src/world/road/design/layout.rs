@@ -148,7 +148,6 @@ impl Layout {
         }
     }
 
-    /// The fault of the lanes that meet at a node.
     fn lane_fault(&self, design: &TownDesign, node: usize, joint: Joint) -> Option<DesignError> {
         let legs = &self.legs[node];
         let street = |leg: &Leg| design.streets[self.edges[leg.edge].street].name.clone();

@@ -34,9 +34,7 @@ struct Way {
     from: (Mouth, Approach, u32),
     /// The same after it.
     to: (Mouth, Approach, u32),
-    /// Whether it has a driving lane.
     driving: bool,
-    /// Whether it has a shoulder and a sidewalk.
     sidewalk: bool,
 }
 

@@ -2,36 +2,14 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenDriveError {
-    /// The text is not well-formed XML.
     #[error("not XML: {message} (line {line}, column {column})")]
-    NotXml {
-        /// Where the XML breaks, from 1.
-        line: u32,
-        /// The column there, from 1.
-        column: u32,
-        /// The message of the XML parser.
-        message: String,
-    },
-    /// The outermost element has another name.
+    NotXml { line: u32, column: u32, message: String },
     #[error("not OpenDRIVE: the outermost element is `{found}`, not `OpenDRIVE`")]
-    NotOpenDrive {
-        /// The outermost element.
-        found: String,
-    },
-    /// It is larger than any town.
+    NotOpenDrive { found: String },
     #[error("the map is too large: it has more than {most} {what}")]
-    TooLarge {
-        /// What there is too much of.
-        what: &'static str,
-        /// The limit.
-        most: f64,
-    },
-    /// There is no road, or none with a reference line and lanes.
+    TooLarge { what: &'static str, most: f64 },
     #[error("no usable road among {found}")]
-    NoRoads {
-        /// How many roads the file has.
-        found: usize,
-    },
+    NoRoads { found: usize },
 }
 
 /// Something in a file that was skipped or guessed.
@@ -58,72 +36,36 @@ impl std::fmt::Display for OpenDriveWarning {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenDriveProblem {
-    /// An attribute is not a usable number.
     #[error("`{attribute}` of `{element}` is `{text}`, not a usable number; skipped")]
     BadNumber { element: String, attribute: &'static str, text: String },
-    /// An attribute is missing.
     #[error("`{element}` has no `{attribute}`")]
     MissingAttribute { element: String, attribute: &'static str },
-    /// A piece of a reference line has an unknown form.
     #[error("a geometry of no known form; taken as a line")]
     UnknownShape,
-    /// A spiral turns more often than any road.
     #[error("a spiral of more than ten full turns; taken as a line")]
     Winding,
-    /// A road has no usable reference line.
     #[error("no usable reference line; the road is left out")]
     NoReferenceLine,
-    /// A road has no lanes.
     #[error("no lane section; the road is left out")]
     NoLaneSection,
-    /// A lane has neither widths nor borders.
     #[error("lane {lane} has no width; taken as 0 m wide")]
-    NoWidth {
-        /// The lane's number.
-        lane: i32,
-    },
-    /// Lane sections are not in order, or start beyond the road's end.
+    NoWidth { lane: i32 },
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
     /// A link names a junction by a number that a road has too, or a road by a number that a junction has too.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
-    AmbiguousLink {
-        element: &'static str,
-        /// The target in the file.
-        wanted: &'static str,
-        /// What CARLA takes it for.
-        found: &'static str,
-        /// The number of both.
-        id: String,
-    },
-    /// A number names two things.
+    AmbiguousLink { element: &'static str, wanted: &'static str, found: &'static str, id: String },
     #[error("`{element}` {id} is there twice; the first one counts")]
     Duplicate { element: &'static str, id: String },
-    /// A link leads to something that does not exist.
     #[error("`{element}` refers to {id}, which is not there; ignored")]
-    UnknownReference {
-        element: String,
-        /// The missing number.
-        id: String,
-    },
+    UnknownReference { element: String, id: String },
     /// A connection has no lane links; they were taken from the links of the connecting road's lanes.
     #[error("a connection without lane links; those of the connecting road's lanes are taken")]
     GuessedLaneLinks,
-    /// Elements that are read correctly but have no effect here.
     #[error("not used: {count} × {what}")]
-    NotUsed {
-        /// What they are.
-        what: String,
-        count: u32,
-    },
-    /// The number of a road or junction is not one.
+    NotUsed { what: String, count: u32 },
     #[error("the id `{id}` is not a whole number; {given} stands for it")]
-    IdNotNumber {
-        /// The text in the file.
-        id: String,
-        /// The number that is used in its place.
-        given: u32,
-    },
+    IdNotNumber { id: String, given: u32 },
 }
 
 impl OpenDriveProblem {

@@ -7,7 +7,6 @@ use super::attributes::{Context, children};
 use super::roads::{Roads, contact, number_of};
 use crate::road::{Connection, Junction, JunctionIndex, LaneId, Road, RoadEnd};
 
-/// The junctions of a file.
 pub(super) struct Junctions<'a> {
     pub junctions: Vec<Junction>,
     pub by_id: BTreeMap<&'a str, JunctionIndex>,

@@ -38,7 +38,6 @@ pub(super) fn read(context: &mut Context, roads: &Roads, network: &LaneNetwork) 
     found
 }
 
-/// Whether an object is marked as an obstacle.
 pub(super) fn is_obstacle(object: Node) -> bool {
     children(object, "userData").any(|data| data.attribute("code") == Some(OBSTACLE))
 }

@@ -83,7 +83,6 @@ fn unused(node: Node) -> Option<String> {
     }
 }
 
-/// Whether an object is a crosswalk.
 pub(super) fn is_crosswalk(object: Node) -> bool {
     let named = |key: &str| object.attribute(key).is_some_and(|value| value.to_ascii_lowercase().contains("crosswalk"));
     named("type") || named("name")

@@ -13,6 +13,8 @@ const MOST: usize = 40;
 /// An episode in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Narrative {
+    /// What the driver did and did not do; see [`in_short`].
+    pub short: String,
     /// The events in order: time (s) and text.
     pub events: Vec<(f64, String)>,
     /// The verdict and the result of each reference driver, one a line; empty without a collision.
@@ -47,7 +49,56 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
         events.insert(MOST / 2, (at, format!("… {left_out} more")));
     }
     events.push((outcome.duration, ending(outcome, &frames)));
-    Narrative { events, verdict: verdict.map(judged).unwrap_or_default() }
+    Narrative {
+        short: in_short(scenario, outcome, trace, verdict),
+        events,
+        verdict: verdict.map(judged).unwrap_or_default(),
+    }
+}
+
+/// An episode in a sentence or two: whether the pedestrian was in sight, whether the driver braked, how fast the car hit, and whether a careful human
+/// avoids it.
+pub fn in_short(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> String {
+    let pair = trace.main_pair(scenario);
+    let dt = scenario.episode.tick;
+    let frames: Vec<Frame> = pair.frames().collect();
+    let Ending::Collision { moving, impact_speed, .. } = outcome.ending else { return ending(outcome, &frames) + "." };
+    if !moving {
+        return "The car stood, and the pedestrian walked into it.".into();
+    }
+    let unseen = frames.iter().rev().position(|frame| !pair.in_sight(frame));
+    let sight = match unseen {
+        None => "The pedestrian was in sight all the time.".into(),
+        Some(0) => "The pedestrian was hidden until it was hit.".into(),
+        Some(ticks) => format!("The pedestrian was in sight for {:.1} s.", ticks as f64 * dt),
+    };
+    let brakes = |frame: &&Frame| frame.control.brake > BRAKING;
+    let braked = frames.iter().rev().take_while(brakes).count();
+    let danger = verdict.map_or(frames.len(), |verdict| (verdict.warning / dt).ceil() as usize + 1);
+    let braked_before = frames.iter().rev().take(danger).any(|frame| brakes(&frame));
+    let brake = match (braked, braked_before) {
+        (0, false) => "did not brake".into(),
+        (0, true) => "let go of the brake".into(),
+        (ticks, _) => format!("braked for the last {:.1} s", ticks as f64 * dt),
+    };
+    let part = match verdict.map(|verdict| verdict.side) {
+        Some(ContactSide::Side) => " with its flank",
+        Some(ContactSide::Rear) => " with its rear",
+        _ => "",
+    };
+    let careful = match verdict {
+        Some(verdict) if verdict.is_preventable() => {
+            let margins = Label::humans().map(|human| verdict.margin(human));
+            format!(" A careful human avoids it with {:.1} m to spare.", margins[0].min(margins[1]))
+        }
+        Some(verdict) if verdict.label == Label::Contested => {
+            " The reference drivers disagree whether it is avoidable.".into()
+        }
+        Some(verdict) if verdict.label == Label::MachinePreventable => " Only a machine avoids it.".into(),
+        Some(_) => " No brake avoids it.".into(),
+        None => String::new(),
+    };
+    format!("{sight} The driver {brake}; the car hit{part} at {impact_speed:.1} m/s.{careful}")
 }
 
 fn start(first: &Frame, pair: &Pair<'_>) -> String {
@@ -136,7 +187,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         ContactSide::Rear => "; the pedestrian ran into the rear",
         _ => "; the pedestrian walked into the side",
     };
-    let class = FailureClass::new(Some(verdict.label), verdict.is_fault(), verdict.is_narrow());
+    let class = FailureClass::new(Some(verdict.label), verdict.is_fault());
     let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", class.name())];
     if !verdict.is_standing() {
         let share = 100.0 * verdict.preventable_probability();

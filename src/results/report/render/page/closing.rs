@@ -103,9 +103,10 @@ fn quoted(word: &str) -> String {
 }
 
 /// The files of a report that may interest a reader.
-const WHAT: [(&str, &str); 12] = [
+const WHAT: [(&str, &str); 13] = [
     ("summary.md", "the tables of this page as text"),
-    ("cells.csv", "one row for each cell"),
+    ("results.csv", "one row for each pedestrian, town and driver; open it first"),
+    ("metrics.csv", "all metrics of these, one a row"),
     ("runs.csv", "one row for each run of a cell"),
     ("episodes.csv", "one row for each episode"),
     ("episodes.parquet", "the same, smaller"),

@@ -13,7 +13,7 @@ use super::severity::{near_misses, severity};
 use super::spawns::spawns;
 use super::verdicts::verdicts;
 use super::worst::{failures, worst};
-use crate::report::FoundFailure;
+use crate::report::ListedFailure;
 use crate::report::render::sections::{PROTOCOL, drivers};
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::svg::Figure;
@@ -47,7 +47,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let (leading, others): (Vec<_>, Vec<_>) = contents.sections.iter().partition(|section| section.id == PROTOCOL);
     let mut parts: Vec<Part> =
         leading.into_iter().map(|section| text(section.id, section.name, section.to_html())).collect();
-    let link = |found: &FoundFailure| contents.players.link(&found.name());
+    let link = |found: &ListedFailure| contents.players.link(&found.name());
     if let Some(section) = drivers(contents.drivers, contents.cells, link) {
         parts.push(text(section.id, section.name, section.to_html()));
         parts.push(text("failures", "Failures", failures(contents.drivers, contents.failures, contents.players)));
@@ -64,7 +64,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
         verdicts(&cells),
     ));
     if !contents.modes.is_empty() {
-        let worst: Vec<String> = worst(contents.drivers).map(FoundFailure::name).collect();
+        let worst: Vec<String> = worst(contents.drivers).map(ListedFailure::name).collect();
         let played: Vec<&str> = worst.iter().map(String::as_str).collect();
         parts.push(text("modes", "Kinds", modes(contents.modes, contents.players, &played)));
     }
@@ -108,9 +108,9 @@ pub fn document(title: &str, version: &str, body: &Markup, has_players: bool) ->
 
 /// The most doubts at the top of the page; the section on learning has all.
 const DOUBTS: usize = 3;
-const VERDICTS: &str = "Each collision was run again with reference drivers at the brake, from the instant at which the danger starts. The path is the \
-same, the pedestrian is at the same places at the same times, and no driver steers. The careful human is that of UN R157, in both readings. R157 is not written \
-for roads with pedestrians, so read the labels as a comparison.";
+const VERDICTS: &str = "Each collision was run again with reference drivers, from the instant at which the danger starts. Until one brakes, its car is the \
+recorded one. The pedestrian is at the same places at the same times. The careful human is that of UN R157, in both readings. R157 is not written for roads with \
+pedestrians, so read the labels as a comparison.";
 const NEAR: &str = "Episodes that end without a collision. Least time to collision: the shortest time to a touch at any tick while the car moves, \
 if both kept their velocities. Post-encroachment time: between the instant at which one leaves a place and the instant at which the other enters it.";
 const SPEED: &str =

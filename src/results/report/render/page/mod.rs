@@ -32,4 +32,4 @@ pub use modes::ModeCard;
 pub use players::Players;
 pub use replay::Replay;
 pub use tally::Tally;
-pub use write::write_page;
+pub use write::{page_examples, write_page};

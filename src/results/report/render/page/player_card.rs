@@ -29,7 +29,8 @@ impl PlayerCard {
                     span class={ "verdict " (self.verdict.0) } { (self.verdict.1) }
                 }
                 p.where { (self.place) }
-                p { (self.about) }
+                p { (replay.short) }
+                p.where { (self.about) }
                 div.player data-replay={ (id) "-data" } {}
                 (frames(replay, &format!("{id}-ground")))
                 (reference_drivers(replay))

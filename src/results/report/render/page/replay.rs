@@ -1,5 +1,6 @@
 use serde::Serialize;
 
+use super::super::episode::in_short;
 use super::super::town::{Scenery, Surface};
 use world::env::{Ending, Frame, Outcome, Scenario, Trace};
 use world::geometry::{Point, Pose};
@@ -42,6 +43,9 @@ pub struct Replay {
     pub drivers: Vec<(&'static str, Option<f64>)>,
     /// Whether it ends in a touch.
     pub touch: bool,
+    /// The episode in a sentence or two, which the card has.
+    #[serde(skip)]
+    pub short: String,
 }
 
 impl Replay {
@@ -107,6 +111,7 @@ impl Replay {
                 Reference::ALL.map(fared).into()
             }),
             touch,
+            short: in_short(scenario, outcome, trace, verdict),
         }
     }
 

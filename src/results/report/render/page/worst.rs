@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::Players;
 use super::player_card::PlayerCard;
-use crate::report::{DriverResult, FailureClass, Failures, FoundFailure};
+use crate::report::{DriverResult, FailureClass, Failures, ListedFailure};
 
 /// The most failures in the list of the drivers under test, and in that of drivers that see no pedestrians.
 const LISTED: (usize, usize) = (150, 20);
@@ -12,23 +12,23 @@ const LISTED: (usize, usize) = (150, 20);
 pub const DRIVERS: usize = 8;
 
 /// The failures of a page in their order: one of each driver, then all others, the worst first; drivers that see no pedestrians follow.
-pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a FoundFailure> {
+pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a ListedFailure> {
     let of = |blind: bool, most: usize| {
         let drivers = drivers.iter().filter(move |result| result.driver.sees_no_pedestrians() == blind);
         let ranked = drivers.flat_map(|result| failures.of(&result.driver.name).iter().enumerate());
-        let mut ranked: Vec<(usize, &FoundFailure)> = ranked.collect();
+        let mut ranked: Vec<(usize, &ListedFailure)> = ranked.collect();
         ranked.sort_by(|a, b| one_of_each_first(*a, *b));
         ranked.into_iter().map(|(_, found)| found).take(most)
     };
     of(false, LISTED.0).chain(of(true, LISTED.1)).collect()
 }
 
-fn one_of_each_first((rank, found): (usize, &FoundFailure), (other_rank, other): (usize, &FoundFailure)) -> Ordering {
+fn one_of_each_first((rank, found): (usize, &ListedFailure), (other_rank, other): (usize, &ListedFailure)) -> Ordering {
     (rank > 0).cmp(&(other_rank > 0)).then_with(|| found.worse_first(other))
 }
 
 /// The worst failure of each driver that has a player, those under test first.
-pub fn worst(drivers: &[DriverResult]) -> impl Iterator<Item = &FoundFailure> {
+pub fn worst(drivers: &[DriverResult]) -> impl Iterator<Item = &ListedFailure> {
     drivers.iter().filter_map(|result| result.worst.as_ref()).take(DRIVERS)
 }
 
@@ -52,11 +52,11 @@ pub fn failures(drivers: &[DriverResult], failures: &Failures, players: &Players
     }
 }
 
-fn card(found: &FoundFailure) -> PlayerCard {
+fn card(found: &ListedFailure) -> PlayerCard {
     PlayerCard {
-        title: format!("{}, hit at {:.1} m/s", found.driver(), found.impact_speed),
-        verdict: (class(found.class), found.class.name()),
-        place: format!("{} · {} · {}", found.finder(), found.town(), found.driver()),
+        title: format!("{}, hit at {:.1} m/s", found.policy, found.impact_speed),
+        verdict: (class(found.class()), found.class().name()),
+        place: format!("{} · {} · {}", found.finder(), found.town, found.policy),
         about: format!("Contact {:.1} s after the start.", found.length),
         name: found.name(),
     }
@@ -65,14 +65,14 @@ fn card(found: &FoundFailure) -> PlayerCard {
 /// The class of a verdict's colours.
 fn class(class: FailureClass) -> &'static str {
     match class {
-        FailureClass::Fault | FailureClass::NarrowlyFault | FailureClass::Preventable => "preventable",
+        FailureClass::Fault | FailureClass::Preventable => "preventable",
         FailureClass::Contested => "contested",
         _ => "other",
     }
 }
 
 /// The failures as a table that can be sorted where scripts run.
-fn list(listed: &[&FoundFailure], players: &Players) -> Markup {
+fn list(listed: &[&ListedFailure], players: &Players) -> Markup {
     let heads = ["driver", "verdict", "impact, m/s", "after, s", "town", "found by"];
     html! {
         h3 { "List of failures" }
@@ -89,11 +89,11 @@ fn list(listed: &[&FoundFailure], players: &Players) -> Markup {
                 tbody {
                     @for found in listed {
                         tr {
-                            th scope="row" { (found.driver()) }
-                            td data-label=(heads[1]) data-value=(found.class as usize) { (found.class.name()) }
+                            th scope="row" { (found.policy) }
+                            td data-label=(heads[1]) data-value=(found.class() as usize) { (found.class().name()) }
                             td.number data-label=(heads[2]) { (format!("{:.1}", found.impact_speed)) }
                             td.number data-label=(heads[3]) { (format!("{:.1}", found.length)) }
-                            td data-label=(heads[4]) { (found.town()) }
+                            td data-label=(heads[4]) { (found.town) }
                             td data-label=(heads[5]) { (found.finder()) }
                             td data-label="play or name" {
                                 @match players.link(&found.name()) {
@@ -107,8 +107,7 @@ fn list(listed: &[&FoundFailure], players: &Players) -> Markup {
             }
         }
         p.lead {
-            "One failure of each driver, then the others: fault ones first, then those that a careful human avoids narrowly, with less "
-            "than 0.1 m to spare, then preventable ones; in each class the fastest car first. "
+            "One failure of each driver, then the others: faults first, then preventable ones; in each class the fastest car first. "
             code { "falsify replay NAME" } " describes a failure, " code { "falsify export NAME --as animation" } " draws it. The tables "
             code { "episodes" } " and " code { "search_failures" } " have all failures."
         }
@@ -118,19 +117,21 @@ fn list(listed: &[&FoundFailure], players: &Players) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::CellKey;
-    use crate::report::FoundBy;
+    use crate::report::listed_failure::tests::failure;
     use base::signature::Arguments;
-    use compile::{Driver, RunId};
+    use compile::Driver;
+    use world::judge::Label;
 
     #[test]
     fn the_list_has_one_of_each_driver_first() {
-        let found = |driver: &str, number, class| {
-            let by = FoundBy::Controller(Box::new(CellKey { policy: driver.into(), ..CellKey::default() }));
-            FoundFailure { run: RunId::default(), number, class, impact_speed: 1.0, length: 1.0, by }
+        let found = |driver: &str, number, label| ListedFailure {
+            policy: driver.into(),
+            number,
+            ..failure(Some(label), false, 1.0)
         };
-        let (a, b) = (found("a", 1, FailureClass::Preventable), found("a", 2, FailureClass::Contested));
-        let c = found("b", 3, FailureClass::Standing);
+        let a = found("a", 1, Label::Preventable);
+        let b = found("a", 2, Label::Contested);
+        let c = found("b", 3, Label::Standing);
         let mut ranked = [(1, &b), (0, &c), (0, &a)];
         ranked.sort_by(|a, b| one_of_each_first(*a, *b));
         assert_eq!(ranked.map(|(_, found)| found.number), [1, 3, 2]);

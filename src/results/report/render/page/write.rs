@@ -6,17 +6,17 @@ use crate::analysis::{Impact, Kind};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
 use crate::report::render::sections::{comparisons, learnt, protocol, published_section, search_section, transfer};
-use crate::report::{Findings, FoundFailure, Manifest, ReportFolder, SearchKind, WriteError};
-use base::seed::Seed;
+use crate::report::{Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError};
 
-/// Writes the page of a report, and its figures as files.
-///
-/// # Errors
-/// A table that cannot be read or a file that cannot be written.
-pub fn write_page(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -> Result<(), WriteError> {
-    let failed = |source| WriteError::Table { name: "report.html".into(), source };
-    let Findings { campaign, finished, gathered, cells, drivers, published, doubts, .. } = found;
-    let names = named(cells);
+/// The names of the failures that the page would play, the most important first.
+pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
+    let worst = worst(&found.drivers).map(ListedFailure::name);
+    worst.chain(cards(found).into_iter().map(|card| card.example)).collect()
+}
+
+/// The cards of the kinds of failures, in their order.
+fn cards(found: &Findings<'_>) -> Vec<ModeCard> {
+    let names = named(&found.cells);
     let mut cards: Vec<ModeCard> = found
         .modes
         .iter()
@@ -24,12 +24,25 @@ pub fn write_page(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manife
         .collect();
     cards.extend(found.search_kinds.iter().map(searched_card));
     let is_blind =
-        |name: &str| campaign.drivers.iter().any(|driver| driver.name == name && driver.sees_no_pedestrians());
+        |name: &str| found.campaign.drivers.iter().any(|driver| driver.name == name && driver.sees_no_pedestrians());
     order(&mut cards, is_blind);
-    let worst: Vec<String> = worst(drivers).map(FoundFailure::name).collect();
-    let played = worst.iter().chain(cards.iter().map(|card| &card.example)).map(String::as_str);
-    let players =
-        Players::repeat(played, campaign, finished, &Seed::root(manifest.seed), manifest.call.replay_options());
+    cards
+}
+
+/// Writes the page of a report, and its figures as files.
+///
+/// # Errors
+/// A table that cannot be read or a file that cannot be written.
+pub fn write_page(
+    folder: &ReportFolder,
+    found: &Findings<'_>,
+    played: &[PlayedFailure<'_>],
+    manifest: &Manifest,
+) -> Result<(), WriteError> {
+    let failed = |source| WriteError::Table { name: "report.html".into(), source };
+    let Findings { campaign, finished, gathered, cells, drivers, published, doubts, .. } = found;
+    let cards = cards(found);
+    let players = Players::new(played, manifest.call.replay_options());
     let searches = (!found.searches.is_empty()).then(|| search_section(&found.searches));
     let sections: Vec<_> = [
         protocol(&gathered.protocol, &found.layers),

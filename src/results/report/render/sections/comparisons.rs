@@ -27,9 +27,9 @@ pub fn comparisons(evidence: &Evidence) -> Option<Section> {
              correction for all tests of controllers, or of drivers, of this campaign: in 95 % of campaigns no p below 0.05 of a kind is a false finding. Call it \
              a tie above 0.05."
                 .into(),
-            "Intervals and p are Student's over trainings and common episodes. Two and three runs have no interval; their single values stand there. ¹ marks McNemar's exact test, for one run each: it is about these two \
-             alone, and its interval is a bootstrap over episodes. `comparisons.csv` has the uncorrected p, Benjamini and \
-             Hochberg's, and the bootstrap intervals."
+            "Intervals and p are Student's over trainings and common episodes. In 95 % of campaigns all intervals of a kind hold the truth together. Two \
+             and three runs have no interval; their single values stand there. ¹ marks McNemar's exact test, for one run each: it and its interval are \
+             about these two alone."
                 .into(),
         ],
     })
@@ -79,7 +79,7 @@ fn names(found: &Comparison, several_trainings: bool) -> Vec<Value> {
 /// The difference with its interval; with too few runs for one, the values of the single runs.
 fn difference(found: &Comparison) -> Vec<Value> {
     if !found.has_few_runs() {
-        return vec![Value::Difference(Some(found.difference), found.interval())];
+        return vec![Value::Difference(Some(found.difference), found.interval)];
     }
     let [first, second] = &found.by_run;
     let runs = |values: &[f64]| match values {

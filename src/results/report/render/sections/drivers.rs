@@ -1,6 +1,6 @@
 use super::names::{place, who};
 use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Cell, DriverResult, FoundFailure};
+use crate::report::{Cell, DriverResult, ListedFailure, Spread};
 
 /// How to read the table.
 const READING: [&str; 2] = [
@@ -19,15 +19,16 @@ const READING: [&str; 2] = [
 pub fn drivers(
     results: &[DriverResult],
     cells: &[Cell],
-    link: impl Fn(&FoundFailure) -> Option<String>,
+    link: impl Fn(&ListedFailure) -> Option<String>,
 ) -> Option<Section> {
     let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
         results.iter().partition(|result| result.driver.sees_no_pedestrians());
     let parts = [("", tested), ("Drivers that see no pedestrians: they show what can be hit", blind)];
+    let scale = worst_blind(&parts[1].1, cells);
     let tables: Vec<Table> = parts
         .into_iter()
         .filter(|(_, of)| !of.is_empty())
-        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, &link) })
+        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale, &link) })
         .collect();
     (!tables.is_empty()).then(|| Section {
         id: "drivers",
@@ -57,13 +58,33 @@ fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
     })
 }
 
-fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure) -> Option<String>) -> Table {
+/// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches.
+fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
+    match result.cell {
+        Some(cell) => cells[cell].injury.mean.map(|injury| injury * 1000.0),
+        None => result.searched.map(|found| found.injury_per_thousand()),
+    }
+}
+
+/// The scale: the drivers that see no pedestrians, the one with the greatest avoidable injury, with its name.
+fn worst_blind<'a>(results: &[&'a DriverResult], cells: &[Cell]) -> Option<(&'a str, f64)> {
+    let known = results.iter().filter_map(|result| Some((result.driver.name.as_str(), injury(result, cells)?)));
+    known.filter(|(_, injury)| *injury > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn table(
+    results: &[&DriverResult],
+    cells: &[Cell],
+    scale: Option<(&str, f64)>,
+    link: &impl Fn(&ListedFailure) -> Option<String>,
+) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
     if evaluated {
         head.extend([Column::text("highest rates").page_only(), Column::number("n").page_only()]);
         head.push(Column::number("avoidable injury / 1,000"));
+        head.extend(scale.map(|(name, _)| Column::number(format!("of {name}'s"))));
         head.extend(["fault (95 %)", "preventable (95 %)", "moving (95 %)"].map(Column::number));
         head.push(Column::number("collision").page_only());
     }
@@ -72,9 +93,15 @@ fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure
         let found = Column::text("found by searches");
         if !evaluated {
             head.push(Column::number("avoidable injury / 1,000"));
+            head.extend(scale.map(|(name, _)| Column::number(format!("of {name}'s"))));
         }
         head.push(if evaluated { found.page_only() } else { found });
     }
+    let of_injury = |result: &DriverResult| {
+        let own = injury(result, cells);
+        let share = scale.map(|(_, blind)| Value::Number(own.map(|own| own / blind), 2));
+        [Value::Number(own, 2)].into_iter().chain(share)
+    };
     let row = |result: &&DriverResult| {
         let mut row =
             vec![Value::from(&result.driver.name), worst(result).into(), episode(result.worst.as_ref(), link)];
@@ -85,20 +112,18 @@ fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure
                     format!("{} in {}", who(cell, cells), place(cell, cells)).into()
                 }),
                 cell.map_or(Value::Number(None, 0), |cell| Value::Count(cell.episodes.into())),
-                Value::Number(cell.and_then(|cell| cell.injury.mean).map(|injury| injury * 1000.0), 2),
-                Value::Estimate(cell.and_then(|cell| cell.fault.mean), cell.map(|cell| cell.fault_interval), 2),
-                Value::Estimate(
-                    cell.and_then(|cell| cell.preventable.mean),
-                    cell.map(|cell| cell.preventable_interval),
-                    2,
-                ),
-                Value::Estimate(cell.and_then(|cell| cell.moving.mean), cell.map(|cell| cell.moving_interval), 2),
+            ]);
+            row.extend(of_injury(result));
+            row.extend([
+                rate(cell, |cell| (cell.fault, cell.fault_interval, cell.faults)),
+                rate(cell, |cell| (cell.preventable, cell.preventable_interval, cell.preventable_collisions())),
+                rate(cell, |cell| (cell.moving, cell.moving_interval, cell.moving_collisions)),
                 Value::Number(cell.and_then(|cell| cell.collision.mean), 2),
             ]);
         }
         if searched {
             if !evaluated {
-                row.push(Value::Number(result.searched.map(|found| found.injury_per_thousand()), 2));
+                row.extend(of_injury(result));
             }
             row.push(match result.searched {
                 Some(found) => {
@@ -113,15 +138,22 @@ fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure
     Table { head, rows: results.iter().map(row).collect(), ..Table::default() }
 }
 
+/// A rate of a cell with its interval.
+fn rate(cell: Option<&Cell>, of: fn(&Cell) -> (Spread, (f64, f64), u32)) -> Value {
+    let Some(cell) = cell else { return Value::Estimate(None, None, 2) };
+    let (rate, interval, count) = of(cell);
+    Value::or_count(Value::Estimate(rate.mean, Some(interval), 2), rate.mean, count, cell.episodes)
+}
+
 /// The worst failure in words.
 fn worst(result: &DriverResult) -> String {
     match &result.worst {
         None => "no collision".into(),
-        Some(found) => format!("{}, {:.1} m/s", found.class.name(), found.impact_speed),
+        Some(found) => format!("{}, {:.1} m/s", found.class().name(), found.impact_speed),
     }
 }
 
-fn episode(worst: Option<&FoundFailure>, link: &impl Fn(&FoundFailure) -> Option<String>) -> Value {
+fn episode(worst: Option<&ListedFailure>, link: &impl Fn(&ListedFailure) -> Option<String>) -> Value {
     match worst {
         None => Value::Text("–".into()),
         Some(found) => match link(found) {

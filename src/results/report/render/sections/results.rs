@@ -28,12 +28,12 @@ pub fn results(cells: &[Cell]) -> Table {
             row.push(Value::Count(cell.errors.into()));
         }
         row.extend([
-            Value::from(cell.collision),
+            or_count(cell.collision, cell.collisions, cell),
             Value::Interval(Some(cell.interval)),
             cell.front.into(),
-            cell.moving.into(),
-            cell.preventable.into(),
-            cell.fault.into(),
+            or_count(cell.moving, cell.moving_collisions, cell),
+            or_count(cell.preventable, cell.preventable_collisions(), cell),
+            or_count(cell.fault, cell.faults, cell),
         ]);
         if is_paid {
             // The row of an untrained controller is that of all rewards, which pay it differently.
@@ -57,6 +57,11 @@ pub fn results(cells: &[Cell]) -> Table {
         ],
         ..Table::default()
     }
+}
+
+/// A rate of a cell's episodes, or their number where it is very small.
+fn or_count(rate: Spread, count: u32, cell: &Cell) -> Value {
+    Value::or_count(rate.into(), rate.mean, count, cell.episodes)
 }
 
 /// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller.
@@ -87,7 +92,12 @@ pub fn rates(cells: &[Cell]) -> Table {
             if has_errors {
                 row.push(Value::Count(cell.errors.into()));
             }
-            row.extend([cell.collision, cell.moving, cell.preventable, cell.fault].map(Value::from));
+            row.extend([
+                or_count(cell.collision, cell.collisions, cell),
+                or_count(cell.moving, cell.moving_collisions, cell),
+                or_count(cell.preventable, cell.preventable_collisions(), cell),
+                or_count(cell.fault, cell.faults, cell),
+            ]);
             rows.push(row);
         }
     }

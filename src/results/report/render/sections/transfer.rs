@@ -13,9 +13,9 @@ pub fn transfer(evidence: &Evidence) -> Option<Section> {
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
     for found in &evidence.transfers {
         let names = names(found);
-        let gap = match (found.student, found.by_run.len()) {
+        let gap = match (found.interval, found.by_run.len()) {
             (None, 2..) => Value::Runs(found.by_run.clone(), 2, true),
-            (student, _) => Value::Difference(Some(found.gap), student.or(Some(found.bootstrap))),
+            (interval, _) => Value::Difference(Some(found.gap), interval),
         };
         // The rates of a change are consecutive.
         match rows.last_mut().filter(|row| row.starts_with(&names) && row.len() < columns) {
@@ -31,7 +31,7 @@ pub fn transfer(evidence: &Evidence) -> Option<Section> {
         tables: vec![Table { head, rows, ..Table::default() }],
         notes: vec![
             "The rate where the controller was trained, less the rate of the same trainings elsewhere. Above 0, the controller loses by the change. \
-             The interval is Student's over the gaps of the trainings and over episodes; with two or three the gap of each stands there; with one training it is a bootstrap over episodes. \
+             The interval is Student's over the gaps of the trainings and over episodes; with fewer than four the gap of each stands there. \
              Drivers of a town meet the same starts, so their episodes are paired; towns have starts of their own."
                 .into(),
         ],

@@ -41,6 +41,19 @@ pub enum Value {
 /// Shown in place of a missing value.
 const NONE: &str = "–";
 
+/// Below this a rate would be printed as 0.00.
+const RARE: f64 = 0.005;
+
+impl Value {
+    /// A rate of `whole` episodes, or their number where it is too small for two digits.
+    pub fn or_count(rate: Self, mean: Option<f64>, part: u32, whole: u32) -> Self {
+        match mean {
+            Some(mean) if mean < RARE => Self::Of(part.into(), whole.into()),
+            _ => rate,
+        }
+    }
+}
+
 /// A number to two digits, a large one in powers of ten.
 fn short(number: f64) -> String {
     if number.abs() < 1e5 { format!("{number:.2}") } else { format!("{number:.2e}") }

@@ -1,50 +1,60 @@
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::{CampaignOutcome, Change, Incomplete, ShardReport};
+use super::{CampaignOutcome, Change, Incomplete, Session, ShardReport};
 use base::diagnostic::{Diagnostic, Sources};
 use compile::Campaign;
 use results::campaign::{self, Task};
 use results::report::{Doubt, ReadError};
 
-/// Observes a call of a session. All methods do nothing by default. They may be called from several threads.
-pub trait Observer: Send + Sync {
-    /// The files were checked, with these diagnostics. [`Session::check`](super::Session::check) does not call this when all files could
-    /// be read: its result has the diagnostics.
-    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
-        let _ = (diagnostics, sources);
-    }
-
-    /// A notice that does not end the call.
-    fn notice(&self, notice: &Notice) {
-        let _ = notice;
-    }
-
+/// What happens during a call of a session.
+pub enum Event<'a> {
+    /// The files were checked, with these diagnostics. [`Session::check`] does not report this when all files could be read: its result
+    /// has the diagnostics.
+    Diagnostics(&'a [Diagnostic], &'a Sources),
+    /// A fact that does not end the call.
+    Notice(&'a Notice),
     /// The options and files are valid, and work starts now.
-    fn begun(&self) {}
-
-    /// These tasks of a campaign start now. The result observes each of them, and is dropped when the last one has ended.
-    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
-        let _ = (campaign, tasks);
-        Box::new(campaign::Silent)
-    }
-
+    Begun,
+    /// These tasks of a campaign start now.
+    TasksBegun(&'a Campaign, &'a [Task]),
+    /// The learning curves of the campaign grow in files of this folder; before the first training that has updates to make.
+    CurvesGrow(&'a Path),
+    /// Something happens in the tasks that were begun last.
+    Campaign(&'a campaign::Event<'a>),
+    /// The last of the tasks has ended.
+    TasksEnded,
     /// A shard of a campaign was run.
-    fn shard_ended(&self, report: &ShardReport) {
-        let _ = report;
-    }
-
+    ShardEnded(&'a ShardReport),
     /// A campaign was run, and its report is in its place.
-    fn ended(&self, outcome: &CampaignOutcome) {
-        let _ = outcome;
-    }
+    Ended(&'a CampaignOutcome),
+}
+
+/// Observes the calls of a session.
+pub trait Observer: Send + Sync {
+    /// Hears what happens. It may be called from several threads.
+    fn event(&self, event: &Event<'_>);
 }
 
 /// Ignores everything.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 
-impl Observer for Silent {}
+impl Observer for Silent {
+    fn event(&self, _: &Event<'_>) {}
+}
+
+impl Session {
+    /// Passes an event to the observer.
+    pub(super) fn tell(&self, event: Event<'_>) {
+        self.observer.event(&event);
+    }
+
+    /// Passes a notice to the observer.
+    pub(super) fn notice(&self, notice: &Notice) {
+        self.tell(Event::Notice(notice));
+    }
+}
 
 /// A fact that does not end a call.
 #[derive(Debug, thiserror::Error)]

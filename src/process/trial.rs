@@ -1,0 +1,116 @@
+//! A trial of bytes that are not trusted: this program, started again, reads them within limits of memory and time.
+
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The most memory that a trial may address (MiB): twice of what the largest network file needs, which is 900. The smallest one needs 100.
+const MOST_MEMORY: u64 = 2048;
+/// The most time of the processor (s); the largest network file needs 1.5 s. Other work of the machine does not count.
+const MOST_SECONDS: u64 = 10;
+/// The most time of the clock, for a child that waits, and for systems without the other limits.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Time between two looks at the child.
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// The answers of all trials, by digests of their bytes.
+static REMEMBERED: Mutex<BTreeMap<[u8; 32], Result<(), String>>> = Mutex::new(BTreeMap::new());
+
+/// Starts this program again with these words, and gives it bytes on its standard input. It should call [`limit_trial`], do with the bytes
+/// what may take the machine, and end with exit code 0 whatever the result is. The same bytes are tried once.
+///
+/// # Errors
+/// Why the trial did not reach its end, as a part of a sentence.
+pub fn trial(words: &[&str], bytes: &[u8]) -> Result<(), String> {
+    let mut remembered = REMEMBERED.lock().unwrap_or_else(PoisonError::into_inner);
+    remembered.entry(*blake3::hash(bytes).as_bytes()).or_insert_with(|| started(words, bytes)).clone()
+}
+
+fn started(words: &[&str], bytes: &[u8]) -> Result<(), String> {
+    let mut command = Command::new(this_program().map_err(|error| not_tried(&error))?);
+    command.args(words).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+    // Every thread reserves addresses, so one on each core could be beyond the limit.
+    command.env("RTEN_NUM_THREADS", "1");
+    // Ctrl-C is for us.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    let mut child = command.spawn().map_err(|error| not_tried(&error))?;
+    let mut input = child.stdin.take();
+    let status = std::thread::scope(|scope| {
+        // A child that ends early does not read all.
+        scope.spawn(move || input.as_mut().map(|input| input.write_all(bytes)));
+        wait(&mut child)
+    });
+    let mut said = String::new();
+    let _ = child.stderr.take().map(|messages| messages.take(1 << 16).read_to_string(&mut said));
+    match status.map_err(|error| not_tried(&error))? {
+        Some(status) if status.success() => Ok(()),
+        Some(_) if said.contains("memory allocation") => {
+            Err(format!("loading and running it once needs more than {} MiB of memory", most_memory()))
+        }
+        Some(status) if !is_late(status) => Err(format!("loading or running it ends the program ({status})")),
+        _ => Err(format!("loading and running it once takes more than {MOST_SECONDS} s")),
+    }
+}
+
+fn not_tried(error: &std::io::Error) -> String {
+    format!("it cannot be tried in a process of its own: {error}")
+}
+
+/// The file of this program; on Linux also after it was replaced by a new version.
+fn this_program() -> std::io::Result<PathBuf> {
+    let own = PathBuf::from("/proc/self/exe");
+    if own.exists() { Ok(own) } else { std::env::current_exe() }
+}
+
+/// Waits for the end of a child; none if it had to be ended.
+fn wait(child: &mut Child) -> std::io::Result<Option<ExitStatus>> {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        if Instant::now() >= deadline {
+            child.kill()?;
+            child.wait()?;
+            return Ok(None);
+        }
+        std::thread::sleep(PAUSE);
+    }
+}
+
+#[cfg(unix)]
+fn is_late(status: ExitStatus) -> bool {
+    std::os::unix::process::ExitStatusExt::signal(&status) == Some(nix::sys::signal::Signal::SIGXCPU as i32)
+}
+
+#[cfg(not(unix))]
+fn is_late(_: ExitStatus) -> bool {
+    false
+}
+
+/// The most memory of a trial (MiB): at most half of what this process may have, since it loads afterwards what has passed.
+#[cfg(unix)]
+fn most_memory() -> u64 {
+    use nix::sys::resource::{Resource, getrlimit};
+    getrlimit(Resource::RLIMIT_AS).map_or(MOST_MEMORY, |(soft, _)| MOST_MEMORY.min(soft >> 21))
+}
+
+#[cfg(not(unix))]
+fn most_memory() -> u64 {
+    MOST_MEMORY
+}
+
+/// Sets the limits of a trial for this process. Systems other than Unix have none, and others may refuse some.
+pub fn limit_trial() {
+    #[cfg(unix)]
+    {
+        use nix::sys::resource::{Resource, setrlimit};
+        let _ = setrlimit(Resource::RLIMIT_AS, most_memory() << 20, most_memory() << 20);
+        let _ = setrlimit(Resource::RLIMIT_CPU, MOST_SECONDS, MOST_SECONDS + 1);
+        let _ = setrlimit(Resource::RLIMIT_CORE, 0, 0);
+    }
+}

@@ -1,0 +1,27 @@
+//! Trials of networks: the program starts itself, and the child loads a network and runs it once, within limits.
+
+use std::io::Read;
+use std::sync::Arc;
+
+use super::exit_code::ExitCode;
+use compile::NetworkTrial;
+use world::av::onnx::{Model, Network};
+
+/// The trial of a network before it is loaded.
+pub fn trial() -> Arc<NetworkTrial> {
+    Arc::new(|bytes| process::trial(&["debug", "network", "-"], bytes))
+}
+
+/// `falsify debug network -`: what the child does. Whether the network can be used is found out later, by the program that started it.
+pub fn carry_out() -> ExitCode {
+    process::limit_trial();
+    let mut bytes = Vec::new();
+    if std::io::stdin().lock().take(base::files::MOST_BYTES).read_to_end(&mut bytes).is_err() {
+        return ExitCode::Usage;
+    }
+    // It is a driver or a pedestrian.
+    if Model::read(bytes.clone()).is_err() {
+        let _ = Network::read(bytes);
+    }
+    ExitCode::Done
+}

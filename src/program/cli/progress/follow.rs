@@ -1,0 +1,232 @@
+use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use indicatif::HumanCount;
+
+use super::bars::Bars;
+use super::board::Board;
+use super::event_line::{About, EventLine};
+use super::job::{Job, Kind};
+use super::learnt::Learnt;
+use super::showing::Showing;
+use crate::cli::console;
+use crate::cli::output::Output;
+use crate::session::Stop;
+use compile::Campaign;
+use results::campaign::{Event, Task};
+
+/// Least time between two updates of the display.
+const GLANCE: Duration = Duration::from_millis(200);
+/// Number of updates of the display per event for programs.
+const TOLD: u64 = 5;
+
+/// Shows the progress of a campaign.
+pub struct Progress {
+    board: Board,
+    bars: Option<Bars>,
+    lines: bool,
+    events: bool,
+    stop: Arc<Stop>,
+    tasks: usize,
+    reused: usize,
+    /// The number of updates of the display.
+    glances: u64,
+    /// Time of the next one, since the start of the campaign.
+    next: Duration,
+}
+
+impl Progress {
+    /// Prepares for some tasks of a campaign.
+    pub fn new(campaign: &Campaign, wanted: &[Task], showing: Showing, output: Output, stop: Arc<Stop>) -> Self {
+        let board = Board::new(campaign, wanted, rayon::current_num_threads());
+        let terminal = std::io::stderr().is_terminal();
+        let showing = match showing {
+            Showing::Auto if terminal => Showing::Bars,
+            Showing::Auto => Showing::Lines,
+            chosen => chosen,
+        };
+        let events = output == Output::Json;
+        if events {
+            EventLine::CampaignBegun {
+                campaign: &board.campaign,
+                trainings: board.count(Kind::Training),
+                evaluations: board.count(Kind::Evaluation),
+                searches: board.count(Kind::Search),
+            }
+            .tell();
+        }
+        let bars = (showing == Showing::Bars).then(|| Bars::new(&board));
+        let lines = showing == Showing::Lines;
+        Self { board, bars, lines, events, stop, tasks: wanted.len(), reused: 0, glances: 0, next: Duration::ZERO }
+    }
+
+    /// The job of a task, which is begun now if it was not before.
+    fn job(&mut self, task: Task) -> &mut Job {
+        let place = self.board.place(task);
+        if self.board.jobs[place].begin() && self.events {
+            EventLine::TaskBegun(About::new(&self.board, &self.board.jobs[place])).tell();
+        }
+        &mut self.board.jobs[place]
+    }
+
+    /// Updates the display, if it is time.
+    fn glance(&mut self) {
+        let now = self.board.began.elapsed();
+        if now < self.next {
+            return;
+        }
+        self.next = now + GLANCE;
+        if let Some(bars) = &mut self.bars {
+            bars.draw(&self.board);
+        }
+        self.glances += 1;
+        if self.glances.is_multiple_of(TOLD) && self.events {
+            for job in self.board.jobs.iter().filter(|job| job.is_under_way()) {
+                EventLine::Progress {
+                    about: About::new(&self.board, job),
+                    rate_per_s: job.rate(),
+                    left_s: job.left().map(|left| left.as_secs_f64()),
+                    campaign_left_s: self.board.left().map(|left| left.as_secs_f64()),
+                    learning: job.learnt(),
+                }
+                .tell();
+            }
+        }
+    }
+
+    /// Ends a task; with the last one of a job comes what came of the job.
+    fn end(&mut self, task: Task, result: Result<String, String>) {
+        let job = self.board.job(task);
+        let (note, error) = match result {
+            Ok(note) => (note, None),
+            Err(error) => (String::new(), Some(error)),
+        };
+        if !job.end_task(error) {
+            return;
+        }
+        let job = &self.board.jobs[self.board.place(task)];
+        let error = &job.error;
+        if self.stop.is_asked() && error.is_none() && job.done() < job.total {
+            return;
+        }
+        if self.events {
+            EventLine::TaskFinished {
+                about: About::new(&self.board, job),
+                reused: job.before(),
+                took_s: job.time().as_secs_f64(),
+                rate_per_s: job.rate(),
+                note: &note,
+                error: error.as_deref(),
+                learning: job.learnt(),
+            }
+            .tell();
+        }
+        let quiet = job.is_old() && error.is_none();
+        let line = || line(&self.board, job, error.as_deref().unwrap_or(&note));
+        match &self.bars {
+            // On a terminal the many evaluations would push everything else away.
+            Some(bars) if error.is_some() || (job.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
+            None if error.is_some() || (self.lines && !quiet) => console::note(&line()),
+            _ => {}
+        }
+        self.glance();
+    }
+
+    /// The learning curves grow in files of this folder.
+    pub fn curves_grow(&self, folder: &Path) {
+        let told = format!("the learning curves grow in {}", folder.display());
+        match &self.bars {
+            Some(bars) => bars.say(&told),
+            None if self.lines => console::note(&told),
+            None => {}
+        }
+        if self.events {
+            EventLine::LearningCurves { campaign: &self.board.campaign, folder }.tell();
+        }
+    }
+
+    /// Follows what happens in the campaign.
+    pub fn follow(&mut self, event: &Event<'_>) {
+        match *event {
+            Event::Begun(task) => {
+                self.job(task);
+            }
+            Event::Continued { task, units } => self.board.job(task).found(units),
+            Event::Reused { task, units } => {
+                self.reused += 1;
+                self.board.job(task).found(units);
+                self.end(task, Ok(String::new()));
+            }
+            Event::CurveBefore { training, curve, .. } => self.board.job(Task::Training(training)).learn(curve),
+            Event::Deciding { training, decisions } => {
+                let job = self.board.job(Task::Training(training));
+                job.rise(job.before() + decisions);
+                self.glance();
+            }
+            Event::Updated { training, curve, .. } => {
+                let job = self.board.job(Task::Training(training));
+                job.learn(curve);
+                job.rise(curve.last().map_or(0, |log| log.steps));
+                self.glance();
+            }
+            Event::Trained { training, result } => {
+                let learnt = result.result.as_ref().map(|trained| Learnt::of(&trained.learning_curve).told());
+                let told = learnt.map(|told| told.unwrap_or_else(|| "no episode ended".into()));
+                self.end(Task::Training(training), told.map_err(ToString::to_string));
+            }
+            Event::Tried { evaluation } => {
+                self.board.job(Task::Chunk { evaluation, chunk: 0 }).advance();
+                self.glance();
+            }
+            Event::Evaluated { evaluation, chunk, error } => {
+                let told = error.map_or(Ok(String::new()), |error| Err(error.to_string()));
+                self.end(Task::Chunk { evaluation, chunk }, told);
+            }
+            Event::Searching { search, ticks } => {
+                self.board.job(Task::Search(search)).rise(ticks);
+                self.glance();
+            }
+            Event::Searched { search, result } => {
+                let spent = &result.spent;
+                self.job(Task::Search(search)).reach(spent.ticks);
+                let found = console::count(spent.failures.len(), "failure");
+                let told = format!("{found} in {} episodes", spent.episodes);
+                let error = result.error.as_ref();
+                self.end(Task::Search(search), error.map_or(Ok(told), |error| Err(error.to_string())));
+            }
+        }
+    }
+}
+
+impl Drop for Progress {
+    /// Removes the bars, and reports how much was stored before.
+    fn drop(&mut self) {
+        if let Some(bars) = &self.bars {
+            bars.clear();
+        }
+        let reused = self.reused;
+        if reused > 0 && (self.lines || self.bars.is_some()) {
+            console::note(&format!("{reused} of {} tasks were there already", self.tasks));
+        }
+    }
+}
+
+/// The line of a job that has ended, with what came of it.
+fn line(board: &Board, job: &Job, note: &str) -> String {
+    let total = board.jobs.len();
+    let place = format!("[{:width$}/{total}]", board.ended(), width = total.to_string().len());
+    let note = if note.is_empty() { String::new() } else { format!(": {note}") };
+    let verb = if job.error.is_some() { job.kind.doing() } else { job.kind.done() };
+    format!("{place} {verb} {}{note} ({})", job.name, pace(job))
+}
+
+/// How long a job took, and how fast it was.
+fn pace(job: &Job) -> String {
+    let time = format!("{:.1} s", job.time().as_secs_f64());
+    match job.rate() {
+        Some(rate) => format!("{time}, {} {}/s", HumanCount(rate.round() as u64), job.kind.unit()),
+        None => time,
+    }
+}

@@ -1,0 +1,62 @@
+//! Runs tasks of a campaign while others listen: the observer of the session, and the files of growing learning curves.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::event_files::EventFiles;
+use super::growing_curves::GrowingCurves;
+use super::run::CampaignRun;
+use super::{Event, Observer, Stop};
+use base::seed::Seed;
+use results::campaign::{self, Finished, Task};
+use results::store::CampaignStore;
+
+impl CampaignRun<'_> {
+    /// Runs tasks of the campaign until they are finished or the stop flag is raised.
+    pub fn run_tasks(&self, tasks: &[Task], results: &CampaignStore<'_>) -> Finished {
+        let Self { session, options, campaign, store, name, .. } = self;
+        let event_files = |folder: &Path| EventFiles::new(folder.join(name), session.observer.clone());
+        let listener = Listener {
+            observer: session.observer.clone(),
+            curves: GrowingCurves::new(store.learning(name), session.observer.clone()),
+            event_files: options.tensorboard.as_deref().map(event_files),
+            stop: session.stop.clone(),
+        };
+        session.tell(Event::TasksBegun(campaign, tasks));
+        let finished = campaign::run_tasks(campaign, tasks, &Seed::root(options.seed), results, &listener);
+        session.tell(Event::TasksEnded);
+        finished
+    }
+}
+
+/// Passes all events to the observer and to the growing learning curves, and stops when the flag is raised.
+struct Listener {
+    observer: Arc<dyn Observer>,
+    curves: GrowingCurves,
+    event_files: Option<EventFiles>,
+    stop: Arc<Stop>,
+}
+
+impl campaign::Observer for Listener {
+    fn event(&self, event: &campaign::Event<'_>) {
+        match *event {
+            campaign::Event::CurveBefore { plan, curve, .. } => {
+                if let Some(folder) = self.curves.first_of(plan, curve) {
+                    self.observer.event(&Event::CurvesGrow(folder));
+                }
+                self.curves.restart(plan, curve);
+                self.event_files.iter().for_each(|files| files.restart(plan, curve));
+            }
+            campaign::Event::Updated { plan, curve, .. } => {
+                self.curves.grow(plan, curve);
+                self.event_files.iter().for_each(|files| files.grow(plan, curve));
+            }
+            _ => {}
+        }
+        self.observer.event(&Event::Campaign(event));
+    }
+
+    fn stop(&self) -> bool {
+        self.stop.is_asked()
+    }
+}

@@ -1,0 +1,317 @@
+//! A failure of a report, of evaluations and searches alike: the row that every list has.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+use polars::prelude::{DataFrame, PolarsResult, StringChunked};
+
+use super::aggregate::{FAILURE, FALSIFIER, START};
+use crate::analysis::Impact;
+use crate::record::columns::{
+    DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, MOTION, POLICY, REWARD, RUN_ID,
+    TOWN, VERDICT,
+};
+use crate::record::{EpisodeTable, RunKey};
+use base::choice;
+use world::av::DrivingMode;
+use world::judge::{Label, Sight};
+
+choice! {
+    /// How much a failure counts against the driver under test, the most serious first. All lists of failures have this order.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum FailureClass {
+        /// A careful human would have avoided it, and the pedestrian moved as people do.
+        Fault = "fault",
+        /// A careful human would have avoided it.
+        Preventable = "preventable",
+        /// Reference drivers disagree.
+        Contested = "contested",
+        /// Only a machine avoids it.
+        MachinePreventable = "by machine only",
+        /// No driver avoids it by braking.
+        Unpreventable = "unpreventable",
+        /// The car stood.
+        Standing = "car standing",
+        /// There is no verdict: a driver that is not deterministic did not repeat it.
+        Unjudged = "not judged",
+    }
+}
+
+impl FailureClass {
+    /// The class of a failure with this verdict.
+    pub fn new(label: Option<Label>, is_fault: bool) -> Self {
+        match label {
+            _ if is_fault => Self::Fault,
+            Some(Label::Preventable) => Self::Preventable,
+            Some(Label::Contested) => Self::Contested,
+            Some(Label::MachinePreventable) => Self::MachinePreventable,
+            Some(Label::Unpreventable) => Self::Unpreventable,
+            Some(Label::Standing) => Self::Standing,
+            None => Self::Unjudged,
+        }
+    }
+
+    /// Whether a careful human would have avoided it.
+    pub fn is_preventable(self) -> bool {
+        self <= Self::Preventable
+    }
+}
+
+/// A failure: a collision of an evaluation, or a failure that a search found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedFailure {
+    pub run: String,
+    /// The number of the episode, or of the failure of a search.
+    pub number: u64,
+    /// The number of its start: that of the episode, or that which a search gave it.
+    pub start: u64,
+    /// The controller of the pedestrian; for a search, its falsifier.
+    pub controller: String,
+    /// Whether a search found it.
+    pub searched: bool,
+    /// The reward of the controller; empty without one.
+    pub reward: String,
+    /// The town of the training; empty for an untrained controller.
+    pub train_town: String,
+    /// The driving policy of the training; empty for an untrained controller.
+    pub train_policy: String,
+    pub town: String,
+    /// The driving policy.
+    pub policy: String,
+    /// The verdict; none if the failure of a search does not repeat.
+    pub verdict: Option<Label>,
+    /// Whether the pedestrian moved as people do.
+    pub foreseeable: bool,
+    /// Whether it counts against the driver: preventable and foreseeable.
+    pub fault: bool,
+    /// The side of the car that was hit.
+    pub impact: String,
+    /// Whether the car moved.
+    pub moving: bool,
+    /// Whether the pedestrian came into sight too late for a careful human.
+    pub occluded: bool,
+    /// What the driver was doing at the last decision.
+    pub driving_mode: String,
+    /// Speed of the car at the touch (m/s).
+    pub impact_speed: f64,
+    /// Time from the start of the episode to the touch (s).
+    pub length: f64,
+}
+
+impl ListedFailure {
+    /// Its name in its report, `RUN:EPISODE`.
+    pub fn name(&self) -> String {
+        format!("{}:{}", self.run, self.number)
+    }
+
+    /// Its kind without the verdict, as `front, moving, occluded, cruise`.
+    pub fn kind(&self) -> String {
+        let (motion, occluded) =
+            (if self.moving { "moving" } else { "standing" }, if self.occluded { "occluded, " } else { "" });
+        format!("{}, {motion}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
+    }
+
+    /// The verdict in a word: `fault` precedes the verdict of the reference drivers.
+    pub fn verdict_name(&self) -> &'static str {
+        match self.verdict {
+            _ if self.fault => "fault",
+            Some(label) => label.name(),
+            None => "",
+        }
+    }
+
+    /// The verdict for people.
+    pub fn verdict_text(&self) -> String {
+        self.verdict_name().replace('_', " ")
+    }
+
+    /// What found it, in words.
+    pub fn finder(&self) -> String {
+        if self.searched {
+            format!("search: {}", self.controller)
+        } else if self.train_town.is_empty() {
+            self.controller.clone()
+        } else {
+            format!("{}, {}", self.controller, self.reward)
+        }
+    }
+
+    /// The worse failure first: by class, then the faster car. Equal ones are in the order of their names.
+    pub fn worse_first(&self, other: &Self) -> Ordering {
+        FailureOrder::Severity
+            .compare(self, other)
+            .then_with(|| (&self.run, self.number).cmp(&(&other.run, other.number)))
+    }
+
+    /// How much it counts against the driver.
+    pub fn class(&self) -> FailureClass {
+        FailureClass::new(self.verdict, self.fault)
+    }
+}
+
+/// The order of a list of failures. Equal ones stay in the order of the report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FailureOrder {
+    /// By [`FailureClass`]: fault ones first, then the verdicts from `preventable` to `standing`; in each the highest speed at the
+    /// touch first.
+    #[default]
+    Severity,
+    /// The highest speed at the touch first.
+    Speed,
+    /// The shortest time to the touch first.
+    Time,
+    /// As in the report.
+    Report,
+}
+
+impl FailureOrder {
+    /// Which of two failures precedes the other.
+    pub fn compare(self, a: &ListedFailure, b: &ListedFailure) -> Ordering {
+        let faster = || b.impact_speed.total_cmp(&a.impact_speed);
+        match self {
+            Self::Severity => a.class().cmp(&b.class()).then_with(faster),
+            Self::Speed => faster(),
+            Self::Time => a.length.total_cmp(&b.length),
+            Self::Report => Ordering::Equal,
+        }
+    }
+}
+
+/// The collisions of a part of the table of episodes, by their rows.
+///
+/// # Errors
+/// A column is missing or holds something else.
+pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> {
+    let (table, foreseeable) = (EpisodeTable::new(rows)?, FORESEEABLE.read(rows)?);
+    let failure = |row: usize| {
+        let RunKey { id, cell, .. } = RunKey::read(rows, row)?;
+        let failure = ListedFailure {
+            run: id.to_string(),
+            number: table.episode(row).into(),
+            start: table.episode(row).into(),
+            controller: cell.controller,
+            searched: false,
+            reward: cell.reward,
+            train_town: cell.train_town,
+            train_policy: cell.train_policy,
+            town: cell.town,
+            policy: cell.policy,
+            verdict: table.label(row),
+            foreseeable: foreseeable.get(row) == Some(true),
+            fault: table.is_fault(row),
+            impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()).name().into(),
+            moving: table.is_moving(row),
+            occluded: is_occluded(table.in_sight(row)),
+            driving_mode: table.driving_mode(row).map_or("", DrivingMode::name).into(),
+            impact_speed: table.impact_speed(row).unwrap_or_default(),
+            length: table.length(row).unwrap_or_default(),
+        };
+        Ok((row, failure))
+    };
+    table.rows().filter(|row| table.is_collision(*row)).map(failure).collect()
+}
+
+/// The failures of a part of the table of failures of searches.
+///
+/// # Errors
+/// A column is missing or holds something else.
+pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
+    let runs = RUN_ID.read(rows)?;
+    let numbers = FAILURE.read(rows)?;
+    let starts = START.read(rows)?;
+    let falsifiers = FALSIFIER.read(rows)?;
+    let rewards = REWARD.read(rows)?;
+    let towns = TOWN.read(rows)?;
+    let policies = POLICY.read(rows)?;
+    let verdicts = VERDICT.read(rows)?;
+    let foreseeable = FORESEEABLE.read(rows)?;
+    let faults = FAULT.read(rows)?;
+    let impacts = IMPACT.read(rows)?;
+    let motions = MOTION.read(rows)?;
+    let in_sight = IN_SIGHT.read(rows)?;
+    let modes = DRIVING_MODE.read(rows)?;
+    let impact_speeds = IMPACT_SPEED.read(rows)?;
+    let lengths = EPISODE_LENGTH.read(rows)?;
+    let text = |column: &StringChunked, row: usize| column.get(row).unwrap_or_default().to_string();
+    let failure = |row: usize| ListedFailure {
+        run: text(runs, row),
+        number: numbers.get(row).unwrap_or_default(),
+        start: starts.get(row).unwrap_or_default(),
+        controller: text(falsifiers, row),
+        searched: true,
+        reward: text(rewards, row),
+        train_town: String::new(),
+        train_policy: String::new(),
+        town: text(towns, row),
+        policy: text(policies, row),
+        verdict: verdicts.get(row).and_then(Label::named),
+        foreseeable: foreseeable.get(row) == Some(true),
+        fault: faults.get(row) == Some(true),
+        impact: text(impacts, row),
+        moving: motions.get(row) == Some("moving"),
+        occluded: is_occluded(in_sight.get(row)),
+        driving_mode: text(modes, row),
+        impact_speed: impact_speeds.get(row).unwrap_or_default(),
+        length: lengths.get(row).unwrap_or_default(),
+    };
+    Ok((0..rows.height()).map(failure).collect())
+}
+
+fn is_occluded(in_sight: Option<f64>) -> bool {
+    in_sight.is_some_and(|seen| Sight { hidden: 0.0, seen }.is_occluded())
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    pub(crate) fn failure(verdict: Option<Label>, fault: bool, speed: f64) -> ListedFailure {
+        ListedFailure {
+            run: "1a2b3c4d".into(),
+            number: 3,
+            start: 3,
+            controller: "random".into(),
+            searched: false,
+            reward: "r1".into(),
+            train_town: String::new(),
+            train_policy: String::new(),
+            town: "harbour".into(),
+            policy: "behavior".into(),
+            verdict,
+            foreseeable: fault,
+            fault,
+            impact: "front".into(),
+            moving: speed > 0.1,
+            occluded: false,
+            driving_mode: "emergency_stop".into(),
+            impact_speed: speed,
+            length: 10.0 - speed,
+        }
+    }
+
+    #[test]
+    fn what_counts_most_against_the_driver_comes_first() {
+        let mut all = vec![
+            failure(Some(Label::Standing), false, 0.0),
+            failure(None, false, 9.0),
+            failure(Some(Label::Unpreventable), false, 8.0),
+            failure(Some(Label::Preventable), false, 7.0),
+            failure(Some(Label::Preventable), true, 2.0),
+            failure(Some(Label::Preventable), true, 3.0),
+        ];
+        let speeds = |all: &[ListedFailure]| all.iter().map(|each| each.impact_speed).collect::<Vec<_>>();
+        all.sort_by(|a, b| FailureOrder::Severity.compare(a, b));
+        assert_eq!(speeds(&all), [3.0, 2.0, 7.0, 8.0, 0.0, 9.0]);
+        all.sort_by(|a, b| FailureOrder::Time.compare(a, b));
+        assert_eq!(speeds(&all), [9.0, 8.0, 7.0, 3.0, 2.0, 0.0]);
+    }
+
+    #[test]
+    fn every_label_has_a_class() {
+        let classes: Vec<FailureClass> =
+            Label::ALL.into_iter().map(|label| FailureClass::new(Some(label), false)).collect();
+        assert!(classes.is_sorted(), "{classes:?}");
+        assert_eq!(FailureClass::new(Some(Label::Preventable), true), FailureClass::Fault);
+        assert!(FailureClass::Preventable.is_preventable() && !FailureClass::Contested.is_preventable());
+    }
+}
