@@ -83,13 +83,13 @@ fn shards_of_one_folder_need_nothing_but_the_folder() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     write_campaign(here);
-    let stopped = falsify(&["run", "parts.scn", "--shard", "0/2", "--only", "trainings"], here);
+    let stopped = falsify(&["run", "parts.scn", "--shard", "0/2", "--tasks", "trainings"], here);
     assert!(stopped.status.success() && said(&stopped).contains("tasks are there"), "{stopped:?}");
     let status = falsify(&["status"], here);
     let text = said(&status);
     assert_eq!(status.status.code(), Some(9), "{text}");
     assert!(text.contains("parts: stopped") && text.contains("trainings   3 of 4 tasks, 75 %"), "{text}");
-    assert!(text.contains("go on with: falsify run parts.scn --shard 0/2 --only trainings"), "{text}");
+    assert!(text.contains("go on with: falsify run parts.scn --shard 0/2 --tasks trainings"), "{text}");
     let left = "left for one thread, and the evaluations and searches, of which none is done yet";
     assert!(text.contains(left), "{text}");
     for shard in ["0/2", "1/2"] {

@@ -27,7 +27,7 @@ Examples:
 Exit codes: 0 done   9 tasks are missing, which are named, with the shards that make them   others as of `run`";
 
 /// Options of `falsify run` on how to work, which a merge does not have.
-const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "task_time", "max_ticks"];
+const IDLE: [&str; 7] = ["list", "fresh", "shard", "tasks", "checkpoint", "task_time", "max_ticks"];
 
 /// Options of `falsify merge`. The help omits options without effect there.
 #[derive(Debug, Args)]

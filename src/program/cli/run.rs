@@ -59,7 +59,7 @@ pub struct RunArgs {
     pub shard: Option<NamedShard>,
     /// Of a shard, run only these tasks; other shards then find their results.
     #[arg(long, value_enum, value_name = "TASKS", requires = "shard", help_heading = "What runs")]
-    pub only: Option<Only>,
+    pub tasks: Option<OnlyTasks>,
     /// Conditions under which it fails.
     #[command(flatten)]
     pub gate: GateArgs,
@@ -70,7 +70,7 @@ pub struct RunArgs {
 
 /// The part of a shard that is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Only {
+pub enum OnlyTasks {
     /// Its trainings, each in one shard.
     Trainings,
 }
@@ -171,7 +171,7 @@ fn run_shard(
     wanted: &session::RunOptions,
     shard: Shard,
 ) -> Result<ExitCode, Error> {
-    let part = ShardOptions { shard, only_trainings: options.only == Some(Only::Trainings) };
+    let part = ShardOptions { shard, only_trainings: options.tasks == Some(OnlyTasks::Trainings) };
     let reports = session.run_shard(wanted, &part)?;
     let whole = reports.iter().all(|report| report.finished == report.all);
     Ok(match (interrupt::stop().is_asked(), whole) {
