@@ -123,6 +123,7 @@ pub fn notice(notice: &Notice) {
         Notice::Store { .. }
         | Notice::LearningCurve { .. }
         | Notice::DoubtfulTraining { .. }
+        | Notice::Unreached { .. }
         | Notice::UnreadableReport(_)
         | Notice::OtherVersion { .. }
         | Notice::Changed(_) => {

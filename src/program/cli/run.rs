@@ -219,7 +219,8 @@ impl RunReporter {
         failure::notice(notice);
         if let Notice::Unpaid { campaign, .. }
         | Notice::EpisodesInError { campaign, .. }
-        | Notice::DoubtfulTraining { campaign, .. } = notice
+        | Notice::DoubtfulTraining { campaign, .. }
+        | Notice::Unreached { campaign, .. } = notice
             && self.output == Output::Json
         {
             EventLine::Warning { campaign, message: &notice.to_string() }.tell();

@@ -5,7 +5,7 @@ use super::{CampaignOutcome, Change, Incomplete, Session, ShardReport};
 use base::diagnostic::{Diagnostic, Sources};
 use compile::Campaign;
 use results::campaign::{self, Task};
-use results::report::{Doubt, ReadError};
+use results::report::{Doubt, ReadError, Unreached};
 
 /// What happens during a call of a session.
 pub enum Event<'a> {
@@ -104,6 +104,13 @@ pub enum Notice {
         campaign: String,
         /// The reason, and what to try.
         doubt: Box<Doubt>,
+    },
+    /// A driver often does not reach the starts of its episodes.
+    #[error("{driver}")]
+    Unreached {
+        /// The name of the report.
+        campaign: String,
+        driver: Box<Unreached>,
     },
     /// A folder to merge from holds no tasks.
     #[error("there are no tasks in `{folder}`", folder = folder.display())]

@@ -214,6 +214,10 @@ impl<'a> CampaignRun<'a> {
         self.notice_errors(&gathered);
         let failed = |source| self.options.keep(WriteError::Table { name: "metrics".into(), source });
         let found = Findings::new(campaign, finished, gathered, modes, self.options.smoke).map_err(failed)?;
+        for driver in &found.unreached {
+            let driver = Box::new(driver.clone());
+            self.session.notice(&Notice::Unreached { campaign: self.name.clone(), driver });
+        }
         for doubt in &found.doubts {
             let doubt = Box::new(doubt.clone());
             self.session.notice(&Notice::DoubtfulTraining { campaign: self.name.clone(), doubt });

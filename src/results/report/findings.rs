@@ -3,6 +3,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::aggregate::run_columns;
 use super::failure_modes::CellModes;
 use super::metric_table::metric_table;
+use super::unreached::{Unreached, unreached};
 use super::{
     Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
     SearchKind, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_kinds,
@@ -38,6 +39,8 @@ pub struct Findings<'a> {
     pub search_kinds: Vec<SearchKind>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
     pub doubts: Vec<Doubt>,
+    /// The drivers that often do not reach their starts.
+    pub unreached: Vec<Unreached>,
 }
 
 impl<'a> Findings<'a> {
@@ -66,6 +69,7 @@ impl<'a> Findings<'a> {
             layers: layer_cells(campaign, &finished.searches),
             searches: search_cells(&finished.searches),
             search_kinds: search_kinds(&finished.searches),
+            unreached: unreached(&cells),
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,
             finished,

@@ -19,6 +19,7 @@ mod table_stream;
 mod text_forms;
 mod folder;
 mod overview;
+mod unreached;
 mod findings;
 mod listed_failure;
 mod metric_table;
@@ -69,6 +70,7 @@ pub use render::{
 pub use scenario_files::{MOST_HELD_BYTES, held_places};
 pub use table_stream::TableStream;
 pub use text_forms::{csv_text, json_rows};
+pub use unreached::Unreached;
 pub use waypoints::waypoints;
 pub use write::{pedestrian_file, write, write_failure_modes};
 

@@ -44,7 +44,7 @@ fn repeated<'a>(name: &str, campaign: &'a Campaign, finished: &Finished, seed: &
     let evaluation = campaign.evaluations.iter().find(|planned| planned.id.to_string() == run)?;
     let trained = networks(evaluation, campaign, &finished.trainings);
     let scenario = &*evaluation.scenario;
-    let note = &mut |outcome: &Outcome, trace: &Trace| (outcome.clone(), trace.clone());
+    let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
     let (_, (outcome, trace)) = repeat_episodes(evaluation, trained, &[number.parse().ok()?], seed, note).pop()?;
     let verdict = judge(&trace.main_pair(scenario));
     Some(PlayedFailure { name: name.to_owned(), town: &evaluation.town, scenario, outcome, trace, verdict })

@@ -73,7 +73,7 @@ pub fn gather(
         failures: Failures::default(),
         protocol: Vec::new(),
     };
-    let mut evidence = Gathering::new();
+    let mut evidence = Gathering::default();
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     let none = record::episodes(&[]);
     let columns: Vec<_> = record::episode_references().columns.into_iter().map(|column| column.name).collect();

@@ -83,6 +83,8 @@ pub struct Cell {
     pub foreseeable: u32,
     /// The number of collisions in which the pedestrian walked into the side or the rear.
     pub walked_into: u32,
+    /// The number of starts that the driver did not reach.
+    pub placed: u32,
     /// The number of episodes without a collision.
     pub passed: u32,
     /// The number of these in which each reference driver would have braked for nothing, and to a stop, in the order of [`Reference::ALL`].
@@ -237,6 +239,7 @@ impl Metrics {
                 injury: spread(metric::AVOIDABLE_INJURY.name, row)?,
                 faults: count(metric::FAULT_COLLISIONS, row)?,
                 faults_if,
+                placed: count(metric::PLACED_STARTS, row)?,
                 passed: count(metric::PASSED, row)?,
                 false_alarms,
                 key: CellKey::read(frame, row)?,

@@ -31,12 +31,14 @@ pub struct Gathering {
     found: Evidence,
 }
 
-impl Gathering {
-    /// Starts without any run.
-    pub fn new() -> Self {
+impl Default for Gathering {
+    /// Without any run.
+    fn default() -> Self {
         Self::keeping(KEPT)
     }
+}
 
+impl Gathering {
     /// Starts with another number of episodes of a run that are kept one by one.
     pub(super) fn keeping(kept: usize) -> Self {
         Self { kept, last: None, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }

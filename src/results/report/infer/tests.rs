@@ -65,7 +65,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
 }
 
 fn gather(runs: Vec<DataFrame>) -> Evidence {
-    let mut gathering = Gathering::new();
+    let mut gathering = Gathering::default();
     runs.iter().for_each(|run| gathering.add(run).unwrap());
     gathering.finish()
 }

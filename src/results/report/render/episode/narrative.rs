@@ -13,7 +13,7 @@ const MOST: usize = 40;
 /// An episode in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Narrative {
-    /// What the driver did and did not do; see [`in_short`].
+    /// What the driver did and did not do, in a sentence or two.
     pub short: String,
     /// The events in order: time (s) and text.
     pub events: Vec<(f64, String)>,

@@ -138,8 +138,11 @@ fn table(
     Table { head, rows: results.iter().map(row).collect(), ..Table::default() }
 }
 
+/// Of a cell a rate with its interval, and the number of episodes that it counts.
+type RateOf = fn(&Cell) -> (Spread, (f64, f64), u32);
+
 /// A rate of a cell with its interval.
-fn rate(cell: Option<&Cell>, of: fn(&Cell) -> (Spread, (f64, f64), u32)) -> Value {
+fn rate(cell: Option<&Cell>, of: RateOf) -> Value {
     let Some(cell) = cell else { return Value::Estimate(None, None, 2) };
     let (rate, interval, count) = of(cell);
     Value::or_count(Value::Estimate(rate.mean, Some(interval), 2), rate.mean, count, cell.episodes)
