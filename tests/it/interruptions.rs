@@ -166,7 +166,7 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
 #[cfg(unix)]
 fn ctrl_c_saves_what_is_under_way() {
     let place = Place::new();
-    let long = SCENARIO.replace("steps: 120", "steps: 3600");
+    let long = SCENARIO.replace("steps: 120", "steps: 10800");
     place.write(&long);
     let mut child = place.begin(&["--checkpoint", "3600"]);
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();

@@ -284,7 +284,7 @@ fn a_careful_human_lets_those_pass_who_do_not_come() {
     // It crosses after the car: the bound, which has no gate, stops.
     let late = pass(9.0, 1.0);
     assert!(!late.braked(human) && late.stopped(bound), "{late:?}");
-    // It is some 0.3 m beside the path when the rear passes: the human stops for nothing.
+    // It is some 0.3 m beside the path when the rear passes: the human stops needlessly.
     let near = pass(1.5 + 4.4, 1.0);
     assert!(near.stopped(human), "{near:?}");
 }

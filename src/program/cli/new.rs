@@ -27,7 +27,7 @@ pub struct NewArgs {
     pub template: Template,
 }
 
-/// A scenario to start from. Each has a pedestrian that can exist and a reward for collisions that are faults to the driver.
+/// A scenario to start from. Each has a pedestrian with human limits and a reward for collisions that are faults to the driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Template {
     /// An adult crosses a street in front of a car that drives; a search for faults of two drivers in two towns.
@@ -38,7 +38,7 @@ pub enum Template {
     OwnDriver,
     /// The pedestrian tests of Euro NCAP for your drivers, and a search beyond them.
     Protocol,
-    /// The experiment of the paper "Suicidal Pedestrian", and the same with a pedestrian that can exist.
+    /// The experiment of the paper "Suicidal Pedestrian", and the same with a pedestrian with human limits.
     Paper,
 }
 

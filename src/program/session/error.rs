@@ -31,8 +31,8 @@ pub enum Error {
     /// A map is given for a town that no file declares.
     #[error("a map is given for the town `{town}`, which nothing uses")]
     UnusedMap { town: String },
-    /// A finished report of something else is at the place of a report.
-    #[error("`{}` is a finished report of something else, which is not replaced:\n{}", .0.folder.display(), listed(&.0.differences))]
+    /// Results for other inputs are at the place of a report.
+    #[error("`{}` holds results for other inputs, which are not replaced:\n{}", .0.folder.display(), listed(&.0.differences))]
     OtherReport(Box<OtherReport>),
     /// The files hold no campaign.
     #[error("{advice}")]

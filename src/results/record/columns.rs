@@ -218,11 +218,11 @@ pub const AVOIDS: Family<bool> =
 pub const FALSE_BRAKE: Family<bool> = Family::new(
     "_false_brake",
     "",
-    "whether that reference driver would have braked for nothing: in an approach in which a car that keeps its pace does not touch the \
+    "whether that reference driver would have braked needlessly: in an approach in which a car that keeps its pace does not touch the \
      pedestrian either; missing with a collision and in error",
 );
 pub const FALSE_STOP: Family<bool> =
-    Family::new("_false_stop", "", "whether it would have braked to a stop for nothing");
+    Family::new("_false_stop", "", "whether it would have braked to a stop needlessly");
 pub const MOVED: Family<bool> = Family::new(
     "_moved",
     "",

@@ -251,13 +251,13 @@ pub const PLACED_STARTS: Count = Count::new(
 pub const PASSED: Count =
     Count::new("passed_episodes", Which::Passed, "number of episodes without a collision and without error");
 
-/// Number of episodes in which a reference driver brakes (`stops` false) or stops for nothing.
+/// Number of episodes in which a reference driver brakes (`stops` false) or stops needlessly.
 pub const fn false_alarms(reference: Reference, stops: bool) -> Count {
     let column = false_alarm_names(reference)[stops as usize];
     let (suffix, doc) = if stops {
-        ("_false_stops", "number of episodes in which that reference driver would have braked to a stop for nothing")
+        ("_false_stops", "number of episodes in which that reference driver would have braked to a stop needlessly")
     } else {
-        ("_false_brakes", "number of episodes in which that reference driver would have braked for nothing")
+        ("_false_brakes", "number of episodes in which that reference driver would have braked needlessly")
     };
     Count { stem: reference.name(), suffix, doc, which: Which::True(column) }
 }

@@ -15,7 +15,7 @@ pub struct EpisodeRow {
     pub outcome: Outcome,
     /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<Verdict>,
-    /// The reference drivers that would have braked for nothing; none with a collision.
+    /// The reference drivers that would have braked needlessly; none with a collision.
     pub false_alarms: Option<FalseAlarms>,
     /// How near it came to a touch.
     pub near_miss: NearMiss,

@@ -3,10 +3,10 @@ use super::trial::FreeRun;
 use super::{Encounter, Reference, Trial};
 use crate::env::Pair;
 
-/// The reference drivers that would have braked for nothing in an episode without a touch.
+/// The reference drivers that would have braked needlessly in an episode without a touch.
 ///
 /// The episode is cut into the approaches of the pedestrian, each from the start of its danger to five seconds after its end. Each approach is
-/// judged as a collision is: same path, same speed until it brakes, frozen pedestrian. A driver braked *for nothing* when it braked in an approach
+/// judged as a collision is: same path, same speed until it brakes, frozen pedestrian. A driver braked *needlessly* when it braked in an approach
 /// in which the recorded car does not touch the pedestrian. A reference that stops for everybody would avoid all collisions; this is its price.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FalseAlarms {
@@ -29,7 +29,7 @@ impl FalseAlarms {
 
     fn add(&mut self, encounter: &mut Encounter<'_>) {
         let free = FreeRun::new(encounter);
-        // A car that stands all the time cannot stop for nothing.
+        // A car that stands all the time cannot stop needlessly.
         if free.trial.least_gap <= 0.0 || !free.trial.moved {
             return;
         }
@@ -51,12 +51,12 @@ impl FalseAlarms {
         }
     }
 
-    /// Whether a driver braked for nothing.
+    /// Whether a driver braked needlessly.
     pub fn braked(&self, reference: Reference) -> bool {
         self.braked[reference as usize]
     }
 
-    /// Whether it braked to a stop for nothing.
+    /// Whether it braked to a stop needlessly.
     pub fn stopped(&self, reference: Reference) -> bool {
         self.stopped[reference as usize]
     }

@@ -87,7 +87,7 @@ pub struct Cell {
     pub placed: u32,
     /// The number of episodes without a collision.
     pub passed: u32,
-    /// The number of these in which each reference driver would have braked for nothing, and to a stop, in the order of [`Reference::ALL`].
+    /// The number of these in which each reference driver would have braked needlessly, and to a stop, in the order of [`Reference::ALL`].
     pub false_alarms: [[u32; 2]; Reference::COUNT],
     /// The expected rate of collisions that a driver drawn at random would have avoided, of all episodes.
     pub expected_preventable: Spread,

@@ -31,8 +31,8 @@ pub enum Caveat {
         /// The settings of the second.
         after: Vec<String>,
     },
-    /// A scenario file, a map or a network has other contents.
-    #[error("`{path}` has other contents")]
+    /// A scenario file, a map or a network differs.
+    #[error("`{path}` differs")]
     File {
         /// Its path in the second report.
         path: String,

@@ -37,7 +37,7 @@ pub enum GateError {
         nearest: Option<String>,
     },
     /// No row of the campaigns is about what it says, so it could never fail.
-    #[error("`{text}` would judge nothing: {reason}")]
+    #[error("`{text}` matches no row: {reason}")]
     AboutNothing {
         text: String,
         /// Why.
@@ -263,7 +263,7 @@ impl Gate {
                 known.push(found);
             }
         }
-        Err(format!("the values of `{}` are {}", condition.column, known.join(", ")))
+        Err(format!("`{}` can be: {}", condition.column, known.join(", ")))
     }
 
     /// Judges every cell of the table that it is about, in its order.
@@ -515,12 +515,12 @@ mod tests {
         assert_eq!(reason("preventable_rate > 0.05 and town == village"), Ok(()));
         assert_eq!(reason("learnt != yes"), Ok(()), "results are known after the run only");
         let typo = reason("preventable_rate > 0.05 and town == vilage").unwrap_err();
-        assert_eq!(typo, "the values of `town` are harbour, village");
+        assert_eq!(typo, "`town` can be: harbour, village");
         let apart = reason("preventable_rate > 0.05 and town == harbour and controller == random").unwrap_err();
         assert!(apart.contains("no row is chosen by all"), "{apart}");
         let gate = Gate::parse("preventable_rate > 0.05").unwrap();
         let empty = gate.check(&[]).unwrap_err().to_string();
-        assert_eq!(empty, "`preventable_rate > 0.05` would judge nothing: no campaign has an `evaluate` block");
+        assert_eq!(empty, "`preventable_rate > 0.05` matches no row: no campaign has an `evaluate` block");
     }
 
     #[test]

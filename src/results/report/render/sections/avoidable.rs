@@ -4,8 +4,8 @@ use crate::report::render::table::{Column, Section, Table, Value};
 
 /// How to read the table.
 const READING: [&str; 4] = [
-    "Each collision was run again with reference drivers at the brake, from the instant at which the danger starts. The car stays on its path, \
-     the pedestrian is at the same places at the same times, no driver steers, and the pedestrian does not react. *Of all episodes* is the rate \
+    "Each collision was run again with reference drivers, from the instant at which the danger starts. Until one brakes, its car is the recorded one. The \
+     pedestrian is at the same places at the same times, and does not react. *Of all episodes* is the rate \
      of failures that count against the driver under test. The columns after it are shares of the collisions; they add up to 1:",
     "- **preventable**: a careful human would have avoided it. The driver under test failed, so look at these first. The column `verdict` of `episodes.csv` \
      finds them, `falsify replay RUN_ID:EPISODE` describes one, `falsify export RUN_ID:EPISODE --as svg` draws it.\n\

@@ -23,7 +23,7 @@ pub fn drivers(
 ) -> Option<Section> {
     let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
         results.iter().partition(|result| result.driver.sees_no_pedestrians());
-    let parts = [("", tested), ("Drivers that see no pedestrians: they show what can be hit", blind)];
+    let parts = [("", tested), ("Baseline: drivers that ignore pedestrians", blind)];
     let scale = worst_blind(&parts[1].1, cells);
     let tables: Vec<Table> = parts
         .into_iter()

@@ -34,7 +34,7 @@ pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) ->
              avoids what remains. The difference to the driver under test is what that driver could gain. Intervals are Wilson's 95 % over all episodes. A collision \
              with a car that has stopped counts as avoided."
                 .into(),
-            "The second table is the price of these drivers: the share of the episodes *without* a collision in which one brakes for nothing, and in brackets the share in \
+            "The second table is the price of these drivers: the share of the episodes *without* a collision in which one brakes needlessly, and in brackets the share in \
              which it brakes to a stop. *For nothing* means that a car which keeps its pace does not touch the pedestrian either. The pedestrians here look for the car; \
              ordinary ones would cause fewer false alarms."
                 .into(),
@@ -42,7 +42,7 @@ pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) ->
     })
 }
 
-/// How often reference drivers brake for nothing; none without an episode that ended well.
+/// How often reference drivers brake needlessly; none without an episode that ended well.
 fn false_alarms(cells: &[Cell]) -> Option<Table> {
     let mut columns = head();
     columns.push(Column::number("episodes without a collision"));
