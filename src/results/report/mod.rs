@@ -48,6 +48,7 @@ pub use infer::{
 };
 pub use listed_failure::{FailureClass, FailureOrder, ListedFailure};
 pub use manifest::{Call, FileRecord, Manifest, RunRecord, ScenarioFile, TrainingRecord};
+pub use metric_table::{METRICS, metric_references};
 pub use overview::{HighestRate, Overview, OverviewRow, Variant};
 pub use played::PlayedFailure;
 pub use read::{
