@@ -20,9 +20,9 @@ impl Lowering<'_> {
     /// The program of the key `command` and its opener; none after reporting what is wrong. The program is not started.
     pub fn allowed_program(&mut self, declaration: &Declaration) -> Option<(Program, Arc<dyn Opener>)> {
         let place = declaration.block.place("command");
-        let ProgramKeys { command, .. } = &declaration.block.keys();
+        let ProgramKeys { command, files, .. } = &declaration.block.keys();
         let program = match Program::parse(command, self.beside(declaration, "")) {
-            Ok(program) => program,
+            Ok(program) => Program { files: files.clone().unwrap_or_default(), ..program },
             Err(reason) => {
                 self.said.push(diagnostics::unusable_command(place, command, reason));
                 return None;
@@ -36,7 +36,7 @@ impl Lowering<'_> {
             self.said.push(diagnostics::unusable_command(place, command, &reason));
             return None;
         }
-        // The contents of a command's files are part of the scenario.
+        // The contents of what a program is made of are part of the scenario.
         self.read.note(self.beside(declaration, command), opener.digest(&program));
         Some((program, opener))
     }

@@ -70,7 +70,7 @@ const SHOWN_BYTES: usize = 600;
 
 /// `falsify check -- DRIVER`
 pub fn try_driver(options: &TrialArgs) -> ExitCode {
-    let program = Program { words: options.driver.clone(), folder: ".".into() };
+    let program = Program { words: options.driver.clone(), folder: ".".into(), files: Vec::new() };
     let settings =
         Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
     console::say(&format!("driver {}", options.driver.join(" ")));

@@ -40,7 +40,7 @@ pub trait Opener: Send + Sync {
         Ok(())
     }
 
-    /// Digests the files that the words of a command name, so that results of a changed program are not reused.
+    /// Digests the files that a program is made of, so that results of a changed program are not reused.
     fn digest(&self, program: &Program) -> [u8; 32] {
         let _ = program;
         [0; 32]

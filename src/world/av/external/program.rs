@@ -8,6 +8,9 @@ keys! {
         /// The program and its arguments, split at blanks and started without a shell in the folder of the file that
         /// names it.
         command: String,
+        /// Further files and folders that it depends on, beside those of its script's folder: when their contents change, its results are
+        /// made again.
+        files: Option<Vec<String>>,
         /// Time that it has for an answer.
         timeout: f64 as within(TIME, 0.001, 3600.0) = "1 s",
         /// Time that it has for its greeting.
@@ -22,6 +25,8 @@ pub struct Program {
     pub words: Vec<String>,
     /// The folder in which it runs.
     pub folder: PathBuf,
+    /// Further files and folders that it depends on, relative to that folder.
+    pub files: Vec<String>,
 }
 
 impl Program {
@@ -59,7 +64,7 @@ impl Program {
         if words.first().is_none_or(String::is_empty) {
             return Err("it names no program");
         }
-        Ok(Self { words, folder })
+        Ok(Self { words, folder, files: Vec::new() })
     }
 }
 
