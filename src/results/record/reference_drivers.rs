@@ -57,7 +57,8 @@ pub fn is_of_reference_driver(column: &str) -> bool {
     Reference::ALL.into_iter().any(|reference| names(reference).iter().any(|name| name == column))
 }
 
-/// A row for each reference driver of each row of a table that has their columns. Rows of which none is known, as of an episode in error, are left out.
+/// A row for each reference driver of each collision, and of each other episode in which it would have braked needlessly, of a table that has
+/// their columns.
 ///
 /// # Errors
 /// A column is missing.
@@ -73,7 +74,8 @@ pub fn reference_drivers(episodes: &DataFrame) -> PolarsResult<DataFrame> {
     }
     let (rows, drivers) = (episodes.height() as u32, Reference::COUNT as u32);
     let (avoids, braked) = (bare(AVOIDS.name("")), bare(FALSE_BRAKE.name("")));
-    let (judged, braked) = (all.column(&avoids)?.is_not_null(), all.column(&braked)?.is_not_null());
+    let judged = all.column(&avoids)?.is_not_null();
+    let braked = all.column(&braked)?.bool()?;
     let known = |place: &u32| judged.get(*place as usize) == Some(true) || braked.get(*place as usize) == Some(true);
     let places = (0..rows).flat_map(|row| (0..drivers).map(move |driver| driver * rows + row)).filter(known);
     all.take(&IdxCa::new("".into(), places.collect::<Vec<_>>()))
@@ -101,7 +103,8 @@ pub fn references() -> TableReference {
     ];
     TableReference {
         name: REFERENCE_DRIVERS,
-        doc: "One row for each reference driver in each episode that ended, and in each failure of a search.",
+        doc: "One row for each reference driver of each collision and of each failure of a search, and of each other episode in which it would have \
+              braked needlessly.",
         columns,
     }
 }
