@@ -1,4 +1,4 @@
-// A driver over the binary form: follows the route, keeps a time gap of 2 s to whoever is in its way, stops at red lights.
+// A driver over the binary form: follows the route, keeps a time gap of 2 s to the actor in its way, stops at red lights.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-"""A driver in twenty lines: follows the route, keeps a time gap of 2 s to whoever is in its way, stops at red lights."""
+"""A driver in twenty lines: follows the route, keeps a time gap of 2 s to the actor in its way, stops at red lights."""
 import json, math, sys
 
 def drive(world):

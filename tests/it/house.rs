@@ -163,3 +163,13 @@ fn what_the_architecture_names_exists() {
     }
     assert!(missing.is_empty(), "{missing:?}");
 }
+
+/// What packages embed from other folders of the repository. A copy would go stale, and `cargo publish` follows a link.
+#[test]
+#[cfg(unix)]
+fn what_packages_embed_from_elsewhere_are_links() {
+    for path in ["src/lang/grammar", "src/lang/library", "src/program/cli/templates/my_av.py"] {
+        let found = std::fs::symlink_metadata(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap();
+        assert!(found.is_symlink(), "{path} is a copy: make it a link again");
+    }
+}

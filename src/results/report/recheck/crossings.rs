@@ -82,13 +82,13 @@ impl CrossedStarts {
         (all > 0).then(|| starts as f64 / all as f64)
     }
 
-    /// Probability that so uneven a change of the starts with a fault is chance: McNemar's exact test over starts.
+    /// Probability of a change at least this uneven of the starts with a fault by chance: McNemar's exact test over starts.
     pub fn p(&self) -> Option<f64> {
         let new = self.count_starts(|faults| faults.is_new())?;
         Some(mcnemar(self.count_starts(|faults| faults.is_fixed())?, new))
     }
 
-    /// Probability that so many more starts are worse than better, or the other way round, by chance: the exact sign test.
+    /// Probability of a difference at least this large between the numbers of worse and of better starts by chance: the exact sign test.
     pub fn p_starts(&self) -> Option<f64> {
         Some(mcnemar(self.count_starts(StartFaults::is_better)?, self.count_starts(StartFaults::is_worse)?))
     }

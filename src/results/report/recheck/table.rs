@@ -132,7 +132,7 @@ fn crossings() -> Table<'static, CrossedStarts> {
         number(
             "p_starts",
             "",
-            "probability of so uneven numbers of worse and better starts by chance: the exact sign test",
+            "probability of a difference at least this large between the numbers of worse and better starts by chance: the exact sign test",
         )
         .of(Row::p_starts),
     )

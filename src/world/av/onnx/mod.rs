@@ -13,7 +13,7 @@
 //! file; the first dimension is 1 or free.
 //!
 //! A file goes through `vetting`, which trusts no length in it and refuses results whose sizes are not constant. So all evaluations take the
-//! memory and about the time of the first one, which has no bound here: whoever reads files that are not trusted tries them elsewhere first.
+//! memory and about the time of the first one, which has no bound here: a caller that reads untrusted files tries them in another process first.
 //!
 //! A [`Network`] is a network of plain numbers, without the meaning that a driver's have: a pedestrian is one.
 
