@@ -30,13 +30,14 @@ pub struct ExplainArgs {
 pub fn explain(options: &ExplainArgs) -> Ended {
     let language = Catalog::builtin().explain(&options.words);
     let word = options.words.join(" ");
-    let results: Vec<String> = meaning(&word).into_iter().chain(columns(&word)).collect();
-    let text = match language {
-        Err(reason) if results.is_empty() => return Err(misused(reason)),
-        Err(_) => results.join("\n\n"),
-        Ok(language) => [vec![language.trim_end().to_owned()], results].concat().join("\n\n"),
+    let meaning = meaning(&word);
+    let columns = columns(&word);
+    let language = match language {
+        Err(reason) if meaning.is_none() && columns.is_empty() => return Err(misused(reason)),
+        other => other.ok().map(|text| text.trim_end().to_owned()),
     };
-    console::say(console::wrapped(&text).trim_end());
+    let parts: Vec<String> = meaning.into_iter().chain(language).chain(columns).collect();
+    console::say(console::wrapped(&parts.join("\n\n")).trim_end());
     Ok(ExitCode::Done)
 }
 
