@@ -15,14 +15,14 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     let (outcome, verdict) = (&end.outcome, end.verdict.as_ref());
     let dict = PyDict::new(py);
     let name = match outcome.ending {
-        Ending::Collision { .. } => "collision",
+        Ending::Touch { .. } => "collision",
         Ending::OtherContact => "other_contact",
         Ending::Lost => "lost",
         Ending::Timeout => "timeout",
         Ending::Error(_) | Ending::ControllerError(_) => "error",
     };
     let (front, moving, bearing) = match outcome.ending {
-        Ending::Collision { front, moving, bearing, .. } => (front, moving, bearing),
+        Ending::Touch { front, moving, bearing, .. } => (front, moving, bearing),
         _ => (false, false, f64::NAN),
     };
     dict.set_item("seed", end.seed)?;

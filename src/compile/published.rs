@@ -8,9 +8,9 @@ use lang::hir::{Block, Declaration, Program};
 
 /// The published figures that can be compared with ours: the metric, the keys of mean and spread, and its description.
 const FIGURES: [(&str, &str, &str, &str); 6] = [
-    ("collision_rate", "collision", "collision_sd", "Collisions of all episodes."),
-    ("front_rate", "front", "front_sd", "Frontal collisions of all collisions."),
-    ("moving_rate", "moving", "moving_sd", "Collisions with a moving car of all episodes."),
+    ("touch_rate", "touch", "touch_sd", "Collisions and bumps of all episodes."),
+    ("front_rate", "front", "front_sd", "The share of these in the front sector."),
+    ("collision_rate", "collision", "collision_sd", "Collisions of all episodes; the car moved."),
     ("episode_reward", "reward_mean", "reward_sd", "Reward of an episode."),
     ("episode_length_s", "length", "length_sd", "Length of an episode (s)."),
     ("impact_speed_mps", "impact_speed", "impact_speed_sd", "Speed of the car at a collision (m/s)."),

@@ -231,7 +231,7 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     let (outcome, trace) = run(&scenario, [STANDING, running]);
     let contact = *trace.contact().unwrap();
     assert_eq!(contact.pair, (ActorId::EGO, ActorId::Pedestrian(1)));
-    assert!(matches!(outcome.ending, Ending::Collision { front: true, moving: true, .. }), "{outcome:?}");
+    assert!(matches!(outcome.ending, Ending::Touch { front: true, moving: true, .. }), "{outcome:?}");
     assert!(outcome.reward > 3.0 && outcome.least_gap == 0.0);
     let pair = trace.main_pair(&scenario);
     assert_eq!(pair.frame(0).pedestrian.pose, in_lane.pose);

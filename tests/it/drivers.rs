@@ -112,7 +112,7 @@ fn nobody_gets_hit_by_the_oracle_while_it_moves() {
         while env.outcome().is_none() {
             env.carry_out(&[env.intercept(0)]);
         }
-        if let world::env::Ending::Collision { moving: at_speed, .. } = env.outcome().unwrap().ending {
+        if let world::env::Ending::Touch { moving: at_speed, .. } = env.outcome().unwrap().ending {
             hits += 1;
             moving += u32::from(at_speed);
         }

@@ -327,7 +327,7 @@ fn plan(text: &str) -> Result<Plan, String> {
 /// An episode as a report shows it.
 fn shown(outcome: &Outcome, verdict: Option<&Verdict>) -> String {
     let ending = match outcome.ending {
-        Ending::Collision { front, moving, impact_speed, .. } => format!("hit {front} {moving} {impact_speed:.1}"),
+        Ending::Touch { front, moving, impact_speed, .. } => format!("hit {front} {moving} {impact_speed:.1}"),
         other => format!("{other:?}"),
     };
     let verdict = verdict.map(|verdict| (verdict.label, verdict.foreseeable));

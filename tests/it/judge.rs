@@ -129,7 +129,7 @@ fn a_driver_that_does_nothing_hits_when_the_recorded_one_did() {
         let trial = Trial::new(&mut encounter, &mut Never);
         let ticks = |time: f64| ((time - 1e-9) / scenario.episode.tick).floor();
         assert_eq!(ticks(trial.time), ticks(encounter.warning), "{trial:?}, {} s", encounter.warning);
-        let Ending::Collision { impact_speed, .. } = outcome.ending else { unreachable!("there is an encounter") };
+        let Ending::Touch { impact_speed, .. } = outcome.ending else { unreachable!("there is an encounter") };
         assert!((trial.impact_speed.unwrap_or(0.0) - impact_speed).abs() < 0.25, "{trial:?}, {impact_speed} m/s");
     }
     assert!(compared > 20, "only {compared} runs could be compared");
@@ -143,8 +143,8 @@ fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
         let verdict = judge(&trace.main_pair(&scenario));
         assert_eq!(verdict.is_some(), outcome.is_collision());
         let Some(verdict) = verdict else { continue };
-        let Ending::Collision { impact_speed, .. } = outcome.ending else { unreachable!("it is a collision") };
-        assert_eq!(verdict.label == Label::Standing, impact_speed <= 0.1);
+        let Ending::Touch { impact_speed, .. } = outcome.ending else { unreachable!("it is a collision") };
+        assert_eq!(verdict.label == Label::Bump, impact_speed <= 0.1);
         assert!(verdict.warning > 0.0 && verdict.warning <= outcome.duration + 1e-9);
         if verdict.label == Label::Unpreventable {
             assert!(!verdict.trial(Reference::Bound).is_avoided());
@@ -157,7 +157,7 @@ fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
         assert!(!verdict.foreseeable, "at 3.5 m/s at once");
         labels.push(verdict.label);
     }
-    assert!(labels.contains(&Label::Standing) && labels.iter().any(|label| *label != Label::Standing), "{labels:?}");
+    assert!(labels.contains(&Label::Bump) && labels.iter().any(|label| *label != Label::Bump), "{labels:?}");
 }
 
 /// A car drives east at 10 m/s for three seconds and then touches the pedestrian, who comes from the left.

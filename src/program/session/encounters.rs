@@ -93,7 +93,7 @@ impl Source {
 
 fn end(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> Met {
     let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(scenario))).flatten();
-    Met::new(outcome, verdict.as_ref(), scenario.episode.moving_above)
+    Met::new(outcome, verdict.as_ref())
 }
 
 fn met_again(

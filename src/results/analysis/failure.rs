@@ -38,8 +38,6 @@ impl Impact {
 pub struct Kind {
     /// The side of the car that was hit.
     pub impact: Impact,
-    /// Whether the car moved.
-    pub moving: bool,
     /// The verdict: which reference drivers would have avoided it.
     pub verdict: Label,
     /// Whether the pedestrian came into sight too late for a careful human.
@@ -48,24 +46,12 @@ pub struct Kind {
     pub mode: DrivingMode,
 }
 
-impl Kind {
-    /// Whether the car moved, in tables.
-    pub fn motion(&self) -> &'static str {
-        if self.moving { "moving" } else { "standing" }
-    }
-}
-
-/// Names it for people: `front, moving, preventable, cruise`, and `occluded` if it was.
+/// Names it for people: `front, preventable, cruise`, and `occluded` if it was.
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = self.verdict.name().replace('_', " ");
-        write!(f, "{}, {}", self.impact.name(), self.motion())?;
-        // A car that stands has the verdict `standing`: once is enough.
-        if verdict != self.motion() {
-            write!(f, ", {verdict}")?;
-        }
         let occluded = if self.occluded { ", occluded" } else { "" };
-        write!(f, "{occluded}, {}", self.mode.name().replace('_', " "))
+        write!(f, "{}, {verdict}{occluded}, {}", self.impact.name(), self.mode.name().replace('_', " "))
     }
 }
 

@@ -77,7 +77,7 @@ fn kinds_are_named_for_people() {
     let standing = Kind {
         impact: Impact::Rear,
         moving: false,
-        verdict: Label::Standing,
+        verdict: Label::Bump,
         occluded: true,
         mode: DrivingMode::EmergencyStop,
     };

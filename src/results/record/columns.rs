@@ -42,15 +42,13 @@ pub const WEIGHT: Column<f64> = Column::new(
 pub const OUTCOME: Column<String> = Column::new(
     "outcome",
     "",
-    "`collision`, `timeout`, `lost` (the scenario's `end_when` was true, or the test of a protocol was over), or `error` (an external driver or controller failed as a program)",
+    "`collision` (the moving car touched the pedestrian), `bump` (the pedestrian touched the standing car), `timeout`, `lost` (the scenario's `end_when` was true, or the test of a protocol was over), or `error` (an external driver or controller failed as a program)",
 );
 pub const ERROR: Column<String> =
     Column::new("error", "", "why the driver, or `the controller`, failed; empty otherwise");
-pub const COLLISION: Column<bool> = Column::new("collision", "", "whether car and pedestrian touched");
+pub const COLLISION: Column<bool> = Column::new("collision", "", "whether the moving car touched the pedestrian; a bump is none");
 pub const FRONT: Column<bool> =
     Column::new("front", "", "whether they touched within the front sector, by the bearing from the car's middle");
-pub const MOVING: Column<bool> =
-    Column::new("moving", "", "whether they touched while the car was faster than `moving_above`");
 pub const IMPACT_SPEED: Column<f64> = Column::new("impact_speed_mps", "m/s", "speed of the car at the touch");
 pub const IMPACT_BEARING: Column<f64> = Column::new(
     "impact_bearing_deg",
@@ -79,7 +77,6 @@ pub const PET: Column<f64> = Column::new(
 pub const DRIVING_MODE: Column<String> =
     Column::new("driving_mode", "", "what the driver did at the pedestrian's last decision");
 pub const IMPACT: Column<String> = Column::new("impact", "", "side of the impact: `front`, `left`, `right` or `rear`");
-pub const MOTION: Column<String> = Column::new("motion", "", "`moving` or `standing`: the car at the touch");
 pub const EGO_X: Column<f64> = Column::new("ego_x_m", "m", "start of the car, in the world frame");
 pub const EGO_Y: Column<f64> = Column::new("ego_y_m", "m", EGO_X.doc);
 pub const EGO_YAW: Column<f64> = Column::new("ego_yaw_deg", "deg", "heading of the car at the start");

@@ -2,7 +2,7 @@ use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
     ADVERSARY, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC,
     ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED,
     POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
     VELOCITY_CHANGE,
@@ -93,9 +93,8 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EPISODE.of(|row: &EpisodeRow| row.episode))
         .column(OUTCOME.of(|row: &EpisodeRow| ending(&row.outcome.ending)))
         .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.outcome)))
-        .column(COLLISION.of(|row| hit(row).is_some()))
+        .column(COLLISION.of(|row: &EpisodeRow| row.outcome.is_collision()))
         .column(FRONT.of(|row| hit(row).is_some_and(|hit| hit.front)))
-        .column(MOVING.of(|row| hit(row).is_some_and(|hit| hit.moving)))
         .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)))
         .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
         .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward))
@@ -122,12 +121,12 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
         .column(
             STATE_HASHES
-                .of(|row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.state_hashes.to_string())),
+                .of(|row: &EpisodeRow| row.outcome.is_touch().then(|| row.outcome.state_hashes.to_string())),
         );
     table.columns(verdicts())
 }
 
-/// The results of the reference drivers: the verdict on a collision, and the false alarms in an episode without one.
+/// The results of the reference drivers: the verdict on a touch, and the false alarms in an episode without one.
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
     let of_drivers = reference_columns(|row: &EpisodeRow| row.verdict, |row: &EpisodeRow| row.false_alarms);
     verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().chain(of_drivers).collect()
@@ -141,16 +140,13 @@ fn placed(row: &EpisodeRow) -> Option<bool> {
 /// A touch.
 struct Hit {
     front: bool,
-    moving: bool,
     speed: f64,
     bearing: f64,
 }
 
 fn hit(row: &EpisodeRow) -> Option<Hit> {
     match row.outcome.ending {
-        Ending::Collision { front, moving, impact_speed, bearing } => {
-            Some(Hit { front, moving, speed: impact_speed, bearing })
-        }
+        Ending::Touch { front, impact_speed, bearing, .. } => Some(Hit { front, speed: impact_speed, bearing }),
         _ => None,
     }
 }
@@ -169,12 +165,18 @@ fn motion(row: &EpisodeRow) -> Option<PedestrianMotion> {
 pub const IN_ERROR: &str = named::ERROR;
 
 /// The names of endings in tables.
-pub(super) mod named {
+pub mod named {
     pub const COLLISION: &str = "collision";
+    pub const BUMP: &str = "bump";
     pub const OTHER_CONTACT: &str = "other_contact";
     pub const LOST: &str = "lost";
     pub const TIMEOUT: &str = "timeout";
     pub const ERROR: &str = "error";
+
+    /// Whether it is one of the two in which car and pedestrian touched.
+    pub fn is_touch(outcome: &str) -> bool {
+        [COLLISION, BUMP].contains(&outcome)
+    }
 }
 
 /// The cause of an episode in error; empty for others. A driver's has no subject, a controller's names the controller.
@@ -187,7 +189,8 @@ fn why_in_error(outcome: &Outcome) -> String {
 
 fn ending(ending: &Ending) -> &'static str {
     match ending {
-        Ending::Collision { .. } => named::COLLISION,
+        Ending::Touch { moving: true, .. } => named::COLLISION,
+        Ending::Touch { moving: false, .. } => named::BUMP,
         Ending::OtherContact => named::OTHER_CONTACT,
         Ending::Lost => named::LOST,
         Ending::Timeout => named::TIMEOUT,

@@ -2,6 +2,7 @@
 
 use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32Chunked};
 
+use super::episodes::named;
 use super::{Column, ColumnReference, Family, Kind, columns};
 use world::judge::{Class, Label, Reference};
 
@@ -23,11 +24,11 @@ pub fn metrics() -> Vec<Metric> {
         Count(EPISODES),
         Count(ERRORS),
         Count(COLLISIONS),
-        Count(FRONT_COLLISIONS),
-        Count(MOVING_COLLISIONS),
+        Count(TOUCHES),
+        Count(FRONT_TOUCHES),
         Rate(COLLISION_RATE),
+        Rate(TOUCH_RATE),
         Rate(FRONT_RATE),
-        Rate(MOVING_RATE),
         Mean(EPISODE_REWARD),
         Mean(EPISODE_LENGTH),
         Mean(IMPACT_SPEED),
@@ -84,7 +85,11 @@ pub enum Which {
     Labelled(Label),
     /// Those that count as this.
     Counts(Class),
-    /// Those without error and without a collision.
+    /// Those that ended so.
+    Ended(&'static str),
+    /// Those that ended in a collision or a bump.
+    Touched,
+    /// Those without error and without a touch.
     Passed,
 }
 
@@ -97,10 +102,21 @@ pub struct Mean {
     pub column: &'static str,
     unit: &'static str,
     doc: &'static str,
-    /// Whether it is over the episodes without error; otherwise over those with a value.
-    pub of_valid: bool,
+    /// The episodes that it is over.
+    pub over: Over,
     /// Whether the table of cells has it too.
     pub in_cells: bool,
+}
+
+/// The episodes that a mean is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// Those without error; a missing value counts as 0.
+    Valid,
+    /// Those with a value.
+    Present,
+    /// Those that ended in a collision.
+    Collisions,
 }
 
 /// A ratio of two counts, missing where the denominator is 0, with Wilson's 95 % interval.
@@ -138,12 +154,12 @@ impl Count {
 impl Mean {
     /// The mean of a column over the episodes without error.
     pub const fn new(column: &Column<f64>, doc: &'static str) -> Self {
-        Self { name: column.name, column: column.name, unit: column.unit, doc, of_valid: true, in_cells: true }
+        Self { name: column.name, column: column.name, unit: column.unit, doc, over: Over::Valid, in_cells: true }
     }
 
     /// The mean of a column over the episodes in which it has a value.
     pub const fn of_present(column: &Column<f64>, doc: &'static str) -> Self {
-        Self { of_valid: false, ..Self::new(column, doc) }
+        Self { over: Over::Present, ..Self::new(column, doc) }
     }
 
     /// The same mean, in a column of this name.
@@ -203,11 +219,13 @@ pub const EPISODES: Count = Count::new(
     "number of episodes; episodes in error are left out here and in every rate and mean",
 );
 pub const ERRORS: Count = Count::new("errors", Which::InError, "number of episodes in error");
-pub const COLLISIONS: Count = Count::new("collisions", Which::True(columns::COLLISION.name), "number of collisions");
-pub const FRONT_COLLISIONS: Count =
-    Count::new("front_collisions", Which::True(columns::FRONT.name), "number of frontal collisions");
-pub const MOVING_COLLISIONS: Count =
-    Count::new("moving_collisions", Which::True(columns::MOVING.name), "number of collisions with a moving car");
+pub const COLLISIONS: Count =
+    Count::new("collisions", Which::Ended(named::COLLISION), "number of collisions, in which the car moved");
+pub const BUMPS: Count =
+    Count::new("bumps", Which::Ended(named::BUMP), "number of bumps, in which a pedestrian touched the standing car");
+pub const TOUCHES: Count = Count::new("touches", Which::Touched, "number of collisions and bumps");
+pub const FRONT_TOUCHES: Count =
+    Count::new("front_touches", Which::True(columns::FRONT.name), "number of collisions and bumps in the front sector");
 pub const FORESEEABLE_COLLISIONS: Count = Count::new(
     "foreseeable_collisions",
     Which::True(columns::FORESEEABLE.name),
@@ -249,7 +267,7 @@ pub const PLACED_STARTS: Count = Count::new(
     "number of starts that the driver did not reach in its run-up",
 );
 pub const PASSED: Count =
-    Count::new("passed_episodes", Which::Passed, "number of episodes without a collision and without error");
+    Count::new("passed_episodes", Which::Passed, "number of episodes without a touch and without error");
 
 /// Number of episodes in which a reference driver brakes (`stops` false) or stops needlessly.
 pub const fn false_alarms(reference: Reference, stops: bool) -> Count {
@@ -308,23 +326,26 @@ const fn false_alarm_names(reference: Reference) -> [&'static str; 4] {
 
 /// Number of collisions with a verdict.
 pub const fn labelled(label: Label) -> Count {
+    if matches!(label, Label::Bump) {
+        return BUMPS;
+    }
     let doc = "number of collisions with that verdict";
     Count { stem: label.name(), suffix: "_collisions", doc, which: Which::Labelled(label) }
 }
 
-pub const COLLISION_RATE: Rate =
-    Rate::new("collision_rate", COLLISIONS, EPISODES, "collisions of all episodes (the paper's CR)");
+pub const COLLISION_RATE: Rate = Rate::new(
+    "collision_rate",
+    COLLISIONS,
+    EPISODES,
+    "collisions of all *episodes*; bumps do not count (the paper's moving CR)",
+);
+pub const TOUCH_RATE: Rate =
+    Rate::new("touch_rate", TOUCHES, EPISODES, "collisions and bumps of all *episodes* (the paper's CR)");
 pub const FRONT_RATE: Rate = Rate::new(
     "front_rate",
-    FRONT_COLLISIONS,
-    COLLISIONS,
-    "frontal collisions of all *collisions* (the paper's front CR); missing without any collision",
-);
-pub const MOVING_RATE: Rate = Rate::new(
-    "moving_rate",
-    MOVING_COLLISIONS,
-    EPISODES,
-    "collisions with a moving car of all *episodes* (the paper's moving CR)",
+    FRONT_TOUCHES,
+    TOUCHES,
+    "collisions and bumps in the front sector of *all of them* (the paper's front CR); missing without any",
 );
 pub const PREVENTABLE_RATE: Rate =
     Rate::new("preventable_rate", labelled(Label::Preventable), EPISODES, "preventable collisions of all *episodes*");
@@ -353,7 +374,7 @@ pub const PLACED_RATE: Rate = Rate::new(
 );
 pub const PREVENTABLE_PROBABILITY: Mean = Mean::of_present(
     &columns::PREVENTABLE_PROBABILITY,
-    "mean share of drivers who would have avoided a collision, over the collisions with a car that moved",
+    "mean share of drivers who would have avoided a collision, over the collisions",
 );
 pub const EXPECTED_PREVENTABLE: Mean = Mean::new(
     &columns::PREVENTABLE_PROBABILITY,
@@ -366,7 +387,8 @@ pub const SEVERE_INJURY_RISK: Mean =
     Mean::of_present(&columns::SEVERE_INJURY_RISK, "mean probability of severe injury at a collision, by its speed");
 pub const EPISODE_REWARD: Mean = Mean::new(&columns::EPISODE_REWARD, "mean reward of an episode");
 pub const EPISODE_LENGTH: Mean = Mean::new(&columns::EPISODE_LENGTH, "mean length of an episode");
-pub const IMPACT_SPEED: Mean = Mean::of_present(&columns::IMPACT_SPEED, "mean speed of the car at a collision");
+pub const IMPACT_SPEED: Mean =
+    Mean { over: Over::Collisions, ..Mean::new(&columns::IMPACT_SPEED, "mean speed of the car at a collision") };
 pub const LEAST_GAP: Mean = Mean { in_cells: false, ..Mean::new(&columns::LEAST_GAP, "mean of the least gaps") };
 
 pub const MEAN: Family<f64> = Family::new("_mean", "", "mean over the runs of the cell");

@@ -11,7 +11,7 @@ pub mod columns;
 pub mod metric;
 mod verdicts;
 mod reference_drivers;
-mod episodes;
+pub(crate) mod episodes;
 mod read;
 mod tally;
 mod stored;

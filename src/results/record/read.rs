@@ -5,7 +5,7 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC,
-    MOVING, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID,
+    ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID,
     RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
@@ -77,7 +77,6 @@ pub struct EpisodeTable<'a> {
     error: &'a StringChunked,
     front: &'a BooleanChunked,
     on_crosswalk: &'a BooleanChunked,
-    moving: &'a BooleanChunked,
     fault: &'a BooleanChunked,
     impact_speed: &'a Float64Chunked,
     impact_bearing: &'a Float64Chunked,
@@ -117,7 +116,6 @@ impl<'a> EpisodeTable<'a> {
             error: ERROR.read(table)?,
             front: FRONT.read(table)?,
             on_crosswalk: ON_CROSSWALK.read(table)?,
-            moving: MOVING.read(table)?,
             fault: FAULT.read(table)?,
             impact_speed: IMPACT_SPEED.read(table)?,
             impact_bearing: IMPACT_BEARING.read(table)?,
@@ -169,19 +167,19 @@ impl<'a> EpisodeTable<'a> {
         (self.outcome.get(row) == Some(named::ERROR)).then(|| self.error.get(row).unwrap_or_default())
     }
 
+    /// Whether it is a collision or a bump.
+    pub fn is_touch(&self, row: usize) -> bool {
+        self.outcome.get(row).is_some_and(named::is_touch)
+    }
+
     /// Whether it is a collision.
     pub fn is_collision(&self, row: usize) -> bool {
         self.outcome.get(row) == Some(named::COLLISION)
     }
 
-    /// Whether it is a collision within the front sector.
+    /// Whether it is a collision or a bump within the front sector.
     pub fn is_front(&self, row: usize) -> bool {
         self.front.get(row).unwrap_or_default()
-    }
-
-    /// Whether it is a collision with a moving car.
-    pub fn is_moving(&self, row: usize) -> bool {
-        self.moving.get(row).unwrap_or_default()
     }
 
     /// Whether it counts against the driver: preventable, with a foreseeable pedestrian.
@@ -247,7 +245,9 @@ impl<'a> EpisodeTable<'a> {
     /// The rows of collisions that a reference driver avoids; none in the file of a report, where another table has them.
     pub fn avoided(&self, reference: Reference) -> impl Iterator<Item = usize> {
         let avoids = AVOIDS.read(reference.name(), self.table).ok();
-        self.rows().filter(move |row| avoids.and_then(|avoids| avoids.get(*row)) == Some(true))
+        let table = *self;
+        let avoided = move |row: &usize| avoids.and_then(|avoids| avoids.get(*row)) == Some(true);
+        self.rows().filter(move |row| table.is_collision(*row) && avoided(row))
     }
 
     /// The start.
@@ -263,9 +263,9 @@ impl<'a> EpisodeTable<'a> {
     /// The outcome; none if the episode is in error.
     pub fn outcome(&self, row: usize) -> Option<Outcome> {
         let ending = match self.outcome.get(row)? {
-            named::COLLISION => Ending::Collision {
+            touch if named::is_touch(touch) => Ending::Touch {
                 front: self.front.get(row)?,
-                moving: self.moving.get(row)?,
+                moving: touch == named::COLLISION,
                 impact_speed: self.impact_speed(row).unwrap_or_default(),
                 bearing: self.impact_bearing(row).unwrap_or_default(),
             },

@@ -8,7 +8,7 @@ use polars_io::SerReader;
 use polars_io::parquet::read::ParquetReader;
 use polars_io::parquet::write::ParquetWriter;
 
-use super::columns::{COLLISION, EPISODE, ERROR, FRONT, MOVING, OUTCOME};
+use super::columns::{COLLISION, EPISODE, ERROR, FRONT, OUTCOME};
 use super::episodes::{named, outcome_table, repeated_key};
 use super::parquet_reader::read_parquet;
 use super::{EpisodeRow, RunKey, Tally};
@@ -62,7 +62,7 @@ fn in_error(episodes: Range<u32>, error: &str) -> PolarsResult<DataFrame> {
             known if known == EPISODE.name => Series::new(name, episodes.clone().collect::<Vec<u32>>()).into(),
             known if known == OUTCOME.name => text(name, named::ERROR),
             known if known == ERROR.name => text(name, error),
-            known if [COLLISION.name, FRONT.name, MOVING.name].contains(&known) => {
+            known if [COLLISION.name, FRONT.name].contains(&known) => {
                 Values::new_scalar(name, Scalar::from(false), count)
             }
             _ => Values::full_null(name, count, like.dtype()),

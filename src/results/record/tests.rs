@@ -27,7 +27,7 @@ fn key() -> RunKey {
 }
 
 fn row(episode: u32, ending: Ending) -> EpisodeRow {
-    let hit = matches!(ending, Ending::Collision { .. });
+    let hit = matches!(ending, Ending::Touch { .. });
     let spawn = Spawn { ego: Pose::new(1.0, -2.0, 0.0), ego_speed: 7.0, pedestrian: Pose::new(5.0, 6.5, 0.0) };
     let trial = Trial { impact_speed: None, time: 1.0, least_gap: 0.5, moved: true, braked: true, stopped: true };
     EpisodeRow {
@@ -68,7 +68,7 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
 }
 
 fn rows() -> Vec<EpisodeRow> {
-    let hit = Ending::Collision { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
+    let hit = Ending::Touch { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
     vec![row(0, hit), row(1, Ending::Timeout), row(2, Ending::Lost), row(3, Ending::Error(Fault::Ended))]
 }
 

@@ -8,28 +8,28 @@ use world::judge::{Sensitivity, Verdict, fatality_risk, severe_injury_risk};
 
 /// The columns of the verdict on a collision, for a table whose rows may have one: the same in evaluations and in searches.
 pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + 't) -> Vec<Entry<'t, R>> {
-    let struck = move |row: &R| verdict(row).filter(|verdict| !verdict.is_standing());
+    let struck = move |row: &R| verdict(row).filter(|verdict| !verdict.is_bump());
     let mut entries = vec![
         VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())),
-        FORESEEABLE.of(move |row| verdict(row).map(|verdict| verdict.foreseeable)),
-        FAULT.of(move |row| verdict(row).map(|verdict| verdict.is_fault())),
+        FORESEEABLE.of(move |row| struck(row).map(|verdict| verdict.foreseeable)),
+        FAULT.of(move |row| struck(row).map(|verdict| verdict.is_fault())),
         COUNTS_AS.of(move |row| verdict(row).map(|verdict| verdict.class().name())),
         PANEL.of(move |row| struck(row).map(|verdict| verdict.panel() as u32)),
-        AVOIDABLE_INJURY.of(move |row| verdict(row).map(|verdict| verdict.avoidable_injury())),
-        LATEST_REACTION.of(move |row| verdict(row).and_then(|verdict| verdict.latest_reaction)),
+        AVOIDABLE_INJURY.of(move |row| struck(row).map(|verdict| verdict.avoidable_injury())),
+        LATEST_REACTION.of(move |row| struck(row).and_then(|verdict| verdict.latest_reaction)),
         PREVENTABLE_PROBABILITY.of(move |row| struck(row).map(|verdict| verdict.preventable_probability())),
         CONTACT_SIDE.of(move |row| verdict(row).map(|verdict| verdict.side.name())),
-        WALKED_INTO.of(move |row| verdict(row).map(|verdict| verdict.walked_into)),
-        HARD.of(move |row| verdict(row).map(|verdict| verdict.is_hard())),
-        FATALITY_RISK.of(move |row| verdict(row).map(|verdict| fatality_risk(verdict.impact_speed))),
-        SEVERE_INJURY_RISK.of(move |row| verdict(row).map(|verdict| severe_injury_risk(verdict.impact_speed))),
+        WALKED_INTO.of(move |row| struck(row).map(|verdict| verdict.walked_into)),
+        HARD.of(move |row| struck(row).map(|verdict| verdict.is_hard())),
+        FATALITY_RISK.of(move |row| struck(row).map(|verdict| fatality_risk(verdict.impact_speed))),
+        SEVERE_INJURY_RISK.of(move |row| struck(row).map(|verdict| severe_injury_risk(verdict.impact_speed))),
         DANGER_SPEED.of(move |row| verdict(row).map(|verdict| verdict.danger_speed)),
         WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
         HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
         IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
     ];
     for (place, change) in Sensitivity::NAMES.into_iter().enumerate() {
-        entries.push(FAULT_IF.of(change, move |row| verdict(row).map(|verdict| verdict.sensitivity.values()[place])));
+        entries.push(FAULT_IF.of(change, move |row| struck(row).map(|verdict| verdict.sensitivity.values()[place])));
     }
     entries
 }

@@ -8,7 +8,7 @@ use polars::prelude::{DataFrame, PolarsResult, StringChunked};
 use super::aggregate::{FAILURE, FALSIFIER, START};
 use crate::analysis::Impact;
 use crate::record::columns::{
-    DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, MOTION, POLICY, REWARD, RUN_ID,
+    DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID,
     TOWN, VERDICT,
 };
 use crate::record::{EpisodeTable, RunKey};
@@ -31,7 +31,7 @@ choice! {
         /// No driver avoids it by braking.
         Unpreventable = "unpreventable",
         /// The car stood.
-        Standing = "car standing",
+        Bump = "bump",
         /// There is no verdict: a driver that is not deterministic did not repeat it.
         Unjudged = "not judged",
     }
@@ -46,7 +46,7 @@ impl FailureClass {
             Some(Label::Contested) => Self::Contested,
             Some(Label::MachinePreventable) => Self::MachinePreventable,
             Some(Label::Unpreventable) => Self::Unpreventable,
-            Some(Label::Standing) => Self::Standing,
+            Some(Label::Bump) => Self::Bump,
             None => Self::Unjudged,
         }
     }
@@ -86,8 +86,6 @@ pub struct ListedFailure {
     pub fault: bool,
     /// The side of the car that was hit.
     pub impact: String,
-    /// Whether the car moved.
-    pub moving: bool,
     /// Whether the pedestrian came into sight too late for a careful human.
     pub occluded: bool,
     /// What the driver was doing at the last decision.
@@ -104,11 +102,10 @@ impl ListedFailure {
         format!("{}:{}", self.run, self.number)
     }
 
-    /// Its kind without the verdict, as `front, moving, occluded, cruise`.
+    /// Its kind without the verdict, as `front, occluded, cruise`.
     pub fn kind(&self) -> String {
-        let (motion, occluded) =
-            (if self.moving { "moving" } else { "standing" }, if self.occluded { "occluded, " } else { "" });
-        format!("{}, {motion}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
+        let occluded = if self.occluded { "occluded, " } else { "" };
+        format!("{}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
     }
 
     /// The verdict in a word: `fault` precedes the verdict of the reference drivers.
@@ -152,7 +149,7 @@ impl ListedFailure {
 /// The order of a list of failures. Equal ones stay in the order of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FailureOrder {
-    /// By [`FailureClass`]: fault ones first, then the verdicts from `preventable` to `standing`; in each the highest speed at the
+    /// By [`FailureClass`]: fault ones first, then the verdicts from `preventable` to `bump`; in each the highest speed at the
     /// touch first.
     #[default]
     Severity,
@@ -177,7 +174,7 @@ impl FailureOrder {
     }
 }
 
-/// The collisions of a part of the table of episodes, by their rows.
+/// The collisions and bumps of a part of the table of episodes, by their rows.
 ///
 /// # Errors
 /// A column is missing or holds something else.
@@ -200,7 +197,6 @@ pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> 
             foreseeable: foreseeable.get(row) == Some(true),
             fault: table.is_fault(row),
             impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()).name().into(),
-            moving: table.is_moving(row),
             occluded: is_occluded(table.in_sight(row)),
             driving_mode: table.driving_mode(row).map_or("", DrivingMode::name).into(),
             impact_speed: table.impact_speed(row).unwrap_or_default(),
@@ -208,7 +204,7 @@ pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> 
         };
         Ok((row, failure))
     };
-    table.rows().filter(|row| table.is_collision(*row)).map(failure).collect()
+    table.rows().filter(|row| table.is_touch(*row)).map(failure).collect()
 }
 
 /// The failures of a part of the table of failures of searches.
@@ -227,7 +223,6 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
     let foreseeable = FORESEEABLE.read(rows)?;
     let faults = FAULT.read(rows)?;
     let impacts = IMPACT.read(rows)?;
-    let motions = MOTION.read(rows)?;
     let in_sight = IN_SIGHT.read(rows)?;
     let modes = DRIVING_MODE.read(rows)?;
     let impact_speeds = IMPACT_SPEED.read(rows)?;
@@ -248,7 +243,6 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
         foreseeable: foreseeable.get(row) == Some(true),
         fault: faults.get(row) == Some(true),
         impact: text(impacts, row),
-        moving: motions.get(row) == Some("moving"),
         occluded: is_occluded(in_sight.get(row)),
         driving_mode: text(modes, row),
         impact_speed: impact_speeds.get(row).unwrap_or_default(),
@@ -281,7 +275,6 @@ pub(crate) mod tests {
             foreseeable: fault,
             fault,
             impact: "front".into(),
-            moving: speed > 0.1,
             occluded: false,
             driving_mode: "emergency_stop".into(),
             impact_speed: speed,
@@ -292,7 +285,7 @@ pub(crate) mod tests {
     #[test]
     fn what_counts_most_against_the_driver_comes_first() {
         let mut all = vec![
-            failure(Some(Label::Standing), false, 0.0),
+            failure(Some(Label::Bump), false, 0.0),
             failure(None, false, 9.0),
             failure(Some(Label::Unpreventable), false, 8.0),
             failure(Some(Label::Preventable), false, 7.0),

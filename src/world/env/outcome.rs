@@ -6,8 +6,8 @@ use crate::av::{DrivingMode, Fault};
 /// Why an episode ended.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Ending {
-    /// The pedestrian and the ego touched.
-    Collision {
+    /// The pedestrian and the ego touched: a collision if the ego moved, otherwise a bump.
+    Touch {
         /// Whether the pedestrian was within the front sector.
         front: bool,
         /// Whether the ego moved.
@@ -46,9 +46,9 @@ pub struct Outcome {
     pub reward: f64,
     /// Ticks it lasted.
     pub ticks: u32,
-    /// Time from its start to the collision or the end (s).
+    /// Time from its start to the touch or the end (s).
     pub duration: f64,
-    /// Least distance from the pedestrian's disc to the ego's box (m); 0 at a collision.
+    /// Least distance from the pedestrian's disc to the ego's box (m); 0 at a touch.
     pub least_gap: f64,
     /// Whether the pedestrian was on a crosswalk at the touch; false without a touch.
     pub on_crosswalk: bool,
@@ -62,8 +62,18 @@ pub struct Outcome {
 
 impl Outcome {
     /// Whether the pedestrian and the ego touched.
+    pub fn is_touch(&self) -> bool {
+        matches!(self.ending, Ending::Touch { .. })
+    }
+
+    /// Whether the moving ego touched the pedestrian.
     pub fn is_collision(&self) -> bool {
-        matches!(self.ending, Ending::Collision { .. })
+        matches!(self.ending, Ending::Touch { moving: true, .. })
+    }
+
+    /// Whether the pedestrian touched the standing ego, which is no failure.
+    pub fn is_bump(&self) -> bool {
+        matches!(self.ending, Ending::Touch { moving: false, .. })
     }
 
     /// The fault of the driver or of the controller, if it ended the episode.
@@ -83,10 +93,10 @@ impl Outcome {
         }
     }
 
-    /// Speed of the ego at the collision (m/s); none without one.
+    /// Speed of the ego at the touch (m/s); none without one.
     pub fn impact_speed(&self) -> Option<f64> {
         match self.ending {
-            Ending::Collision { impact_speed, .. } => Some(impact_speed),
+            Ending::Touch { impact_speed, .. } => Some(impact_speed),
             _ => None,
         }
     }

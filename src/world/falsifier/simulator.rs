@@ -7,7 +7,7 @@ use crate::sim::WalkCommand;
 use base::seed::Seed;
 use learn::Step;
 
-/// The simulator of a falsifier: it counts ticks against a budget and stores every failure.
+/// The simulator of a falsifier: it counts ticks against a budget and stores every collision.
 ///
 /// A decision is carried out only when the budget has all the ticks that it may take, and an episode starts only when it has those of the
 /// longest run-up. So the budget is never exceeded. Ticks of a run-up count, since they cost as much as others. A start that is tried
@@ -177,7 +177,7 @@ impl<'a> Simulator<'a> {
         self.episodes += 1;
         self.starts.insert(self.start);
         self.first_start = earlier(self.first_start, Some((self.start, outcome.start)));
-        if let Some(cell) = FailureCell::new(&self.env) {
+        if let Some(cell) = FailureCell::new(&self.env).filter(|_| outcome.is_collision()) {
             let commands = self.commands.clone();
             self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, cell });
         }

@@ -96,7 +96,7 @@ impl<'a> Inquiry<'a> {
     /// The label; runs the drivers that it needs.
     pub fn label(&mut self) -> Label {
         if !self.has_moved() {
-            return Label::Standing;
+            return Label::Bump;
         }
         Label::of_moving(|reference| self.trial(reference).is_avoided())
     }

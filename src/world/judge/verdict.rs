@@ -12,7 +12,7 @@ choice! {
     ///
     /// | label | when |
     /// |---|---|
-    /// | `standing` | the car was at most 0.1 m/s fast when it was touched: there is no braking to judge |
+    /// | `bump` | the car was at most 0.1 m/s fast when it was touched: there is no braking to judge |
     /// | `preventable` | both careful humans avoid it |
     /// | `unpreventable` | the physical bound hits the pedestrian too |
     /// | `machine_preventable` | of all drivers only the ideal brake or the bound avoid it |
@@ -31,7 +31,7 @@ choice! {
         /// No driver avoids it by braking.
         Unpreventable = "unpreventable",
         /// The car stood.
-        Standing = "standing",
+        Bump = "bump",
     }
 }
 
@@ -99,7 +99,7 @@ impl Verdict {
     /// What it counts as.
     pub fn class(&self) -> Class {
         Class::of(&Facts {
-            moved: !self.is_standing(),
+            moved: !self.is_bump(),
             preventable: self.is_preventable(),
             foreseeable: self.foreseeable,
             walked_into: self.walked_into,
@@ -130,8 +130,8 @@ impl Verdict {
     }
 
     /// Whether the car was at most 0.1 m/s fast when it was touched.
-    pub fn is_standing(&self) -> bool {
-        self.label == Label::Standing
+    pub fn is_bump(&self) -> bool {
+        self.label == Label::Bump
     }
 
     /// Whether the car was at least 2 m/s fast.

@@ -80,10 +80,10 @@ fn worst_cell(cells: &[Cell], driver: &str) -> Option<usize> {
     of_driver.min_by(|a, b| worse_cell_first(a.1, b.1)).map(|(place, _)| place)
 }
 
-/// The cell with more avoidable injury first; then by the fault rate, the preventable rate, the rate with a moving car, the rate of collisions.
+/// The cell with more avoidable injury first; then by the fault rate, the preventable rate, the rate of collisions.
 fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
     let rates = |cell: &Cell| {
-        [cell.injury, cell.fault, cell.preventable, cell.moving, cell.collision].map(|rate| rate.mean.unwrap_or(-1.0))
+        [cell.injury, cell.fault, cell.preventable, cell.collision].map(|rate| rate.mean.unwrap_or(-1.0))
     };
     let pairs = rates(b).into_iter().zip(rates(a));
     pairs.map(|(b, a)| b.total_cmp(&a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)

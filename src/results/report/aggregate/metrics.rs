@@ -38,14 +38,10 @@ pub struct Cell {
     pub collision: Spread,
     /// Wilson's interval of the collision rate over all episodes.
     pub interval: (f64, f64),
-    /// Frontal collisions of all collisions.
+    /// Collisions and bumps of all episodes.
+    pub touch: Spread,
+    /// The share of these in the front sector.
     pub front: Spread,
-    /// The number of collisions with a moving ego.
-    pub moving_collisions: u32,
-    /// Collisions with a moving ego of all episodes.
-    pub moving: Spread,
-    /// Wilson's interval of that, over all episodes.
-    pub moving_interval: (f64, f64),
     /// Reward of an episode.
     pub reward_sum: Spread,
     /// Length of an episode (s).
@@ -77,7 +73,7 @@ pub struct Cell {
     pub fault_share: Spread,
     /// Collisions with a foreseeable pedestrian of all episodes.
     pub foreseeable_rate: Spread,
-    /// The number of collisions with each label, in the order of [`Label::ALL`].
+    /// The number of touches with each label, in the order of [`Label::ALL`].
     pub labels: [u32; Label::COUNT],
     /// The number of collisions with a foreseeable pedestrian.
     pub foreseeable: u32,
@@ -85,7 +81,7 @@ pub struct Cell {
     pub walked_into: u32,
     /// The number of starts that the driver did not reach.
     pub placed: u32,
-    /// The number of episodes without a collision.
+    /// The number of episodes without a touch.
     pub passed: u32,
     /// The number of these in which each reference driver would have braked needlessly, and to a stop, in the order of [`Reference::ALL`].
     pub false_alarms: [[u32; 2]; Reference::COUNT],
@@ -248,10 +244,8 @@ impl Metrics {
                 errors: count(metric::ERRORS, row)?,
                 collision: spread(metric::COLLISION_RATE.name, row)?,
                 interval: interval(metric::COLLISION_RATE, row)?,
+                touch: spread(metric::TOUCH_RATE.name, row)?,
                 front: spread(metric::FRONT_RATE.name, row)?,
-                moving_collisions: count(metric::MOVING_COLLISIONS, row)?,
-                moving: spread(metric::MOVING_RATE.name, row)?,
-                moving_interval: interval(metric::MOVING_RATE, row)?,
                 reward_sum: spread(metric::EPISODE_REWARD.name, row)?,
                 length: spread(metric::EPISODE_LENGTH.name, row)?,
                 impact_speed: spread(metric::IMPACT_SPEED.name, row)?,
@@ -285,7 +279,7 @@ mod tests {
     use world::judge::{ContactSide, Sensitivity, Sight, Trial, Verdict};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
-        let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Collision {
+        let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Touch {
             front,
             moving: impact_speed > 0.1,
             impact_speed,
@@ -296,7 +290,7 @@ mod tests {
         let (least_gap, last_mode) = (1.0, DrivingMode::Cruise);
         // Frontal collisions are preventable; the others hit a standing car.
         let verdict = hit.map(|(front, impact_speed)| Verdict {
-            label: if front { Label::Preventable } else { Label::Standing },
+            label: if front { Label::Preventable } else { Label::Bump },
             side: ContactSide::Front,
             walked_into: false,
             latest_reaction: front.then_some(1.0),

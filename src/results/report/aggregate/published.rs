@@ -154,9 +154,9 @@ fn compare<'a>(
 /// The figure of a cell that published ones are compared with, by its column without `_mean`.
 fn figure(cell: &Cell, column: &str) -> Option<(Spread, Figure)> {
     let figures = [
-        (Figure::Collision, cell.collision),
+        (Figure::Touch, cell.touch),
         (Figure::Front, cell.front),
-        (Figure::Moving, cell.moving),
+        (Figure::Collision, cell.collision),
         (Figure::Reward, cell.reward_sum),
         (Figure::Length, cell.length),
         (Figure::ImpactSpeed, cell.impact_speed),

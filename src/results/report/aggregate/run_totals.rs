@@ -1,7 +1,8 @@
 use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
-use crate::record::metric::{Count, Which};
+use crate::record::metric::{Count, Over, Which};
+use crate::record::episodes::named;
 use crate::record::{self, Metric, columns};
 use base::statistics::RunningMean;
 
@@ -98,11 +99,15 @@ fn include<R: Iterator<Item = usize>>(
             (Metric::Count(count), Total::Count(total)) => *total += counted(&count, episodes, valid, rows())?,
             (Metric::Mean(mean), Total::Mean(total)) => {
                 let values = episodes.column(mean.column)?.f64()?;
-                match mean.of_valid {
-                    true => {
+                match mean.over {
+                    Over::Valid => {
                         rows().filter(|row| valid(*row)).for_each(|row| total.include(values.get(row).unwrap_or(0.0)));
                     }
-                    false => rows().filter_map(|row| values.get(row)).for_each(|value| total.include(value)),
+                    Over::Present => rows().filter_map(|row| values.get(row)).for_each(|value| total.include(value)),
+                    Over::Collisions => {
+                        let collisions = rows().filter(|row| outcome.get(*row) == Some(named::COLLISION));
+                        collisions.filter_map(|row| values.get(row)).for_each(|value| total.include(value));
+                    }
                 }
             }
             _ => {}
@@ -118,6 +123,8 @@ fn counted(
     valid: impl Fn(usize) -> bool,
     rows: impl Iterator<Item = usize>,
 ) -> PolarsResult<u32> {
+    let outcome = columns::OUTCOME.read(episodes)?;
+    let touched = |row: usize| outcome.get(row).is_some_and(named::is_touch);
     let number = match count.which {
         Which::Valid => rows.filter(|row| valid(*row)).count(),
         Which::InError => rows.filter(|row| !valid(*row)).count(),
@@ -125,10 +132,9 @@ fn counted(
             let flags = episodes.column(column)?.bool()?;
             rows.filter(|row| flags.get(*row) == Some(true)).count()
         }
-        Which::Passed => {
-            let collided = columns::COLLISION.read(episodes)?;
-            rows.filter(|row| valid(*row) && collided.get(*row) == Some(false)).count()
-        }
+        Which::Ended(how) => rows.filter(|row| outcome.get(*row) == Some(how)).count(),
+        Which::Touched => rows.filter(|row| touched(*row)).count(),
+        Which::Passed => rows.filter(|row| valid(*row) && !touched(*row)).count(),
         Which::Counts(class) => {
             let counts = columns::COUNTS_AS.read(episodes)?;
             rows.filter(|row| counts.get(*row) == Some(class.name())).count()

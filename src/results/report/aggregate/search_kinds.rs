@@ -5,7 +5,7 @@ use polars::prelude::DataFrame;
 use super::searches::search_key;
 use crate::analysis::{Impact, Kind};
 use crate::campaign::SearchResult;
-use crate::record::columns::{DRIVING_MODE, EPISODE_LENGTH, IMPACT, IMPACT_SPEED, MOTION, VERDICT};
+use crate::record::columns::{DRIVING_MODE, EPISODE_LENGTH, IMPACT, IMPACT_SPEED, VERDICT};
 use crate::record::{Column, Table};
 use base::statistics::quantile;
 use compile::SearchKey;
@@ -15,10 +15,9 @@ use world::judge::Verdict;
 
 /// The kind of a failure of a search; as that of a collision in an evaluation.
 pub(super) fn kind(outcome: &Outcome, verdict: &Verdict) -> Option<Kind> {
-    let Ending::Collision { front, moving, bearing, .. } = outcome.ending else { return None };
+    let Ending::Touch { front, bearing, .. } = outcome.ending else { return None };
     Some(Kind {
         impact: Impact::new(front, bearing),
-        moving,
         verdict: verdict.label,
         occluded: verdict.sight.is_occluded(),
         mode: outcome.last_mode,
@@ -123,7 +122,6 @@ pub fn search_kind_columns() -> Table<'static, SearchKind> {
     )
     .columns(search_key(|kind: &SearchKind| &kind.key))
     .column(IMPACT.of(|row: &SearchKind| row.kind.impact.name()))
-    .column(MOTION.of(|row: &SearchKind| row.kind.motion()))
     .column(VERDICT.of(|row: &SearchKind| row.kind.verdict.name()).meaning("verdict on the failures of the kind"))
     .column(
         text("sight", "", "`in_sight`, or `occluded`: in sight for less than 1.15 s before the touch")

@@ -6,7 +6,7 @@ use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
 use crate::campaign::{Evaluated, SearchResult};
 use crate::record::columns::{
-    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED, MOTION,
+    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED,
     POLICY, REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,
 };
 use crate::record::metric::MEAN;
@@ -113,12 +113,10 @@ impl Figures {
     }
 }
 
-/// The kind of a failure: the side of the car that was hit, whether it moved, and what its driver was doing.
-fn kind(outcome: &Outcome) -> (Impact, bool, &'static str) {
+/// The kind of a failure: the side of the car that was hit, and what its driver was doing.
+fn kind(outcome: &Outcome) -> (Impact, &'static str) {
     match outcome.ending {
-        Ending::Collision { front, moving, bearing, .. } => {
-            (Impact::new(front, bearing), moving, outcome.last_mode.name())
-        }
+        Ending::Touch { front, bearing, .. } => (Impact::new(front, bearing), outcome.last_mode.name()),
         _ => unreachable!("a failure is a collision"),
     }
 }
@@ -580,8 +578,7 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .column(START.of(|row: &Row<'_>| row.1.start))
         .column(FOUND_AFTER.of(|row: &Row<'_>| row.1.ticks))
         .column(IMPACT.of(|row: &Row<'_>| kind(&row.1.outcome).0.name()))
-        .column(MOTION.of(|row: &Row<'_>| if kind(&row.1.outcome).1 { "moving" } else { "standing" }))
-        .column(DRIVING_MODE.of(|row: &Row<'_>| kind(&row.1.outcome).2))
+        .column(DRIVING_MODE.of(|row: &Row<'_>| kind(&row.1.outcome).1))
         .column(IMPACT_SPEED.of(|row: &Row<'_>| row.1.outcome.impact_speed()))
         .column(CELL.of(|row: &Row<'_>| row.1.cell.to_string()))
         .column(EPISODE_REWARD.of(|row: &Row<'_>| row.1.outcome.reward))

@@ -312,7 +312,7 @@ mod tests {
             train_policy: String::new(),
             town: "harbour".into(),
             policy: "behavior".into(),
-            verdict: Some(if fault { Label::Preventable } else { Label::Standing }),
+            verdict: Some(if fault { Label::Preventable } else { Label::Bump }),
             foreseeable: fault,
             fault,
             impact: "front".into(),

@@ -64,10 +64,9 @@ impl<'a> RunSample<'a> {
                 continue;
             }
             sample.episodes += 1;
-            let Some(label) = label else { continue };
+            let Some(label) = label.filter(|_| collision) else { continue };
             let kind = Kind {
                 impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()),
-                moving: table.is_moving(row),
                 verdict: label,
                 occluded: Sight { hidden: 0.0, seen: table.in_sight(row).unwrap_or_default() }.is_occluded(),
                 mode: table.driving_mode(row).unwrap_or(DrivingMode::Unknown),

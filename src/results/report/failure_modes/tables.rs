@@ -2,7 +2,7 @@ use polars::prelude::DataFrame;
 
 use super::cell::{CellModes, Mode, Target};
 use crate::analysis::{Explanation, Rule};
-use crate::record::columns::{DRIVING_MODE, IMPACT, IMPACT_SPEED, MOTION, VERDICT};
+use crate::record::columns::{DRIVING_MODE, IMPACT, IMPACT_SPEED, VERDICT};
 use crate::record::{Column, Entry, Interval, Table, TableReference, cell_key};
 use base::statistics::wilson;
 
@@ -51,7 +51,6 @@ fn mode_table<'a>() -> Table<'a, Row<'a, &'a Mode>> {
         "One row for each mode of each cell: the collisions by kind and by how they came about, with an example of each.",
     )
     .column(IMPACT.of(|row: &Of<'_>| row.1.mode.kind.impact.name()))
-    .column(MOTION.of(|row: &Of<'_>| row.1.mode.kind.motion()))
     .column(VERDICT.of(|row: &Of<'_>| row.1.mode.kind.verdict.name()).meaning("verdict on the collisions of the kind"))
     .column(
         Column::<String>::new("sight", "", "`in_sight`, or `occluded`: in sight for less than 1.15 s before the touch")

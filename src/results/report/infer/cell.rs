@@ -53,7 +53,7 @@ pub struct CellEvidence {
     /// Whether its trainings learnt; none for an untrained controller.
     pub learning: Option<Learning>,
     /// The samples of [`Figure::COMPARED`] with the numbers of their runs, for transfer gaps.
-    pub(super) samples: [Option<(Vec<u32>, Sample)>; 4],
+    pub(super) samples: [Option<(Vec<u32>, Sample)>; 3],
 }
 
 impl CellEvidence {

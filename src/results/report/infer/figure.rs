@@ -3,12 +3,12 @@ use crate::record::metric;
 /// A figure of a pedestrian that is averaged over trainings and compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Figure {
+    /// Collisions and bumps of all episodes.
+    Touch,
+    /// The share of these in the front sector.
+    Front,
     /// Collisions of all episodes.
     Collision,
-    /// Frontal collisions of all collisions.
-    Front,
-    /// Collisions with a moving car of all episodes.
-    Moving,
     /// Preventable collisions of all episodes.
     Preventable,
     /// Preventable collisions with a foreseeable pedestrian of all episodes.
@@ -24,9 +24,9 @@ pub enum Figure {
 impl Figure {
     /// All of them, in the order of the tables.
     pub const ALL: [Self; 8] = [
-        Self::Collision,
+        Self::Touch,
         Self::Front,
-        Self::Moving,
+        Self::Collision,
         Self::Preventable,
         Self::Fault,
         Self::Reward,
@@ -34,14 +34,14 @@ impl Figure {
         Self::ImpactSpeed,
     ];
     /// The figures in which pedestrians are compared: rates of all episodes.
-    pub const COMPARED: [Self; 4] = [Self::Collision, Self::Moving, Self::Preventable, Self::Fault];
+    pub const COMPARED: [Self; 3] = [Self::Collision, Self::Preventable, Self::Fault];
 
     /// The prefix of its columns.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Collision => metric::COLLISION_RATE.name,
+            Self::Touch => metric::TOUCH_RATE.name,
             Self::Front => metric::FRONT_RATE.name,
-            Self::Moving => metric::MOVING_RATE.name,
+            Self::Collision => metric::COLLISION_RATE.name,
             Self::Preventable => metric::PREVENTABLE_RATE.name,
             Self::Fault => metric::FAULT_RATE.name,
             Self::Reward => metric::EPISODE_REWARD.name,

@@ -12,12 +12,12 @@ pub const KEPT: usize = 100_000;
 /// The flags of an episode, in a byte.
 mod is {
     pub const VALID: u8 = 1;
-    pub const COLLISION: u8 = 2;
+    pub const TOUCH: u8 = 2;
     pub const FRONT: u8 = 4;
-    pub const MOVING: u8 = 8;
+    pub const COLLISION: u8 = 8;
     pub const PREVENTABLE: u8 = 16;
     pub const FAULT: u8 = 32;
-    pub const ALL: [u8; 6] = [VALID, COLLISION, FRONT, MOVING, PREVENTABLE, FAULT];
+    pub const ALL: [u8; 6] = [VALID, TOUCH, FRONT, COLLISION, PREVENTABLE, FAULT];
 }
 
 /// A quantity of episodes.
@@ -100,16 +100,17 @@ impl Tried {
         }
         for row in table.rows().filter(|row| table.error(*row).is_none()) {
             let episode = table.episode(row) as usize;
-            let collision = table.is_collision(row);
+            let (touch, collision) = (table.is_touch(row), table.is_collision(row));
             let flag = |holds: bool, flag: u8| if holds { flag } else { 0 };
             let known = is::VALID
-                | flag(collision, is::COLLISION)
+                | flag(touch, is::TOUCH)
                 | flag(table.is_front(row), is::FRONT)
-                | flag(table.is_moving(row), is::MOVING)
+                | flag(collision, is::COLLISION)
                 | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE)
                 | flag(table.is_fault(row), is::FAULT);
             // In the order of `quantity`.
-            let values = [table.reward(row), table.length(row), table.impact_speed(row)].map(Option::unwrap_or_default);
+            let impact_speed = table.impact_speed(row).filter(|_| collision);
+            let values = [table.reward(row), table.length(row), impact_speed].map(Option::unwrap_or_default);
             let weight = table.weight(row);
             for (count, _) in tried.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
                 count.include(weight);
@@ -131,8 +132,8 @@ impl Tried {
                 *kept = weight;
             }
             if collision {
-                tried.impact_speeds.extend(table.impact_speed(row));
-            } else {
+                tried.impact_speeds.extend(impact_speed);
+            } else if !touch {
                 tried.min_ttc.extend(table.min_ttc(row));
                 tried.pet.extend(table.pet(row));
             }
@@ -180,8 +181,12 @@ impl Tried {
 
     /// A figure, and the influence of each kept episode on it, relative to its mean; none when it has no value.
     pub fn influence(&self, figure: Figure) -> Option<(f64, Vec<f64>)> {
-        let of_collisions = matches!(figure, Figure::Front | Figure::ImpactSpeed);
-        let (whole, flag) = (if of_collisions { is::COLLISION } else { is::VALID }, part(figure));
+        let whole = match figure {
+            Figure::Front => is::TOUCH,
+            Figure::ImpactSpeed => is::COLLISION,
+            _ => is::VALID,
+        };
+        let flag = part(figure);
         let quantity = quantity(figure).map(|quantity| &self.quantities[quantity]);
         let count = self.count(whole).sum();
         if count == 0.0 {
@@ -204,8 +209,8 @@ impl Tried {
 fn part(figure: Figure) -> u8 {
     match figure {
         Figure::Collision | Figure::Reward | Figure::Length | Figure::ImpactSpeed => is::COLLISION,
+        Figure::Touch => is::TOUCH,
         Figure::Front => is::FRONT,
-        Figure::Moving => is::MOVING,
         Figure::Preventable => is::PREVENTABLE,
         Figure::Fault => is::FAULT,
     }

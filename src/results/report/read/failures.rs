@@ -6,7 +6,7 @@ use polars::prelude::DataFrame;
 
 use super::{ReadError, StoredReport};
 use crate::record::columns::{
-    CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, MOTION, POLICY, REWARD, RUN_ID,
+    CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN_ID,
     TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
 use crate::record::{Column, EPISODES, Table};
@@ -17,7 +17,7 @@ use world::judge::Label;
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 17;
 
-/// The failures that a list shows. An empty list of words allows every value.
+/// The failures that a list shows. An empty list of words allows every value; bumps are listed only where `verdicts` names them.
 #[derive(Debug, Clone, Default)]
 pub struct FailureFilter {
     /// Verdicts: names of [`Label`]s, `fault`, `foreseeable`.
@@ -26,7 +26,7 @@ pub struct FailureFilter {
     pub drivers: Vec<String>,
     /// Names of controllers and falsifiers.
     pub controllers: Vec<String>,
-    /// Words of the kind, all of which must occur: `front`, `moving`, `occluded`, `cruise`.
+    /// Words of the kind, all of which must occur: `front`, `occluded`, `cruise`.
     pub kind: Vec<String>,
     /// The least speed of the car at the touch (m/s).
     pub min_speed: f64,
@@ -48,7 +48,8 @@ impl FailureFilter {
         };
         let kind = failure.kind();
         let has = |word: &String| kind.split(", ").any(|part| part == word.replace('_', " "));
-        (self.verdicts.is_empty() || self.verdicts.iter().any(verdict))
+        let collision = failure.verdict != Some(Label::Bump);
+        (self.verdicts.is_empty() && collision || self.verdicts.iter().any(verdict))
             && among(&self.drivers, &failure.policy)
             && among(&self.controllers, &failure.controller)
             && self.kind.iter().all(has)
@@ -104,7 +105,6 @@ pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
         .column(FORESEEABLE.of(|row: &Row| row.1.foreseeable))
         .column(FAULT.of(|row: &Row| row.1.fault))
         .column(IMPACT.of(|row: &Row| row.1.impact.clone()))
-        .column(MOTION.of(|row: &Row| if row.1.moving { "moving" } else { "standing" }))
         .column(
             Column::<bool>::new("occluded", "", "whether it came into sight too late for a careful human")
                 .of(|row: &Row| row.1.occluded),
@@ -127,8 +127,8 @@ mod tests {
         let all = FailureFilter::default();
         for (filter, wanted) in [
             (all.clone(), true),
-            (FailureFilter { verdicts: words(&["standing", "fault"]), ..all.clone() }, true),
-            (FailureFilter { verdicts: words(&["standing"]), ..all.clone() }, false),
+            (FailureFilter { verdicts: words(&["bump", "fault"]), ..all.clone() }, true),
+            (FailureFilter { verdicts: words(&["bump"]), ..all.clone() }, false),
             (FailureFilter { drivers: words(&["idm"]), ..all.clone() }, false),
             (FailureFilter { controllers: words(&["random"]), min_speed: 3.0, ..all.clone() }, true),
             (FailureFilter { min_speed: 3.1, ..all.clone() }, false),

@@ -5,7 +5,7 @@ use world::judge::{Verdict, severe_injury_risk};
 /// How an encounter ended for one driver.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Met {
-    /// Speed of the moving car at the touch (m/s); none without a touch, or when the car stood.
+    /// Speed of the car at the collision (m/s); none without one.
     pub impact_speed: Option<f64>,
     /// Whether the touch counts against the driver.
     pub fault: bool,
@@ -28,10 +28,10 @@ pub struct Encounter {
 }
 
 impl Met {
-    /// The end of an episode. The car counts as moving above this speed (m/s).
-    pub fn new(outcome: &Outcome, verdict: Option<&Verdict>, moving_above: f64) -> Self {
+    /// The end of an episode.
+    pub fn new(outcome: &Outcome, verdict: Option<&Verdict>) -> Self {
         Self {
-            impact_speed: outcome.impact_speed().filter(|speed| *speed > moving_above),
+            impact_speed: outcome.impact_speed().filter(|_| outcome.is_collision()),
             fault: verdict.is_some_and(Verdict::is_fault),
             error: outcome.fault().is_some(),
         }
@@ -39,8 +39,7 @@ impl Met {
 
     /// The end of a failure as its report has it.
     pub fn stored(failure: &ListedFailure) -> Self {
-        let impact_speed = Some(failure.impact_speed).filter(|_| failure.moving);
-        Self { impact_speed, fault: failure.fault, error: false }
+        Self { impact_speed: Some(failure.impact_speed), fault: failure.fault, error: false }
     }
 
     /// An encounter that was not run, since its driver failed as a program over and over.
@@ -48,12 +47,12 @@ impl Met {
         Self { impact_speed: None, fault: false, error: true }
     }
 
-    /// Whether the moving car touched the pedestrian.
+    /// Whether it is a collision.
     pub fn is_collision(&self) -> bool {
         self.impact_speed.is_some()
     }
 
-    /// The probability of a severe injury; 0 without a collision with the moving car.
+    /// The probability of a severe injury; 0 without a collision.
     pub fn injury(&self) -> f64 {
         self.impact_speed.map_or(0.0, severe_injury_risk)
     }

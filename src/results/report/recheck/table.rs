@@ -42,7 +42,7 @@ fn failures() -> Table<'static, RecheckedFailures> {
             text("walked_by", "", "what moves the pedestrian: `controller`, or the recorded `commands`")
                 .of(|row: &Row| row.walked_by.name()),
         )
-        .column(count("failures", "", "collisions with the moving car in the report, met again").of(is(|_, _| true)))
+        .column(count("failures", "", "collisions in the report, met again").of(is(|_, _| true)))
         .column(count("old_faults", "", "of them faults of the old driver").of(is(|before, _| before.fault)))
         .column(
             count("still_faults", "", "of these faults, those that the new driver still has")
@@ -53,7 +53,7 @@ fn failures() -> Table<'static, RecheckedFailures> {
                 .of(is(|before, after| !before.fault && after.fault)),
         )
         .column(
-            count("still_collisions", "", "failures in which the new driver's moving car still touches the pedestrian")
+            count("still_collisions", "", "failures that are still collisions with the new driver")
                 .of(is(|_, after| after.is_collision())),
         )
         .column(
@@ -156,7 +156,7 @@ fn crossings() -> Table<'static, CrossedStarts> {
         number(
             "injury_difference",
             "1/1000",
-            "expected severe injuries in all collisions with the new driver's moving car, avoidable or not, less the old driver's",
+            "expected severe injuries in all collisions of the new driver, avoidable or not, less the old driver's",
         )
         .of(Row::injury_difference),
     )

@@ -82,7 +82,7 @@ pub fn rates(cell: &ComparedCell) -> Table {
             Figure::Collision => Some(cell.collisions),
             Figure::Preventable => Some(cell.preventable),
             Figure::Fault => Some(cell.fault),
-            Figure::Front | Figure::Moving | Figure::Reward | Figure::Length | Figure::ImpactSpeed => None,
+            Figure::Touch | Figure::Front | Figure::Reward | Figure::Length | Figure::ImpactSpeed => None,
         };
         let count = |count: Option<u64>| count.map_or(Value::Text(String::new()), Value::Count);
         Some(vec![

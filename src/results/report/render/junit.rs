@@ -168,7 +168,7 @@ fn figures(cell: &Cell) -> Vec<(&'static str, String)> {
     ];
     let rates = [
         ("collision_rate_mean", cell.collision.mean),
-        ("moving_rate_mean", cell.moving.mean),
+        ("touch_rate_mean", cell.touch.mean),
         ("preventable_rate_mean", cell.preventable.mean),
         ("preventable_share_mean", cell.preventable_share.mean),
         ("fault_rate_mean", cell.fault.mean),

@@ -26,7 +26,7 @@ impl PedestrianEnv {
             (Some(hit), _) => {
                 let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > rule.moving_above);
                 let earned = worth(reward.for_hit(&Hit { front, moving, judgement }));
-                let ending = Ending::Collision { front, moving, impact_speed: hit.impact_speed, bearing: hit.bearing };
+                let ending = Ending::Touch { front, moving, impact_speed: hit.impact_speed, bearing: hit.bearing };
                 (earned, Some(ending))
             }
             (None, Some(_)) => (worth(reward.step.as_ref()), Some(Ending::OtherContact)),
@@ -61,7 +61,7 @@ impl PedestrianEnv {
 
     /// Records the outcome of the episode.
     pub(super) fn finish(&mut self, ending: Ending, contact: Option<&Contact>) {
-        let hit = matches!(ending, Ending::Collision { .. });
+        let hit = matches!(ending, Ending::Touch { .. });
         let struck = contact.and_then(Contact::pedestrian_at_ego);
         let place = |number: usize| self.world.pedestrians[number].state.pose.position();
         let on_crosswalk = struck.is_some_and(|number| self.world.town.is_on_crosswalk(place(number)));

@@ -62,7 +62,7 @@ pub fn in_short(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: 
     let pair = trace.main_pair(scenario);
     let dt = scenario.episode.tick;
     let frames: Vec<Frame> = pair.frames().collect();
-    let Ending::Collision { moving, impact_speed, .. } = outcome.ending else { return ending(outcome, &frames) + "." };
+    let Ending::Touch { moving, impact_speed, .. } = outcome.ending else { return ending(outcome, &frames) + "." };
     if !moving {
         return "The car stood, and the pedestrian walked into it.".into();
     }
@@ -159,7 +159,7 @@ fn actions(frames: &[Frame]) -> Vec<(usize, String)> {
 
 fn ending(outcome: &Outcome, frames: &[Frame]) -> String {
     match outcome.ending {
-        Ending::Collision { front, moving, impact_speed, bearing: at } => {
+        Ending::Touch { front, moving, impact_speed, bearing: at } => {
             let side = if front { "the front sector" } else { "a side or the rear" };
             let car = if moving { speed(impact_speed) } else { "at rest".to_string() };
             let walking = frames.last().map_or(0.0, |last| last.pedestrian.speed());
@@ -179,7 +179,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         Label::Contested => "the reference drivers disagree",
         Label::MachinePreventable => "only a machine would have avoided it",
         Label::Unpreventable => "no brake avoids it",
-        Label::Standing => "the car stood",
+        Label::Bump => "the car stood",
     };
     let foreseeable = if verdict.foreseeable { "; the pedestrian was foreseeable" } else { "" };
     let walked = match verdict.side {
@@ -189,7 +189,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
     };
     let class = FailureClass::new(Some(verdict.label), verdict.is_fault());
     let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", class.name())];
-    if !verdict.is_standing() {
+    if !verdict.is_bump() {
         let share = 100.0 * verdict.preventable_probability();
         lines.push(match verdict.latest_reaction {
             Some(latest) => {

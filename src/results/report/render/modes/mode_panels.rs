@@ -28,8 +28,6 @@ pub fn mode_panels(cell: &CellModes<'_>) -> Figure {
         all if all > MOST => format!(" The {MOST} commonest of {all} modes."),
         _ => String::new(),
     };
-    let moving = |wanted: bool| modes.iter().any(|mode| mode.mode.kind.moving == wanted);
-    let legend = [(true, "s1", "the car moves at the touch"), (false, "s0", "the car stands")];
     Figure {
         title: cell.key.to_string(),
         notes: vec![
@@ -40,11 +38,6 @@ pub fn mode_panels(cell: &CellModes<'_>) -> Figure {
             ),
             format!("Thick: the medoid. Circles about the car: every 5 m.{cut}"),
         ],
-        legend: legend
-            .into_iter()
-            .filter(|(is_moving, ..)| moving(*is_moving))
-            .map(|(_, class, text)| (class.into(), text.into()))
-            .collect(),
         columns: COLUMNS,
         panels: modes.iter().enumerate().map(|(index, mode)| panel(index, mode, cell.car, scale)).collect(),
         ..Figure::default()
@@ -71,15 +64,14 @@ fn panel(index: usize, mode: &Mode, car: Vector, scale: f64) -> Panel {
         1 => String::new(),
         clusters => format!(", cluster {} of {clusters}", mode.mode.cluster + 1),
     };
-    let speeds = if kind.moving { format!("{median:.1} m/s ({slow:.1} to {fast:.1}), ") } else { String::new() };
-    let words = [format!("{kind}{cluster}"), format!("{speeds}{}", mode.example_name())];
+    let speeds = format!("{median:.1} m/s ({slow:.1} to {fast:.1})");
+    let words = [format!("{kind}{cluster}"), format!("{speeds}, {}", mode.example_name())];
     // Long names shrink, so that they do not overlap the next panel.
     let size = |text: &str| Digits((PICTURE.0 / (text.chars().count() as f64 * 0.52)).min(11.0), 1);
     let middle = (PICTURE.0 / 2.0, PICTURE.1 - BEHIND * scale);
     let place = |station: &Station| (middle.0 - station.left * scale, middle.1 - station.ahead * scale);
     let way = |way: &Approach| line(way.stations.iter().map(place), 1);
     let (half, bumper) = (car * scale, middle.1 - car.x * scale);
-    let colour = if kind.moving { 1 } else { 0 };
     let body = html! {
         @for (line, text) in words.iter().enumerate() {
             text.muted y=(px(10.0 + 14.0 * line as f64)) style={ "font-size:" (size(text)) "px" } { (text) }
@@ -93,11 +85,11 @@ fn panel(index: usize, mode: &Mode, car: Vector, scale: f64) -> Panel {
             path.glass d={
                 "M" (px(middle.0)) " " (px(bumper + 2.0)) "l" (px(-half.y * 0.6)) " " (px(half.y * 0.8)) "h" (px(half.y * 1.2)) "z"
             } {}
-            @for other in &mode.others { path class={ "line thin s" (colour) } d=(way(other)) {} }
+            @for other in &mode.others { path class="line thin s1" d=(way(other)) {} }
             @if let Some(medoid) = &mode.medoid {
-                path class={ "line s" (colour) } stroke-width="2.6" d=(way(medoid)) {}
+                path class="line s1" stroke-width="2.6" d=(way(medoid)) {}
                 @for (x, y) in medoid.stations.iter().map(place) {
-                    circle class={ "f" (colour) } cx=(px(x)) cy=(px(y)) r="2.6" {}
+                    circle class="f1" cx=(px(x)) cy=(px(y)) r="2.6" {}
                 }
             }
         }

@@ -56,8 +56,7 @@ pub fn places<'a, 'b>(cells: &'b [Named<'a>]) -> Vec<(&'b str, Vec<&'b Named<'a>
 }
 
 /// The rates in a row of results; each is a share of all episodes.
-pub const RATES: [metric::Rate; 4] =
-    [metric::COLLISION_RATE, metric::MOVING_RATE, metric::PREVENTABLE_RATE, metric::FAULT_RATE];
+pub const RATES: [metric::Rate; 3] = [metric::COLLISION_RATE, metric::PREVENTABLE_RATE, metric::FAULT_RATE];
 
 /// The rates of the runs of a cell, for each of [`RATES`].
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -65,9 +64,9 @@ pub struct RunRates {
     /// Episodes of all runs.
     pub episodes: Weighted,
     /// Failures of all runs.
-    pub failures: [Weighted; 4],
+    pub failures: [Weighted; 3],
     /// The rate of each run.
-    pub rates: [Vec<f64>; 4],
+    pub rates: [Vec<f64>; 3],
 }
 
 /// Reads the rates of each cell's runs from the table of runs.

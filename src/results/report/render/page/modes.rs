@@ -128,7 +128,7 @@ mod tests {
         };
         let mut cards = [
             card("blind", Label::Preventable, 90),
-            card("a", Label::Standing, 80),
+            card("a", Label::Bump, 80),
             card("a", Label::Preventable, 7),
             card("a", Label::Preventable, 9),
             card("b", Label::Contested, 1),

@@ -89,7 +89,7 @@ impl Replay {
                 sight.push(tick);
             }
         }
-        let touch = matches!(outcome.ending, Ending::Collision { .. });
+        let touch = matches!(outcome.ending, Ending::Touch { .. });
         // The touch is within the last tick. The danger started this time before it.
         let ticks = |verdict: &Verdict| (verdict.warning / scenario.episode.tick).ceil() as usize;
         Self {
@@ -138,6 +138,6 @@ pub fn verdict_text(label: Label) -> &'static str {
         Label::Contested => "contested",
         Label::MachinePreventable => "by machine only",
         Label::Unpreventable => "unpreventable",
-        Label::Standing => "car standing",
+        Label::Bump => "car standing",
     }
 }

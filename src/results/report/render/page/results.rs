@@ -14,7 +14,7 @@ use base::statistics::wilson;
 /// Width and height of the picture of a rate.
 const SIZE: (f64, f64) = (96.0, 26.0);
 /// The names of the rates.
-const NAMES: [&str; 4] = ["any collision", "with a moving car", "preventable", "fault"];
+const NAMES: [&str; 3] = ["collision", "preventable", "fault"];
 /// Its margin at both ends.
 const END: f64 = 6.0;
 
@@ -78,10 +78,10 @@ fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates) -> Markup {
                 (cell.runs) " × " (count((cell.episodes / cell.runs.max(1)).into()))
                 @if cell.errors > 0 { " " em.warn { (cell.errors) " in error" } }
             }
-            @for (number, rate) in [cell.collision, cell.moving, cell.preventable, cell.fault].into_iter().enumerate() {
+            @for (number, rate) in [cell.collision, cell.preventable, cell.fault].into_iter().enumerate() {
                 td data-label=(NAMES[number]) {
                     div.rate {
-                        @let colour = if number >= 2 { "v0".to_string() } else { format!("f{}", named.colour) };
+                        @let colour = if number >= 1 { "v0".to_string() } else { format!("f{}", named.colour) };
                         @let interval = wilson(rates.failures[number], rates.episodes);
                         (picture(&colour, rate, interval, &rates.rates[number], published(RATES[number].name)))
                         span { (Value::Spread(rate).to_string()) }

@@ -81,10 +81,10 @@ pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Fi
 
 /// The class in the legend of a rate: the first class has only bins without a hit.
 fn level(bin: Bin) -> usize {
-    if bin.moving == 0 {
+    if bin.collisions == 0 {
         0
     } else {
-        (f64::from(bin.moving) / f64::from(bin.episodes.max(1)) * 5.0).ceil().clamp(1.0, 5.0) as usize
+        (f64::from(bin.collisions) / f64::from(bin.episodes.max(1)) * 5.0).ceil().clamp(1.0, 5.0) as usize
     }
 }
 
@@ -105,7 +105,7 @@ fn squares(bins: &Bins, edge: f64, place: impl Fn(f64, f64) -> (f64, f64)) -> Ma
 fn says(bins: &Bins) -> String {
     let mut all = Bin::default();
     bins.values().for_each(|bin| all.merge(*bin));
-    format!("{} episodes from {} places; {} hit a moving car.", all.episodes, bins.len(), all.moving)
+    format!("{} episodes from {} places; {} ended in a collision.", all.episodes, bins.len(), all.collisions)
 }
 
 /// The ground that all surroundings show ahead of the car, behind it and on either side (m).

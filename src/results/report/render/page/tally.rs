@@ -15,20 +15,20 @@ const STEP: f64 = 0.25;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bin {
     pub episodes: u32,
-    /// The number of them that hit a moving car.
-    pub moving: u32,
+    /// The number of them that ended in a collision.
+    pub collisions: u32,
 }
 
 impl Bin {
-    fn add(&mut self, moving: bool) {
+    fn add(&mut self, collision: bool) {
         self.episodes += 1;
-        self.moving += u32::from(moving);
+        self.collisions += u32::from(collision);
     }
 
     /// Adds the counts of another bin.
     pub fn merge(&mut self, other: Self) {
         self.episodes += other.episodes;
-        self.moving += other.moving;
+        self.collisions += other.collisions;
     }
 }
 
@@ -82,11 +82,11 @@ pub struct CellTally {
     pub town: Bins,
     /// The pedestrian's starts relative to the car: ahead and to the left.
     pub around: Bins,
-    /// Collisions with a moving car, by the car's speed (m/s).
+    /// Collisions, by the car's speed (m/s).
     pub speeds: Histogram,
-    /// Episodes without a collision by their least time to collision (s), if the table has it.
+    /// Episodes without a touch by their least time to collision (s), if the table has it.
     pub times: Histogram,
-    /// Episodes without a collision by their post-encroachment time (s), if the table has it.
+    /// Episodes without a touch by their post-encroachment time (s), if the table has it.
     pub lags: Histogram,
 }
 
@@ -114,7 +114,7 @@ impl Tally {
         });
         let cell = &mut self.cells[place];
         for row in episodes.rows().filter(|row| episodes.error(*row).is_none()) {
-            let (spawn, hit) = (episodes.spawn(row), episodes.is_moving(row));
+            let (spawn, hit) = (episodes.spawn(row), episodes.is_collision(row));
             let start = spawn.pedestrian.position();
             let seen = spawn.ego.to_local(start);
             cell.episodes += 1;
@@ -123,7 +123,7 @@ impl Tally {
             if let (true, Some(speed)) = (hit, episodes.impact_speed(row)) {
                 cell.speeds.add(speed);
             }
-            if !episodes.is_collision(row) {
+            if !episodes.is_touch(row) {
                 episodes.min_ttc(row).into_iter().for_each(|time| cell.times.add(time));
                 episodes.pet(row).into_iter().for_each(|lag| cell.lags.add(lag));
             }

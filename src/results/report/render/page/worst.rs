@@ -131,7 +131,7 @@ mod tests {
         };
         let a = found("a", 1, Label::Preventable);
         let b = found("a", 2, Label::Contested);
-        let c = found("b", 3, Label::Standing);
+        let c = found("b", 3, Label::Bump);
         let mut ranked = [(1, &b), (0, &c), (0, &a)];
         ranked.sort_by(|a, b| one_of_each_first(*a, *b));
         assert_eq!(ranked.map(|(_, found)| found.number), [1, 3, 2]);

@@ -129,10 +129,7 @@ fn words(kind: Kind, speed: &str, length: f64) -> (String, String) {
         Impact::Right => "the right side",
         Impact::Rear => "the rear",
     };
-    let speed = if kind.moving { speed } else { "The car stood" };
     let late = if kind.occluded { " The pedestrian came into sight too late for a careful human." } else { "" };
     let mode = kind.mode.name().replace('_', " ");
-    let title =
-        if kind.moving { format!("Into {side} of the moving car") } else { format!("At {side} of the standing car") };
-    (title, format!("{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"))
+    (format!("Into {side} of the car"), format!("{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"))
 }

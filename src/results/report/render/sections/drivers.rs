@@ -85,8 +85,7 @@ fn table(
         head.extend([Column::text("highest rates").page_only(), Column::number("n").page_only()]);
         head.push(Column::number("avoidable injury / 1,000"));
         head.extend(scale.map(|(name, _)| Column::number(format!("of {name}'s"))));
-        head.extend(["fault (95 %)", "preventable (95 %)", "moving (95 %)"].map(Column::number));
-        head.push(Column::number("collision").page_only());
+        head.extend(["fault (95 %)", "preventable (95 %)", "collision (95 %)"].map(Column::number));
     }
     if searched {
         // A terminal shows the searches in a table of their own.
@@ -117,8 +116,7 @@ fn table(
             row.extend([
                 rate(cell, |cell| (cell.fault, cell.fault_interval, cell.faults)),
                 rate(cell, |cell| (cell.preventable, cell.preventable_interval, cell.preventable_collisions())),
-                rate(cell, |cell| (cell.moving, cell.moving_interval, cell.moving_collisions)),
-                Value::Number(cell.and_then(|cell| cell.collision.mean), 2),
+                rate(cell, |cell| (cell.collision, cell.interval, cell.collisions)),
             ]);
         }
         if searched {

@@ -16,7 +16,7 @@ pub fn results(cells: &[Cell]) -> Table {
         columns.push(Column::number("errors"));
     }
     // Means with a spread are left-aligned, so that the means are below each other.
-    columns.extend(["collision rate", "95 % of episodes", "front", "moving", "preventable", "fault"].map(Column::text));
+    columns.extend(["collision rate", "95 % of episodes", "preventable", "fault", "with bumps", "front"].map(Column::text));
     if is_paid {
         columns.push(Column::text("mean reward"));
     }
@@ -30,10 +30,10 @@ pub fn results(cells: &[Cell]) -> Table {
         row.extend([
             or_count(cell.collision, cell.collisions, cell),
             Value::Interval(Some(cell.interval)),
-            cell.front.into(),
-            or_count(cell.moving, cell.moving_collisions, cell),
             or_count(cell.preventable, cell.preventable_collisions(), cell),
             or_count(cell.fault, cell.faults, cell),
+            cell.touch.into(),
+            cell.front.into(),
         ]);
         if is_paid {
             // The row of an untrained controller is that of all rewards, which pay it differently.
@@ -71,7 +71,7 @@ pub fn rates(cells: &[Cell]) -> Table {
     if has_errors {
         columns.push(Column::number("errors"));
     }
-    columns.extend(["collision", "moving", "preventable", "fault"].map(Column::text));
+    columns.extend(["collision", "preventable", "fault"].map(Column::text));
     let distinct = distinct(cells);
     let heading = |cell: &Cell| format!("{} · {}", place(cell, cells), cell.key.policy);
     let mut headings: Vec<String> = Vec::new();
@@ -94,7 +94,6 @@ pub fn rates(cells: &[Cell]) -> Table {
             }
             row.extend([
                 or_count(cell.collision, cell.collisions, cell),
-                or_count(cell.moving, cell.moving_collisions, cell),
                 or_count(cell.preventable, cell.preventable_collisions(), cell),
                 or_count(cell.fault, cell.faults, cell),
             ]);

@@ -114,8 +114,8 @@ impl Starts {
         let start = &mut self.places[place];
         start.all += 1;
         match outcome.ending {
-            Ending::Collision { moving: true, .. } => start.moving += 1,
-            Ending::Collision { .. } => start.standing += 1,
+            Ending::Touch { moving: true, .. } => start.moving += 1,
+            Ending::Touch { .. } => start.standing += 1,
             _ => {}
         }
     }
