@@ -15,22 +15,22 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     let (outcome, verdict) = (&end.outcome, end.verdict.as_ref());
     let dict = PyDict::new(py);
     let name = match outcome.ending {
-        Ending::Touch { .. } => "collision",
+        Ending::Touch { moving: true, .. } => "collision",
+        Ending::Touch { moving: false, .. } => "bump",
         Ending::OtherContact => "other_contact",
         Ending::Lost => "lost",
         Ending::Timeout => "timeout",
         Ending::Error(_) | Ending::ControllerError(_) => "error",
     };
-    let (front, moving, bearing) = match outcome.ending {
-        Ending::Touch { front, moving, bearing, .. } => (front, moving, bearing),
-        _ => (false, false, f64::NAN),
+    let (front, bearing) = match outcome.ending {
+        Ending::Touch { front, bearing, .. } => (front, bearing),
+        _ => (false, f64::NAN),
     };
     dict.set_item("seed", end.seed)?;
     dict.set_item("episode", end.episode)?;
     dict.set_item("outcome", name)?;
     dict.set_item("is_success", outcome.is_collision())?;
     dict.set_item("front", front)?;
-    dict.set_item("moving", moving)?;
     dict.set_item("impact_speed_mps", outcome.impact_speed().unwrap_or(f64::NAN))?;
     dict.set_item("impact_bearing_rad", bearing)?;
     verdict_of(&dict, verdict)?;
@@ -45,7 +45,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     Ok(dict)
 }
 
-/// Adds a verdict; without a collision it is an empty text.
+/// Adds a verdict; without a touch it is an empty text.
 pub fn verdict_of(dict: &Bound<'_, PyDict>, verdict: Option<&Verdict>) -> PyResult<()> {
     dict.set_item("verdict", verdict.map_or("", |verdict| verdict.label.name()))?;
     dict.set_item("foreseeable", verdict.is_some_and(|verdict| verdict.foreseeable))?;

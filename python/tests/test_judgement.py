@@ -42,13 +42,13 @@ def test_an_episode_of_ours_has_its_own_verdict(scenario, town, policy):
     choice = {"campaign": "short", "town": town, "policy": policy}
     verdicts, same = set(), []
     for ego, walked, info in episodes(scenario, 30, **choice):
-        if info["outcome"] not in ("collision", "timeout", "lost"):
+        if info["outcome"] not in ("collision", "bump", "timeout", "lost"):
             continue
         found = falsify_av.judge(ego, walked, DT, scenario=scenario, task="train", **choice)
         for name in ("verdict", "foreseeable", "fault"):
             assert found[name] == info[name], (name, found, info)
-        assert math.isnan(found["touch_s"]) == (info["outcome"] != "collision")
-        if info["outcome"] == "collision":
+        assert math.isnan(found["touch_s"]) == (info["outcome"] not in ("collision", "bump"))
+        if info["outcome"] in ("collision", "bump"):
             for name in ("warning_s", "impact_speed_mps"):
                 assert found[name] == pytest.approx(info[name], abs=1e-9), name
             assert found["touch_s"] == pytest.approx(info["episode_length_s"], abs=1e-9)

@@ -45,7 +45,7 @@ pub struct FailuresArgs {
     /// Only failures that these controllers or falsifiers found.
     #[arg(long, value_delimiter = ',', value_name = "NAME")]
     pub controller: Vec<String>,
-    /// Only failures whose kind has all of these words, as front,moving,occluded,cruise.
+    /// Only failures whose kind has all of these words, as front,occluded,cruise.
     #[arg(long, value_delimiter = ',', value_name = "WORDS")]
     pub kind: Vec<String>,
     /// Only failures in which the car was at least this fast at the touch (m/s).

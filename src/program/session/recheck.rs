@@ -143,7 +143,6 @@ impl Sides {
             let mut sets = Sets::new();
             let filter = FailureFilter { drivers: vec![pair.before.clone()], ..FailureFilter::default() };
             let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
-            // A touch of a standing car is no failure.
             for failure in self.old.report.failures(&filter)? {
                 let name = EpisodeName::of_table(failure.name())?;
                 runs.entry(name.run).or_default().push(failure);

@@ -27,7 +27,7 @@ fn from_the_side(side: f64) -> Approach {
 }
 
 fn failure(episode: u32, impact: Impact, approach: Option<Approach>) -> Failure {
-    let kind = Kind { impact, moving: true, verdict: Label::Preventable, occluded: false, mode: DrivingMode::Cruise };
+    let kind = Kind { impact, verdict: Label::Preventable, occluded: false, mode: DrivingMode::Cruise };
     Failure { run: 0, episode, kind, impact_speed: f64::from(episode % 10), length: 4.0, approach }
 }
 
@@ -74,14 +74,9 @@ fn distances_between_ways_are_root_means() {
 
 #[test]
 fn kinds_are_named_for_people() {
-    let standing = Kind {
-        impact: Impact::Rear,
-        moving: false,
-        verdict: Label::Bump,
-        occluded: true,
-        mode: DrivingMode::EmergencyStop,
-    };
-    assert_eq!(standing.to_string(), "rear, standing, occluded, emergency stop");
+    let standing =
+        Kind { impact: Impact::Rear, verdict: Label::Bump, occluded: true, mode: DrivingMode::EmergencyStop };
+    assert_eq!(standing.to_string(), "rear, bump, occluded, emergency stop");
     let front = failure(0, Impact::Front, None).kind;
-    assert_eq!(front.to_string(), "front, moving, preventable, cruise");
+    assert_eq!(front.to_string(), "front, preventable, cruise");
 }

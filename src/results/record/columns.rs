@@ -46,7 +46,8 @@ pub const OUTCOME: Column<String> = Column::new(
 );
 pub const ERROR: Column<String> =
     Column::new("error", "", "why the driver, or `the controller`, failed; empty otherwise");
-pub const COLLISION: Column<bool> = Column::new("collision", "", "whether the moving car touched the pedestrian; a bump is none");
+pub const COLLISION: Column<bool> =
+    Column::new("collision", "", "whether the moving car touched the pedestrian; a bump is none");
 pub const FRONT: Column<bool> =
     Column::new("front", "", "whether they touched within the front sector, by the bearing from the car's middle");
 pub const IMPACT_SPEED: Column<f64> = Column::new("impact_speed_mps", "m/s", "speed of the car at the touch");
@@ -66,7 +67,7 @@ pub const MIN_TTC: Column<f64> = Column::new(
     "min_ttc_s",
     "s",
     "least time to collision of disc and box at constant velocities, over all ticks at which the car moves (more than 0.1 m/s); 0 \
-     after a touch of a moving car, missing if they never were on course to touch within 10 s",
+     after a collision, missing if they never were on course to touch within 10 s",
 );
 pub const PET: Column<f64> = Column::new(
     "pet_s",
@@ -202,13 +203,13 @@ pub const LATEST_REACTION: Column<f64> = Column::new(
     "latest_reaction_s",
     "s",
     "longest reaction time, counted from the gate, with which a driver who brakes like `cc` avoids the collision, 5 s at most; missing when \
-     it hits even without any, and for a standing car",
+     it hits even without any, and for a bump",
 );
 pub const PREVENTABLE_PROBABILITY: Column<f64> = Column::new(
     "preventable_probability",
     "",
     "share of drivers who react within that time (lognormal, mean 1.21 s, standard deviation 0.63 s), 0 without such a time; missing for a \
-     standing car",
+     bump",
 );
 pub const AVOIDS: Family<bool> =
     Family::new("_avoids", "", "whether that reference driver touches no pedestrian while it moves");

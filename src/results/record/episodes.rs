@@ -2,10 +2,9 @@ use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
     ADVERSARY, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC,
-    ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED,
-    POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
-    VELOCITY_CHANGE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, ON_CROSSWALK,
+    OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, REWARD,
+    RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE,
 };
 use super::reference_drivers::{is_of_reference_driver, reference_columns};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
@@ -120,8 +119,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(START.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.start)))
         .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
         .column(
-            STATE_HASHES
-                .of(|row: &EpisodeRow| row.outcome.is_touch().then(|| row.outcome.state_hashes.to_string())),
+            STATE_HASHES.of(|row: &EpisodeRow| row.outcome.is_touch().then(|| row.outcome.state_hashes.to_string())),
         );
     table.columns(verdicts())
 }

@@ -8,8 +8,8 @@ use polars::prelude::{DataFrame, PolarsResult, StringChunked};
 use super::aggregate::{FAILURE, FALSIFIER, START};
 use crate::analysis::Impact;
 use crate::record::columns::{
-    DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID,
-    TOWN, VERDICT,
+    DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID, TOWN,
+    VERDICT,
 };
 use crate::record::{EpisodeTable, RunKey};
 use base::choice;
@@ -108,6 +108,11 @@ impl ListedFailure {
         format!("{}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
     }
 
+    /// Whether the pedestrian touched a standing car, which is no failure.
+    pub fn is_bump(&self) -> bool {
+        self.verdict == Some(Label::Bump)
+    }
+
     /// The verdict in a word: `fault` precedes the verdict of the reference drivers.
     pub fn verdict_name(&self) -> &'static str {
         match self.verdict {
@@ -174,11 +179,21 @@ impl FailureOrder {
     }
 }
 
-/// The collisions and bumps of a part of the table of episodes, by their rows.
+/// The collisions of a part of the table of episodes, by their rows.
 ///
 /// # Errors
 /// A column is missing or holds something else.
 pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> {
+    let mut found = touches(rows)?;
+    found.retain(|_, failure| !failure.is_bump());
+    Ok(found)
+}
+
+/// The collisions and bumps of a part of the table of episodes, by their rows.
+///
+/// # Errors
+/// As [`listed`].
+pub fn touches(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> {
     let (table, foreseeable) = (EpisodeTable::new(rows)?, FORESEEABLE.read(rows)?);
     let failure = |row: usize| {
         let RunKey { id, cell, .. } = RunKey::read(rows, row)?;

@@ -88,7 +88,7 @@ impl<'a> Inquiry<'a> {
         self.contact.impact_speed - self.trial(reference).impact_speed.unwrap_or(0.0)
     }
 
-    /// The share of drivers who would have avoided the touch: [`Verdict::preventable_probability`]; 0 for a standing car.
+    /// The share of drivers who would have avoided the touch: [`Verdict::preventable_probability`]; 0 for a bump.
     pub fn preventable_probability(&mut self) -> f64 {
         self.latest_reaction().map_or(0.0, share_of_drivers)
     }

@@ -44,7 +44,7 @@ impl Label {
         [Reference::AttentiveHuman, Reference::CarefulHuman]
     }
 
-    /// The label of a collision with a moving car. `avoids` is asked only for the drivers that are needed.
+    /// The label of a collision. `avoids` is asked only for the drivers that are needed.
     pub(super) fn of_moving(mut avoids: impl FnMut(Reference) -> bool) -> Self {
         let humans = Self::humans().map(&mut avoids);
         if humans == [true; 2] {

@@ -82,9 +82,8 @@ fn worst_cell(cells: &[Cell], driver: &str) -> Option<usize> {
 
 /// The cell with more avoidable injury first; then by the fault rate, the preventable rate, the rate of collisions.
 fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
-    let rates = |cell: &Cell| {
-        [cell.injury, cell.fault, cell.preventable, cell.collision].map(|rate| rate.mean.unwrap_or(-1.0))
-    };
+    let rates =
+        |cell: &Cell| [cell.injury, cell.fault, cell.preventable, cell.collision].map(|rate| rate.mean.unwrap_or(-1.0));
     let pairs = rates(b).into_iter().zip(rates(a));
     pairs.map(|(b, a)| b.total_cmp(&a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
@@ -130,7 +129,7 @@ mod tests {
     fn cell(policy: &str, fault: f64, moving: f64) -> Cell {
         let rate = |mean| Spread { mean: Some(mean), sd: None };
         let key = CellKey { policy: policy.into(), ..CellKey::default() };
-        Cell { key, fault: rate(fault), moving: rate(moving), ..Cell::default() }
+        Cell { key, fault: rate(fault), collision: rate(moving), ..Cell::default() }
     }
 
     #[test]

@@ -288,7 +288,7 @@ mod tests {
         let spawn = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let reward = hit.map_or(0.0, |(_, speed)| 1.0 + speed);
         let (least_gap, last_mode) = (1.0, DrivingMode::Cruise);
-        // Frontal collisions are preventable; the others hit a standing car.
+        // Frontal collisions are preventable; the others are bumps.
         let verdict = hit.map(|(front, impact_speed)| Verdict {
             label: if front { Label::Preventable } else { Label::Bump },
             side: ContactSide::Front,
@@ -359,15 +359,15 @@ mod tests {
             assert!((spread.mean.unwrap() - mean).abs() < 1e-12, "{spread:?}");
             assert!((spread.sd.unwrap() - sd).abs() < 1e-12, "{spread:?}");
         };
-        near(cell.collision, 0.375, 0.125 * 2.0_f64.sqrt());
+        near(cell.touch, 0.375, 0.125 * 2.0_f64.sqrt());
         near(cell.front, 0.75, 0.25 * 2.0_f64.sqrt());
-        near(cell.moving, 0.25, 0.0);
-        near(cell.impact_speed, 4.0, 2.0 * 2.0_f64.sqrt());
-        assert_eq!(cell.interval, wilson(3, 8));
+        near(cell.collision, 0.25, 0.0);
+        near(cell.impact_speed, 5.0, 2.0_f64.sqrt());
+        assert_eq!(cell.interval, wilson(2, 8));
         near(cell.preventable, 0.25, 0.0);
-        near(cell.preventable_share, 0.75, 0.25 * 2.0_f64.sqrt());
-        assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(2, 8), wilson(2, 3)));
-        assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (3, [2, 0, 0, 0, 1], 2));
+        near(cell.preventable_share, 1.0, 0.0);
+        assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(2, 8), wilson(2, 2)));
+        assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (2, [2, 0, 0, 0, 1], 2));
         // Every preventable collision of these is foreseeable, and no other one is.
         assert_eq!((cell.fault, cell.fault_interval), (cell.preventable, cell.preventable_interval));
         assert_eq!((cell.fault_share, cell.foreseeable_rate), (cell.preventable_share, cell.preventable));

@@ -1,8 +1,8 @@
 use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
-use crate::record::metric::{Count, Over, Which};
 use crate::record::episodes::named;
+use crate::record::metric::{Count, Over, Which};
 use crate::record::{self, Metric, columns};
 use base::statistics::RunningMean;
 

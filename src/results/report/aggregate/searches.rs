@@ -6,8 +6,8 @@ use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
 use crate::campaign::{Evaluated, SearchResult};
 use crate::record::columns::{
-    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED,
-    POLICY, REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,
+    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED, POLICY,
+    REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,
 };
 use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Table, reference_columns, verdict_columns};

@@ -316,7 +316,6 @@ mod tests {
             foreseeable: fault,
             fault,
             impact: "front".into(),
-            moving: fault,
             occluded: false,
             driving_mode: "cruise".into(),
             impact_speed: speed,

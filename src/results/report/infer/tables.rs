@@ -18,7 +18,7 @@ const OTHER_POLICY: Column<String> = Column::new(
 );
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 const FIGURE: Column<String> =
-    Column::new("figure", "", "`collision_rate`, `moving_rate`, `preventable_rate` or `fault_rate`: what is compared");
+    Column::new("figure", "", "`collision_rate`, `preventable_rate` or `fault_rate`: what is compared");
 const VALUE: Column<f64> = Column::new("value", "", "mean over the runs of the cell");
 const OTHER_VALUE: Column<f64> = Column::new("other_value", "", "mean over the runs of the other cell");
 const DIFFERENCE: Column<f64> = Column::new("difference", "", "`value` less `other_value`");
@@ -58,11 +58,8 @@ const GAP_INTERVAL: Interval = Interval::new(
     "Student's 95 % interval over the gaps of the trainings, with the variance of the starts; missing for fewer than four trainings",
 );
 
-const AVOIDED: Family<u64> = Family::new(
-    "_avoided_collisions",
-    "",
-    "number of collisions that the reference driver avoids, those with a standing car included",
-);
+const AVOIDED: Family<u64> =
+    Family::new("_avoided_collisions", "", "number of collisions that the reference driver avoids");
 const REST: Family<f64> = Family::new(
     "_collision_rate",
     "",
@@ -153,7 +150,7 @@ pub const QUANTILES: [QuantileFamily; 3] = {
         QuantileFamily {
             column: IMPACT_SPEED,
             counted: "collisions",
-            doc: "of all collisions, standing cars included; of each run the first 100,000 episodes",
+            doc: "of all collisions; of each run the first 100,000 episodes",
             names: ["median", "p90", "p99"],
             of: |cell| &cell.impact_speed,
         },

@@ -216,7 +216,7 @@ fn transfer_is_home_less_away_for_the_same_trainings() {
     assert_eq!((gap.home.town.as_str(), gap.away.town.as_str()), ("a", "b"));
     assert_eq!((gap.values, gap.gap), ([0.875, 0.375], 0.5));
     assert_eq!((gap.interval, gap.by_run.as_slice()), (None, [0.5, 0.5].as_slice()), "two trainings have no interval");
-    assert_eq!(found.transfers.len(), 4, "collision, moving, preventable, fault; the random one is at home nowhere");
+    assert_eq!(found.transfers.len(), 3, "collision, preventable, fault; the random one is at home nowhere");
 }
 
 #[test]

@@ -6,12 +6,12 @@ use polars::prelude::DataFrame;
 
 use super::{ReadError, StoredReport};
 use crate::record::columns::{
-    CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN_ID,
-    TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
+    CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN_ID, TOWN,
+    TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
 use crate::record::{Column, EPISODES, Table};
 use crate::report::aggregate::FAILURES;
-use crate::report::listed_failure::{ListedFailure, listed, searched};
+use crate::report::listed_failure::{ListedFailure, searched, touches};
 use world::judge::Label;
 
 /// The number of rows of a table that are read at once.
@@ -48,8 +48,7 @@ impl FailureFilter {
         };
         let kind = failure.kind();
         let has = |word: &String| kind.split(", ").any(|part| part == word.replace('_', " "));
-        let collision = failure.verdict != Some(Label::Bump);
-        (self.verdicts.is_empty() && collision || self.verdicts.iter().any(verdict))
+        (self.verdicts.is_empty() && !failure.is_bump() || self.verdicts.iter().any(verdict))
             && among(&self.drivers, &failure.policy)
             && among(&self.controllers, &failure.controller)
             && self.kind.iter().all(has)
@@ -65,7 +64,7 @@ impl StoredReport {
     pub fn failures(&self, filter: &FailureFilter) -> Result<Vec<ListedFailure>, ReadError> {
         let mut found = Vec::new();
         self.each_part(EPISODES, ROWS, |rows| {
-            found.extend(listed(rows)?.into_values().filter(|failure| filter.allows(failure)));
+            found.extend(touches(rows)?.into_values().filter(|failure| filter.allows(failure)));
             Ok(())
         })?;
         self.each_part(FAILURES, ROWS, |rows| {

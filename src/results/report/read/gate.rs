@@ -582,9 +582,9 @@ mod tests {
         assert!(said("preventable_rate > 5 %").contains("without a unit"));
         assert!(said("town > a").contains("== or !="));
         assert!(said("max over controllers town == a").contains("only numbers"));
-        let twice = "max over controllers moving_rate > 0 and min over controllers moving_rate > 0";
+        let twice = "max over controllers collision_rate > 0 and min over controllers collision_rate > 0";
         assert!(matches!(Gate::parse(twice), Err(GateError::Extremes { .. })));
-        for text in ["max over towns moving_rate > 0", "max over controllers > 0", "maximum moving_rate > 0"] {
+        for text in ["max over towns collision_rate > 0", "max over controllers > 0", "maximum collision_rate > 0"] {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
         }
         assert!(Gate::parse("max over controllers preventable_rate_student_low > 0.05 and learnt == yes").is_ok());

@@ -57,7 +57,7 @@ fn failures() -> Table<'static, RecheckedFailures> {
                 .of(is(|_, after| after.is_collision())),
         )
         .column(
-            count("gone", "", "failures in which it does not; a pedestrian may touch the standing car")
+            count("gone", "", "failures that are none any more; a pedestrian may bump into the standing car")
                 .of(is(|_, after| !after.is_collision())),
         )
         .column(

@@ -64,7 +64,7 @@ pub fn in_short(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: 
     let frames: Vec<Frame> = pair.frames().collect();
     let Ending::Touch { moving, impact_speed, .. } = outcome.ending else { return ending(outcome, &frames) + "." };
     if !moving {
-        return "The car stood, and the pedestrian walked into it.".into();
+        return "A bump: the car stood, and the pedestrian walked into it.".into();
     }
     let unseen = frames.iter().rev().position(|frame| !pair.in_sight(frame));
     let sight = match unseen {

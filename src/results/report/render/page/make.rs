@@ -114,7 +114,7 @@ pedestrians, so read the labels as a comparison.";
 const NEAR: &str = "Episodes that end without a collision. Least time to collision: the shortest time to a touch at any tick while the car moves, \
 if both kept their velocities. Post-encroachment time: between the instant at which one leaves a place and the instant at which the other enters it.";
 const SPEED: &str =
-    "The height at the left is how often a moving car is hit. Curves that reach far to the right are severe.";
+    "The height at the left is how often there is a collision. Curves that reach far to the right are severe.";
 
 /// A section of figures; none without any.
 fn figures(

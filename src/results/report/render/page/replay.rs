@@ -138,6 +138,6 @@ pub fn verdict_text(label: Label) -> &'static str {
         Label::Contested => "contested",
         Label::MachinePreventable => "by machine only",
         Label::Unpreventable => "unpreventable",
-        Label::Bump => "car standing",
+        Label::Bump => "bump",
     }
 }

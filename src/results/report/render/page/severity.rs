@@ -6,7 +6,7 @@ use crate::report::render::svg::{Chart, Curve, Figure, short};
 /// Times of near misses are shown up to this (s).
 const HORIZON: f64 = 5.0;
 
-/// The share of episodes that end in an impact at a speed or above; none when no moving car was hit.
+/// The share of episodes that end in an impact at a speed or above; none without a collision.
 pub fn severity(tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
     let figure = Distribution {
         name: "figure-impact-speed",

@@ -30,7 +30,7 @@ struct Group<'a> {
     around: Bins,
 }
 
-/// The starts of trained pedestrians, and how often they hit a moving car from there: over the towns, and around the car.
+/// The starts of trained pedestrians, and how often they collide from there: over the towns, and around the car.
 pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Figure> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for named in cells.iter().filter(|named| named.cell.key.controller == "trained") {
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn only_what_never_hit_is_pale() {
-        let bin = |moving| level(Bin { episodes: 10, moving });
+        let bin = |collisions| level(Bin { episodes: 10, collisions });
         assert_eq!([0, 1, 2, 3, 8, 9, 10].map(bin), [0, 1, 1, 2, 4, 5, 5]);
     }
 }

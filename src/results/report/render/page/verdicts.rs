@@ -18,8 +18,7 @@ pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
     if hit.is_empty() {
         return None;
     }
-    let legend =
-        Label::ALL.iter().enumerate().map(|(number, label)| (format!("v{number}"), verdict_text(*label).into()));
+    let legend = labels().map(|(number, label)| (format!("v{number}"), verdict_text(label).into()));
     let panels = places(&hit).into_iter().map(|(place, members)| panel(place, &members));
     Some(Figure {
         name: "figure-verdicts".into(),
@@ -28,6 +27,11 @@ pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
         panels: panels.collect(),
         ..Figure::default()
     })
+}
+
+/// The labels of collisions with their places; a bump is none.
+fn labels() -> impl Iterator<Item = (usize, Label)> {
+    Label::ALL.into_iter().enumerate().filter(|(_, label)| *label != Label::Bump)
 }
 
 /// A segment of a bar.
@@ -41,12 +45,12 @@ struct Piece {
 fn pieces(named: &Named<'_>) -> Vec<Piece> {
     let all = f64::from(named.cell.collisions.max(1));
     let mut left = BAR.0;
-    let counted = Label::ALL.iter().zip(named.cell.labels).enumerate().filter(|(_, (_, count))| *count > 0);
-    let piece = |(class, (label, count)): (usize, (&Label, u32))| {
+    let counted = labels().zip(named.cell.labels).filter(|(_, count)| *count > 0);
+    let piece = |((class, label), count): ((usize, Label), u32)| {
         let share = f64::from(count) / all;
         let width = share * (BAR.1 - BAR.0);
         left += width;
-        let text = format!("{} {} ({count})", verdict_text(*label), percent(share));
+        let text = format!("{} {} ({count})", verdict_text(label), percent(share));
         Piece { class, left: left - width, width: (width - 0.7).max(0.4), text }
     };
     counted.map(piece).collect()

@@ -131,5 +131,8 @@ fn words(kind: Kind, speed: &str, length: f64) -> (String, String) {
     };
     let late = if kind.occluded { " The pedestrian came into sight too late for a careful human." } else { "" };
     let mode = kind.mode.name().replace('_', " ");
-    (format!("Into {side} of the car"), format!("{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"))
+    (
+        format!("Into {side} of the car"),
+        format!("{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"),
+    )
 }

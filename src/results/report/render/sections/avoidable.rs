@@ -11,8 +11,7 @@ const READING: [&str; 4] = [
      finds them, `falsify replay RUN_ID:EPISODE` describes one, `falsify export RUN_ID:EPISODE --as svg` draws it.\n\
      - **contested**: some reference drivers avoid it and some do not.\n\
      - **by machine**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
-     - **unpreventable**: braking at once with 0.85 g does not avoid it.\n\
-     - **standing**: the car stood (at most 0.1 m/s) when the pedestrian walked into it. It says little about the driver.",
+     - **unpreventable**: braking at once with 0.85 g does not avoid it.",
     "*Fault* is preventable and foreseeable: these failures count against the driver under test. Two more shares say what else was true of a \
      collision, whatever its verdict. *Into the side*: the front had passed, and the pedestrian walked into the side or the rear. *Foreseeable*: the \
      pedestrian never walked faster than 8 km/h, never accelerated by more than 2.12 m/s² within a tick, and its velocity changed by at most 1.65 m/s \
@@ -31,7 +30,7 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         return None;
     }
     let mut columns = head();
-    let names_of_shares = ["contested", "by machine", "unpreventable", "standing", "into the side", "foreseeable"];
+    let names_of_shares = ["contested", "by machine", "unpreventable", "into the side", "foreseeable"];
     columns.extend(
         [
             "collisions",
@@ -47,7 +46,7 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
     columns.extend(names_of_shares.map(Column::number));
     let row = |cell: &&Cell| {
         let share = |count: u32| Some(f64::from(count) / f64::from(cell.collisions));
-        let [preventable, others @ ..] = cell.labels;
+        let [preventable, others @ .., _bumps] = cell.labels;
         let mut row = names(cell, cells);
         row.extend([
             Value::Of(cell.collisions.into(), cell.episodes.into()),

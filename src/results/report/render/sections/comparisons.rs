@@ -41,10 +41,7 @@ fn table(title: &str, found: &[&Comparison]) -> Table {
         found.iter().map(|found| (found.first.train_town.as_str(), found.first.train_policy.as_str())).collect();
     let several = trainings.iter().filter(|training| !training.0.is_empty()).count() > 1;
     let mut head: Vec<Column> = ["controller", "place", "less"].map(Column::text).into();
-    head.extend(
-        ["collisions", "with a moving car", "preventable", "fault"]
-            .map(|rate| Column::number(format!("{rate} (95 %), p"))),
-    );
+    head.extend(["collisions", "preventable", "fault"].map(|rate| Column::number(format!("{rate} (95 %), p"))));
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
     for found in found {
         let names = names(found, several);

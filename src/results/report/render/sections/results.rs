@@ -16,7 +16,9 @@ pub fn results(cells: &[Cell]) -> Table {
         columns.push(Column::number("errors"));
     }
     // Means with a spread are left-aligned, so that the means are below each other.
-    columns.extend(["collision rate", "95 % of episodes", "preventable", "fault", "with bumps", "front"].map(Column::text));
+    columns.extend(
+        ["collision rate", "95 % of episodes", "preventable", "fault", "with bumps", "front"].map(Column::text),
+    );
     if is_paid {
         columns.push(Column::text("mean reward"));
     }
@@ -49,8 +51,8 @@ pub fn results(cells: &[Cell]) -> Table {
         notes: vec![
             "\"±\" is the standard deviation over runs. Each run is a training of its own, or for an untrained controller a seed of its own. \
              The interval is Wilson's over the episodes of all runs. It does not say what further trainings would show. \
-             *Front*: share of the collisions that are in the front sector. *Moving*: share of the episodes that end in a collision \
-             with a moving car. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
+             In a collision the car moves. *With bumps*: share of the episodes in which car and pedestrian touch, also while the car \
+             stands; *front*: share of these in the front sector. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
              *Fault*: those of them in which the pedestrian moved as people do. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
              An untrained controller walks the same for every reward, so it has one row."
                 .into(),

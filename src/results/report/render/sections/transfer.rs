@@ -8,7 +8,7 @@ pub fn transfer(evidence: &Evidence) -> Option<Section> {
     }
     let mut head: Vec<Column> =
         ["controller", "reward", "trained in, against", "evaluated in", "against"].map(Column::text).into();
-    let rates = ["gap of collisions", "with a moving car", "preventable", "fault"];
+    let rates = ["gap of collisions", "preventable", "fault"];
     head.extend(rates.map(|rate| Column::number(format!("{rate} (95 %)"))));
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
     for found in &evidence.transfers {

@@ -20,21 +20,18 @@ const LEGEND: f64 = 14.0;
 const STYLE: &str = ".panel text{font-size:4.5px;fill:var(--ink)}.start{stroke-width:.6}.ego,.pedestrian{fill:none;stroke-width:.7;\
 stroke-linecap:round}.ego{stroke:var(--car)}.pedestrian{stroke:var(--person)}.paper{fill:var(--ground)}";
 
-/// Draws a town, and a dot for every place where pedestrians started. The dot is redder the more of them hit a moving car; its ring is
-/// bluer the more of them hit a standing car.
+/// Draws a town, and a dot for every place where pedestrians started. The dot is redder the more of them collided; its ring is bluer the more of
+/// them were bumps.
 pub fn town_map(town: &Town, starts: &Starts) -> String {
-    let legend = [
-        (75.0, 0.0, 0.0, "start: no car hit"),
-        (130.0, 1.0, 0.0, "all hit, car moving"),
-        (182.0, 0.0, 1.0, "all hit, car standing"),
-    ];
+    let legend =
+        [(75.0, 0.0, 0.0, "start: no collision"), (130.0, 1.0, 0.0, "all collisions"), (182.0, 0.0, 1.0, "all bumps")];
     drawn(town, |x, y| {
         html! {
             @for start in &starts.places {
-                (dot(start.place.x, -start.place.y, start.share(start.moving), start.share(start.standing)))
+                (dot(start.place.x, -start.place.y, start.share(start.collisions), start.share(start.bumps)))
             }
             @if !starts.places.is_empty() {
-                @for (at, moving, standing, text) in legend { (dot(x + at, y, moving, standing)) (label(x + at + 3.0, y, text)) }
+                @for (at, collisions, bumps, text) in legend { (dot(x + at, y, collisions, bumps)) (label(x + at + 3.0, y, text)) }
             }
         }
     })
@@ -82,15 +79,15 @@ fn label(x: f64, y: f64, text: &str) -> Markup {
     html! { text x=(px(x)) y=(px(y + 1.6)) { (text) } }
 }
 
-fn dot(x: f64, y: f64, moving: f64, standing: f64) -> Markup {
+fn dot(x: f64, y: f64, collisions: f64, bumps: f64) -> Markup {
     let mix = |from: f64, to: f64, share: f64| (from + (to - from) * share).round();
     let colour = |from: [f64; 3], to: [f64; 3], share: f64| {
         let [r, g, b] = std::array::from_fn(|part| mix(from[part], to[part], share));
         format!("rgb({r},{g},{b})")
     };
     html! {
-        circle.start cx=(px(x)) cy=(px(y)) r="1.2" fill=(colour([255.0; 3], [178.0, 24.0, 43.0], moving))
-            stroke=(colour([120.0; 3], [33.0, 102.0, 220.0], standing)) {}
+        circle.start cx=(px(x)) cy=(px(y)) r="1.2" fill=(colour([255.0; 3], [178.0, 24.0, 43.0], collisions))
+            stroke=(colour([120.0; 3], [33.0, 102.0, 220.0], bumps)) {}
     }
 }
 
@@ -108,14 +105,14 @@ impl Starts {
             return;
         }
         let place = *self.index.entry((policy.to_string(), block, episode)).or_insert_with(|| {
-            self.places.push(Start { place: outcome.spawn.pedestrian, moving: 0, standing: 0, all: 0 });
+            self.places.push(Start { place: outcome.spawn.pedestrian, collisions: 0, bumps: 0, all: 0 });
             self.places.len() - 1
         });
         let start = &mut self.places[place];
         start.all += 1;
         match outcome.ending {
-            Ending::Touch { moving: true, .. } => start.moving += 1,
-            Ending::Touch { .. } => start.standing += 1,
+            Ending::Touch { moving: true, .. } => start.collisions += 1,
+            Ending::Touch { moving: false, .. } => start.bumps += 1,
             _ => {}
         }
     }
@@ -125,8 +122,8 @@ impl Starts {
 #[derive(Debug, Clone)]
 struct Start {
     place: Pose,
-    moving: u32,
-    standing: u32,
+    collisions: u32,
+    bumps: u32,
     all: u32,
 }
 
