@@ -32,7 +32,7 @@ fn listing(campaign: Campaign, options: &RunOptions, store: &Store) -> Result<Li
     let ids = Ids::new(&campaign, options.seed);
     let index = Index::read(store, &name)?;
     let known = |task| match options.fresh {
-        true => Known::Missing("--fresh"),
+        true => Known::Missing("--fresh".into()),
         false => index.look(store, &campaign, task, &ids, options.seed),
     };
     let tasks = tasks(&campaign).map(|task| (task, known(task))).collect();
