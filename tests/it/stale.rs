@@ -90,6 +90,7 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     std::fs::write(here.join("params.py"), "GAP = 14.0\n").unwrap();
     let list = run(here, &["--list"], 0);
     assert!(list.contains("[run: `params.py` changed]"), "{list}");
+    assert!(list.contains("`falsify recheck --allow-external reports/d` lets the new program meet"), "{list}");
     let refused = run(here, &[], 2);
     assert!(refused.contains("`params.py` of `mine` has changed since then"), "{refused}");
     assert!(refused.contains("`falsify recheck --allow-external reports/d` lets the new program meet"), "{refused}");

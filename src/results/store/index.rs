@@ -51,6 +51,8 @@ pub enum Known {
     Begun(u64, u64),
     /// It is not stored, or not used, for this reason.
     Missing(String),
+    /// It was made with other files of a program: these, in words.
+    Edited(String),
 }
 
 impl Index {
@@ -132,16 +134,20 @@ impl Index {
             return Known::Begun(header.done, wanted);
         }
         let Some(made) = self.done.get(&task_name(campaign, task)) else { return Known::Missing("new".into()) };
-        Known::Missing(match made {
-            _ if made.id == id.to_string() => "gone".into(),
-            _ if made.seed != seed => "seed changed".into(),
+        let why = match made {
+            _ if made.id == id.to_string() => "gone",
+            _ if made.seed != seed => "seed changed",
             _ if made.fingerprint != fingerprint(campaign, task) => {
                 let then = self.programs.get(&made.fingerprint);
-                then.and_then(|then| changed(then, campaign, task)).unwrap_or_else(|| "scenario changed".into())
+                if let Some(files) = then.and_then(|then| changed(then, campaign, task)) {
+                    return Known::Edited(files);
+                }
+                "scenario changed"
             }
-            _ if made.code != CODE => "code changed".into(),
-            _ => "training changed".into(),
-        })
+            _ if made.code != CODE => "code changed",
+            _ => "training changed",
+        };
+        Known::Missing(why.into())
     }
 }
 
@@ -167,7 +173,7 @@ fn changed(then: &BTreeMap<String, String>, campaign: &Campaign, task: Task) -> 
     let now = program_files(campaign, task);
     let files = changed_files(then, &now);
     let more = if files.len() > 1 { format!(" and {} more files", files.len() - 1) } else { String::new() };
-    files.first().map(|first| format!("`{first}`{more} changed"))
+    files.first().map(|first| format!("`{first}`{more}"))
 }
 
 /// Whether the number of episodes of a task is known in advance. A stored task may have been made for fewer.
