@@ -66,8 +66,8 @@ pub mod language {
     pub use base::{choice, keys};
     #[doc(inline)]
     pub use compile::{
-        Campaign, Catalog, Compiled, Evaluation, FalsifierKind, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
-        TownKind, Training, TrainingKey, WalkerKind,
+        Campaign, Catalog, Compiled, Evaluation, ExternalProgram, FalsifierKind, NoRunId, Plan, PolicyKind, RunId,
+        Search, TakenKind, TownKind, Training, TrainingKey, WalkerKind,
     };
     #[doc(inline)]
     pub use lang::{Reader, Unreadable};
@@ -80,7 +80,7 @@ pub mod driving {
     #[doc(inline)]
     pub use process::ProcessOpener;
     #[doc(inline)]
-    pub use world::av::external::{Link, Opener, Program};
+    pub use world::av::external::{Link, Opener, Parts, Program};
     #[doc(inline)]
     pub use world::av::{DrivingMode, DrivingPolicy, Fault, Perception};
     #[doc(inline)]
@@ -115,8 +115,8 @@ pub mod results {
     pub use results::campaign::{Event as CampaignEvent, Shard, Task};
     #[doc(inline)]
     pub use results::report::{
-        Cell, Difference, FileRecord, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,
-        SearchCell, Spread, StoredReport, TooFewRuns, TrainingRecord, WriteError,
+        Cell, Difference, FileRecord, Gate, GateError, Judged, Manifest, ProgramRecord, ReadError, RunRecord,
+        ScenarioFile, SearchCell, Spread, StoredReport, TooFewRuns, TrainingRecord, WriteError,
     };
     #[doc(inline)]
     pub use results::store::{Known, Limits, StoreError};

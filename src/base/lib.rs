@@ -3,6 +3,7 @@
 pub mod diagnostic;
 pub mod contained;
 pub mod files;
+pub mod printable;
 pub mod units;
 pub mod signature;
 pub mod seed;

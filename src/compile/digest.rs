@@ -56,6 +56,11 @@ impl Lowering<'_> {
             out.extend_from_slice(&self.read.seen(map).unwrap_or_default());
         }
         self.block(&mut out, declaration, &declaration.block, left_out);
+        // The contents of what a program is made of are part of the scenario.
+        for (path, digest) in self.noted(declaration).iter().flat_map(|program| &program.parts.files) {
+            text(&mut out, path);
+            text(&mut out, digest);
+        }
         *blake3::hash(&out).as_bytes()
     }
 
@@ -146,7 +151,7 @@ fn drawn(out: &mut Vec<u8>, distribution: &Distribution) {
         Distribution::Normal { mean, deviation, low, high } => numbers(out, 2, &[*mean, *deviation, *low, *high]),
         Distribution::Mixture(parts) => {
             numbers(out, 3, &[parts.len() as f64]);
-            for (weight, part) in parts {
+            for (weight, part) in parts.iter() {
                 numbers(out, 4, &[*weight]);
                 drawn(out, part);
             }

@@ -13,6 +13,7 @@ mod vehicle;
 mod policy_kind;
 mod policy;
 mod outside;
+mod programs;
 mod sensors;
 mod sensor_suites;
 mod adversary;
@@ -53,6 +54,7 @@ pub use plan::{
     PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
 };
 pub use policy_kind::PolicyKind;
+pub use programs::{ExternalProgram, Programs, changed_files};
 pub use published::published_columns;
 pub use run_id::{NoRunId, RunId};
 pub use stopping::StoppingRule;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::Catalog;
 use super::noting::Noting;
+use super::programs::ExternalProgram;
 use base::diagnostic::{Diagnostic, Sources};
 use base::signature::DeclarationId;
 use lang::hir::{Block, Declaration, Program};
@@ -27,6 +28,8 @@ pub(super) struct Shared {
     pub towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
     /// The policies that were made, with their own contents and those of everything that they refer to.
     pub policies: BTreeMap<DeclarationId, Vec<MadePolicy>>,
+    /// The programs of drivers and controllers, by their declaration and its contents.
+    pub programs: BTreeMap<DeclarationId, Vec<(Block, Arc<ExternalProgram>)>>,
     /// Declarations that campaigns use.
     pub used: BTreeSet<DeclarationId>,
 }

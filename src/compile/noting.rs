@@ -23,14 +23,9 @@ impl<'a> Noting<'a> {
         self.wanted
     }
 
-    /// Records a digest of something that a text names and that is not read here.
-    pub fn note(&self, name: PathBuf, digest: [u8; 32]) {
-        self.seen.borrow_mut().insert(name, digest);
-    }
-
-    fn note_contents(&self, path: &Path, contents: &[u8]) {
+    fn note(&self, path: &Path, contents: &[u8]) {
         if self.wanted {
-            self.note(path.to_path_buf(), *blake3::hash(contents).as_bytes());
+            self.seen.borrow_mut().insert(path.to_path_buf(), *blake3::hash(contents).as_bytes());
         }
     }
 
@@ -42,10 +37,10 @@ impl<'a> Noting<'a> {
 
 impl Reader for Noting<'_> {
     fn text(&self, path: &Path) -> io::Result<String> {
-        self.read.text(path).inspect(|text| self.note_contents(path, text.as_bytes()))
+        self.read.text(path).inspect(|text| self.note(path, text.as_bytes()))
     }
 
     fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.read.bytes(path).inspect(|bytes| self.note_contents(path, bytes))
+        self.read.bytes(path).inspect(|bytes| self.note(path, bytes))
     }
 }

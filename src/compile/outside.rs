@@ -36,8 +36,7 @@ impl Lowering<'_> {
             self.said.push(diagnostics::unusable_command(place, command, &reason));
             return None;
         }
-        // The contents of what a program is made of are part of the scenario.
-        self.read.note(self.beside(declaration, command), opener.digest(&program));
+        self.note_program(declaration, &program, opener.as_ref());
         Some((program, opener))
     }
 

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::campaign::{SAMPLED, TRAINED};
-use super::{Fingerprint, RunId};
+use super::{ExternalProgram, Fingerprint, Programs, RunId};
 use base::seed::Seed;
 use base::signature::{Arguments, Keys};
 use learn::PpoConfig;
@@ -45,6 +45,20 @@ impl Plan {
 }
 
 impl Campaign {
+    /// The programs of the user that its tasks depend on, each once.
+    pub fn programs(&self) -> Vec<&Arc<ExternalProgram>> {
+        let trained = self.trainings.iter().flat_map(|each| each.programs.iter());
+        let evaluated = self.evaluations.iter().flat_map(|each| each.programs.iter());
+        let searched = self.searches.iter().flat_map(|each| each.programs.iter());
+        let mut all: Vec<&Arc<ExternalProgram>> = Vec::new();
+        for program in trained.chain(evaluated).chain(searched) {
+            if !all.contains(&program) {
+                all.push(program);
+            }
+        }
+        all
+    }
+
     /// One scenario for every spawn rule in every town, with the town's name, each once.
     pub fn starts(&self) -> Vec<(&str, &Arc<Scenario>)> {
         let trained = self.trainings.iter().flat_map(Training::places);
@@ -209,6 +223,8 @@ pub struct Training {
     pub environments: usize,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
+    /// The programs of the user that it depends on.
+    pub programs: Programs,
     /// The digest without the number of steps: a training with more steps continues a shorter one with the same lineage, bit for bit. None
     /// when the first steps depend on the number of all: with a schedule or a curriculum.
     pub lineage: Option<Fingerprint>,
@@ -272,6 +288,8 @@ pub struct Evaluation {
     pub episodes: u32,
     /// The digest of what the files say about it, without the training of its pedestrian.
     pub fingerprint: Fingerprint,
+    /// The programs of the user that it depends on.
+    pub programs: Programs,
     /// The evaluation ends early when the half-width of the collision rate's 95 % interval falls to this.
     pub halfwidth: Option<f64>,
 }
@@ -324,6 +342,8 @@ pub struct Search {
     pub tries: u32,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
+    /// The programs of the user that it depends on.
+    pub programs: Programs,
 }
 
 impl Search {

@@ -15,6 +15,7 @@ use nix::unistd::Pid;
 use super::descendants;
 use super::messages::Messages;
 use super::opener::Notes;
+use super::patience::{self, GLANCE};
 use world::av::Fault;
 use world::av::external::{Link, Program};
 
@@ -98,19 +99,32 @@ impl Child {
         Fault::Late { limit_ms: self.limit.as_millis() as u32 }
     }
 
-    /// Waits until a pipe is ready, or the time is up.
+    /// Waits until a pipe is ready, the time is up, or the user does not want to wait any more.
     fn wait(&self, pipe: BorrowedFd<'_>, what: PollFlags) -> Result<(), Fault> {
-        let left = self.deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(self.late());
+        loop {
+            let left = self.deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Err(self.late());
+            }
+            if patience::is_over() {
+                return Err(Fault::Stopped);
+            }
+            // Rounded up, so that the last wait does not spin.
+            let left = left.min(GLANCE) + Duration::from_millis(1);
+            match poll(&mut [PollFd::new(pipe, what)], PollTimeout::try_from(left).unwrap_or(PollTimeout::MAX)) {
+                Ok(0) => {}
+                Ok(_) | Err(nix::errno::Errno::EINTR) => return Ok(()),
+                Err(_) => return Err(Fault::Ended),
+            }
         }
-        // Rounded up, so that the last wait does not spin.
-        let left = PollTimeout::try_from(left + Duration::from_millis(1)).unwrap_or(PollTimeout::MAX);
-        match poll(&mut [PollFd::new(pipe, what)], left) {
-            Ok(0) => Err(self.late()),
-            Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
-            Err(_) => Err(Fault::Ended),
-        }
+    }
+
+    /// Whether there is output that nothing has asked for.
+    fn has_spoken(&mut self) -> bool {
+        let mut pipe = [PollFd::new(self.output.as_fd(), PollFlags::POLLIN)];
+        let is_ready = poll(&mut pipe, PollTimeout::ZERO).is_ok_and(|ready| ready > 0);
+        let has_input = pipe[0].revents().is_some_and(|events| events.contains(PollFlags::POLLIN));
+        self.used < self.read.len() || (is_ready && has_input)
     }
 
     /// Reads the available bytes; waits for at least one.
@@ -150,6 +164,11 @@ fn never_block(pipe: BorrowedFd<'_>) -> io::Result<()> {
 
 impl Link for Child {
     fn send(&mut self, message: &[u8], limit: f64) -> Result<(), Fault> {
+        if self.has_spoken() {
+            let fault = Fault::Answer("it came before the question");
+            self.note(&fault.to_string());
+            return Err(fault);
+        }
         self.limit = Duration::from_secs_f64(limit);
         self.deadline = Instant::now() + self.limit;
         let mut left = message;

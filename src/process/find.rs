@@ -1,7 +1,5 @@
-use std::collections::BTreeSet;
 use std::env;
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use world::av::external::Program;
 
@@ -35,77 +33,9 @@ pub(super) fn find(program: &Program) -> Result<(), String> {
 }
 
 /// Whether a program runs scripts.
-fn interprets(name: &str) -> bool {
+pub(super) fn interprets(name: &str) -> bool {
     let file = Path::new(name).file_name().and_then(|file| file.to_str()).unwrap_or_default();
     INTERPRETERS.contains(&file.trim_end_matches(|end: char| end.is_ascii_digit() || end == '.'))
-}
-
-/// Computes a digest of what a program is made of: the files that its command names, those in the folder of its script that end as the script
-/// does, and those that the scenario declares. The interpreter on the PATH, a server and an image are not known.
-pub(super) fn digest(program: &Program) -> [u8; 32] {
-    let mut all = blake3::Hasher::new();
-    for path in sources(program) {
-        let mut file = blake3::Hasher::new();
-        file.update(path.strip_prefix(&program.folder).unwrap_or(&path).as_os_str().as_encoded_bytes());
-        // A file that cannot be read is reported when the program is started.
-        let _ = std::fs::File::open(&path).and_then(|opened| file.update_reader(opened).map(|_| ()));
-        all.update(file.finalize().as_bytes());
-    }
-    *all.finalize().as_bytes()
-}
-
-/// The files that a program is made of.
-fn sources(program: &Program) -> BTreeSet<PathBuf> {
-    let named = program.words.iter().map(|word| program.folder.join(word)).filter(|path| path.is_file());
-    let mut found: BTreeSet<PathBuf> = named.collect();
-    if let Some((folder, ending)) = script_folder(program) {
-        collect(&folder, &|path| path.extension() == Some(&ending), &mut found);
-    }
-    for path in program.files.iter().map(|file| program.folder.join(file)) {
-        if path.is_dir() {
-            collect(&path, &|_| true, &mut found);
-        } else {
-            found.insert(path);
-        }
-    }
-    found
-}
-
-/// The folder of the script that an interpreter runs, and how its sources end; of `python -m MODULE` the folder in which it runs.
-fn script_folder(program: &Program) -> Option<(PathBuf, OsString)> {
-    let (name, arguments) = program.words.split_first()?;
-    if !interprets(name) {
-        return None;
-    }
-    if arguments.iter().any(|word| word == "-m") {
-        return Some((program.folder.clone(), "py".into()));
-    }
-    let script = arguments.iter().map(|word| program.folder.join(word)).find(|path| path.is_file())?;
-    Some((script.parent()?.to_path_buf(), script.extension()?.to_os_string()))
-}
-
-/// Folders that hold no source of a program.
-const NO_SOURCES: [&str; 3] = ["__pycache__", "node_modules", "site-packages"];
-/// The most files that are looked at. A folder with more is no folder of a script.
-const MOST: usize = 10_000;
-
-/// Adds the files below a folder; those of hidden folders, and of links to folders, are left out.
-fn collect(folder: &Path, is_source: &dyn Fn(&Path) -> bool, found: &mut BTreeSet<PathBuf>) {
-    let mut entries: Vec<_> = std::fs::read_dir(folder).into_iter().flatten().flatten().collect();
-    entries.sort_by_key(std::fs::DirEntry::file_name);
-    for entry in entries {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let Ok(kind) = entry.file_type() else { continue };
-        if found.len() >= MOST || name.starts_with('.') || NO_SOURCES.contains(&&*name) {
-            continue;
-        }
-        if kind.is_dir() {
-            collect(&entry.path(), is_source, found);
-        } else if is_source(&entry.path()) {
-            found.insert(entry.path());
-        }
-    }
 }
 
 fn shown(folder: &Path) -> String {
@@ -138,39 +68,5 @@ mod tests {
         assert!(missing(&["sh", "drivr.sh"]).unwrap().contains("no file `drivr.sh`"));
         assert_eq!(missing(&["sh", "-c", "exit"]), None);
         assert_eq!(missing(&["cat", "no-such-file"]), None);
-    }
-
-    #[test]
-    fn a_program_is_made_of_its_scripts_folder_and_of_what_is_declared() {
-        let place = tempfile::tempdir().unwrap();
-        let write = |name: &str, text: &str| {
-            let path = place.path().join(name);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, text).unwrap();
-        };
-        for name in ["drv.py", "params.py", "part/deep.py", "__pycache__/old.py", "notes.txt", "gains.json"] {
-            write(name, "1");
-        }
-        let digest_of = |words: &[&str], files: &[&str]| {
-            let strings = |all: &[&str]| all.iter().map(ToString::to_string).collect();
-            digest(&Program { words: strings(words), folder: place.path().into(), files: strings(files) })
-        };
-        let script = ["python3", "drv.py"];
-        for (changed, words, files, differs) in [
-            ("drv.py", &script[..], &[][..], true),
-            ("params.py", &script, &[], true),
-            ("part/deep.py", &script, &[], true),
-            ("__pycache__/old.py", &script, &[], false),
-            ("notes.txt", &script, &[], false),
-            ("gains.json", &script, &[], false),
-            ("gains.json", &script, &["gains.json"], true),
-            ("notes.txt", &script, &["."], true),
-            ("params.py", &["python3", "-m", "drv"], &[], true),
-        ] {
-            let before = digest_of(words, files);
-            write(changed, "2");
-            assert_eq!(digest_of(words, files) != before, differs, "{changed} of {words:?} with {files:?}");
-            write(changed, "1");
-        }
     }
 }

@@ -14,6 +14,9 @@ mod limits;
 #[cfg(unix)]
 mod messages;
 mod opener;
+mod parts;
+#[cfg(unix)]
+mod patience;
 mod trial;
 
 #[cfg(unix)]
@@ -21,11 +24,21 @@ pub use child::end_all;
 #[cfg(unix)]
 pub use limits::refusal;
 pub use opener::ProcessOpener;
+#[cfg(unix)]
+pub use patience::{allow_to_stop, stop_waiting};
 pub use trial::{limit_trial, trial};
 
 #[cfg(not(unix))]
 /// Ends all children at once; there are none on this system.
 pub fn end_all() {}
+
+#[cfg(not(unix))]
+/// No program runs on this system, so none is waited for.
+pub fn allow_to_stop(_: bool) {}
+
+#[cfg(not(unix))]
+/// No program runs on this system, so none is waited for.
+pub fn stop_waiting() {}
 
 #[cfg(not(unix))]
 /// Why a limit of the system does not allow a run; other systems have no such limits.

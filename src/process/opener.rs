@@ -1,7 +1,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use world::av::Fault;
-use world::av::external::{Link, Opener, Program};
+use world::av::external::{Link, Opener, Parts, Program};
 
 /// The most notes about drivers that are printed.
 const MOST_NOTES: usize = 20;
@@ -17,8 +17,8 @@ impl Opener for ProcessOpener {
         super::find::find(program)
     }
 
-    fn digest(&self, program: &Program) -> [u8; 32] {
-        super::find::digest(program)
+    fn parts(&self, program: &Program) -> Parts {
+        super::parts::parts(program)
     }
 
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
@@ -61,7 +61,10 @@ impl Notes {
         last.push_str(text);
         *count += 1;
         if *count <= MOST_NOTES {
-            anstream::eprintln!("program `{}`: {text}", program.words.join(" "));
+            // A name may hold commands to the terminal.
+            let command =
+                program.words.join(" ").replace(|c: char| c.is_control() || ('\u{202a}'..'\u{206a}').contains(&c), " ");
+            anstream::eprintln!("program `{command}`: {text}");
         } else if *count == MOST_NOTES + 1 {
             anstream::eprintln!("more notes about programs are left out");
         }

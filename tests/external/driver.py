@@ -87,4 +87,6 @@ else:
             actions.pop()
         if mode == "nan":
             actions[0]["steer"] = float("nan")
-        say(json.dumps({"actions": actions}).encode() + b"\n")
+        answer = json.dumps({"actions": actions}).encode() + b"\n"
+        # Two answers in one write: the second is for a question that nobody has asked.
+        say(answer * 2 if mode == "eager" else answer)

@@ -40,4 +40,7 @@ say({"protocol": "falsify-pedestrian/9" if mode == "version" else "falsify-pedes
 for line in sys.stdin:
     [world] = json.loads(line)["worlds"]
     assert len(world["state"]) == 4 and len(world["pedestrians"]) == 1, world
-    say({"actions": [action(world)]})
+    answer = json.dumps({"actions": [action(world)]}) + "\n"
+    # Two answers in one write: the second is for a question that nobody has asked.
+    sys.stdout.write(answer * 2 if mode == "eager" else answer)
+    sys.stdout.flush()

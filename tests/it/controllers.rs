@@ -127,6 +127,7 @@ fn a_program_that_never_walks_is_given_up_after_ten_episodes() {
         ("version", Fault::Greeting("another protocol than falsify-pedestrian/1")),
         ("gone", Fault::Ended),
         ("short", Fault::Answer("not two numbers for each pedestrian")),
+        ("eager", Fault::Answer("it came before the question")),
         ("wordy", Fault::Answer("not the JSON of an answer")),
     ] {
         let campaign = campaign(&program(mode, "timeout: 60 s"), DRIVER);

@@ -341,7 +341,8 @@ fn shown(outcome: &Outcome, verdict: Option<&Verdict>) -> String {
 fn results(campaign: &Campaign) -> String {
     let (store, seed) = (InMemory::default(), Seed::root(3));
     let finished = campaign::run(campaign, &seed, &store, &Silent);
-    let mut text = String::new();
+    // A report records the versions of programs.
+    let mut text: String = campaign.programs().iter().filter_map(|program| program.version.clone()).collect();
     for training in &finished.trainings {
         match &training.result {
             Ok(trained) => {

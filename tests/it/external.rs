@@ -121,6 +121,7 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
         ("gone", Fault::Ended),
         ("lazy", Fault::Answer("not one action for each world")),
         ("nan", Fault::Answer("not the JSON of an answer")),
+        ("eager", Fault::Answer("it came before the question")),
     ];
     for (mode, fault) in cases {
         for worlds in [1, 4] {

@@ -176,6 +176,18 @@ fn what_multiplies_is_bounded() {
     let ten = "[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]";
     let many = format!("edition 1\n{params}campaign c {{ matrix {{ p0: {ten} p1: {ten} p2: {ten} }} }}\n");
     assert_eq!(survive_in_time("many rows of much", many), Some("too-many-combinations"));
+    // Parameters that name each other double the parts of a distribution.
+    for (name, part, twice) in
+        [("choice", "choice(1, 2)", "choice(#, #)"), ("weighted", "weighted((1, 1))", "weighted((1, #), (1, #))")]
+    {
+        let twice =
+            |number: u32| format!("param p{}: number = {}\n", number + 1, twice.replace('#', &format!("p{number}")));
+        let text = format!("edition 1\nparam p0: number = {part}\n{}", (0..200).map(twice).collect::<String>());
+        assert_eq!(survive_in_time(name, text), Some("too-many-parts"), "{name}");
+    }
+    // Each of many keys may have as many parts as are allowed.
+    let large = format!("edition 1\nparam far: length = choice({})\n", vec!["7 m"; 4_096].join(", "));
+    assert_eq!(survive_in_time("many large ones", large + &lines(2_000, "spawn s# { distance: far }")), None);
     let runs = "train { towns: [harbour, village] policies: [behavior, idm, blind] rewards: [r1, r2] runs: 10_000 }";
     let keys = "vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper";
     let text = format!("edition 1\n{pieces}import \"std/towns.scn\"\n{params}campaign c {{ {keys} {runs} {runs} }}\n");

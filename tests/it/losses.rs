@@ -61,6 +61,11 @@ fn repairs_keep_comments_and_leave_other_files_alone() {
     assert_eq!(refused.status.code(), Some(3));
     assert!(error(&refused).contains("driver.py was left alone: "), "{}", error(&refused));
     assert_eq!(fs::read_to_string(path("driver.py")).unwrap(), program);
+    let later = "edition 2\nspawn s { distance: 7 .. 30 m }\n";
+    fs::write(path("later.scn"), later).unwrap();
+    let refused = falsify(&["check", "--fix", "later.scn"], place.path());
+    assert!(error(&refused).contains("later.scn was left alone: this program does not know its edition"));
+    assert_eq!(fs::read_to_string(path("later.scn")).unwrap(), later);
     fs::write(path("fixed.scn"), "Edition 1\n").unwrap();
     fs::set_permissions(path("fixed.scn"), fs::Permissions::from_mode(0o444)).unwrap();
     let refused = falsify(&["check", "--fix", "fixed.scn"], place.path());
@@ -97,7 +102,14 @@ fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     fs::write(&table, bytes).unwrap();
-    for arguments in [vec!["failures", "other"], vec!["compare", "out/small", "other"]] {
+    let name = said(&falsify(&["failures", "--names", "--top", "1", "out/small"], place.path()));
+    let name = name.trim().rsplit('/').next().unwrap().to_owned();
+    for arguments in [
+        vec!["failures", "other"],
+        vec!["compare", "out/small", "other"],
+        vec!["replay", &name, "--report", "other"],
+        vec!["export", "--as", "animation", &name, "--report", "other"],
+    ] {
         let output = falsify(&arguments, place.path());
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {output:?}");
         assert!(error(&output).contains("is not as it was written"), "{}", error(&output));
@@ -115,6 +127,42 @@ fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
         let text = format!("{}{}", error(&output), said(&output));
         assert_eq!(text.matches("is not as it was written").count(), 1, "{text}");
         assert!(text.contains("`manifest.toml` is not as it was written"), "{text}");
+    }
+}
+
+#[test]
+fn links_lead_neither_out_of_a_report_nor_out_of_the_folder_that_is_named() {
+    let place = report();
+    let here = place.path();
+    fs::write(here.join("secret"), "a line that nobody should quote\n").unwrap();
+    let (whole, other) = (here.join("out/small"), here.join("other"));
+    copy(&whole, &other);
+    fs::remove_file(other.join("scenario/small.scn")).unwrap();
+    std::os::unix::fs::symlink(here.join("secret"), other.join("scenario/small.scn")).unwrap();
+    fs::remove_file(here.join("small.scn")).unwrap();
+    let output = falsify(&["verify", "--anyway", "other"], here);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(error(&output).contains("does not hold `small.scn`"), "{}", error(&output));
+    assert!(!error(&output).contains("nobody should quote"), "{}", error(&output));
+
+    std::os::unix::fs::symlink(here.join("secret"), here.join("page.html")).unwrap();
+    let output = falsify(&["compare", "out/small", "out/small", "--page", "page.html"], here);
+    assert_eq!(output.status.code(), Some(6), "{output:?}");
+    assert!(error(&output).contains("it is a link to `"), "{}", error(&output));
+    assert!(here.join("page.html").is_symlink());
+    assert!(fs::read_to_string(here.join("secret")).unwrap().starts_with("a line"));
+}
+
+#[test]
+fn names_do_not_command_the_terminal() {
+    let place = tempfile::tempdir().unwrap();
+    let name = "a\u{1b}]0;title\u{7}\u{9b}31m\u{202e}.scn";
+    fs::write(place.path().join(name), "edition 1\nspwan s {}\n").unwrap();
+    for arguments in [["check", name], ["run", name]] {
+        let output = falsify(&arguments, place.path());
+        let text = error(&output) + &said(&output);
+        assert!(!text.contains(['\u{1b}', '\u{7}', '\u{9b}', '\u{202e}']), "{text:?}");
+        assert!(text.contains("spwan"), "{text}");
     }
 }
 

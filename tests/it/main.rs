@@ -82,6 +82,7 @@ mod searches;
 mod shards;
 mod shipped;
 mod spawns;
+mod stale;
 mod steady_starts;
 mod stepping;
 mod stopping;

@@ -2,6 +2,8 @@
 //!
 //! A draw is the quantile of one uniform number, so every key takes exactly one number from its stream.
 
+use std::sync::Arc;
+
 use crate::statistics::{normal_below, normal_quantile};
 
 /// A distribution of one quantity, in SI.
@@ -23,7 +25,7 @@ pub enum Distribution {
         high: f64,
     },
     /// One of several, with weights above zero that sum to 1.
-    Mixture(Vec<(f64, Distribution)>),
+    Mixture(Arc<[(f64, Distribution)]>),
 }
 
 impl Distribution {
@@ -31,7 +33,15 @@ impl Distribution {
     pub fn mixture(mut parts: Vec<(f64, Distribution)>) -> Self {
         let total: f64 = parts.iter().map(|(weight, _)| weight).sum();
         parts.iter_mut().for_each(|(weight, _)| *weight /= total);
-        Self::Mixture(parts)
+        Self::Mixture(parts.into())
+    }
+
+    /// The number of its parts that are no mixtures themselves.
+    pub fn leaves(&self) -> usize {
+        match self {
+            Self::Mixture(parts) => parts.iter().map(|(_, part)| part.leaves()).sum(),
+            _ => 1,
+        }
     }
 
     /// The least and the greatest value it can take.
@@ -162,7 +172,7 @@ impl Distribution {
             }
             Self::Mixture(parts) => {
                 let mut below = 0.0;
-                for (weight, part) in parts {
+                for (weight, part) in parts.iter() {
                     if u < below + weight {
                         return part.quantile(((u - below) / weight).clamp(0.0, 1.0));
                     }
@@ -211,11 +221,11 @@ mod tests {
     /// A mixture for which `single_values_can_be_taken_out` once failed.
     #[test]
     fn a_value_can_be_taken_out_of_a_nested_mixture() {
-        let inner = Distribution::Mixture(vec![
+        let inner = Distribution::mixture(vec![
             (0.5, Distribution::Constant(8.427_877_529_368_645)),
             (0.5, Distribution::Constant(0.0)),
         ]);
-        let outer = Distribution::Mixture(vec![
+        let outer = Distribution::mixture(vec![
             (0.450_444_432_642_284_84, inner),
             (0.549_555_567_357_715_2, Distribution::Constant(-0.385_707_721_736_751_3)),
         ]);

@@ -60,7 +60,8 @@ impl Lowering<'_> {
             let ground = place.declarations(car, walker, &usual.rule);
             let mut scenario = |rule: &RewardRule, declared: &[DeclarationId]| {
                 let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, rule);
-                (scenario, self.fingerprint(&[ground.as_slice(), declared].concat()))
+                let parts = [ground.as_slice(), declared].concat();
+                (scenario, self.fingerprint(&parts), self.programs(&parts))
             };
             let mut scenarios: BTreeMap<(&str, Option<DeclarationId>), _> = BTreeMap::new();
             for declared in std::iter::once(None).chain(chosen.iter().map(Chosen::declared).filter(Option::is_some)) {
@@ -77,19 +78,23 @@ impl Lowering<'_> {
                 let declared = chosen.iter().find(|each| each.is(controller)).and_then(Chosen::declared);
                 scenarios[&(trained.reward.as_str(), declared)].clone()
             };
-            campaign.evaluations.extend(controllers.iter().map(|(controller, trained)| Evaluation {
-                id: RunId::default(),
-                controller: controller.clone(),
-                trained: trained.clone(),
-                town: place.town.name.clone(),
-                policy: place.policy.name.clone(),
-                vehicle: car.name.clone(),
-                adversary: walker.name.clone(),
-                block: number,
-                scenario: of(controller, trained).0,
-                episodes,
-                fingerprint: of(controller, trained).1,
-                halfwidth,
+            campaign.evaluations.extend(controllers.iter().map(|(controller, trained)| {
+                let (scenario, fingerprint, programs) = of(controller, trained);
+                Evaluation {
+                    id: RunId::default(),
+                    controller: controller.clone(),
+                    trained: trained.clone(),
+                    town: place.town.name.clone(),
+                    policy: place.policy.name.clone(),
+                    vehicle: car.name.clone(),
+                    adversary: walker.name.clone(),
+                    block: number,
+                    scenario,
+                    episodes,
+                    fingerprint,
+                    programs,
+                    halfwidth,
+                }
             }));
         }
     }

@@ -46,7 +46,8 @@ impl Lowering<'_> {
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
             let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
             let ground = place.declarations(&usual.car, adversary, &usual.rule);
-            let fingerprint = self.fingerprint(&[ground.as_slice(), &rival.declarations].concat());
+            let parts = [ground.as_slice(), &rival.declarations].concat();
+            let (fingerprint, programs) = (self.fingerprint(&parts), self.programs(&parts));
             campaign.searches.extend((0..keys.runs).map(|run| Search {
                 key: SearchKey {
                     id: RunId::default(),
@@ -63,6 +64,7 @@ impl Lowering<'_> {
                 budget: keys.budget,
                 tries: keys.episodes,
                 fingerprint,
+                programs: programs.clone(),
             }));
         }
     }

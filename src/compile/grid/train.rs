@@ -43,6 +43,7 @@ impl Lowering<'_> {
                     .flat_map(|place| place.declarations(&usual.car, &usual.walker, &usual.rule))
                     .collect();
                 let fingerprint = self.fingerprint(&[ground.as_slice(), &[reward.id, training.id]].concat());
+                let programs = self.programs(&ground);
                 let lineage = (!config.depends_on_total_steps())
                     .then(|| self.lineage(&[ground.as_slice(), &[reward.id]].concat(), training.id));
                 campaign.trainings.extend((0..runs).map(|run| Training {
@@ -57,6 +58,7 @@ impl Lowering<'_> {
                     config: config.clone(),
                     environments: *environments,
                     fingerprint,
+                    programs: programs.clone(),
                     lineage,
                 }));
             }

@@ -246,6 +246,12 @@ pub fn nothing_left(span: Span, distribution: Span, range: Span) -> Diagnostic {
         .label(range, "lies in this range")
 }
 
+/// A distribution has more parts than are kept.
+pub fn too_many_parts(span: Span, most: usize) -> Diagnostic {
+    Diagnostic::error("too-many-parts", span, format!("this distribution has more than {most} parts"))
+        .help("every `choice` has the parts of all that it names: use fewer, or a range")
+}
+
 /// A range's low end is above its high end; the author may have meant the range through ±180°.
 pub fn empty_range(span: Span, swapped: String, around: Option<String>) -> Diagnostic {
     let said = Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end");

@@ -1,5 +1,7 @@
 //! Statements, blocks and brackets → a document.
 
+use std::borrow::Cow;
+
 use super::marks::marks;
 use super::printer::{Doc, print};
 use super::tokens::{Token, tokens};
@@ -30,31 +32,39 @@ pub fn format(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
     let laid_out = print(&file(&Tree::file(&read)), WIDTH);
     // A tool that overwrites files checks its result.
     let again = marks(&laid_out).expect("checked: a layout parses");
-    let (before, after) = (essence(&read), tokens(&laid_out, &again));
-    assert!(before == essence(&after), "a layout changes no token");
+    assert!(is_same(&read, &tokens(&laid_out, &again)), "a layout changes no token");
     Ok(laid_out)
 }
 
-/// The parts that a layout must not change: all tokens except commas and semicolons, and separately comments, which may move past a comma.
-fn essence(tokens: &[Token]) -> (Vec<(String, TokenKind)>, Vec<String>) {
-    let plain = |token: &Token| token.text.replace("\r\n", "\n").replace('\r', "\n");
-    let (comments, rest): (Vec<&Token>, Vec<&Token>) = tokens.iter().partition(|token| token.is_comment());
-    let separates = |token: &Token| matches!(token.text, "," | ";");
-    let rest = rest.into_iter().filter(|token| !separates(token));
-    (rest.map(|token| (plain(token), token.kind)).collect(), comments.into_iter().map(plain).collect())
+/// Whether a layout has changed nothing: the tokens are the same, except commas and semicolons, and so are the comments, which may move past
+/// a comma.
+fn is_same(before: &[Token], after: &[Token]) -> bool {
+    let comments = |tokens| of(tokens, |token| token.is_comment());
+    let rest = |tokens| of(tokens, |token| !token.is_comment() && !matches!(token.text, "," | ";"));
+    rest(before).eq(rest(after)) && comments(before).map(|(text, _)| text).eq(comments(after).map(|(text, _)| text))
 }
 
-fn text(token: &Token) -> Doc {
-    Doc::Text(token.text.replace("\r\n", "\n").replace('\r', "\n"))
+/// The text and kind of some tokens.
+fn of<'a>(tokens: &'a [Token<'a>], such: fn(&Token) -> bool) -> impl Iterator<Item = (Cow<'a, str>, TokenKind)> {
+    tokens.iter().filter(move |token| such(token)).map(|token| (plain(token.text), token.kind))
 }
 
-fn file(items: &[Item]) -> Doc {
+/// A text with line ends of one kind.
+fn plain(text: &str) -> Cow<'_, str> {
+    if text.contains('\r') { text.replace("\r\n", "\n").replace('\r', "\n").into() } else { text.into() }
+}
+
+fn text<'a>(token: &Token<'a>) -> Doc<'a> {
+    Doc::Text(plain(token.text))
+}
+
+fn file<'a>(items: &[Item<'a>]) -> Doc<'a> {
     Doc::Row(contents(items))
 }
 
 /// Items on lines of their own.
-fn contents(items: &[Item]) -> Vec<Doc> {
-    let mut docs: Vec<Doc> = Vec::new();
+fn contents<'a>(items: &[Item<'a>]) -> Vec<Doc<'a>> {
+    let mut docs: Vec<Doc<'a>> = Vec::new();
     let mut after_doc = false;
     for (index, item) in items.iter().enumerate() {
         let (blank, trails) = match item {
@@ -76,7 +86,7 @@ fn contents(items: &[Item]) -> Vec<Doc> {
 }
 
 /// A statement: rows of tokens, and blocks between them.
-fn statement(nodes: &[Node]) -> Doc {
+fn statement<'a>(nodes: &[Node<'a>]) -> Doc<'a> {
     let mut docs = Vec::new();
     let mut rest = nodes;
     while let Some(at) = rest.iter().position(|node| matches!(node, Node::Block { .. })) {
@@ -98,7 +108,7 @@ fn statement(nodes: &[Node]) -> Doc {
     Doc::Row(docs)
 }
 
-fn block(items: &[Item], one_line: bool) -> Doc {
+fn block<'a>(items: &[Item<'a>], one_line: bool) -> Doc<'a> {
     if items.is_empty() {
         return Doc::Text("{}".into());
     }
@@ -124,9 +134,8 @@ fn block(items: &[Item], one_line: bool) -> Doc {
 }
 
 /// Tokens and brackets in a row, which may be broken before an operator.
-fn row(nodes: &[Node]) -> Doc {
-    let mut chunks: Vec<Doc> = Vec::new();
-    let mut chunk: Vec<Doc> = Vec::new();
+fn row<'a>(nodes: &[Node<'a>]) -> Doc<'a> {
+    let (mut chunks, mut chunk) = (Vec::new(), Vec::with_capacity(nodes.len()));
     for (index, node) in nodes.iter().enumerate() {
         let before = index.checked_sub(1).map(|at| &nodes[at]);
         if let Some(before) = before {
@@ -147,17 +156,21 @@ fn row(nodes: &[Node]) -> Doc {
             Node::Block { .. } => unreachable!("blocks part the rows of a statement"),
         }
     }
+    // A long list has very many members of one token.
+    if chunks.is_empty() {
+        return Doc::Row(chunk);
+    }
     push_chunk(&mut chunks, chunk);
     Doc::Group(vec![Doc::Fill(chunks)])
 }
 
 /// All chunks of a row except the first are indented further.
-fn push_chunk(chunks: &mut Vec<Doc>, chunk: Vec<Doc>) {
+fn push_chunk<'a>(chunks: &mut Vec<Doc<'a>>, chunk: Vec<Doc<'a>>) {
     chunks.push(if chunks.is_empty() { Doc::Row(chunk) } else { Doc::Indent(chunk) });
 }
 
 /// A comment inside a statement, with the line ends that it had.
-fn comment(token: &Token, spaced: bool, first: bool, last: bool) -> Doc {
+fn comment<'a>(token: &Token<'a>, spaced: bool, first: bool, last: bool) -> Doc<'a> {
     let mut docs = Vec::new();
     if !token.trails() && !first {
         docs.push(Doc::Hard);
@@ -171,15 +184,16 @@ fn comment(token: &Token, spaced: bool, first: bool, last: bool) -> Doc {
     Doc::Row(docs)
 }
 
-fn bracket(open: &Token, members: &[Member], close: &str) -> Doc {
+fn bracket<'a>(open: &Token<'a>, members: &[Member<'a>], close: &'a str) -> Doc<'a> {
     let edge = if open.text == "{" { " " } else { "" };
     if members.is_empty() {
-        return Doc::Text(format!("{}{close}", open.text));
+        return Doc::Text(format!("{}{close}", open.text).into());
     }
     let mut inner = Vec::new();
     for (index, member) in members.iter().enumerate() {
         let last = index + 1 == members.len();
-        let mut docs = vec![row(&member.nodes)];
+        let mut docs = Vec::with_capacity(member.after.len() + 2);
+        docs.push(row(&member.nodes));
         if !last {
             docs.push(Doc::Text(",".into()));
         }

@@ -3,11 +3,13 @@
 //! # Source
 //! The command language of Wadler, "A prettier printer" (2003), with the *fill* of Prettier.
 
+use std::borrow::Cow;
+
 /// A piece of a page.
 #[derive(Debug, Clone)]
-pub enum Doc {
+pub enum Doc<'a> {
     /// Text without line ends, or a comment with them.
-    Text(String),
+    Text(Cow<'a, str>),
     /// A blank between two words; nothing at the start of a line.
     Space,
     /// A line end if the group is broken, else this text.
@@ -17,16 +19,16 @@ pub enum Doc {
     /// An empty line.
     Blank,
     /// Pieces one after the other.
-    Row(Vec<Doc>),
+    Row(Vec<Doc<'a>>),
     /// Set two columns deeper after every line end inside.
-    Indent(Vec<Doc>),
+    Indent(Vec<Doc<'a>>),
     /// On one line if it fits, else broken at all its lines.
-    Group(Vec<Doc>),
+    Group(Vec<Doc<'a>>),
     /// Pieces with separators between them, as many on a line as fit.
-    Fill(Vec<Doc>),
+    Fill(Vec<Doc<'a>>),
 }
 
-impl Doc {
+impl Doc<'_> {
     /// Whether it cannot stand on one line.
     pub fn breaks(&self) -> bool {
         match self {

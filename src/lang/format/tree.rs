@@ -161,7 +161,13 @@ impl<'a, 'b> Tree<'a, 'b> {
                     }
                     members.push(next);
                 }
-                _ => last.nodes.push(self.node()),
+                _ => {
+                    // Of the very many members of a long list, each has one node.
+                    if last.nodes.is_empty() {
+                        last.nodes.reserve_exact(1);
+                    }
+                    last.nodes.push(self.node());
+                }
             }
         }
         // Comments alone after the last comma are not a member.

@@ -18,6 +18,9 @@ const DISTRIBUTIONS: &[(&str, &str)] = &[
     ("weighted", "one pair `(weight, distribution)` or more"),
 ];
 
+/// The most parts of a distribution. Parameters that name each other may double them again and again.
+const MOST_PARTS: usize = 4096;
+
 /// The names of the functions that make distributions.
 pub fn distributions() -> impl Iterator<Item = &'static str> {
     DISTRIBUTIONS.iter().map(|(name, _)| *name)
@@ -49,6 +52,10 @@ pub(super) fn distribution(
                 said.push(diagnostics::unknown_distribution(function.span, &function.text, &known));
                 return None;
             };
+            if parts_of(expression) > MOST_PARTS {
+                said.push(diagnostics::too_many_parts(span, MOST_PARTS));
+                return None;
+            }
             let parts = |said: &mut Vec<Diagnostic>| {
                 let each = |part: &Expression| distribution(part, dimension, context, said);
                 arguments.iter().map(each).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()
@@ -112,6 +119,20 @@ pub(super) fn distribution(
             ));
             None
         }
+    }
+}
+
+/// The number of parts of a distribution, counted up to a little more than [`MOST_PARTS`].
+fn parts_of(expression: &Expression) -> usize {
+    match &expression.kind {
+        ExpressionKind::Known(Known::Distribution(known, _)) => known.leaves(),
+        // `(weight, distribution)`
+        ExpressionKind::Group(members) => members.last().map_or(0, parts_of),
+        ExpressionKind::Call { arguments: members, .. } => {
+            let add = |sum: usize, member: &Expression| if sum > MOST_PARTS { sum } else { sum + parts_of(member) };
+            members.iter().fold(0, add)
+        }
+        _ => 1,
     }
 }
 

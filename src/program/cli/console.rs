@@ -9,6 +9,7 @@ use serde::Serialize;
 use terminal_size::{Width, terminal_size_of};
 
 use base::diagnostic::{Colour, Diagnostic, Label, Sources, render};
+use base::printable::{is_command, printable};
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
@@ -32,9 +33,9 @@ pub fn width() -> u16 {
     size.map(|(Width(width), _)| width).filter(|width| *width > 0).unwrap_or(WIDTH)
 }
 
-/// Writes a line to the error stream. A failure of this cannot be reported, and does not end the command.
+/// Writes a line to the error stream, without commands to a terminal, also where it goes to a file that is looked at later. A failure of this cannot be reported, and does not end the command.
 pub fn note(line: &str) {
-    let _ = writeln!(anstream::stderr(), "{line}");
+    let _ = writeln!(anstream::stderr(), "{}", printable(line));
 }
 
 /// Reports an error, in the form of the diagnostics.
@@ -47,10 +48,10 @@ pub fn warn(message: &str) {
     note(&format!("{WARNING}warning{WARNING:#}: {message}"));
 }
 
-/// Prints a line. A closed reader, as after `| head`, is not an error; [`lost`] reports other losses.
+/// Prints a line, without commands to a terminal as [`note`]. A closed reader, as after `| head`, is not an error; [`lost`] reports other losses.
 pub fn say(line: &str) {
     let mut output = anstream::stdout();
-    settle(writeln!(output, "{line}").and_then(|()| output.flush()));
+    settle(writeln!(output, "{}", printable(line)).and_then(|()| output.flush()));
 }
 
 /// Notes a failure to write to the output.
@@ -62,9 +63,11 @@ fn settle(written: std::io::Result<()>) {
     }
 }
 
-/// An object as JSON.
+/// An object as JSON. Commands to a terminal are escaped in its texts, which changes none of them.
 fn json(object: &impl Serialize) -> String {
-    serde_json::to_string(object).expect("texts and numbers have a form in JSON")
+    let written = serde_json::to_string(object).expect("texts and numbers have a form in JSON");
+    let escape = |letter: char| if is_command(letter) { format!("\\u{:04x}", letter as u32) } else { letter.into() };
+    if written.chars().any(is_command) { written.chars().map(escape).collect() } else { written }
 }
 
 /// Prints an object for programs.

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use super::console;
 use super::exit_code::ExitCode;
-use crate::session::{Error, Notice};
+use crate::session::{Error, Notice, OtherInput};
 use export::ExportError;
 use results::store::StoreError;
 
@@ -17,9 +17,15 @@ pub fn failed(error: Error) -> ExitCode {
         Error::NoReport { .. } | Error::NoRun { .. } => {
             console::fail(&format!("{error}; name its folder with --report"));
         }
-        Error::OtherReport(_) => {
+        Error::OtherReport(other) => {
+            let edited = other.differences.iter().any(|each| matches!(each, OtherInput::Program(_)));
+            let recheck = format!(
+                "\n`falsify recheck --allow-external {}` lets the new program meet the same starts",
+                other.folder.display()
+            );
             console::fail(&format!(
-                "{error}\nnothing was run; --out DIR writes to another folder, --replace replaces that report"
+                "{error}\nnothing was run; --out DIR writes to another folder, --replace replaces that report{}",
+                if edited { recheck.as_str() } else { "" }
             ));
         }
         Error::NothingRun { out, cache } => console::fail(&match (out.display(), cache) {
@@ -117,6 +123,9 @@ pub fn notice(notice: &Notice) {
         Notice::NoTasks { .. } => {
             console::warn(&format!("{notice}; where a shard was given --cache, name that folder"));
         }
+        Notice::Renewed { .. } => {
+            console::warn(&format!("{notice}; `version: \"…\"` in the scenario says what it is"));
+        }
         Notice::ProgramsNotAllowed => {
             console::warn("scenarios might start programs in that run; give --allow-external if they may again");
         }
@@ -126,7 +135,8 @@ pub fn notice(notice: &Notice) {
         | Notice::Unreached { .. }
         | Notice::UnreadableReport(_)
         | Notice::OtherVersion { .. }
-        | Notice::Changed(_) => {
+        | Notice::Changed(_)
+        | Notice::ChangedProgram(_) => {
             console::warn(&notice.to_string());
         }
     }

@@ -8,7 +8,7 @@ use super::exit_code::ExitCode;
 use super::failure::{failed, unwritten};
 use super::fmt::write;
 use crate::session::{Checked, Input, Session};
-use base::diagnostic::Fix;
+use base::diagnostic::{Fix, SourceId};
 use lang::library;
 
 /// The greatest number of rounds: a repair can show the next mistake.
@@ -53,6 +53,9 @@ pub fn fix(session: &Session, input: &Input) -> Result<Checked, ExitCode> {
             ));
         }
     }
+    for (_, source) in checked.sources.iter().filter(|(id, _)| is_of_other_edition(&checked, *id)) {
+        console::note(&format!("{} was left alone: this program does not know its edition", source.path.display()));
+    }
     for (path, count) in applied {
         console::note(&format!("{} repaired in {}", console::count(count, "mistake"), path.display()));
     }
@@ -61,6 +64,12 @@ pub fn fix(session: &Session, input: &Input) -> Result<Checked, ExitCode> {
 
 fn put(path: &Path, before: &str, text: &str) -> Result<(), ExitCode> {
     write(path, before, text).map_err(|error| unwritten(format!("cannot write `{}`: {error}", path.display())))
+}
+
+/// Whether a file is of an edition that this program does not know. What is a mistake in it, is not known either.
+fn is_of_other_edition(checked: &Checked, source: SourceId) -> bool {
+    let mut said = checked.compiled.diagnostics.iter();
+    said.any(|each| each.code == "unknown-edition" && each.primary.span.source == source)
 }
 
 /// Whether a source is a file of the user.
@@ -79,7 +88,7 @@ fn is_scenario(path: &Path, text: &str) -> bool {
 fn repairs(checked: &Checked) -> BTreeMap<PathBuf, (String, String, usize)> {
     let mut files = BTreeMap::new();
     for (id, source) in checked.sources.iter() {
-        if !on_disk(&source.path) || !is_scenario(&source.path, &source.text) {
+        if !on_disk(&source.path) || !is_scenario(&source.path, &source.text) || is_of_other_edition(checked, id) {
             continue;
         }
         let only = checked.compiled.diagnostics.iter().filter_map(|each| match each.fixes.as_slice() {

@@ -24,6 +24,7 @@ pub fn listen() {
             }
             end_at_once();
         }
+        process::stop_waiting();
         console::note("\nstopping after the work in progress; press Ctrl-C again to stop at once");
     });
 }

@@ -6,7 +6,7 @@ use results::store::Known;
 
 /// Prints what a run would do for a campaign and why, and what is stored already.
 pub fn list(listing: &Listing) {
-    let Listing { name, campaign, tasks } = listing;
+    let Listing { name, campaign, tasks, report } = listing;
     let known = |task| tasks[&task].clone();
     console::say(&format!("campaign {name}"));
     for (number, training) in campaign.trainings.iter().enumerate() {
@@ -30,6 +30,13 @@ pub fn list(listing: &Listing) {
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();
     console::say(&format!("  {} of {all} tasks to run, {there} to reuse", all - there));
+    let edited = tasks.values().any(|known| matches!(known, Known::Edited(_)));
+    if let Some(report) = report.as_ref().filter(|_| edited) {
+        console::say(&format!(
+            "  `falsify recheck --allow-external {}` lets the new program meet the same starts",
+            report.display()
+        ));
+    }
 }
 
 fn told(known: &Known, unit: &str) -> String {
@@ -37,6 +44,7 @@ fn told(known: &Known, unit: &str) -> String {
         Known::Finished => "reuse".into(),
         Known::Begun(done, all) => format!("run: unfinished, {done} of {all} {unit}"),
         Known::Missing(why) => format!("run: {why}"),
+        Known::Edited(files) => format!("run: {files} changed"),
     }
 }
 

@@ -83,7 +83,7 @@ fn replay_one(session: &Session, which: &session::ReplayOptions, options: &Repla
 
 /// Prints the result for people.
 fn tell(replay: &Replay, narrative: &Narrative) {
-    let Replay { report, episode: repeated } = replay;
+    let Replay { report, episode: repeated, programs } = replay;
     let manifest = report.manifest();
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
     console::say(&format!("{}  {}", repeated.name, repeated.title));
@@ -111,12 +111,12 @@ fn tell(replay: &Replay, narrative: &Narrative) {
             "where it starts to differ is not known; `falsify run --ticks failures` stores the ticks that show it",
         ),
     }
-    reasons(manifest).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
+    reasons(report, programs).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
 }
 
 /// Makes an object of the result, for programs.
 fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
-    let Replay { report, episode: repeated } = replay;
+    let Replay { report, episode: repeated, .. } = replay;
     let outcome = &repeated.outcome;
     let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
     let differences = repeated.differences.iter().map(

@@ -198,10 +198,14 @@ impl Observer for RunReporter {
             Event::TasksBegun(campaign, tasks) => {
                 let progress = Progress::new(campaign, tasks, self.showing, self.output, interrupt::stop());
                 *self.progress() = Some(progress);
+                process::allow_to_stop(true);
             }
             Event::CurvesGrow(folder) => self.progress().iter().for_each(|progress| progress.curves_grow(folder)),
             Event::Campaign(event) => self.progress().iter_mut().for_each(|progress| progress.follow(event)),
-            Event::TasksEnded => *self.progress() = None,
+            Event::TasksEnded => {
+                process::allow_to_stop(false);
+                *self.progress() = None;
+            }
             Event::ShardEnded(report) => {
                 if self.output == Output::Human {
                     let ShardReport { shard: Shard { index, count }, name, finished, all } = report;

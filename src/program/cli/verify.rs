@@ -109,7 +109,9 @@ fn tell(verified: &VerifyReport) -> ExitCode {
     if verified.is_equal() {
         return ExitCode::Done;
     }
-    reasons(verified.report.manifest()).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
+    reasons(&verified.report, &verified.programs)
+        .iter()
+        .for_each(|reason| console::say(&format!("possible reason: {reason}")));
     ExitCode::Differs
 }
 

@@ -1,7 +1,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{CampaignOutcome, Change, Incomplete, Session, ShardReport};
+use super::{CampaignOutcome, Change, ChangedProgram, Incomplete, Session, ShardReport};
 use base::diagnostic::{Diagnostic, Sources};
 use compile::Campaign;
 use results::campaign::{self, Task};
@@ -133,4 +133,16 @@ pub enum Notice {
     /// A file is not what it was when the report was made.
     #[error(transparent)]
     Changed(Change),
+    /// A program of the user is not what it was when the report was made.
+    #[error("{0} since the report")]
+    ChangedProgram(ChangedProgram),
+    /// Stored tasks of a campaign are run again, since nobody knows whether a program of theirs has changed.
+    #[error("{tasks} stored {} run again: {why}, so the program of `{program}` may have changed", if *tasks == 1 { "task is" } else { "tasks are" })]
+    Renewed {
+        tasks: usize,
+        /// The driver or the controller.
+        program: String,
+        /// As half a sentence.
+        why: String,
+    },
 }

@@ -57,6 +57,7 @@ impl Session {
             Some(source) => source,
             None => {
                 let found = self.find(report.as_ref().unwrap_or(&options.report), *name)?;
+                found.check_for_repetition()?;
                 self.reopen(found, &options.repeat)?
             }
         };

@@ -1,8 +1,10 @@
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use super::{Error, RunOptions, Session};
 use compile::Campaign;
 use results::campaign::{Task, tasks};
+use results::report::StoredReport;
 use results::store::{Ids, Index, Known, Store};
 
 /// What a run would do for a campaign.
@@ -13,6 +15,8 @@ pub struct Listing {
     pub campaign: Campaign,
     /// What the store has of each task.
     pub tasks: BTreeMap<Task, Known>,
+    /// Its report, if there is one.
+    pub report: Option<PathBuf>,
 }
 
 impl Session {
@@ -32,9 +36,11 @@ fn listing(campaign: Campaign, options: &RunOptions, store: &Store) -> Result<Li
     let ids = Ids::new(&campaign, options.seed);
     let index = Index::read(store, &name)?;
     let known = |task| match options.fresh {
-        true => Known::Missing("--fresh"),
+        true => Known::Missing("--fresh".into()),
         false => index.look(store, &campaign, task, &ids, options.seed),
     };
     let tasks = tasks(&campaign).map(|task| (task, known(task))).collect();
-    Ok(Listing { name, campaign, tasks })
+    let folder = options.out.join(&name);
+    let report = StoredReport::open(&folder).is_ok().then_some(folder);
+    Ok(Listing { name, campaign, tasks, report })
 }

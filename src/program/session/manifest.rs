@@ -6,8 +6,8 @@ use super::{Input, Planned, RunOptions, Session};
 use compile::Campaign;
 use results::campaign::{Finished, TrainingResult};
 use results::report::{
-    Call, FileRecord, Findings, Gathered, Manifest, ReportFolder, RunRecord, ScenarioFile, TrainingRecord, WriteError,
-    held_places, pedestrian_file,
+    Call, FileRecord, Findings, Gathered, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
+    TrainingRecord, WriteError, held_places, pedestrian_file,
 };
 use results::store::{CODE, vector_instructions};
 
@@ -61,6 +61,7 @@ impl Session {
             vector_instructions: vector_instructions().into(),
             trainings: finished.trainings.iter().map(|training| record(training, campaign, times)).collect(),
             runs: runs(campaign),
+            programs: campaign.programs().into_iter().map(|program| ProgramRecord::new(program)).collect(),
             // They are not written yet.
             report_files: Vec::new(),
         }

@@ -31,6 +31,7 @@ mod merge;
 mod status;
 mod episode_name;
 mod held_files;
+mod changed_program;
 mod stored;
 mod repeat;
 mod reasons;
@@ -46,6 +47,7 @@ mod encounters;
 mod recheck;
 
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
+pub use changed_program::ChangedProgram;
 pub use check::{Checked, Planned};
 pub use compare::CompareOptions;
 pub use disk::Disk;

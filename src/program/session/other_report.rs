@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::error::named;
 use super::manifest::runs;
-use super::{Error, RunOptions};
+use super::{ChangedProgram, Error, RunOptions};
 use compile::Campaign;
 use results::report::{FileRecord, Manifest, ReadError, StoredReport, TrainingRecord};
 use results::store::CODE;
@@ -42,6 +42,9 @@ pub enum OtherInput {
         /// The file.
         path: String,
     },
+    /// A program of the user with other files.
+    #[error("{0} since then")]
+    Program(ChangedProgram),
     /// A build of the program with other code, which may give other numbers.
     #[error("it was made by another build of the program (code {}…, this is {}…)", then.get(..8).unwrap_or(then), &CODE[..8])]
     Code {
@@ -112,6 +115,8 @@ fn differences(then: &Manifest, campaign: &Campaign, options: &RunOptions, files
     }
     let changed = |file: &&FileRecord| then.files.iter().any(|old| old.path == file.path && old.blake3 != file.blake3);
     found.extend(files.iter().filter(changed).map(|file| OtherInput::File { path: file.path.clone() }));
+    let programs = ChangedProgram::all(then, campaign).into_iter().filter(|program| !program.files.is_empty());
+    found.extend(programs.map(OtherInput::Program));
     let all = then.runs.len() + then.trainings.len();
     found.push(OtherInput::Runs { missing: lost.len(), all, first: first.clone() });
     found

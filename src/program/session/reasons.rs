@@ -1,4 +1,5 @@
-use results::report::Manifest;
+use super::ChangedProgram;
+use results::report::StoredReport;
 use results::store::{CODE, vector_instructions};
 
 /// A possible reason why an episode differs from its report.
@@ -19,6 +20,13 @@ pub enum Reason {
     /// Scenarios could start programs as drivers.
     #[error("a driver from outside that does not drive the same way twice; try `falsify check -- DRIVER`")]
     External,
+    /// A program has changed, or may have.
+    #[error("{program} since the report; `falsify recheck --allow-external {report}` lets it meet the same starts")]
+    Program {
+        program: ChangedProgram,
+        /// The report, as the user names it.
+        report: String,
+    },
     /// The version is the same, but the code is different.
     #[error("the program was built from other sources")]
     Sources,
@@ -27,8 +35,11 @@ pub enum Reason {
     Bug,
 }
 
-/// All possible reasons for differences from a report; at least one.
-pub fn reasons(manifest: &Manifest) -> Vec<Reason> {
+/// All possible reasons for differences from a report with these changed programs; at least one.
+pub fn reasons(report: &StoredReport, programs: &[ChangedProgram]) -> Vec<Reason> {
+    let manifest = report.manifest();
+    let folder = report.folder().display();
+    let changed = |program: &ChangedProgram| Reason::Program { program: program.clone(), report: folder.to_string() };
     let mut reasons = Vec::new();
     if manifest.version != env!("CARGO_PKG_VERSION") {
         reasons.push(Reason::Version { then: manifest.version.clone() });
@@ -36,7 +47,8 @@ pub fn reasons(manifest: &Manifest) -> Vec<Reason> {
     if manifest.vector_instructions != vector_instructions() {
         reasons.push(Reason::Processor { then: manifest.vector_instructions.clone() });
     }
-    if manifest.call.allow_external {
+    reasons.extend(programs.iter().map(changed));
+    if manifest.call.allow_external && programs.is_empty() {
         reasons.push(Reason::External);
     }
     if manifest.code != CODE {

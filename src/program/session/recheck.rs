@@ -63,9 +63,11 @@ impl Session {
         let (sides, mut notes) = self.sides(options)?;
         let (pairs, alone) = driver_pairs(&sides.old.campaign, &sides.new, &options.drivers)?;
         notes.extend(alone);
-        let changed = pairs.iter().filter(|pair| sides.is_old_there && sides.old.has_other_program(&pair.before));
-        let reason = |pair: &DriverPair| format!("the program of `{}` has changed since the report", pair.before);
-        notes.extend(changed.map(|pair| RecheckNote::OldDriverGone { reason: reason(pair) }));
+        let changed =
+            pairs.iter().filter(|_| sides.is_old_there).filter_map(|pair| sides.old.other_program(&pair.before));
+        notes.extend(
+            changed.map(|program| RecheckNote::OldDriverGone { reason: format!("{program} since the report") }),
+        );
         let failures = sides.meet_failures(&pairs, &mut notes)?;
         let crossings = sides.cross_all(&pairs, options.starts, &mut notes);
         let report = options.report.clone();
@@ -129,7 +131,7 @@ type Sets = BTreeMap<(String, FoundIn, WalkedBy), Vec<Encounter>>;
 impl Sides {
     /// Whether an old driver can be run as it was.
     fn is_there(&self, driver: &str) -> bool {
-        self.is_old_there && !self.old.has_other_program(driver)
+        self.is_old_there && self.old.other_program(driver).is_none()
     }
 
     fn meet_failures(

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use super::{EpisodeName, Error, RepeatOptions, Repeated, Session};
+use super::{ChangedProgram, EpisodeName, Error, RepeatOptions, Repeated, Session};
 use results::report::StoredReport;
 
 /// Options of [`Session::replay`].
@@ -19,6 +19,8 @@ pub struct ReplayOptions {
 pub struct Replay {
     pub report: StoredReport,
     pub episode: Repeated,
+    /// The programs that are not, or need not be, those of the report.
+    pub programs: Vec<ChangedProgram>,
 }
 
 impl Session {
@@ -28,8 +30,10 @@ impl Session {
     /// No report has it, scenario files cannot be compiled or are not those that were run, or a file of the report is damaged.
     pub fn replay(&self, options: &ReplayOptions) -> Result<Replay, Error> {
         let report = self.find(&options.report, options.name)?;
+        report.check_for_repetition()?;
         let source = self.reopen(report, &options.repeat)?;
         let episode = source.repeat(options.name)?;
-        Ok(Replay { report: source.report, episode })
+        let programs = source.changed_programs();
+        Ok(Replay { report: source.report, episode, programs })
     }
 }

@@ -166,7 +166,21 @@ impl<'a> CampaignRun<'a> {
     /// What the store has of the campaign, and where the rest goes.
     pub fn results(&self, index: &Index) -> CampaignStore<'a> {
         let results = CampaignStore::new(self.store, self.campaign, self.options.seed, self.options.limits());
-        if self.options.fresh { results } else { results.continuing(index, self.options.seed) }
+        let results = if self.options.fresh { results } else { results.continuing(index, self.options.seed) };
+        if self.work == Work::None {
+            return results;
+        }
+        let results = results.renewing();
+        if results.renewed() > 0 {
+            let unknown = self
+                .campaign
+                .programs()
+                .into_iter()
+                .find_map(|each| Some((each.name.clone(), each.unknown()?.to_owned())));
+            let renewed = |(program, why)| Notice::Renewed { tasks: results.renewed(), program, why };
+            unknown.map(renewed).iter().for_each(|notice| self.session.notice(notice));
+        }
+        results
     }
 
     /// Runs all tasks, or takes those that are stored.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::held_files::HeldFiles;
-use super::{Change, EpisodeName, Error, Input, Notice, Session};
+use super::{Change, ChangedProgram, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
 use compile::{Campaign, Evaluation, Search};
 use learn::ActorCritic;
@@ -71,6 +71,8 @@ impl Session {
             return Err(Error::Changed { changes });
         }
         changes.into_iter().for_each(|change| self.notice(&Notice::Changed(change)));
+        let programs = source.changed_programs().into_iter().filter(|program| !program.files.is_empty());
+        programs.for_each(|program| self.notice(&Notice::ChangedProgram(program)));
         Ok(source)
     }
 
@@ -171,16 +173,27 @@ impl Source {
         Self { report, campaign, seed }
     }
 
-    /// Whether the program of an external driver is not the one that the report was made with. A report holds no programs, but the
-    /// fingerprints of its runs depend on them.
-    pub fn has_other_program(&self, driver: &str) -> bool {
+    /// The programs that are not, or need not be, those that the report was made with.
+    pub fn changed_programs(&self) -> Vec<ChangedProgram> {
+        ChangedProgram::all(self.report.manifest(), &self.campaign)
+    }
+
+    /// The program of an external driver, if it is not, or need not be, the one that the report was made with. A report holds no programs,
+    /// but the fingerprints of its runs depend on them.
+    pub fn other_program(&self, driver: &str) -> Option<ChangedProgram> {
         let Campaign { drivers, evaluations, searches, .. } = &self.campaign;
+        if !drivers.iter().any(|each| each.name == driver && each.is_external()) {
+            return None;
+        }
         let evaluated = evaluations.iter().filter(|each| *each.policy == *driver).map(RunRecord::of_evaluation);
         let searched = searches.iter().filter(|each| each.key.policy == driver).map(RunRecord::of_search);
         let then = &self.report.manifest().runs;
         let differs =
             |now: RunRecord| then.iter().any(|then| then.what == now.what && then.fingerprint != now.fingerprint);
-        drivers.iter().any(|each| each.name == driver && each.is_external()) && evaluated.chain(searched).any(differs)
+        let known = self.changed_programs().into_iter().find(|program| program.name == driver);
+        let differs = evaluated.chain(searched).any(differs);
+        let unnamed = || ChangedProgram { name: driver.to_owned(), files: Vec::new(), is_unknown: false };
+        known.or_else(|| differs.then(unnamed))
     }
 
     /// The evaluation of this name, and its place.

@@ -6,7 +6,7 @@ use rand::seq::index::sample;
 use rayon::prelude::*;
 
 use super::stored::Source;
-use super::{EpisodeName, Error, RepeatOptions, Repeated, Session};
+use super::{ChangedProgram, EpisodeName, Error, RepeatOptions, Repeated, Session};
 use base::seed::Seed;
 use compile::{Campaign, Training, TrainingKey};
 use results::campaign::{self, InMemory, Silent};
@@ -50,6 +50,8 @@ pub struct VerifyReport {
     pub trainings: Option<Retrained>,
     /// The files of the report that are not as they were written.
     pub changed_files: Vec<String>,
+    /// The programs that are not, or need not be, those of the report.
+    pub programs: Vec<ChangedProgram>,
 }
 
 /// Trainings that were repeated.
@@ -85,7 +87,8 @@ impl Session {
         let names = if named { options.episodes.clone() } else { chosen(&source, options)? };
         let different = differing(&source, &names)?;
         let trainings = options.trainings.then(|| retrain(&source));
-        Ok(VerifyReport { report: source.report, repeated: names.len(), different, trainings, changed_files })
+        let programs = source.changed_programs();
+        Ok(VerifyReport { report: source.report, repeated: names.len(), different, trainings, changed_files, programs })
     }
 }
 

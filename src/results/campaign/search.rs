@@ -68,6 +68,8 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
         evaluate_noting(walker.as_mut(), &search.scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
     });
     let verdicts = spent.failures.iter().map(|failure| verdict(search, failure, seed)).collect();
+    // The user may not have waited for a program, so that an episode or a verdict is missing.
+    spent.stopped |= !search.programs.is_empty() && shared.stop();
     let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !shared.stop()));
     Some(SearchResult { key: key.clone(), budget: search.budget, spent, verdicts, evaluated, error })
 }

@@ -7,6 +7,7 @@ use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use tempfile::TempDir;
 
+use super::draft::draft_in;
 use super::parquet::write_parquet;
 use super::scenario_files::SCENARIO;
 use super::table_stream::{Watched, cause};
@@ -214,7 +215,10 @@ pub(super) fn report_files(folder: &Path) -> io::Result<Vec<FileRecord>> {
             if entry.file_type()?.is_dir() {
                 open.push(path);
             } else if path != Path::new(MARK) {
-                records.push(FileRecord { blake3: digest(&folder.join(&path))?, path: with_slashes(&path) });
+                // A report has no links, so one is no file that was written, whatever it leads to.
+                let is_link = entry.file_type()?.is_symlink();
+                let blake3 = if is_link { "a link".into() } else { digest(&folder.join(&path))? };
+                records.push(FileRecord { blake3, path: with_slashes(&path) });
             }
         }
     }
@@ -246,15 +250,21 @@ pub(super) fn digest(path: &Path) -> io::Result<String> {
     Ok(hasher.finalize().to_hex().to_string())
 }
 
-/// Writes a single file; it appears whole or not at all. A device or a pipe is written to, not replaced.
+/// Writes a single file; it appears whole or not at all. A device or a pipe is written to, not replaced. A link to a file is refused: it may
+/// lead out of the folder that was named, and to replace it would leave the file behind it as it was.
 ///
 /// # Errors
-/// The file cannot be written.
+/// The file cannot be written, or it is a link.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let failed = |source| WriteError::File { path: path.to_path_buf(), source };
     if fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir()) {
         let mut stream = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
         return stream.write_all(bytes).map_err(failed);
+    }
+    if path.is_symlink() {
+        let to = fs::read_link(path).map_err(failed)?;
+        let reason = format!("it is a link to `{}`; name that file, or remove the link", to.display());
+        return Err(failed(io::Error::new(io::ErrorKind::AlreadyExists, reason)));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if folder.exists() && !folder.is_dir() {
@@ -262,7 +272,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         return Err(failed(io::Error::new(io::ErrorKind::NotADirectory, reason)));
     }
     fs::create_dir_all(folder).map_err(failed)?;
-    let mut draft = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    let mut draft = draft_in(folder).map_err(failed)?;
     draft.write_all(bytes).map_err(failed)?;
     set_mode(draft.path(), 0o644).map_err(failed)?;
     draft.persist(path).map(|_| ()).map_err(|error| failed(error.error))

@@ -1,7 +1,9 @@
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::record::RunKey;
-use compile::{Evaluation, Search};
+use compile::{Evaluation, ExternalProgram, Search};
 
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +43,9 @@ pub struct Manifest {
     /// The evaluations and the searches that were asked for, in the order of the plan. Reports of earlier versions have none.
     #[serde(default)]
     pub runs: Vec<RunRecord>,
+    /// The programs of the user that drive or walk. Reports of earlier versions have none.
+    #[serde(default)]
+    pub programs: Vec<ProgramRecord>,
     /// The other files of the report, by their paths in it. Reports of earlier versions have none.
     #[serde(default)]
     pub report_files: Vec<FileRecord>,
@@ -92,6 +97,36 @@ pub struct RunRecord {
     pub amount: u64,
     /// Digest of what the files and settings say about it, without its training.
     pub fingerprint: String,
+}
+
+/// A program of the user that drives or walks. A report does not hold its files.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProgramRecord {
+    /// The name of the driver or the controller.
+    pub name: String,
+    /// As the scenario has it.
+    pub command: String,
+    /// The key `version` of the scenario; empty without one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub version: String,
+    /// Why it may have changed unnoticed, as half a sentence; empty when its files or its `version` say what it is.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unknown: String,
+    /// BLAKE3 of the files that it is made of, by their paths relative to the folder of the scenario.
+    pub files: BTreeMap<String, String>,
+}
+
+impl ProgramRecord {
+    /// The record of a program.
+    pub fn new(program: &ExternalProgram) -> Self {
+        Self {
+            name: program.name.clone(),
+            command: program.command.clone(),
+            version: program.version.clone().unwrap_or_default(),
+            unknown: program.unknown().unwrap_or_default().to_owned(),
+            files: program.parts.files.clone(),
+        }
+    }
 }
 
 /// A file with its digest.

@@ -17,6 +17,7 @@ mod scenario_files;
 mod parquet;
 mod table_stream;
 mod text_forms;
+mod draft;
 mod folder;
 mod overview;
 mod unreached;
@@ -39,6 +40,7 @@ pub use compare::{
     StartChange, compare_reports, compared_cells, compared_search_reference, compared_search_table,
     comparison_reference,
 };
+pub use draft::draft_in;
 pub use failure_modes::FailureModes;
 pub use findings::Findings;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
@@ -47,7 +49,7 @@ pub use infer::{
     Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
 };
 pub use listed_failure::{FailureClass, FailureOrder, ListedFailure};
-pub use manifest::{Call, FileRecord, Manifest, RunRecord, ScenarioFile, TrainingRecord};
+pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use metric_table::{METRICS, metric_references};
 pub use overview::{HighestRate, Overview, OverviewRow, Variant};
 pub use played::PlayedFailure;

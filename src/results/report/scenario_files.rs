@@ -51,10 +51,12 @@ fn parts(path: &Path) -> Vec<String> {
     parts
 }
 
-/// The path of a held file on the disk; none if the manifest names a place outside of the folder for them.
+/// The path of a held file on the disk; none if the manifest names a place outside of the folder for them, or a link may lead there.
 pub(super) fn held_path(report: &Path, held: &str) -> Option<PathBuf> {
     let inside = Path::new(held).components().all(|part| matches!(part, Component::Normal(_)));
-    (inside && Path::new(held).starts_with(SCENARIO)).then(|| report.join(held))
+    let is_link = |part: &Path| !part.as_os_str().is_empty() && report.join(part).is_symlink();
+    let held = Path::new(held);
+    (inside && held.starts_with(SCENARIO) && !held.ancestors().any(is_link)).then(|| report.join(held))
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::index::continues;
+use super::index::{continues, programs};
 use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
-use crate::campaign::{Claim, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError};
+use crate::campaign::{Claim, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError, tasks};
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use compile::Campaign;
 use learn::Trained;
@@ -37,6 +37,8 @@ pub struct CampaignStore<'a> {
     in_hand: Mutex<BTreeMap<Task, InHand>>,
     /// The tasks whose files cannot be read. They may be whole, so they are not written either.
     unread: Mutex<BTreeSet<Task>>,
+    /// The tasks whose stored results are not used, until they are made again.
+    renewed: Mutex<BTreeSet<Task>>,
     /// Wall time of every training (s).
     seconds: Mutex<Vec<f64>>,
     failed: Mutex<Option<StoreError>>,
@@ -74,10 +76,25 @@ impl<'a> CampaignStore<'a> {
             limits,
             in_hand: Mutex::default(),
             unread: Mutex::default(),
+            renewed: Mutex::default(),
             seconds: Mutex::new(vec![0.0; campaign.trainings.len()]),
             failed: Mutex::default(),
             shorter: BTreeMap::new(),
         }
+    }
+
+    /// Uses no stored results of tasks that depend on programs of which nobody knows whether they have changed. What other processes store
+    /// from now on is used.
+    pub fn renewing(self) -> Self {
+        let is_unknown = |task: &Task| programs(self.campaign, *task).any(|program| program.unknown().is_some());
+        let stored = |task: &Task| self.store.head(self.id(*task)).is_some();
+        let renewed = tasks(self.campaign).filter(is_unknown).filter(stored).collect();
+        Self { renewed: Mutex::new(renewed), ..self }
+    }
+
+    /// The number of tasks whose stored results are not used.
+    pub fn renewed(&self) -> usize {
+        lock(&self.renewed).len()
     }
 
     /// Lets trainings continue finished ones that differ from them in nothing but fewer steps.
@@ -132,6 +149,9 @@ impl<'a> CampaignStore<'a> {
 
     /// Reads a task. One that cannot be read ends the run, and counts as absent until then.
     fn read(&self, task: Task) -> Found {
+        if lock(&self.renewed).contains(&task) {
+            return Found::Nothing;
+        }
         self.store.read(self.id(task)).unwrap_or_else(|error| {
             lock(&self.unread).insert(task);
             self.fail(error);
@@ -147,6 +167,7 @@ impl<'a> CampaignStore<'a> {
         if let Task::Training(index) = task {
             lock(&self.seconds)[index] = seconds;
         }
+        lock(&self.renewed).remove(&task);
         let what = task_name(self.campaign, task);
         let header = Header { what, state, done, error, seconds, length: 0 };
         if let Err(error) = self.store.write(self.id(task), &header, bytes) {
@@ -191,7 +212,10 @@ impl ResultStore for CampaignStore<'_> {
             _ => None,
         };
         let shorter = || {
-            let name = self.shorter.get(&training)?;
+            let name = self
+                .shorter
+                .get(&training)
+                .filter(|_| programs(self.campaign, task).all(|program| program.unknown().is_none()))?;
             let Ok(Found::Whole(header, bytes)) = self.store.read_named(name) else { return None };
             continues(&header, self.campaign, task).then_some((header, bytes))
         };

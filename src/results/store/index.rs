@@ -1,11 +1,12 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::{CODE, Header, Ids, State, Store, StoreError, vector_instructions};
 use crate::campaign::{Task, tasks};
 use crate::record::RunKey;
-use compile::{CHUNK, Campaign};
+use compile::{CHUNK, Campaign, ExternalProgram, changed_files};
 
 /// What the store remembers of a campaign: the tasks that it wanted last, and the inputs from which each of its tasks was last made. It
 /// only explains; a task is there or not there without it.
@@ -24,6 +25,9 @@ pub struct Index {
     pub out: String,
     /// The finished tasks, by what they are.
     done: BTreeMap<String, Made>,
+    /// The files of programs that finished tasks were made with: their digests by their paths, by the fingerprint of the task.
+    #[serde(default)]
+    programs: BTreeMap<String, BTreeMap<String, String>>,
 }
 
 /// The inputs from which a task was made.
@@ -45,8 +49,10 @@ pub enum Known {
     Finished,
     /// A part of it is stored: a number of its updates or episodes.
     Begun(u64, u64),
-    /// It is not stored, for this reason.
-    Missing(&'static str),
+    /// It is not stored, or not used, for this reason.
+    Missing(String),
+    /// It was made with other files of a program: these, in words.
+    Edited(String),
 }
 
 impl Index {
@@ -72,10 +78,13 @@ impl Index {
             let id = ids.get(task);
             if store.head(id).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished)) {
                 let (fingerprint, code) = (fingerprint(campaign, task), CODE.to_string());
+                self.note_programs(campaign, task, &fingerprint);
                 let made = Made { id: id.to_string(), fingerprint, code, seed, lineage: lineage(campaign, task) };
                 self.done.insert(task_name(campaign, task), made);
             }
         }
+        let done: BTreeSet<&String> = self.done.values().map(|made| &made.fingerprint).collect();
+        self.programs.retain(|fingerprint, _| done.contains(fingerprint));
         self.out = store.place().out().to_string_lossy().into_owned();
         let text = serde_json::to_string(self).expect("strings and numbers have a form in JSON");
         store.put_campaign_text(name, &text)
@@ -90,9 +99,21 @@ impl Index {
         same.then_some(made.id.as_str())
     }
 
+    fn note_programs(&mut self, campaign: &Campaign, task: Task, fingerprint: &str) {
+        let files = program_files(campaign, task);
+        if !files.is_empty() {
+            self.programs.insert(fingerprint.to_owned(), files);
+        }
+    }
+
     /// What is known of a task and, if it must be run, why.
     pub fn look(&self, store: &Store, campaign: &Campaign, task: Task, ids: &Ids, seed: u64) -> Known {
         let (id, wanted) = (ids.get(task), amount(campaign, task));
+        if let Some(program) = programs(campaign, task).find(|program| program.unknown().is_some())
+            && store.head(id).is_some()
+        {
+            return Known::Missing(format!("the program of `{}` is not known", program.name));
+        }
         match store.head(id) {
             Some(Ok(header)) => match header.state {
                 State::Finished if header.done < wanted && is_counted(campaign, task) => {
@@ -100,9 +121,9 @@ impl Index {
                 }
                 State::Finished => return Known::Finished,
                 State::Begun => return Known::Begun(header.done, wanted),
-                State::Failed => return Known::Missing("failed"),
+                State::Failed => return Known::Missing("failed".into()),
             },
-            Some(Err(reason)) => return Known::Missing(reason),
+            Some(Err(reason)) => return Known::Missing(reason.into()),
             None => {}
         }
         if let Task::Training(training) = task
@@ -112,15 +133,47 @@ impl Index {
         {
             return Known::Begun(header.done, wanted);
         }
-        let Some(made) = self.done.get(&task_name(campaign, task)) else { return Known::Missing("new") };
-        Known::Missing(match made {
+        let Some(made) = self.done.get(&task_name(campaign, task)) else { return Known::Missing("new".into()) };
+        let why = match made {
             _ if made.id == id.to_string() => "gone",
             _ if made.seed != seed => "seed changed",
-            _ if made.fingerprint != fingerprint(campaign, task) => "scenario changed",
+            _ if made.fingerprint != fingerprint(campaign, task) => {
+                let then = self.programs.get(&made.fingerprint);
+                if let Some(files) = then.and_then(|then| changed(then, campaign, task)) {
+                    return Known::Edited(files);
+                }
+                "scenario changed"
+            }
             _ if made.code != CODE => "code changed",
             _ => "training changed",
-        })
+        };
+        Known::Missing(why.into())
     }
+}
+
+/// The programs of the user that a task depends on, those of its training included.
+pub(super) fn programs(campaign: &Campaign, task: Task) -> impl Iterator<Item = &Arc<ExternalProgram>> {
+    let (own, training) = match task {
+        Task::Training(index) => (&campaign.trainings[index].programs, None),
+        Task::Chunk { evaluation, .. } => {
+            (&campaign.evaluations[evaluation].programs, campaign.evaluations[evaluation].training())
+        }
+        Task::Search(index) => (&campaign.searches[index].programs, None),
+    };
+    own.iter().chain(training.into_iter().flat_map(|index| campaign.trainings[index].programs.iter()))
+}
+
+/// The digests of the files of a task's programs, by their paths.
+fn program_files(campaign: &Campaign, task: Task) -> BTreeMap<String, String> {
+    programs(campaign, task).flat_map(|program| program.parts.files.clone()).collect()
+}
+
+/// Which files of a task's programs have changed; none when none has.
+fn changed(then: &BTreeMap<String, String>, campaign: &Campaign, task: Task) -> Option<String> {
+    let now = program_files(campaign, task);
+    let files = changed_files(then, &now);
+    let more = if files.len() > 1 { format!(" and {} more files", files.len() - 1) } else { String::new() };
+    files.first().map(|first| format!("`{first}`{more}"))
 }
 
 /// Whether the number of episodes of a task is known in advance. A stored task may have been made for fewer.

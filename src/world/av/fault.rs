@@ -19,6 +19,9 @@ pub enum Fault {
     /// It ended during other episodes, of which this was one.
     #[error("was restarted during the episode")]
     Restarted,
+    /// The user asked to stop while it was waited for. Its episode is not over: nothing is concluded from it.
+    #[error("was not waited for, since the user asked to stop")]
+    Stopped,
     /// It gave an answer that makes no sense.
     #[error("gave a wrong answer: {0}")]
     Answer(&'static str),

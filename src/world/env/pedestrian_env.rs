@@ -431,6 +431,12 @@ impl PedestrianEnv {
         self.finish(Ending::ControllerError(fault), None);
     }
 
+    /// Whether the user asked to stop while a driver or a controller was waited for. Nothing is concluded from the episodes since then.
+    pub fn is_stopped(&self) -> bool {
+        let ended = self.outcome().and_then(Outcome::fault);
+        self.last_fault == Some(Fault::Stopped) || ended == Some(Fault::Stopped)
+    }
+
     /// The driver's last fault, if it failed in ten episodes in a row.
     pub fn hopeless(&self) -> Option<Fault> {
         self.last_fault.filter(|_| self.faults_in_a_row >= MOST_FAULTS)

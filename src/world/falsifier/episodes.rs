@@ -2,6 +2,7 @@ use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 use super::WalkPolicy;
+use crate::av::Fault;
 use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
 use crate::sim::WalkCommand;
 use base::seed::Seed;
@@ -178,6 +179,9 @@ impl<T> Trial<'_, T> {
             running.iter_mut().filter(|place| place.env.outcome().is_none()).for_each(|place| place.env.prepare());
             let mut failed = Vec::new();
             for place in running {
+                if place.env.is_stopped() {
+                    return ControlFlow::Break(());
+                }
                 if place.env.outcome().is_some() {
                     // Its walk policy failed.
                     failed.extend(place.episode.take().map(|episode| (episode, place)));
@@ -192,6 +196,7 @@ impl<T> Trial<'_, T> {
                     continue;
                 }
                 match (place.env.outcome().copied(), place.episode) {
+                    (Some(outcome), _) if outcome.fault() == Some(Fault::Stopped) => return ControlFlow::Break(()),
                     (Some(outcome), Some(episode)) => {
                         place.episode = None;
                         if outcome.fault().is_some() {
@@ -211,6 +216,9 @@ impl<T> Trial<'_, T> {
     }
 
     fn record(&mut self, episode: u64, outcome: &Outcome, trace: &Trace) -> ControlFlow<()> {
+        if outcome.fault() == Some(Fault::Stopped) {
+            return ControlFlow::Break(());
+        }
         let noted = (self.note)(episode as u32, outcome, trace);
         self.notes[(episode - self.first) as usize] = Some((noted, outcome.fault().is_some()));
         self.done += 1;

@@ -33,6 +33,11 @@ impl TrainingGround {
         self.envs.iter().find_map(PedestrianEnv::hopeless)
     }
 
+    /// Whether the user asked to stop while a driver was waited for.
+    pub fn is_stopped(&self) -> bool {
+        self.envs.iter().any(PedestrianEnv::is_stopped)
+    }
+
     fn env(&self) -> &PedestrianEnv {
         &self.envs[self.current]
     }

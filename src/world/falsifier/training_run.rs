@@ -99,6 +99,9 @@ impl TrainingRun {
             true => learn::TrainError::Stopped { update },
             false => error,
         })?;
+        if self.envs.iter().any(TrainingGround::is_stopped) {
+            return Err(learn::TrainError::Stopped { update }.into());
+        }
         match self.envs.iter().find_map(TrainingGround::hopeless) {
             Some(fault) => Err(TrainError::Driver { update: log.update, fault }),
             None => Ok(log),
@@ -166,7 +169,7 @@ impl Env for Stoppable<'_> {
     }
 
     fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
-        if (self.stop)() {
+        if self.env.is_stopped() || (self.stop)() {
             self.given_up.store(true, Ordering::Relaxed);
             return Step { reward: f64::NAN, terminated: true, truncated: false };
         }

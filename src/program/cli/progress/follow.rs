@@ -14,11 +14,13 @@ use super::showing::Showing;
 use crate::cli::console;
 use crate::cli::output::Output;
 use crate::session::Stop;
-use compile::Campaign;
+use compile::{Campaign, ExternalProgram};
 use results::campaign::{Event, Task};
 
 /// Least time between two updates of the display.
 const GLANCE: Duration = Duration::from_millis(200);
+/// The most files of a program that are named.
+const MOST_NAMED: usize = 4;
 /// Number of updates of the display per event for programs.
 const TOLD: u64 = 5;
 
@@ -31,6 +33,8 @@ pub struct Progress {
     stop: Arc<Stop>,
     tasks: usize,
     reused: usize,
+    /// What stored tasks depend on, in words.
+    depends: String,
     /// The number of updates of the display.
     glances: u64,
     /// Time of the next one, since the start of the campaign.
@@ -59,7 +63,18 @@ impl Progress {
         }
         let bars = (showing == Showing::Bars).then(|| Bars::new(&board));
         let lines = showing == Showing::Lines;
-        Self { board, bars, lines, events, stop, tasks: wanted.len(), reused: 0, glances: 0, next: Duration::ZERO }
+        Self {
+            board,
+            bars,
+            lines,
+            events,
+            stop,
+            tasks: wanted.len(),
+            reused: 0,
+            depends: depends(campaign),
+            glances: 0,
+            next: Duration::ZERO,
+        }
     }
 
     /// The job of a task, which is begun now if it was not before.
@@ -208,9 +223,24 @@ impl Drop for Progress {
         }
         let reused = self.reused;
         if reused > 0 && (self.lines || self.bars.is_some()) {
-            console::note(&format!("{reused} of {} tasks were there already", self.tasks));
+            console::note(&format!("{reused} of {} tasks were there already: {}", self.tasks, self.depends));
         }
     }
+}
+
+/// What the stored tasks of a campaign depend on, in words.
+fn depends(campaign: &Campaign) -> String {
+    let of_program = |program: &Arc<ExternalProgram>| {
+        let ExternalProgram { name, version, parts, .. } = program.as_ref();
+        let named = parts.files.keys().take(MOST_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let more = parts.files.len().saturating_sub(MOST_NAMED);
+        let files = if more > 0 { format!("{named} and {more} more files") } else { named };
+        let version = version.as_ref().map(|version| format!("version {version}"));
+        let what: Vec<String> = version.into_iter().chain(Some(files).filter(|files| !files.is_empty())).collect();
+        format!("; `{name}` is {}", what.join(", "))
+    };
+    let known = campaign.programs().into_iter().filter(|program| program.unknown().is_none());
+    format!("same scenario, seed and build{}", known.map(of_program).collect::<String>())
 }
 
 /// The line of a job that has ended, with what came of it.

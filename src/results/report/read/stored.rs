@@ -169,16 +169,30 @@ impl StoredReport {
     /// # Errors
     /// A table was changed or removed, or cannot be read.
     pub fn check_tables(&self) -> Result<(), ReadError> {
-        for file in [RUNS, EPISODES, SEARCHES, FAILURES].into_iter().filter_map(|table| self.written(table)) {
-            let path = self.folder.join(&file.path);
-            match digest(&path) {
-                Ok(now) if now == file.blake3 => {}
-                Ok(_) => return Err(ReadError::Changed { path }),
-                Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(ReadError::Absent { path }),
-                Err(source) => return Err(ReadError::File { path, source }),
-            }
+        [RUNS, EPISODES, SEARCHES, FAILURES]
+            .into_iter()
+            .filter_map(|table| self.written(table))
+            .try_for_each(|file| self.check(file))
+    }
+
+    /// Checks that the tables and the pedestrians which episodes are repeated with are as they were written.
+    ///
+    /// # Errors
+    /// A table or a pedestrian was changed or removed, or cannot be read.
+    pub fn check_for_repetition(&self) -> Result<(), ReadError> {
+        self.check_tables()?;
+        let mut pedestrians = self.manifest.report_files.iter().filter(|file| file.path.ends_with(".safetensors"));
+        pedestrians.try_for_each(|file| self.check(file))
+    }
+
+    fn check(&self, file: &FileRecord) -> Result<(), ReadError> {
+        let path = self.folder.join(&file.path);
+        match digest(&path) {
+            Ok(now) if now == file.blake3 => Ok(()),
+            Ok(_) => Err(ReadError::Changed { path }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Err(ReadError::Absent { path }),
+            Err(source) => Err(ReadError::File { path, source }),
         }
-        Ok(())
     }
 
     /// The Parquet file of a table, if the manifest lists it.

@@ -65,6 +65,8 @@ fn without_html(page: &str) -> String {
         let rest = &page[place + letter.len_utf8()..];
         let next = rest.chars().next().unwrap_or(' ');
         match letter {
+            // A renderer would load an image.
+            '!' if next == '[' => safe.push_str("\\!"),
             '<' if !rest.starts_with("br>") && (next.is_ascii_alphabetic() || "/!?".contains(next)) => {
                 safe.push_str("&lt;");
             }

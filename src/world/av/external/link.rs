@@ -1,4 +1,4 @@
-use super::Program;
+use super::{Parts, Program};
 use crate::av::Fault;
 
 /// A connection to a driver that runs elsewhere: it sends a message and receives an answer.
@@ -40,10 +40,10 @@ pub trait Opener: Send + Sync {
         Ok(())
     }
 
-    /// Digests the files that a program is made of, so that results of a changed program are not reused.
-    fn digest(&self, program: &Program) -> [u8; 32] {
+    /// Finds what a program is made of, so that results of a changed program are not reused.
+    fn parts(&self, program: &Program) -> Parts {
         let _ = program;
-        [0; 32]
+        Parts::default()
     }
 
     /// Starts one.

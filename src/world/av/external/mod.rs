@@ -10,6 +10,7 @@
 //! does both, and an [`Opener`] makes the link. A [`Peer`] keeps the link of a program, also for programs that are no drivers.
 
 mod link;
+mod parts;
 mod peer;
 mod program;
 mod message;
@@ -21,6 +22,7 @@ pub use driver::{External, ExternalKeys};
 pub use link::{Link, Opener};
 pub(crate) use message::Body;
 pub use message::PROTOCOL;
+pub use parts::Parts;
 pub use peer::Peer;
 pub use program::{Program, ProgramKeys};
 pub use session::Settings;

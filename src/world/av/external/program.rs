@@ -11,6 +11,9 @@ keys! {
         /// Further files and folders that it depends on, beside those of its script's folder: when their contents change, its results are
         /// made again.
         files: Option<Vec<String>>,
+        /// What it is where its files do not say so, such as the version of a server, of an image or of an installed package. Without it the
+        /// results of such a program are made again in every run.
+        version: Option<String>,
         /// Time that it has for an answer.
         timeout: f64 as within(TIME, 0.001, 3600.0) = "1 s",
         /// Time that it has for its greeting.

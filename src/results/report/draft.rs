@@ -1,0 +1,66 @@
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::Path;
+
+use tempfile::{Builder, NamedTempFile};
+
+/// How the names of files that are being written begin and end.
+const NAME: (&str, &str) = (".falsify-", ".tmp");
+/// How often a file is made again that another process took for an abandoned one.
+const ROUNDS: usize = 10;
+
+/// A new file in a folder, for a file of the same folder that appears whole. The process that writes it holds it locked; a lock ends with its
+/// process. So a file with such a name that can be locked belongs to a process that was killed: it is removed here.
+///
+/// # Errors
+/// The folder cannot be written to.
+pub fn draft_in(folder: &Path) -> io::Result<NamedTempFile> {
+    remove_abandoned(folder);
+    let make = || Builder::new().prefix(NAME.0).suffix(NAME.1).tempfile_in(folder);
+    let mut draft = make()?;
+    // Between the making and the lock, another process may remove it.
+    for _ in 0..ROUNDS {
+        let taken = matches!(draft.as_file().try_lock(), Err(TryLockError::WouldBlock));
+        if !taken && draft.path().exists() {
+            break;
+        }
+        draft = make()?;
+    }
+    Ok(draft)
+}
+
+fn remove_abandoned(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_draft = name.starts_with(NAME.0) && name.ends_with(NAME.1);
+        if is_draft
+            && entry.file_type().is_ok_and(|kind| kind.is_file())
+            && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok())
+        {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_killed_processes_are_removed_and_those_of_living_ones_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        for name in [".falsify-killed.tmp", ".falsify-notes", ".tmpABC", "kept.tmp"] {
+            fs::write(place(name), "").unwrap();
+        }
+        let living = draft_in(folder.path()).unwrap();
+        let other = draft_in(folder.path()).unwrap();
+        assert!(living.path().exists() && other.path().exists());
+        assert!(!place(".falsify-killed.tmp").exists());
+        assert!([".falsify-notes", ".tmpABC", "kept.tmp"].iter().all(|name| place(name).exists()));
+        other.persist(place("whole")).unwrap();
+        drop(living);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+}

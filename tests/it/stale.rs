@@ -1,0 +1,171 @@
+//! Results of a driver of one's own belong to all that it is made of: after an edit they are made again, and every command names the file.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::program::{command, falsify};
+
+const SCENARIO: &str = r#"edition 1
+import "std/drivers.scn"
+import "std/pedestrians.scn"
+import "std/towns.scn"
+policy mine = external(command: "COMMAND", timeout: 60 s MORE)
+spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
+episode until_passed { hold: 10  ticks: 240  end_when: ahead < -6 m }
+campaign d {
+  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed
+  evaluate { towns: [harbour] policies: [mine] pedestrians: [intercept] episodes: 12 }
+}
+"#;
+
+/// Brakes for whom it sees within `params.GAP`.
+const DRIVER: &str = r#"import json, sys, params
+print(json.dumps({"protocol": "falsify-av/1", "name": "drv"}), flush=True)
+sys.stdin.readline()
+for line in sys.stdin:
+    actions = []
+    for world in json.loads(line)["worlds"]:
+        ego = world["ego"]
+        near = any((a["x"] - ego["x"]) ** 2 + (a["y"] - ego["y"]) ** 2 < params.GAP ** 2 for a in world["actors"])
+        pull = 1.0 if ego["speed"] < 0.8 * world["speed_limit"] else 0.0
+        actions.append({"id": world["id"], "throttle": 0.0 if near else pull, "brake": 1.0 if near else 0.0, "steer": 0.0})
+    print(json.dumps({"actions": actions}), flush=True)
+"#;
+
+fn write(here: &Path, command: &str, more: &str) {
+    std::fs::write(here.join("d.scn"), SCENARIO.replace("COMMAND", command).replace("MORE", more)).unwrap();
+}
+
+/// A folder with a driver, run once; none where there is no Python.
+fn folder(command: &str, more: &str) -> Option<tempfile::TempDir> {
+    if !Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success()) {
+        loud!("skipped: there is no python3");
+        return None;
+    }
+    let place = tempfile::tempdir().unwrap();
+    std::fs::write(place.path().join("drv.py"), DRIVER).unwrap();
+    std::fs::write(place.path().join("params.py"), "GAP = 0.0\n").unwrap();
+    std::fs::write(place.path().join("gains.json"), "1").unwrap();
+    write(place.path(), command, more);
+    run(place.path(), &[], 0);
+    Some(place)
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+/// What the program says, with this exit code.
+fn falsify_said(here: &Path, arguments: &[&str], code: i32) -> String {
+    let output = falsify(arguments, here);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", said(&output));
+    said(&output)
+}
+
+fn run(here: &Path, more: &[&str], code: i32) -> String {
+    falsify_said(here, &[&["run", "--allow-external", "d.scn"], more].concat(), code)
+}
+
+fn reused(text: &str) -> bool {
+    text.contains("tasks were there already")
+}
+
+/// The name of an episode with a collision.
+fn failure(here: &Path) -> String {
+    let names = falsify_said(here, &["failures", "--names", "--top", "1"], 0);
+    names.lines().next().unwrap_or_else(|| panic!("it hits somebody: {names}")).to_owned()
+}
+
+#[test]
+fn every_command_names_the_file_of_a_driver_that_was_edited() {
+    let Some(place) = folder("python3 drv.py", "") else { return };
+    let here = place.path();
+    let again = run(here, &[], 0);
+    assert!(
+        again.contains("1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, params.py")
+    );
+    let name = failure(here);
+
+    std::fs::write(here.join("params.py"), "GAP = 14.0\n").unwrap();
+    let list = run(here, &["--list"], 0);
+    assert!(list.contains("[run: `params.py` changed]"), "{list}");
+    assert!(list.contains("`falsify recheck --allow-external reports/d` lets the new program meet"), "{list}");
+    let refused = run(here, &[], 2);
+    assert!(refused.contains("`params.py` of `mine` has changed since then"), "{refused}");
+    assert!(refused.contains("`falsify recheck --allow-external reports/d` lets the new program meet"), "{refused}");
+    let reason =
+        "possible reason: `params.py` of `mine` has changed since the report; `falsify recheck --allow-external";
+    for arguments in [&["replay", "--allow-external", &name][..], &["verify", "--allow-external", "reports/d"]] {
+        let text = falsify_said(here, arguments, 8);
+        assert!(text.contains(reason) && !text.contains("drive the same way twice"), "{arguments:?}: {text}");
+    }
+    let recheck = falsify_said(here, &["recheck", "--allow-external", "--starts", "0", "reports/d"], 0);
+    assert!(recheck.contains("`params.py` of `mine` has changed since the report"), "{recheck}");
+    assert!(!reused(&run(here, &["--replace"], 0)));
+
+    // With the old file the old results are right again.
+    std::fs::write(here.join("params.py"), "GAP = 0.0\n").unwrap();
+    assert!(reused(&run(here, &["--replace"], 0)));
+}
+
+#[test]
+fn a_module_beside_the_scenario_is_known_and_a_declared_file_counts() {
+    let Some(place) = folder("python3 -m drv", r#", files: ["gains.json"]"#) else { return };
+    let here = place.path();
+    assert!(reused(&run(here, &[], 0)));
+    std::fs::write(here.join("gains.json"), "2").unwrap();
+    let list = run(here, &["--list"], 0);
+    assert!(list.contains("[run: `gains.json` changed]"), "{list}");
+}
+
+#[test]
+fn what_cannot_be_known_is_run_again_unless_the_scenario_says_its_version() {
+    let Some(place) = folder("python3 -c 'import drv'", "") else { return };
+    let here = place.path();
+    let list = run(here, &["--list"], 0);
+    assert!(list.contains("[run: the program of `mine` is not known]"), "{list}");
+    let again = run(here, &[], 0);
+    assert!(!reused(&again), "{again}");
+    let why = "1 stored task is run again: no file of `python3` is beside the scenario, so the program of `mine` may have changed";
+    assert!(again.contains(why) && again.contains("`version: \"…\"` in the scenario says what it is"), "{again}");
+
+    let command = "python3 -c 'import drv'";
+    write(here, command, ", version: \"7\"");
+    run(here, &["--replace"], 0);
+    let again = run(here, &[], 0);
+    assert!(reused(&again) && again.contains("`mine` is version 7"), "{again}");
+    write(here, command, ", version: \"8\"");
+    assert!(!reused(&run(here, &["--replace"], 0)));
+}
+
+/// Sleeps before its answer when the file `slow` is there.
+const SLEEPER: &str = "import os, time\n";
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_run_that_waits_for_a_driver_and_keeps_what_was_stored() {
+    let Some(place) = folder("python3 drv.py", ", worlds: 1") else { return };
+    let here = place.path();
+    let slow =
+        DRIVER.replace("    actions = []\n", "    if os.path.exists('slow'): time.sleep(60)\n    actions = []\n");
+    std::fs::write(here.join("drv.py"), SLEEPER.to_owned() + &slow).unwrap();
+    let scenario = std::fs::read_to_string(here.join("d.scn")).unwrap();
+    std::fs::write(here.join("d.scn"), scenario.replace("[mine]", "[idm, mine]")).unwrap();
+    std::fs::write(here.join("slow"), "").unwrap();
+    let mut command = command();
+    command.args(["run", "--allow-external", "d.scn", "--replace", "--progress", "lines"]).current_dir(here);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+    let asked = Instant::now();
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let took = asked.elapsed();
+    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+    assert!(took < Duration::from_secs(2), "{took:?}: {}", said(&output));
+    std::fs::remove_file(here.join("slow")).unwrap();
+    let again = run(here, &["--replace"], 0);
+    assert!(again.contains("1 of 2 tasks were there already"), "{again}");
+    assert_eq!(std::fs::read_to_string(here.join("reports/d/episodes.csv")).unwrap().lines().count(), 25);
+}
