@@ -49,8 +49,8 @@ pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, Plan, Published, PublishedCell,
-    PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
+    Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, OutsideSetting, Plan, Published,
+    PublishedCell, PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
 };
 pub use policy_kind::PolicyKind;
 pub use published::published_columns;

@@ -17,7 +17,7 @@ falsifier home = homing()
 campaign again {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
   train { towns: [harbour] policies: [near] rewards: [r1] runs: 1 }
-  evaluate { towns: [harbour] policies: [near, behavior] pedestrians: [trained, sampled, intercept] episodes: 6 }
+  evaluate { towns: [harbour] policies: [near, behavior] pedestrians: [trained, stochastic, intercept] episodes: 6 }
   search { towns: [harbour] policies: [near] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
 }
 "#;

@@ -11,12 +11,13 @@ use base::diagnostic::Span;
 
 const COLON: &str = "a key is followed by `:`";
 const ARROW: &str = "an event is followed by `=>`";
-const RANGE: &str = "a range is written `low .. high`";
+pub(super) const RANGE: &str = "a range is written `low .. high`";
 const CLAUSE: &str = "a clause starts with `on`";
 const EVENT_WORD: &str = "the word of an event needs parentheses";
 const NAME: &str = "the name follows the form directly";
 /// The message for a conditional, once per value.
-const NO_IF: &str = "there is no `if`: write a condition with `and`, `or`, `not`, or weigh with `min` and `max`";
+pub(super) const NO_IF: &str =
+    "there is no `if`: use `min` and `max` in a formula, and `and`, `or`, `not` in a condition";
 
 /// The message, and the text to write instead if one meaning is likely.
 type Words = (&'static str, Option<String>);

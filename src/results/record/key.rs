@@ -15,7 +15,7 @@ pub struct CellKey {
     pub vehicle: String,
     /// Name of the adversary, for its body.
     pub adversary: String,
-    /// The controller: `trained`, `sampled`, `random`, `homing`, `intercept`, `scripted`, or the name of a declared one.
+    /// The controller: `trained`, `stochastic`, `untrained`, `random`, `homing`, `intercept`, `scripted`, or the name of a declared one.
     pub controller: String,
     pub reward: String,
     /// Town of the training; empty for an untrained controller.
