@@ -118,7 +118,7 @@ keys! {
 pub(super) const TRAINED: &str = "trained";
 pub(super) const STOCHASTIC: &str = "stochastic";
 /// The word of the networks with which trainings begin.
-pub(super) const UNTRAINED: &str = "untrained";
+pub const UNTRAINED: &str = "untrained";
 
 /// The form `campaign`.
 pub fn form() -> Form {

@@ -43,6 +43,7 @@ mod whole_plan;
 mod lower;
 mod grid;
 
+pub use campaign::UNTRAINED;
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use chunks::CHUNK;
 pub use falsifier::FalsifierKind;

@@ -344,7 +344,17 @@ impl<'f> Checker<'_, '_, 'f> {
                             let place = child.form.span.to(kind.span);
                             let meant = child.name.is_none().then(|| format!("{} {}", child.form.text, kind.text));
                             let said = "a block follows its name directly";
-                            self.diagnostics.push(diagnostics::mistake(place, said, meant.as_deref()));
+                            let said = diagnostics::mistake(place, said, meant.as_deref());
+                            // `search meet = intercept()`
+                            let own =
+                                self.context.forms.iter().find(|form| form.kinds.iter().any(|k| k.name == kind.text));
+                            self.diagnostics.push(match (own, &child.name) {
+                                (Some(form), Some(name)) => said.help(format!(
+                                    "declare it outside, `{} {} = {}(…)`, and name it in a key",
+                                    form.name, name.text, kind.text
+                                )),
+                                _ => said,
+                            });
                         }
                         if let Some(name) = &child.name {
                             let before = named.insert((&child.form.text, &name.text), name.span);

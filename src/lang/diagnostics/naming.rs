@@ -67,7 +67,11 @@ pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
 
 /// A setting names nothing.
 pub fn unknown_setting<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known)
+    let mut known = known.into_iter().peekable();
+    let none = known.peek().is_none();
+    let said =
+        unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known);
+    if none { said.help(format!("declare it, as in `param {}: length = 20 m`", cut(word))) } else { said }
 }
 
 /// A setting names several things.

@@ -128,6 +128,9 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
     if written == "m/h" {
         return diagnostic.here("a car is faster than some metres per hour").fix("mph").fix("km/h");
     }
+    if ["ft", "feet", "foot", "yd", "inch"].contains(&part) {
+        return diagnostic.help("lengths are metric: 1 ft is 0.3048 m");
+    }
     // A thousandth is another unit, not a typo.
     if ["us", "ns", "um", "nm"].contains(&part) {
         return diagnostic.help("the smallest units are `ms` and `mm`; write a fraction");
@@ -308,6 +311,15 @@ pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Ite
         return Diagnostic::error("unknown-variable", span, format!("there is no `{word}` in formulas"))
             .help("weigh with `min` and `max`: `max(0, v_c in m/s - 3)` pays from 3 m/s on");
     }
+    let special = match word {
+        "visible" | "hidden" => "write `sight: visible` or `sight: hidden` in the `spawn`",
+        "collision" | "hit" => "an episode ends at a collision without a condition",
+        _ => "",
+    };
+    if !special.is_empty() {
+        return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{word}`"))
+            .help(special);
+    }
     if parse_unit(word).is_ok() {
         return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)))
             .here("a unit follows a number")
@@ -332,7 +344,9 @@ pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str])
 
 /// A formula calls an unknown function.
 pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-function", span, format!("unknown function `{}`", cut(word)), word, known.iter().copied())
+    let said =
+        unknown("unknown-function", span, format!("unknown function `{}`", cut(word)), word, known.iter().copied());
+    if matches!(word, "clip" | "clamp") { said.help("write `max(low, min(x, high))`") } else { said }
 }
 
 /// A function has the wrong number of arguments.

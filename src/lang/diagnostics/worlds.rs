@@ -84,7 +84,7 @@ pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic 
         span,
         format!("no pedestrian can meet the car in `{town}` before the episode ends"),
     )
-    .here(format!("the episode lasts {} s, and the pedestrian walks at most {} m/s", short(time), short(speed)))
+    .here(format!("the episode lasts {} s, and the pedestrian walks at most {speed:.1} m/s", short(time)))
     .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `adversary`")
 }
 

@@ -44,6 +44,7 @@ fn words(rule: Rule, text: &str) -> Words {
         (Rule::wrong_prefix, _) => ("write both ends: `-60 deg .. 60 deg`", None),
         (Rule::odd_power, _) => ("powers of units are written `^2`", Some(text.replace("**", "^"))),
         (Rule::hash, _) => instead("a comment starts with `//`", "//"),
+        (Rule::split_key, _) if text.starts_with("matrix ") => ("write `matrix { name: [value, …] }`", None),
         (Rule::split_key, _) => {
             let parts: Vec<&str> = text.split([' ', '-']).filter(|part| !part.is_empty()).collect();
             ("a key is one word", Some(parts.join("_")))

@@ -96,7 +96,12 @@ impl Reader {
                 "a key belongs inside a declaration: `form name { key: value }`"
             }
             Rule::whole_item if imports(text) => "write `import \"path\"`, or `import a, b from \"path\"`",
+            Rule::whole_item if first_word(text) == "version" => "write `edition 1`",
             Rule::whole_entry if text.starts_with('?') => NO_IF,
+            Rule::whole_entry if compares(text, 1) => {
+                "a condition is the value of a key, such as `require: …` or `end_when: …`"
+            }
+            Rule::whole_entry if key_first(text) && compares(text, 2) => RANGE,
             Rule::whole_entry if text.contains("=>") && first_word(text) == "on" => {
                 "an event takes one word in parentheses, no condition: `on hit(front) => …`"
             }
@@ -153,6 +158,11 @@ impl Reader {
 fn key_first(text: &str) -> bool {
     let mut found = words(text);
     found.next().is_some_and(|token| token.kind == TokenKind::Name) && found.next().is_some_and(|t| t.text(text) == ":")
+}
+
+/// Whether the word at this place of a statement is a sign of comparison.
+fn compares(statement: &str, place: usize) -> bool {
+    words(statement).nth(place).is_some_and(|token| matches!(token.text(statement), "<" | ">" | "<=" | ">="))
 }
 
 /// The first word of a statement, or "".

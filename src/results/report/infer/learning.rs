@@ -5,6 +5,7 @@ use super::place::{Measured, Place};
 use crate::record::CellKey;
 use base::choice;
 use base::statistics::{Sample, holm, normal_below, normal_quantile};
+use compile::UNTRAINED;
 
 /// The greatest probability of a difference by chance that still counts as one.
 const SIGNIFICANT: f64 = 0.05;
@@ -270,7 +271,7 @@ impl fmt::Display for Doubt {
             each.join(", ")
         };
         let named = |controller: &str| match controller {
-            "untrained" => "the untrained network".to_string(),
+            UNTRAINED => "the untrained network".to_string(),
             other => format!("the untrained `{other}`"),
         };
         write!(f, "{}: ", self.key)?;

@@ -10,9 +10,10 @@ const BEYOND_LIMIT: f64 = 2.0;
 const LEAST_SPEED: f64 = 20.0;
 /// Length that bodies and half a lane may take of a distance between middles (m).
 const BODIES: f64 = 5.0;
-/// The number of starts that are looked at first, and then, if none of them is within reach; of the latter at least [`ENOUGH`] must satisfy all
-/// constraints.
-const LOOKS: [u32; 2] = [4, 200];
+/// The number of starts that are drawn first.
+const FEW: u32 = 4;
+/// The number that is drawn if none of these is within reach; [`ENOUGH`] of them must satisfy all constraints.
+const MANY: u32 = 200;
 const ENOUGH: usize = 20;
 
 impl SpawnRule {
@@ -47,7 +48,6 @@ impl SpawnRule {
             });
             (!in_reach).then_some(spawns.len())
         };
-        LOOKS.into_iter().map(|count| none_in_reach(count, stream)).all(|found| found.is_some())
-            && none_in_reach(LOOKS[1], stream).is_some_and(|found| found >= ENOUGH)
+        none_in_reach(FEW, stream).is_some() && none_in_reach(MANY, stream).is_some_and(|found| found >= ENOUGH)
     }
 }

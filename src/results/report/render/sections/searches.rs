@@ -100,8 +100,10 @@ fn median(time: MedianTime) -> String {
 
 /// The starts from which a failure was found, of those from which the falsifier searched.
 pub fn failed_starts(cell: &SearchCell) -> Value {
-    let starts = cell.starts.mean.unwrap_or(0.0);
-    format!("{} of {starts:.0}", average(&cell.failed_starts, 1)).into()
+    let found = &cell.failed_starts;
+    let each = || found.by_run.iter().map(|run| format!("{run:.0}")).collect::<Vec<_>>().join(" ");
+    let found = if found.interval.is_none() { each() } else { average(found, 1).to_string() };
+    format!("{found} of {:.0}", cell.starts.mean.unwrap_or(0.0)).into()
 }
 
 /// The mean with its interval; of two or three runs the single values.
