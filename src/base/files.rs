@@ -12,7 +12,7 @@ pub const MOST_BYTES: u64 = 256 << 20;
 /// # Errors
 /// There is no such file, it cannot be read, or it is not a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
-    let known = fs::metadata(path)?;
+    let known = fs::metadata(path).map_err(in_words)?;
     if known.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
@@ -20,7 +20,16 @@ pub fn open(path: &Path) -> io::Result<File> {
         let reason = "it is a pipe, a socket or a device; only regular files are read, so save its contents as a file";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
     }
-    File::open(path)
+    File::open(path).map_err(in_words)
+}
+
+/// The same error, with words in place of the number of the system where it is a common one.
+fn in_words(error: io::Error) -> io::Error {
+    match error.kind() {
+        io::ErrorKind::NotFound => io::Error::new(error.kind(), "there is no such file"),
+        io::ErrorKind::PermissionDenied => io::Error::new(error.kind(), "you may not read it"),
+        _ => error,
+    }
 }
 
 /// The bytes of a file.

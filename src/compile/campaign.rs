@@ -74,11 +74,11 @@ keys! {
         /// episodes, 2,000, 4,000 and so on; the looks share the 5 %.
         halfwidth: Option<f64> as within(RATIO, 0.000_5, 0.5),
         // The catalogue adds the words of the others.
-        /// Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it
-        /// (`sampled`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it
+        /// Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it as in
+        /// training (`stochastic`), the same network before its training (`untrained`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it
         /// would meet the ego (`intercept`), one that crosses as recorded pedestrians do (`natural`), the target of a test
-        /// (`scripted`), or a `controller` of the file. Only the first two need a `train` block.
-        pedestrians: Vec<Value> as WordOrReference(vec![TRAINED, SAMPLED], "controller") = "[trained, random]",
+        /// (`scripted`), or a `controller` of the file. Only the first three need a `train` block.
+        pedestrians: Vec<Value> as WordOrReference(vec![TRAINED, STOCHASTIC, UNTRAINED], "controller") = "[trained, random]",
         /// Models of car to try them against, instead of the campaign's `vehicle`.
         vehicles: Option<Vec<DeclarationId>> as Reference("vehicle"),
         /// Bodies and readings to try them with, instead of the campaign's `adversary`.
@@ -96,7 +96,7 @@ keys! {
         /// Who searches.
         falsifiers: Vec<DeclarationId> as Reference("falsifier"),
         /// Simulator ticks that each may use.
-        budget: u64 as whole(1, 1_000_000_000_000) = "1_000_000",
+        budget: u64 as ticks(1, 1_000_000_000_000) = "1_000_000",
         /// Searches of each, with different seeds and starts.
         runs: u32 as whole(1, 10_000) = "10",
         /// Episodes in which the pedestrian that a falsifier returns is evaluated afterwards, outside the budget.
@@ -116,7 +116,9 @@ keys! {
 
 /// The words of trained pedestrians.
 pub(super) const TRAINED: &str = "trained";
-pub(super) const SAMPLED: &str = "sampled";
+pub(super) const STOCHASTIC: &str = "stochastic";
+/// The word of the networks with which trainings begin.
+pub const UNTRAINED: &str = "untrained";
 
 /// The form `campaign`.
 pub fn form() -> Form {

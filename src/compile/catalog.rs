@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::campaign::{SAMPLED, TRAINED};
+use super::campaign::{STOCHASTIC, TRAINED, UNTRAINED};
 use super::falsifier::FalsifierKind;
 use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
@@ -139,7 +139,7 @@ impl Catalog {
 
     /// Whether a built-in pedestrian has this name.
     pub(super) fn has_pedestrian(&self, name: &str) -> bool {
-        [TRAINED, SAMPLED].contains(&name) || self.walkers.iter().any(|kind| kind.word() == name)
+        [TRAINED, STOCHASTIC, UNTRAINED].contains(&name) || self.walkers.iter().any(|kind| kind.word() == name)
     }
 
     fn form_of(&mut self, name: &str) -> &mut Form {

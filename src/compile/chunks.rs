@@ -37,8 +37,8 @@ impl Evaluation {
     /// The place of the training that its pedestrian comes from.
     pub fn training(&self) -> Option<usize> {
         match self.controller {
-            ControllerKind::Trained(training) | ControllerKind::Sampled(training) => Some(training),
-            ControllerKind::Untrained(_) => None,
+            ControllerKind::Trained(training) | ControllerKind::Stochastic(training) => Some(training),
+            ControllerKind::First | ControllerKind::Untrained(_) => None,
         }
     }
 }

@@ -44,14 +44,15 @@ mod whole_plan;
 mod lower;
 mod grid;
 
+pub use campaign::UNTRAINED;
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use chunks::CHUNK;
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, Plan, Published, PublishedCell,
-    PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
+    Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, OutsideSetting, Plan, Published,
+    PublishedCell, PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
 };
 pub use policy_kind::PolicyKind;
 pub use programs::{ExternalProgram, Programs, changed_files};

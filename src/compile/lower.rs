@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::lowering::{BuiltTown, Lowering, Shared};
 use super::noting::Noting;
 use super::plan::{Documented, NamedTown, Plan};
-use super::reached::reached;
+use super::reached::{reached, reaches};
 use super::variants::{Variant, understand};
 use super::whole_plan::{forbid_equal_names, warn_of_unused};
 use super::{Catalog, adversary, policy, spawn, town};
@@ -88,16 +88,13 @@ pub fn compile_with(
         let before = diagnostics.len();
         let mut lowering =
             Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared, digests };
-        lowering.variant(variant, &mut plan);
+        lowering.variant(variant, &settings, &mut plan);
         if !variant.settings.is_empty() {
             let combination = format!("so it is with {}", variant.settings.join(", "));
             diagnostics[before..].iter_mut().for_each(|each| each.help.insert(0, combination.clone()));
         }
     }
-    let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();
-    for campaign in &mut plan.campaigns {
-        campaign.settings = [outside.clone(), std::mem::take(&mut campaign.settings)].concat();
-    }
+    plan.settings = settings.iter().map(|each| plan.reached_by(each.text(sources))).collect();
     if !overrides.only_checked {
         plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(1));
     }
@@ -125,7 +122,7 @@ fn in_order(diagnostics: &mut [Diagnostic]) {
 }
 
 impl Lowering<'_> {
-    fn variant(&mut self, variant: &Variant, plan: &mut Plan) {
+    fn variant(&mut self, variant: &Variant, outside: &[lang::Setting], plan: &mut Plan) {
         let program = self.program;
         if variant.multiplied.is_none() {
             // Towns of the named files are built even when nothing uses them: a library of towns is checked that way.
@@ -153,7 +150,9 @@ impl Lowering<'_> {
                 let mut campaign = self.campaign(declaration);
                 campaign.name = named(&campaign.name, &variant.settings);
                 campaign.docs.extend(variant.settings.iter().map(|setting| format!("With {setting}.")));
-                campaign.settings.clone_from(&variant.settings);
+                let outside = outside.iter().filter(|setting| reaches(program, declaration.id, setting));
+                let outside = outside.map(|setting| setting.text(self.sources));
+                campaign.settings = outside.chain(variant.settings.iter().cloned()).collect();
                 campaign.words = self.note_used(declaration.id);
                 plan.campaigns.push(campaign);
             }
@@ -215,8 +214,8 @@ impl Lowering<'_> {
             let (name, docs) = (name.clone(), docs.join(" "));
             (!docs.is_empty()).then_some(Documented { form, name, docs })
         };
-        let hung_on: BTreeSet<ParamId> = seen.iter().flat_map(|id| &self.program.get(*id).params).copied().collect();
-        let params = self.program.params.iter().filter(|param| hung_on.contains(&param.id));
+        let behind: BTreeSet<ParamId> = seen.iter().flat_map(|id| &self.program.get(*id).params).copied().collect();
+        let params = self.program.params.iter().filter(|param| behind.contains(&param.id));
         let params = params.filter_map(|param| documented("param", &param.name, &param.docs));
         let documented = params.chain(used.filter_map(|each| documented(each.form, &each.name, &each.docs))).collect();
         self.shared.used.extend(seen);

@@ -2,7 +2,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::campaign::{SAMPLED, TRAINED};
+use super::campaign::{STOCHASTIC, TRAINED, UNTRAINED};
 use super::{ExternalProgram, Fingerprint, Programs, RunId};
 use base::seed::Seed;
 use base::signature::{Arguments, Keys};
@@ -23,6 +23,29 @@ pub struct Plan {
     pub towns: Vec<NamedTown>,
     /// Campaigns of imported files, which are not run, with their files.
     pub imported_campaigns: Vec<(String, PathBuf)>,
+    /// The settings from outside the files.
+    pub settings: Vec<OutsideSetting>,
+}
+
+/// A setting from outside the files, and what depends on it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OutsideSetting {
+    /// As `name = value`.
+    pub text: String,
+    /// The names of the campaigns of the plan that it reaches, and of the others.
+    pub campaigns: [Vec<String>; 2],
+}
+
+/// `ppo_paper.steps = 10000 reaches fast, slow; not third`.
+impl fmt::Display for OutsideSetting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { text, campaigns: [reached, others] } = self;
+        match (reached.as_slice(), others.as_slice()) {
+            ([], _) => write!(f, "`{text}` reaches no campaign"),
+            (reached, []) => write!(f, "`{text}` reaches {}", reached.join(", ")),
+            (reached, others) => write!(f, "`{text}` reaches {}, and not {}", reached.join(", "), others.join(", ")),
+        }
+    }
 }
 
 impl Plan {
@@ -35,6 +58,15 @@ impl Plan {
                 file.display()
             ),
         }
+    }
+
+    /// A setting from outside the files, with the campaigns that it reaches.
+    pub(super) fn reached_by(&self, text: String) -> OutsideSetting {
+        let names = |reached: bool| {
+            let chosen = self.campaigns.iter().filter(|campaign| campaign.settings.contains(&text) == reached);
+            chosen.map(|campaign| campaign.name.clone()).collect()
+        };
+        OutsideSetting { campaigns: [names(true), names(false)], text }
     }
 
     /// Whether a town of this name is declared or used.
@@ -80,7 +112,7 @@ pub struct Campaign {
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
-    /// The settings from outside the files, and the combination of its `matrix`, as `name = value`.
+    /// The settings from outside the files that it depends on, and the combination of its `matrix`, as `name = value`.
     pub settings: Vec<String>,
     /// The documented declarations that it uses, in the order of the files.
     pub words: Vec<Documented>,
@@ -249,7 +281,9 @@ pub enum ControllerKind {
     /// The mean of a trained policy: the training's index in [`Campaign::trainings`].
     Trained(usize),
     /// The same policy, with commands drawn from it as in training.
-    Sampled(usize),
+    Stochastic(usize),
+    /// The mean of the policy with which a training begins: [`Evaluation::first`].
+    First,
     /// A controller that learns nothing: a built-in one, or one that the files declare.
     Untrained(Controller),
 }
@@ -259,7 +293,8 @@ impl ControllerKind {
     pub fn name(&self) -> &str {
         match self {
             Self::Trained(_) => TRAINED,
-            Self::Sampled(_) => SAMPLED,
+            Self::Stochastic(_) => STOCHASTIC,
+            Self::First => UNTRAINED,
             Self::Untrained(controller) => controller.name(),
         }
     }
@@ -274,6 +309,8 @@ pub struct Evaluation {
     pub controller: ControllerKind,
     /// Its training; for an untrained controller, the reward and run that its rows are compared with.
     pub trained: Arc<TrainingKey>,
+    /// The training with whose first networks the pedestrian walks, for [`ControllerKind::First`].
+    pub first: Option<Arc<Training>>,
     pub town: Arc<str>,
     /// Name of the driving policy.
     pub policy: Arc<str>,

@@ -1,7 +1,8 @@
 use std::collections::BTreeSet;
 
 use base::signature::{Arguments, DeclarationId, Value};
-use lang::hir::{Block, Program};
+use lang::Setting;
+use lang::hir::{Block, ParamId, Program};
 
 /// A declaration and all that it refers to, directly or not.
 pub(super) fn reached(program: &Program, from: DeclarationId) -> BTreeSet<DeclarationId> {
@@ -13,6 +14,22 @@ pub(super) fn reached(program: &Program, from: DeclarationId) -> BTreeSet<Declar
         }
     }
     seen
+}
+
+/// Whether a declaration depends on what a setting from outside the files changes: a parameter, or a key of a declaration.
+pub(super) fn reaches(program: &Program, from: DeclarationId, setting: &Setting) -> bool {
+    let seen = reached(program, from);
+    let mut declarations = seen.iter().map(|id| program.get(*id));
+    match setting.path.as_slice() {
+        [name] => {
+            let named = |id: &ParamId| program.params.iter().any(|param| param.id == *id && param.name == name.text);
+            declarations.any(|each| each.params.iter().any(named))
+        }
+        [first, next, ..] => {
+            declarations.any(|each| each.name == first.text || (each.form == first.text && each.name == next.text))
+        }
+        [] => false,
+    }
 }
 
 fn references(block: &Block, found: &mut Vec<DeclarationId>) {

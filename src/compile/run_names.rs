@@ -64,8 +64,9 @@ impl Campaign {
             let names = names.and(&evaluation.town).and(&evaluation.policy);
             let names =
                 names.and(&evaluation.vehicle).and(&evaluation.adversary).and(&evaluation.fingerprint.to_string());
-            evaluation.id = register.name(match evaluation.training() {
-                Some(training) => names.and_training(&self.trainings[training]),
+            let training = evaluation.training().map(|training| &self.trainings[training]);
+            evaluation.id = register.name(match training.or(evaluation.first.as_deref()) {
+                Some(training) => names.and_training(training),
                 None => names,
             });
         }

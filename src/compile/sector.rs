@@ -204,7 +204,7 @@ impl<'a> Sector<'a> {
     }
 
     fn contradiction(&self, condition: &Formula, span: Span) -> Diagnostic {
-        let mut diagnostic = diagnostics::contradiction(span, "this never holds".into());
+        let mut diagnostic = diagnostics::contradiction(span, "this is never true".into());
         let mut named = Vec::new();
         variables(condition, &mut named);
         let derived = |name: &str| matches!(name, "ahead" | "aside");

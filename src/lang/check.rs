@@ -94,7 +94,7 @@ pub fn check<'f>(
             let mut checker = Checker { whole: true, context: &context, defaults, diagnostics: &mut diagnostics };
             let mut declaration = checker.declaration(as_meant, *id, file.source, forms, &form_names);
             let whole = checker.whole;
-            declaration.params = params.hung_on(&mentioned);
+            declaration.params = params.behind(&mentioned);
             let declaration = Arc::new(declaration);
             params.explain(&mut diagnostics[before..]);
             let understood = mentioned.iter().all(|(_, value)| value.is_some());
@@ -257,7 +257,7 @@ impl<'f> Checker<'_, '_, 'f> {
                             signature.clauses && self.context.vocabulary.events.iter().any(|event| event.name == text);
                         let unknown = match is_event {
                             true => diagnostics::event_for_key(*span, signature.name, text),
-                            false => diagnostics::unknown_key(*span, signature.name, text, &left, elsewhere),
+                            false => diagnostics::unknown_key(*span, signature.name, text, &left, &words, elsewhere),
                         };
                         meant.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
                         self.diagnostics.push(unknown);
@@ -313,9 +313,12 @@ impl<'f> Checker<'_, '_, 'f> {
                     let of_kind = type_of(text)
                         .and_then(|word| DIMENSIONS.iter().find(|(name, _)| *name == word))
                         .map(|(_, dimension)| *dimension);
-                    let params =
-                        signature.params.iter().filter(|param| of_kind.is_none_or(|kind| measures(&param.ty, kind)));
-                    let fitting: Vec<&str> = params.map(|param| param.name).collect();
+                    let is_text = matches!(expression.kind, ExpressionKind::Text(_));
+                    let fits = |param: &&Param| match is_text {
+                        true => matches!(param.ty, Type::Text | Type::Path),
+                        false => of_kind.is_none_or(|kind| measures(&param.ty, kind)),
+                    };
+                    let fitting: Vec<&str> = signature.params.iter().filter(fits).map(|param| param.name).collect();
                     self.diagnostics.push(diagnostics::bare_argument(expression.span, text, &fitting));
                 }
                 Entry::Unread(words) => {
@@ -341,7 +344,17 @@ impl<'f> Checker<'_, '_, 'f> {
                             let place = child.form.span.to(kind.span);
                             let meant = child.name.is_none().then(|| format!("{} {}", child.form.text, kind.text));
                             let said = "a block follows its name directly";
-                            self.diagnostics.push(diagnostics::mistake(place, said, meant.as_deref()));
+                            let said = diagnostics::mistake(place, said, meant.as_deref());
+                            // `search meet = intercept()`
+                            let own =
+                                self.context.forms.iter().find(|form| form.kinds.iter().any(|k| k.name == kind.text));
+                            self.diagnostics.push(match (own, &child.name) {
+                                (Some(form), Some(name)) => said.help(format!(
+                                    "declare it outside, `{} {} = {}(…)`, and name it in a key",
+                                    form.name, name.text, kind.text
+                                )),
+                                _ => said,
+                            });
                         }
                         if let Some(name) = &child.name {
                             let before = named.insert((&child.form.text, &name.text), name.span);
@@ -363,6 +376,7 @@ impl<'f> Checker<'_, '_, 'f> {
             }
         }
         let mut arguments = Arguments::default();
+        let mut missing = Vec::new();
         for param in &signature.params {
             let value = match given.iter().find(|(_, name, ..)| *name == param.name) {
                 Some((_, _, _, checked)) => checked.clone(),
@@ -371,12 +385,15 @@ impl<'f> Checker<'_, '_, 'f> {
                     Some(text) => Some(self.defaults.value(param, text, self.context.names, self.context.sources)),
                     None if meant.contains(param.name) => None,
                     None => {
-                        self.diagnostics.push(diagnostics::missing_key(written.head, signature.name, param));
+                        missing.push(param);
                         None
                     }
                 },
             };
             arguments.push(param.name, value.unwrap_or(Value::Absent));
+        }
+        if !missing.is_empty() {
+            self.diagnostics.push(diagnostics::missing_keys(written.head, signature.name, &missing));
         }
         let places: Vec<(&str, Span)> = given.iter().map(|(_, name, span, _)| (*name, *span)).collect();
         for [low, high] in &signature.rising {
@@ -424,7 +441,12 @@ impl<'f> Checker<'_, '_, 'f> {
         let known: Vec<&str> = events().map(|event| event.name).collect();
         let name = &written.event;
         let Some(event) = events().find(|event| event.name == name.text) else {
-            self.diagnostics.push(diagnostics::unknown_event(name.span, &name.text, &known));
+            self.diagnostics.push(diagnostics::unknown_event(
+                name.span,
+                &name.text,
+                &known,
+                events().find(|event| event.words.contains(&name.text.as_str())).map(|event| event.name),
+            ));
             // What is paid is looked at all the same.
             let Context { vocabulary, names, .. } = *self.context;
             let every: Vec<&'static str> = vocabulary.variables.iter().map(|variable| variable.name).collect();
@@ -477,8 +499,11 @@ fn counted_in_ticks(
     signature: &Signature,
     entries: &[Entry],
 ) -> Option<Diagnostic> {
-    let default = signature.params.iter().find(|param| param.name == "tick")?.default?;
     let time = seconds(value).filter(|_| matches!(param.ty, Type::Ticks { .. }))?;
+    let Some(ticks) = signature.params.iter().find(|param| param.name == "tick") else {
+        return Some(diagnostics::time_for_budget(value.span, param.name));
+    };
+    let default = ticks.default?;
     let written = entries.iter().find_map(|entry| match entry {
         Entry::Property(property) if property.key.text == "tick" => Some(&property.value),
         _ => None,

@@ -319,7 +319,7 @@ impl Checker<'_> {
             (low, high) if self.scope.whole && low <= 0.0 && high >= 0.0 => {
                 let unit = divisor.dimension.usual_units().first().map_or(String::new(), |unit| format!(" {unit}"));
                 let inner = if low == 0.0 { "…" } else { "abs(…)" };
-                let help = format!("hold it above 0: `max({inner}, 0.1{unit})`");
+                let help = format!("keep it above 0: `max({inner}, 0.1{unit})`");
                 self.say(diagnostics::maybe_nothing(span, "this may be 0", &help))
             }
             _ => Some(()),
@@ -386,7 +386,7 @@ impl Checker<'_> {
                 }
                 if self.scope.whole && low < 0.0 {
                     let zero = if dimension == Dimension::RATIO { "0" } else { "0 * …" };
-                    let help = format!("hold it at 0: `max(…, {zero})`");
+                    let help = format!("keep it at or above 0: `max(…, {zero})`");
                     return self.say(diagnostics::maybe_nothing(arguments[0].span, "this may be below 0", &help));
                 }
             }

@@ -75,7 +75,7 @@ impl<'a> Params<'a> {
     }
 
     /// These parameters and those that define them, each once.
-    pub fn hung_on(&self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> Vec<ParamId> {
+    pub fn behind(&self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> Vec<ParamId> {
         let mut open: Vec<ParamId> = mentioned.iter().rev().map(|(id, _)| *id).collect();
         let (mut found, mut seen) = (Vec::new(), BTreeSet::new());
         while let Some(id) = open.pop() {

@@ -136,17 +136,17 @@ pub(super) fn value(
                 diagnostics.push(diagnostics::pointed(span, written));
                 return None;
             }
-            if number.fract() != 0.0 || number.abs() > 9e15 {
+            if number.fract() != 0.0 {
                 diagnostics.push(diagnostics::not_whole(span, number));
                 return None;
             }
-            let number = number as i64;
-            if number < *min || number > *max {
+            let whole = number as i64;
+            if number.abs() > 9e15 || whole < *min || whole > *max {
                 let bounds = if *max == i64::MAX { format!("{min} or more") } else { format!("{min} to {max}") };
-                diagnostics.push(diagnostics::out_of_range(span, number.to_string(), bounds));
+                diagnostics.push(diagnostics::out_of_range(span, short(number), bounds));
                 return None;
             }
-            Some(Value::Integer(number))
+            Some(Value::Integer(whole))
         }
         (Type::Boolean, ExpressionKind::Name(word)) if word == "true" || word == "false" => {
             Some(Value::Boolean(word == "true"))

@@ -67,4 +67,4 @@ pub use recorded::{RecordedRollout, RecordedUpdate, update_on_recorded};
 pub use schedule::Schedule;
 pub use shaping::shaping;
 pub use train_error::{Quantity, TrainError};
-pub use trainer::{Experience, Trainer};
+pub use trainer::{Experience, Trainer, first_networks};

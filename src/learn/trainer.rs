@@ -60,13 +60,7 @@ impl Trainer {
     /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero, or when its first networks are for other dimensions.
     pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
         let (obs_dim, action_dim) = dimensions(envs, config);
-        let drawn = || {
-            let stream = &mut seed.child("init").stream();
-            let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
-            *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
-            policy
-        };
-        let policy = config.initial.as_deref().cloned().unwrap_or_else(drawn);
+        let policy = first_networks(obs_dim, action_dim, config, seed);
         assert!(
             (policy.obs_dim(), policy.action_dim()) == (obs_dim, action_dim),
             "the first networks fit the environments"
@@ -202,6 +196,17 @@ impl<'a> Experience<'a> {
         };
         Ok(trainer.learning_curve.push_mut(log))
     }
+}
+
+/// The networks with which a training begins: the given ones, or drawn ones. `obs_dim` counts the numbers of all stacked states.
+pub fn first_networks(obs_dim: usize, action_dim: usize, config: &PpoConfig, seed: &Seed) -> ActorCritic {
+    let drawn = || {
+        let stream = &mut seed.child("init").stream();
+        let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
+        *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
+        policy
+    };
+    config.initial.as_deref().cloned().unwrap_or_else(drawn)
 }
 
 /// Returns the sizes of the networks' inputs and outputs: the components of stacked observations and of actions.

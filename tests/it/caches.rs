@@ -63,10 +63,10 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
 
     // Each folder has its own campaigns.
     let status = |arguments: &[&str]| falsify(&[&["status"], arguments].concat(), here);
-    assert!(said(&status(&["one", "--cache", "cache"])).contains("shared: finished"));
-    let without = status(&["one"]);
+    assert!(said(&status(&["--out", "one", "--cache", "cache"])).contains("shared: finished"));
+    let without = status(&["--out", "one"]);
     assert!(without.status.code() == Some(2) && error(&without).contains("--cache"), "{without:?}");
-    assert_eq!(status(&["three", "--cache", "cache"]).status.code(), Some(2));
+    assert_eq!(status(&["--out", "three", "--cache", "cache"]).status.code(), Some(2));
     let list = said(&falsify(&["run", "--list", "shared.scn", "--out", "three", "--cache", "cache"], here));
     assert!(list.contains("0 of 6 tasks to run, 6 to reuse"), "{list}");
 
@@ -75,7 +75,7 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     run(here, &other);
     assert_eq!(tasks(&here.join("cache")), 12);
     let prune = |more: &[&str]| {
-        let output = falsify(&[&["status", "two", "--cache", "cache", "--prune"], more].concat(), here);
+        let output = falsify(&[&["status", "--out", "two", "--cache", "cache", "--prune"], more].concat(), here);
         assert!(output.status.success(), "{output:?}");
         said(&output)
     };
@@ -103,13 +103,13 @@ fn a_cache_may_be_the_cells_of_another_folder_and_is_left_whole() {
     let output = run(here, &["--out", "new", "--cache", "old/.falsify"]);
     assert!(error(&output).contains("6 of 6 tasks were there already"), "{}", error(&output));
     run(here, &["--out", "new", "--cache", "old/.falsify", "--seed", "2", "--replace"]);
-    let pruned = said(&falsify(&["status", "new", "--cache", "old/.falsify", "--prune"], here));
+    let pruned = said(&falsify(&["status", "--out", "new", "--cache", "old/.falsify", "--prune"], here));
     assert!(pruned.contains("removed 0 tasks"), "{pruned}");
     run(here, &["--out", "old", "--seed", "3", "--replace"]);
     // A cache that is the reports' own folder of tasks holds the same tasks under any spelling of its path.
     let named = run(here, &["--out", "old", "--seed", "3", "--cache", "new/../old/.falsify"]);
     assert!(error(&named).contains("6 of 6 tasks were there already"), "{}", error(&named));
-    let pruned = said(&falsify(&["status", "old", "--prune"], here));
+    let pruned = said(&falsify(&["status", "--out", "old", "--prune"], here));
     assert!(pruned.contains("removed 6 tasks") && pruned.contains("campaign shared of `"), "{pruned}");
     assert_eq!(tasks(&here.join("old/.falsify")), 12);
 }
@@ -157,7 +157,7 @@ fn a_folder_that_is_no_cache_is_refused_and_left_as_it_is() {
     }
     assert_eq!(names(&here.join("thesis")), ["chapter.tex", "lock"]);
     assert_eq!(std::fs::read_to_string(here.join("thesis/lock")).unwrap(), "mine");
-    let nowhere = falsify(&["status", "out", "--stored", "--cache", "nowhere"], here);
+    let nowhere = falsify(&["status", "--out", "out", "--stored", "--cache", "nowhere"], here);
     assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("does not exist"), "{nowhere:?}");
     // A folder whose creation as a cache was interrupted is accepted.
     std::fs::create_dir_all(here.join("begun/tasks")).unwrap();

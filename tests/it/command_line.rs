@@ -284,7 +284,7 @@ fn a_matrix_makes_a_report_of_every_combination() {
 }
 
 #[test]
-fn a_sample_of_beginnings_tells_what_each_constraint_rejects() {
+fn a_sample_of_starts_tells_what_each_constraint_rejects() {
     let folder = tempfile::tempdir().unwrap();
     let text = campaign().replace(
         "campaign tiny",

@@ -65,7 +65,7 @@ fn drive(policy: &str, x: f64, walker: Pose, walking: f64, seconds: f64) -> Driv
 }
 
 #[test]
-fn they_stop_for_somebody_who_stands_in_the_lane() {
+fn they_stop_for_a_person_who_stands_in_the_lane() {
     let standing = Pose::new(60.0, -1.75, 1.57);
     assert!(drive("blind", 20.0, standing, 0.0, 15.0).contact.is_some());
     for policy in GUARDED {
@@ -80,7 +80,7 @@ fn they_stop_for_somebody_who_stands_in_the_lane() {
 }
 
 #[test]
-fn they_brake_for_somebody_who_crosses() {
+fn they_brake_for_a_person_who_crosses() {
     // From the near pavement at 1.4 m/s, into the middle of the car if the car keeps going.
     let (walker, start) = (Pose::new(60.0, -6.0, std::f64::consts::FRAC_PI_2), 60.0 - 7.5 * 4.25 / 1.4);
     assert!(drive("blind", start, walker, 1.4, 8.0).contact.is_some());
@@ -91,7 +91,7 @@ fn they_brake_for_somebody_who_crosses() {
 }
 
 #[test]
-fn they_drive_past_somebody_on_the_far_pavement() {
+fn they_drive_past_a_person_on_the_far_pavement() {
     for policy in GUARDED {
         let alone = drive(policy, 20.0, Pose::new(1000.0, 1000.0, 0.0), 0.0, 60.0);
         let passing = drive(policy, 20.0, Pose::new(50.0, 5.3, 0.0), 0.0, 60.0);
@@ -103,7 +103,7 @@ fn they_drive_past_somebody_on_the_far_pavement() {
 
 /// The oracle never hits a pedestrian while it moves, whatever the pedestrian does: it stops in time.
 #[test]
-fn nobody_gets_hit_by_the_oracle_while_it_moves() {
+fn the_oracle_hits_no_person_while_it_moves() {
     let scenario = scenario("oracle");
     let mut env = world::env::PedestrianEnv::new(scenario, Seed::root(2));
     let (mut hits, mut moving) = (0, 0);

@@ -96,7 +96,7 @@ fn it_keeps_its_lane_through_every_bend_and_stays_below_its_speed() {
 }
 
 #[test]
-fn it_stops_for_somebody_who_stands_in_its_corridor_and_passes_one_beside_it() {
+fn it_stops_for_a_person_who_stands_in_its_corridor_and_passes_one_beside_it() {
     for scenario in scenarios() {
         let mut blocked = world(&scenario, 0, Vector::new(25.0, 0.3));
         let mut last = DrivingMode::Cruise;

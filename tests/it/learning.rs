@@ -7,7 +7,7 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, ControllerKind, compile};
 use world::env::Outcome;
-use world::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, evaluate, train};
+use world::falsifier::{ActionMode, Random, TrainedWalker, TrainingRun, WalkPolicy, evaluate, first_networks, train};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -18,7 +18,7 @@ training half = ppo(steps: 30_000)
 campaign learning {
   vehicle: plain_car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: half
   train { towns: [harbour] policies: [idm] rewards: [r1] runs: 1 }
-  evaluate { towns: [harbour] policies: [idm] pedestrians: [trained] }
+  evaluate { towns: [harbour] policies: [idm] pedestrians: [trained, untrained] }
 }
 "#;
 
@@ -41,4 +41,14 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, obs_dim, ActionMode::Deterministic));
     let random = rate(&mut Random::default());
     assert!(learnt > 120 && random < 40, "{learnt} and {random} of 200");
+    let first = plan.campaigns[0].evaluations[1].first.as_deref().unwrap();
+    let networks = first_networks(&evaluation.scenario.cast, &first.config, &Seed::root(3));
+    let begun = TrainingRun::begin(&training.scenarios(), 1, &training.config, &Seed::root(3)).unwrap();
+    assert_eq!(
+        networks,
+        begun.finish().actor_critic,
+        "the untrained network is the one with which the training begins"
+    );
+    let untrained = rate(&mut TrainedWalker::new(networks, obs_dim, ActionMode::Deterministic));
+    assert!(untrained < 60, "{untrained} of 200");
 }

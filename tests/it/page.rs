@@ -79,8 +79,8 @@ fn a_matrix_has_an_overview_that_leads_to_its_reports() {
     assert!(said.trim_end().ends_with("overview.html"), "{said}");
     let html = std::fs::read_to_string(out.path().join("overview.html")).unwrap();
     closed(&html, out.path());
-    assert_eq!(html.matches("/report.html\"").count(), 6, "a row for each driver of each report");
-    assert!(html.contains("Highest rates over share"), "the numeric parameter has curves");
+    assert_eq!(html.matches("/report.html\"").count(), 12, "in two tables a row for each driver of each report");
+    assert!(html.contains("Rates over share"), "the numeric parameter has curves");
     let table = std::fs::read_to_string(out.path().join("overview.csv")).unwrap();
     let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     assert_eq!(head.last(), Some(&"share"), "{head:?}");

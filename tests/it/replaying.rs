@@ -17,7 +17,7 @@ falsifier home = homing()
 campaign again {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
   train { towns: [harbour] policies: [near] rewards: [r1] runs: 1 }
-  evaluate { towns: [harbour] policies: [near, behavior] pedestrians: [trained, sampled, intercept] episodes: 6 }
+  evaluate { towns: [harbour] policies: [near, behavior] pedestrians: [trained, stochastic, untrained, intercept] episodes: 6 }
   search { towns: [harbour] policies: [near] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
 }
 "#;
@@ -56,7 +56,7 @@ fn a_report_can_be_replayed_drawn_and_verified() {
 
     let all =
         rows(&report, "episodes", &["run_id", "episode", "outcome", "digest", "state_hashes", "ticks", "controller"]);
-    assert_eq!(all.len(), 36);
+    assert_eq!(all.len(), 48);
     let hit = all.iter().find(|row| row[2] == "collision" && row[6] == "intercept").expect("it hits somebody");
     let name = format!("{}:{}", hit[0], hit[1]);
     assert!(!hit[4].is_empty() && all.iter().all(|row| row[4].is_empty() != (row[2] == "collision")));
@@ -93,7 +93,7 @@ fn a_report_can_be_replayed_drawn_and_verified() {
 
     let verify = falsify(&["verify", "--all", "--trainings", "reports/again"], here);
     assert_eq!(verify.status.code(), Some(0), "{verify:?}");
-    let count = 36 + found.len();
+    let count = 48 + found.len();
     assert!(said(&verify).contains(&format!("{count} repeated, {count} equal")), "{}", said(&verify));
     assert!(said(&verify).contains("trainings: 1 repeated, 1 equal"), "{}", said(&verify));
 

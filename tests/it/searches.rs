@@ -123,7 +123,7 @@ fn searches_are_the_same_on_any_number_of_threads_and_differ_between_runs() {
 }
 
 #[test]
-fn beginnings_are_shared_and_a_second_falsifier_changes_nothing_for_the_first() {
+fn starts_are_shared_and_a_second_falsifier_changes_nothing_for_the_first() {
     let (alone, both) = (run(&obvious("cross", 3_000, 1)), run(&obvious("home, cross", 3_000, 1)));
     assert_eq!(alone[0].spent, both[1].spent);
     let (home, cross) = (&both[0].spent.failures, &both[1].spent.failures);

@@ -48,7 +48,7 @@ fn trainings() -> Vec<Training> {
 }
 
 #[test]
-fn whatever_the_pedestrian_does_a_terminated_episode_earns_the_potential_of_its_beginning() {
+fn whatever_the_pedestrian_does_a_terminated_episode_earns_the_potential_of_its_start() {
     let all = trainings();
     let (plain, shaped) = (&all[0].scenario, &all[2].scenario);
     let seed = Seed::root(5);
@@ -109,7 +109,7 @@ fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
 }
 
 #[test]
-fn beginnings_widen_from_near_to_all() {
+fn starts_widen_from_near_to_all() {
     let training = &trainings()[0];
     let begin = |width: Option<f64>| -> Vec<_> {
         let mut env = PedestrianEnv::new(training.scenario.clone(), Seed::root(8));
@@ -133,7 +133,7 @@ fn beginnings_widen_from_near_to_all() {
 }
 
 #[test]
-fn where_nobody_can_stand_near_they_begin_anywhere() {
+fn where_no_pedestrian_can_stand_near_they_begin_anywhere() {
     let training = &trainings()[3];
     let rule: SpawnRule = training.scenario.spawn.nearest(0.0).unwrap();
     assert!(rule.distance.support().1 < 12.0, "none of them is 12 m aside");

@@ -113,7 +113,7 @@ fn a_shard_that_there_is_none_of_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         assert!(error(&output).contains(why), "{}", error(&output));
     }
-    let nowhere = falsify(&["status", "nowhere"], folder.path());
+    let nowhere = falsify(&["status", "--out", "nowhere"], folder.path());
     assert_eq!(nowhere.status.code(), Some(2));
 }
 

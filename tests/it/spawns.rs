@@ -139,7 +139,7 @@ fn a_piece_of_a_lane_is_used_evenly_and_a_distribution_is_followed() {
 }
 
 #[test]
-fn rejected_constraints_hold_in_every_beginning() {
+fn rejected_constraints_are_true_of_every_start() {
     let scenario = scenario(
         "ground: [sidewalk]  sight: visible  ego_road: straight  require: [aside > 0 m or distance < 10 m, facing < 90 deg]",
     );
@@ -157,7 +157,7 @@ fn rejected_constraints_hold_in_every_beginning() {
 
 /// Stretches of road that are half a percent of a town's lanes, and ground that is near few poses of the ego.
 #[test]
-fn no_beginning_fails_where_few_poses_of_the_ego_will_do() {
+fn no_start_fails_where_few_poses_of_the_ego_will_do() {
     let long = "town long { street { through: [(-1200 m, 0 m), (1200 m, 0 m), (1200 m, 200 m)] } }";
     let bends = scenario_in("long", long, "ego_road: bend");
     let drawn = draw(&bends, 2000);

@@ -170,7 +170,7 @@ campaign c {
 ";
 
 #[test]
-fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
+fn starts_are_sampled_for_programs_too_and_where_no_pedestrian_can_be_placed() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.scn"), CROWDED).unwrap();
     let wide = ["--set", "least=-100 deg", "--sample", "50", "a.scn"];
@@ -204,7 +204,7 @@ fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
 }
 
 #[test]
-fn towns_are_shown_where_nobody_can_be_placed_and_what_is_given_outside_is_looked_at() {
+fn towns_are_shown_where_no_pedestrian_can_be_placed_and_what_is_given_outside_is_looked_at() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.scn"), CROWDED).unwrap();
     let output = falsify(&["preview", "a.scn", "--once"], folder.path());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::axis::{Axis, Usual};
 use super::ground::note_towns;
 use crate::RunId;
-use crate::campaign::{EvaluateKeys, SAMPLED, TRAINED};
+use crate::campaign::{EvaluateKeys, STOCHASTIC, TRAINED, UNTRAINED};
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, ControllerKind, Evaluation, NO_REWARD, Training, TrainingKey};
 use crate::walker::WalkerKind;
@@ -45,7 +45,7 @@ impl Lowering<'_> {
             return self.said.push(diagnostics::contradiction(block.place("pedestrians"), message).help(help));
         }
         let untrained = campaign_block.nested("train").next().is_none();
-        if untrained && pedestrians.iter().any(|word| matches!(word, Value::Choice(TRAINED | SAMPLED))) {
+        if untrained && pedestrians.iter().any(|word| matches!(word, Value::Choice(TRAINED | STOCHASTIC | UNTRAINED))) {
             return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
         }
         let Some(chosen) = self.chosen(&pedestrians) else { return };
@@ -84,6 +84,7 @@ impl Lowering<'_> {
                     id: RunId::default(),
                     controller: controller.clone(),
                     trained: trained.clone(),
+                    first: (*controller == ControllerKind::First).then(|| first_of(&campaign.trainings, trained)),
                     town: place.town.name.clone(),
                     policy: place.policy.name.clone(),
                     vehicle: car.name.clone(),
@@ -103,7 +104,8 @@ impl Lowering<'_> {
 /// A member of the list of pedestrians.
 enum Chosen {
     Trained,
-    Sampled,
+    Stochastic,
+    First,
     Untrained {
         controller: Controller,
         /// Whether it draws, so that every run is another.
@@ -129,7 +131,8 @@ impl Lowering<'_> {
     fn chosen(&mut self, words: &[Value]) -> Option<Vec<Chosen>> {
         let each = |word: &Value| match word {
             Value::Choice(TRAINED) => Some(Chosen::Trained),
-            Value::Choice(SAMPLED) => Some(Chosen::Sampled),
+            Value::Choice(STOCHASTIC) => Some(Chosen::Stochastic),
+            Value::Choice(UNTRAINED) => Some(Chosen::First),
             Value::Reference(id) => {
                 let controller = self.controller(*id)?;
                 Some(Chosen::Untrained { controller, draws: false, declared: Some(*id) })
@@ -150,13 +153,24 @@ fn untrained_controllers(chosen: &[Chosen]) -> Vec<(ControllerKind, Arc<Training
     let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
     let untrained = chosen.iter().filter_map(|each| match each {
         Chosen::Untrained { controller, .. } => Some(ControllerKind::Untrained(controller.clone())),
-        Chosen::Trained | Chosen::Sampled => None,
+        Chosen::Trained | Chosen::Stochastic | Chosen::First => None,
     });
     untrained.map(|controller| (controller, key.clone())).collect()
 }
 
-/// The controllers of a campaign with trainings: every trained one, and for every run of a reward one that draws, with draws of its own.
-/// One that draws nothing is evaluated once for each reward; so is a declared one.
+/// The key of a controller without training, whose rows are compared with those of a reward.
+fn without_place(key: &TrainingKey, run: u32) -> TrainingKey {
+    TrainingKey { town: String::new(), policy: String::new(), reward: key.reward.clone(), run }
+}
+
+/// The first training for the reward of a key with its run: its first networks stand for those of all such trainings.
+fn first_of(trainings: &[Training], key: &TrainingKey) -> Arc<Training> {
+    let found = trainings.iter().find(|each| (&each.key.reward, each.key.run) == (&key.reward, key.run));
+    Arc::new(found.expect("the key is made of a training").clone())
+}
+
+/// The controllers of a campaign with trainings: every trained one, and for every run of a reward one that draws, with draws of its own, and
+/// the networks with which a training begins. One that draws nothing is evaluated once for each reward; so is a declared one.
 fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let mut all = Vec::new();
     for each in chosen {
@@ -164,10 +178,10 @@ fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind
         for (index, Training { key, .. }) in trainings.iter().enumerate() {
             let (controller, key) = match each {
                 Chosen::Trained => (ControllerKind::Trained(index), key.clone()),
-                Chosen::Sampled => (ControllerKind::Sampled(index), key.clone()),
+                Chosen::Stochastic => (ControllerKind::Stochastic(index), key.clone()),
+                Chosen::First => (ControllerKind::First, without_place(key, key.run)),
                 Chosen::Untrained { controller, draws, .. } => {
-                    let (reward, run) = (key.reward.clone(), if *draws { key.run } else { 0 });
-                    let key = TrainingKey { town: String::new(), policy: String::new(), reward, run };
+                    let key = without_place(key, if *draws { key.run } else { 0 });
                     (ControllerKind::Untrained(controller.clone()), key)
                 }
             };

@@ -96,6 +96,8 @@ impl Lowering<'_> {
         self.compare_ticks(episode, block, &places.policies);
         let place = if start.spawn.is_some() { block.place("spawn") } else { campaign.place("spawn") };
         self.probe(place, &ground.towns, &ground.spawn.value, bodies);
+        let EpisodeKeys { tick, ticks, .. } = self.program.get(episode).block.keys();
+        self.warn_of_far_starts(place, &ground, bodies, f64::from(ticks) * tick);
         Some(ground)
     }
 
@@ -153,6 +155,32 @@ impl Lowering<'_> {
                         break;
                     }
                 }
+            }
+        }
+    }
+}
+
+impl Lowering<'_> {
+    /// Warns of towns in which no pedestrian can meet the car within an episode of this length (s).
+    fn warn_of_far_starts(
+        &mut self,
+        place: Span,
+        ground: &Ground,
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
+        time: f64,
+    ) {
+        let Some((_, fastest)) =
+            bodies.iter().max_by(|(_, a), (_, b)| a.value.action.speed.1.total_cmp(&b.value.action.speed.1))
+        else {
+            return;
+        };
+        let walker = &fastest.value;
+        for town in &ground.towns {
+            let mut stream = Seed::root(0).child("reach").stream();
+            let (streets, obstacles) = (&town.value.town, &town.value.obstacles);
+            let (walking, first) = (walker.action.speed.1, walker.first_heading);
+            if ground.spawn.value.is_out_of_reach(streets, obstacles, first, (walking, time), &mut stream) {
+                self.said.push(diagnostics::unreachable(place, &town.name, walking, time));
             }
         }
     }

@@ -10,7 +10,7 @@ pub use text::*;
 pub use values::*;
 pub use worlds::*;
 
-use super::foreign_names::own_word;
+use super::foreign_names::own_words;
 use super::suggest::nearest;
 use base::diagnostic::{Diagnostic, Span};
 
@@ -57,8 +57,8 @@ fn unknown<'a>(
     const MOST: usize = 200;
     let diagnostic = Diagnostic::error(code, span, message);
     let known: Vec<&str> = known.into_iter().take(MOST).collect();
-    if let Some(own) = own_word(word).filter(|own| known.contains(own)) {
-        return diagnostic.here(format!("here it is called `{own}`")).fix(own);
+    if let Some(own) = own_words(word).iter().find(|own| known.contains(own)) {
+        return diagnostic.here(format!("here it is called `{own}`")).fix(*own);
     }
     match nearest(word, known.iter().copied()) {
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),

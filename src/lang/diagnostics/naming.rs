@@ -1,6 +1,6 @@
 //! Wrong names: forms, kinds, keys, declarations, parameters, settings.
 
-use super::super::foreign_names::own_word;
+use super::super::foreign_names::{counts_pedestrians, own_words};
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
 use crate::ast::Name;
@@ -32,7 +32,7 @@ pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
 
 /// The type of a parameter is not known; its value may suggest another one.
 pub fn unknown_type(span: Span, word: &str, of_value: Option<&str>, known: &[&str]) -> Diagnostic {
-    if let Some(own) = of_value.filter(|own| *own != "number" && own_word(word) == Some("number")) {
+    if let Some(own) = of_value.filter(|own| *own != "number" && own_words(word) == ["number"]) {
         return Diagnostic::error("unknown-type", span, format!("unknown type `{}`", cut(word)))
             .here(format!("its value is {}", one(own)))
             .fix(own);
@@ -67,7 +67,11 @@ pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
 
 /// A setting names nothing.
 pub fn unknown_setting<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known)
+    let mut known = known.into_iter().peekable();
+    let none = known.peek().is_none();
+    let said =
+        unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known);
+    if none { said.help(format!("declare it, as in `param {}: length = 20 m`", cut(word))) } else { said }
 }
 
 /// A setting names several things.
@@ -130,18 +134,36 @@ pub enum KeyOf<'a> {
     Form(&'a str),
 }
 
-/// A key is not in the signature; the given keys are those of the signature without a value.
-pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str], elsewhere: Option<KeyOf>) -> Diagnostic {
+/// A key is not in the signature; the given keys are those of the signature without a value, the blocks those that it may hold.
+pub fn unknown_key(
+    span: Span,
+    owner: &str,
+    word: &str,
+    keys: &[&str],
+    blocks: &[&str],
+    elsewhere: Option<KeyOf>,
+) -> Diagnostic {
     let message = format!("`{owner}` has no key `{}`", cut(word));
+    let error = || Diagnostic::error("unknown-key", span, message.clone());
     let is_key = |of: &str| format!("`{word}` is a key of `{of}`");
     if let Some(KeyOf::Block(block)) = elsewhere {
-        let diagnostic = Diagnostic::error("unknown-key", span, message).help(is_key(block));
-        let near = nearest(word, keys.iter().copied());
-        return near.into_iter().fold(diagnostic, Diagnostic::fix);
+        return nearest(word, keys.iter().copied()).into_iter().fold(error().help(is_key(block)), Diagnostic::fix);
     }
-    let diagnostic = unknown("unknown-key", span, message, word, keys.iter().copied());
+    let block = own_words(word).iter().copied().find(|own| blocks.contains(own));
+    if let Some(block) = block.or_else(|| nearest(word, blocks.iter().copied())) {
+        return error()
+            .here(format!("did you mean the block `{block}`?"))
+            .help(format!("write `{block} name {{ … }}`"));
+    }
+    if owner == "town" && own_words(word).contains(&"file") {
+        return error().here("a map has a kind of its own").help("write `town name = opendrive(file: \"my.xodr\")`");
+    }
+    let diagnostic = unknown("unknown-key", span, message.clone(), word, keys.iter().copied());
     match elsewhere {
         _ if !diagnostic.fixes.is_empty() => diagnostic,
+        _ if counts_pedestrians(word) => error().here("an episode has one pedestrian").help(
+            "its body is the `adversary` of the campaign, and the `falsifiers` of `search` or the `pedestrians` of `evaluate` move it",
+        ),
         Some(KeyOf::Form(form)) => diagnostic.help(is_key(form)),
         _ if word == "seed" => diagnostic.help("the seed is given when it is run: `falsify run --seed 7 …`"),
         _ => diagnostic,
@@ -160,21 +182,20 @@ pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
     Diagnostic::error("duplicate-key", span, format!("`{word}` is given twice")).label(first, "first given here")
 }
 
-/// A key without default is not given.
-pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
-    Diagnostic::error("missing-key", span, format!("`{owner}` needs the key `{}`", param.name)).help(format!(
-        "`{}` is {}: {}",
-        param.name,
-        one(param.ty.describe()),
-        param.doc
-    ))
+/// Keys without default are not given; there is at least one.
+pub fn missing_keys(span: Span, owner: &str, params: &[&Param]) -> Diagnostic {
+    let of = |param: &Param| format!("`{}`: {} It is {}.", param.name, param.doc, one(param.ty.describe()));
+    let several = if params.len() == 1 { "key" } else { "keys" };
+    let names = quoted(params.iter().map(|param| param.name));
+    let missing = Diagnostic::error("missing-key", span, format!("`{owner}` needs the {several} {names}"));
+    params.iter().fold(missing, |missing, param| missing.help(of(param)))
 }
 
 /// A campaign has no settings for the pedestrians that it, or a falsifier of it, trains.
 pub fn no_training(campaign: Span, trains: Span) -> Diagnostic {
     Diagnostic::error("missing-key", campaign, "`campaign` needs the key `training`")
         .label(trains, "pedestrians are trained here")
-        .help("`training` is the name of a training: How pedestrians are trained.")
+        .help("`training` is the name of a training, and says how they are trained")
 }
 
 /// A value in parentheses has no key; these keys may be meant.

@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 
+use super::super::foreign_names::kind_of_file;
 use super::super::suggest::nearest;
 use super::super::{library, reason};
 use base::diagnostic::{Diagnostic, Span};
@@ -73,6 +74,16 @@ pub fn unbracketed_pair(span: Span, (low, high): (&str, &str)) -> Diagnostic {
         .here("this is neither a range nor a list")
         .fix(format!("{low} .. {high}"))
         .fix(format!("[{low}, {high}]"))
+}
+
+/// A value follows the `=` of a declaration, where a kind is expected.
+pub fn value_for_kind(span: Span, (form, name): (&str, &str), value: &str) -> Diagnostic {
+    let said = Diagnostic::error("syntax", span, "this statement cannot be read");
+    if let Some(kind) = kind_of_file(value) {
+        return said.here("a kind follows `=`").fix(format!("{form} {name} = {kind}"));
+    }
+    said.here(format!("write `{form} {name} = kind(key: value)`, or `{form} {name} {{ … }}`"))
+        .help("for a value with a name, write `param name: type = value`")
 }
 
 /// A parameter has no type.

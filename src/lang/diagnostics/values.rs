@@ -91,6 +91,13 @@ pub fn time_for_ticks(span: Span, key: &str, time: f64, tick: f64) -> Diagnostic
         .fix(count.to_string())
 }
 
+/// A time stands for a number of ticks whose length another declaration gives.
+pub fn time_for_budget(span: Span, key: &str) -> Diagnostic {
+    Diagnostic::error("wrong-unit", span, format!("`{key}` is a number of simulator ticks, not a time"))
+        .here("write a plain number, such as `200_000`")
+        .help("a tick is 0.05 s of simulated time unless `tick` of the `episode` is another")
+}
+
 /// A quantity is counted in units of something else.
 pub fn wrong_count(unit: Span, measured: Dimension, quantity: Span, found: Dimension) -> Diagnostic {
     let diagnostic =
@@ -119,7 +126,10 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
     };
     let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is not a unit"));
     if written == "m/h" {
-        return diagnostic.here("metres per hour are hardly meant").fix("mph").fix("km/h");
+        return diagnostic.here("a car is faster than some metres per hour").fix("mph").fix("km/h");
+    }
+    if ["ft", "feet", "foot", "yd", "inch"].contains(&part) {
+        return diagnostic.help("lengths are metric: 1 ft is 0.3048 m");
     }
     // A thousandth is another unit, not a typo.
     if ["us", "ns", "um", "nm"].contains(&part) {
@@ -305,7 +315,16 @@ pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
 pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
     if matches!(word, "return" | "if" | "else" | "then") {
         return Diagnostic::error("unknown-variable", span, format!("there is no `{word}` in formulas"))
-            .help("write a condition with `and`, `or`, `not`, or weigh with `min` and `max`");
+            .help("weigh with `min` and `max`: `max(0, v_c in m/s - 3)` pays from 3 m/s on");
+    }
+    let special = match word {
+        "visible" | "hidden" => "write `sight: visible` or `sight: hidden` in the `spawn`",
+        "collision" | "hit" => "an episode ends at a collision without a condition",
+        _ => "",
+    };
+    if !special.is_empty() {
+        return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{word}`"))
+            .help(special);
     }
     if parse_unit(word).is_ok() {
         return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)))
@@ -331,7 +350,9 @@ pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str])
 
 /// A formula calls an unknown function.
 pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-function", span, format!("unknown function `{}`", cut(word)), word, known.iter().copied())
+    let said =
+        unknown("unknown-function", span, format!("unknown function `{}`", cut(word)), word, known.iter().copied());
+    if matches!(word, "clip" | "clamp") { said.help("write `max(low, min(x, high))`") } else { said }
 }
 
 /// A function has the wrong number of arguments.
@@ -364,8 +385,13 @@ pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
     Diagnostic::error("wrong-type", span, format!("expected {}, found {}", one(wanted), one(found)))
 }
 
-/// A clause names an unknown event.
-pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+/// A clause names an unknown event; `of` is the event of which it is a word.
+pub fn unknown_event(span: Span, word: &str, known: &[&str], of: Option<&str>) -> Diagnostic {
+    if let Some(event) = of {
+        return Diagnostic::error("unknown-event", span, format!("unknown event `{}`", cut(word)))
+            .here(format!("this is a word of the event `{event}`"))
+            .fix(format!("{event}({word})"));
+    }
     unknown("unknown-event", span, format!("unknown event `{}`", cut(word)), word, known.iter().copied())
 }
 

@@ -1,6 +1,7 @@
 //! Errors of the described world: maps, towns, starts, external drivers, values that contradict each other.
 
 use base::diagnostic::{Diagnostic, Span};
+use base::signature::short;
 
 /// A map file cannot be used.
 pub fn unusable_map(span: Span, path: &str, reason: &str) -> Diagnostic {
@@ -54,9 +55,9 @@ pub fn other_tick(span: Span, policy: &str, made_for: f64, tick: f64, episode: S
 
 /// Parts of a map were skipped or guessed.
 pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
-    let parts = if warnings.len() == 1 { "one part".to_string() } else { format!("{} parts", warnings.len()) };
+    let parts = if warnings.len() == 1 { "one part was".to_string() } else { format!("{} parts were", warnings.len()) };
     let mut diagnostic =
-        Diagnostic::warning("map-warning", span, format!("{parts} of the map `{path}` were skipped or guessed"));
+        Diagnostic::warning("map-warning", span, format!("{parts} skipped or guessed in the map `{path}`"));
     for warning in warnings.iter().take(3) {
         diagnostic = diagnostic.help(warning.clone());
     }
@@ -74,6 +75,17 @@ pub fn rare_starts(span: Span, town: &str, found: &str) -> Diagnostic {
     Diagnostic::warning("rare-starts", span, format!("few starts in `{town}` satisfy all constraints: {found}"))
         .help("a condition that bounds `bearing`, `distance` or `ego_speed` alone, such as `distance > 10 m`, costs nothing")
         .help("drawing a start takes long; `falsify check --sample 1000` shows what each constraint leaves")
+}
+
+/// No pedestrian can meet the car within an episode: its greatest speed (m/s), and the time of the episode (s).
+pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic {
+    Diagnostic::warning(
+        "unreachable",
+        span,
+        format!("no pedestrian can meet the car in `{town}` before the episode ends"),
+    )
+    .here(format!("the episode lasts {} s, and the pedestrian walks at most {speed:.1} m/s", short(time)))
+    .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `adversary`")
 }
 
 /// Something is farther (m) from every street than any actor.

@@ -11,12 +11,13 @@ use base::diagnostic::Span;
 
 const COLON: &str = "a key is followed by `:`";
 const ARROW: &str = "an event is followed by `=>`";
-const RANGE: &str = "a range is written `low .. high`";
+pub(super) const RANGE: &str = "a range is written `low .. high`";
 const CLAUSE: &str = "a clause starts with `on`";
 const EVENT_WORD: &str = "the word of an event needs parentheses";
 const NAME: &str = "the name follows the form directly";
 /// The message for a conditional, once per value.
-const NO_IF: &str = "there is no `if`: write a condition with `and`, `or`, `not`, or weigh with `min` and `max`";
+pub(super) const NO_IF: &str =
+    "there is no `if`: use `min` and `max` in a formula, and `and`, `or`, `not` in a condition";
 
 /// The message, and the text to write instead if one meaning is likely.
 type Words = (&'static str, Option<String>);
@@ -43,6 +44,7 @@ fn words(rule: Rule, text: &str) -> Words {
         (Rule::wrong_prefix, _) => ("write both ends: `-60 deg .. 60 deg`", None),
         (Rule::odd_power, _) => ("powers of units are written `^2`", Some(text.replace("**", "^"))),
         (Rule::hash, _) => instead("a comment starts with `//`", "//"),
+        (Rule::split_key, _) if text.starts_with("matrix ") => ("write `matrix { name: [value, …] }`", None),
         (Rule::split_key, _) => {
             let parts: Vec<&str> = text.split([' ', '-']).filter(|part| !part.is_empty()).collect();
             ("a key is one word", Some(parts.join("_")))

@@ -7,6 +7,7 @@ use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 use pest::iterators::Pair;
 
+use super::mistakes::{NO_IF, RANGE};
 use super::rules::{Rule, ScenarioParser};
 use super::{Reader, names_of, unread_arguments};
 use crate::ast::{Expression, ExpressionKind, File, Known};
@@ -68,12 +69,42 @@ impl Reader {
         }
         let before = source[line..start].trim();
         let whole = self.place(start, start + text.len());
+        // What was read as a name or a unit before it, and is a word of another language.
+        let last = before.rsplit([' ', '\t']).next().unwrap_or_default();
+        let last_at = line + source[line..start].trim_end().len() - last.len();
+        let replaced = match last {
+            "if" => Some((NO_IF, None)),
+            "to" if text.starts_with(|c: char| c.is_ascii_digit() || c == '-') => Some((RANGE, Some(".."))),
+            _ => None,
+        };
+        if let Some((said, instead)) = replaced {
+            return self.report(self.place(last_at, last_at + last.len()), said, instead);
+        }
         let is_word = text.chars().all(|c| c == '_' || c.is_ascii_alphanumeric());
         let said = match rule {
             Rule::whole_item if before.starts_with("import ") && before.ends_with('"') => {
                 "an import ends with its path; names come before it: `import a, b from \"path\"`"
             }
             Rule::whole_item if before.contains('=') && key_first(text) => "the keys of a kind need parentheses",
+            Rule::whole_item if first_word(text) == "matrix" => {
+                "a `matrix { name: [value, …] }` belongs inside a `campaign`"
+            }
+            Rule::whole_item if matches!(first_word(text), "for" | "foreach" | "while") => {
+                "there are no loops: `matrix { name: [value, …] }` inside a `campaign` runs it for each value"
+            }
+            Rule::whole_item if before.is_empty() && key_first(text) => {
+                "a key belongs inside a declaration: `form name { key: value }`"
+            }
+            Rule::whole_item if imports(text) => "write `import \"path\"`, or `import a, b from \"path\"`",
+            Rule::whole_item if first_word(text) == "version" => "write `edition 1`",
+            Rule::whole_entry if text.starts_with('?') => NO_IF,
+            Rule::whole_entry if compares(text, 1) => {
+                "a condition is the value of a key, such as `require: …` or `end_when: …`"
+            }
+            Rule::whole_entry if key_first(text) && compares(text, 2) => RANGE,
+            Rule::whole_entry if text.contains("=>") && first_word(text) == "on" => {
+                "an event takes one word in parentheses, no condition: `on hit(front) => …`"
+            }
             Rule::whole_entry if is_word && !before.is_empty() => "this does not belong to the value before it",
             _ => return self.unreadable(text, start, rule),
         };
@@ -88,10 +119,7 @@ impl Reader {
             Err(error) => self.syntax_error(&error, head.len(), start),
             Ok(_) => diagnostics::syntax(self.place(start, start + text.len()), "this cannot stand here".into()),
         };
-        self.diagnostics.push(match imports(text) {
-            true => said.help("write `import \"path\"`, or `import a, b from \"path\"`"),
-            false => said,
-        });
+        self.diagnostics.push(said);
     }
 
     /// The error of pest for a text from a place of the source on, after a number of bytes that were added before it.
@@ -132,11 +160,20 @@ fn key_first(text: &str) -> bool {
     found.next().is_some_and(|token| token.kind == TokenKind::Name) && found.next().is_some_and(|t| t.text(text) == ":")
 }
 
+/// Whether the word at this place of a statement is a sign of comparison.
+fn compares(statement: &str, place: usize) -> bool {
+    words(statement).nth(place).is_some_and(|token| matches!(token.text(statement), "<" | ">" | "<=" | ">="))
+}
+
+/// The first word of a statement, or "".
+fn first_word(statement: &str) -> &str {
+    let first = words(statement).find(|token| token.kind != TokenKind::Doc);
+    first.map_or("", |token| token.text(statement))
+}
+
 /// Whether a statement was probably meant as an import.
 fn imports(statement: &str) -> bool {
-    let first = words(statement).find(|token| token.kind != TokenKind::Doc);
-    let word = first.map_or("", |token| token.text(statement)).to_lowercase();
-    ["import", "include", "from", "using"].contains(&word.as_str())
+    ["import", "include", "from", "using"].contains(&first_word(statement).to_lowercase().as_str())
 }
 
 /// The end of a declaration's head without any brace, when `after` continues with an indented line.

@@ -139,6 +139,9 @@ impl Reader {
             (false, [name], 0) if type_of_value.is_some() => {
                 diagnostics::untyped_param(place, &format!("param {name}"), type_of_value)
             }
+            (false, [form, name], 0) => {
+                diagnostics::value_for_kind(place.to(self.span(&value)), (form, name), value.as_str().trim())
+            }
             _ => diagnostics::syntax(place, "write `param name: type = value`".into()),
         };
         self.diagnostics.push(said);

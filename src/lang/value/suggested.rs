@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::Context;
 use crate::ast::{Expression, ExpressionKind, Known, Operator};
 use crate::diagnostics;
-use crate::foreign_names::own_word;
+use crate::foreign_names::own_words;
 use crate::suggest::nearest;
 use base::diagnostic::{Diagnostic, Fix, Span};
 use base::signature::{Distribution, Type, short};
@@ -200,18 +200,32 @@ pub(super) fn otherwise(expression: &Expression, ty: &Type, context: &Context) -
             }
             _ => said(None, "a range is written `low .. high`"),
         },
+        (Type::Range { dimension, min, max }, ExpressionKind::Number { value, unit: Some(unit) })
+            if *min <= 0.0
+                && *max > 0.0
+                && *value > 0.0
+                && parse_unit(&unit.text).is_ok_and(|u| u.dimension == *dimension) =>
+        {
+            said(Some(format!("0 {} .. {}", unit.text, text(expression.span))), "a range is written `low .. high`")
+        }
         (Type::Range { .. }, _) => said(None, "a range is written `low .. high`"),
         (Type::List(_), ExpressionKind::Group(members)) => match (members.first(), members.last()) {
             (Some(first), Some(last)) => said(Some(format!("[{}]", text(first.span.to(last.span)))), ""),
             _ => said(None, ""),
         },
+        (
+            Type::Quantity { .. } | Type::Distribution { .. } | Type::Integer { .. } | Type::Ticks { .. },
+            ExpressionKind::Text(written),
+        ) if written.starts_with(|first: char| first.is_ascii_digit() || first == '-') => {
+            said(Some(written.clone()), "numbers have no quotes")
+        }
         (Type::Reference(_), ExpressionKind::Text(word)) => said(Some(word.clone()), "names have no quotes"),
         (Type::Text | Type::Path, ExpressionKind::Name(word)) => said(Some(format!("\"{word}\"")), ""),
         (Type::Boolean, ExpressionKind::Number { value, unit: None }) if *value == 0.0 || *value == 1.0 => {
             said(Some((*value == 1.0).to_string()), "")
         }
         (Type::Boolean, ExpressionKind::Name(word)) => {
-            said(own_word(word).filter(|own| matches!(*own, "true" | "false")).map(str::to_string), "")
+            said(own_words(word).iter().find(|own| matches!(**own, "true" | "false")).map(|own| (*own).to_string()), "")
         }
         (_, ExpressionKind::List(members)) if members.len() == 1 && !matches!(ty, Type::List(_)) => {
             said(Some(text(members[0].span).into()), "")

@@ -68,7 +68,7 @@ fn an_empty_road_is_free_up_to_the_last_point_with_a_direction() {
 }
 
 #[test]
-fn a_person_on_a_cell_corner_is_nobody_and_one_on_a_border_is_two() {
+fn a_person_on_a_cell_corner_is_none_and_one_on_a_border_is_two() {
     let count = |right, forward| {
         let mut map = ObjectMap::default();
         map.perceive(std::iter::once(Sighting { right, forward, theta: 1.0, half: ADULT, speed: 1.4 }));
@@ -149,7 +149,7 @@ fn crossing(mode: TrackerMode, side: f64, walking: f64) -> Option<f64> {
 }
 
 #[test]
-fn whoever_comes_from_the_left_is_hit_because_of_the_tracker() {
+fn a_person_from_the_left_is_hit_because_of_the_tracker() {
     for walking in [1.4, 2.0, 3.0, 3.5] {
         let hit = |mode, side| crossing(mode, side, walking);
         assert!(hit(TrackerMode::Published, -1.0).is_some_and(|impact| impact > 1.0));
@@ -161,7 +161,7 @@ fn whoever_comes_from_the_left_is_hit_because_of_the_tracker() {
 }
 
 #[test]
-fn a_minute_at_rest_ends_in_creeping_through_whoever_is_there() {
+fn a_minute_at_rest_ends_in_creeping_through_the_person_ahead() {
     let mut forecast = Forecast::new();
     forecast.draw(&[someone(4.0, 0.2, 1.0, ADULT, 0.0)]);
     let mut controller = Controller::new(&Settings::default());

@@ -22,7 +22,7 @@ Exit codes:
   4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if condition is true
   8 a repetition differs from its report   9 tasks to merge are missing   130 stopped by Ctrl-C or SIGTERM";
 
-/// Searches for the faults of a self-driving car towards pedestrians.
+/// Finds crossings in which a self-driving car hits a pedestrian whom a careful driver would have spared.
 #[derive(Debug, Parser)]
 #[command(name = "falsify", version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
@@ -93,7 +93,7 @@ pub enum Command {
     /// List failures, those that count most against a driver first.
     #[command(after_help = failures::EXAMPLES)]
     Failures(failures::FailuresArgs),
-    /// Judge a recorded touch from elsewhere: would a careful driver have avoided it?
+    /// Judge a collision recorded elsewhere: would a careful driver have avoided it?
     #[command(after_help = judge::EXAMPLES)]
     Judge(judge::JudgeArgs),
     /// Find mistakes in files without running anything; try a driver of your own.

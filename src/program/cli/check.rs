@@ -129,6 +129,7 @@ fn for_people(found: &Checked) -> ExitCode {
     };
     let files = console::count(found.records.len(), "file");
     let campaigns = console::count(plan.campaigns.len(), "campaign");
+    plan.settings.iter().for_each(|setting| console::note(&setting.to_string()));
     console::say(&format!("{files} and {campaigns} checked: no errors"));
     if plan.campaigns.is_empty() && !plan.imported_campaigns.is_empty() {
         console::say(&plan.without_campaigns());

@@ -23,7 +23,7 @@ pub fn show(report: &CampaignReport) {
             console::say(&format!("{}\n", text.trim_end()));
         }
     }
-    // Drivers that see no pedestrians only show what can be hit.
+    // A driver that sees no pedestrians is a baseline.
     let (blind, sighted): (Vec<_>, Vec<_>) = drivers.iter().partition(|result| result.driver.sees_no_pedestrians());
     let worst = |of: &[&DriverResult]| {
         let found = of.iter().filter_map(|result| result.worst.clone());

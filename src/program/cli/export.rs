@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::choice::choice;
 use super::console;
@@ -37,8 +38,8 @@ pub struct ExportArgs {
     /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
     #[arg(value_name = "[PATH/]RUN:EPISODE", required_unless_present = "formats", value_parser = str::parse::<Named>)]
     pub names: Vec<Named>,
-    /// The format: `xosc-1.3`, `xosc-1.0`, `xodr`, `osi`, `foxglove`, `commonroad`, `carla`, `gif`, or the pictures `svg` and `animation`.
-    #[arg(long = "as", value_name = "FORMAT", required_unless_present = "formats", value_parser = format)]
+    /// The format.
+    #[arg(long = "as", value_name = "FORMAT", required_unless_present = "formats", value_parser = formats())]
     pub format: Option<Format>,
     /// List the formats.
     #[arg(long)]
@@ -81,6 +82,17 @@ const DRAWINGS: [(&str, &str, Drawing); 2] = [
     ("animation", "an animation as SVG, for a browser", Drawing::Animation),
 ];
 
+/// Reads the name of a format.
+fn formats() -> impl TypedValueParser<Value = Format> {
+    let foreign = EXPORTERS.iter().map(|exporter| PossibleValue::new(exporter.name()).help(exporter.about()));
+    let drawn = DRAWINGS.iter().map(|(name, about, _)| PossibleValue::new(*name).help(*about));
+    PossibleValuesParser::new(foreign.chain(drawn)).map(|word| {
+        let drawing = DRAWINGS.iter().find(|(name, ..)| *name == word).map(|(.., drawing)| Format::Drawing(*drawing));
+        let found = drawing.or_else(|| export::exporter(&word).map(Format::Foreign));
+        found.expect("it is one of the names")
+    })
+}
+
 impl std::fmt::Debug for Format {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -88,18 +100,6 @@ impl std::fmt::Debug for Format {
             Self::Drawing(drawing) => drawing.fmt(f),
         }
     }
-}
-
-/// The names of all formats.
-fn format_names() -> String {
-    let drawings = DRAWINGS.iter().map(|(name, ..)| *name);
-    EXPORTERS.iter().map(|exporter| exporter.name()).chain(drawings).collect::<Vec<_>>().join(", ")
-}
-
-fn format(text: &str) -> Result<Format, String> {
-    let drawing = DRAWINGS.iter().find(|(name, ..)| *name == text).map(|(.., drawing)| Format::Drawing(*drawing));
-    let found = drawing.or_else(|| export::exporter(text).map(Format::Foreign));
-    found.ok_or_else(|| format!("the formats are {}", format_names()))
 }
 
 /// `falsify export`
@@ -147,14 +147,15 @@ fn list() {
     }
 }
 
-/// Draws episodes, each as `RUN-EPISODE.svg`.
+/// Draws episodes, each as `RUN-EPISODE.svg` or `RUN-EPISODE-animation.svg`.
 fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportArgs) -> ExitCode {
     let session = session(options.repeat.allow_external);
     let mut ended = ExitCode::Done;
     for EpisodePath { report, name } in episodes {
         let report = report.unwrap_or_else(|| options.report.clone());
         let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat.clone() };
-        let path = options.out.join(format!("{}-{}.svg", name.run, name.number));
+        let kind = if drawing == Drawing::Animation { "-animation" } else { "" };
+        let path = options.out.join(format!("{}-{}{kind}.svg", name.run, name.number));
         let picture = Picture { drawing, path: path.clone() };
         let drawn = session.export(&which, &picture).map_err(failed).and_then(|replay| {
             console::say(&format!("{name}  {}", path.display()));

@@ -129,6 +129,7 @@ pub fn notice(notice: &Notice) {
         Notice::ProgramsNotAllowed => {
             console::warn("scenarios might start programs in that run; give --allow-external if they may again");
         }
+        Notice::Setting(_) => console::note(&notice.to_string()),
         Notice::Store { .. }
         | Notice::LearningCurve { .. }
         | Notice::DoubtfulTraining { .. }

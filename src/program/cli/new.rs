@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{misused, unwritten};
+use lang::reason;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -14,6 +15,7 @@ Examples:
   falsify new                                write scenario.scn: an adult crosses a street
   falsify new child.scn --template child-behind-parked-cars
   falsify new --template own-driver          also writes my_av.py, a driver in Python
+  falsify new --list                         list the templates
   falsify new night.scn && falsify run --smoke night.scn";
 
 /// Options of `falsify new`.
@@ -25,6 +27,9 @@ pub struct NewArgs {
     /// The experiment to start from.
     #[arg(long, value_enum, default_value_t = Template::Crossing, value_name = "NAME")]
     pub template: Template,
+    /// List the templates.
+    #[arg(long)]
+    pub list: bool,
 }
 
 /// A scenario to start from. Each has a pedestrian with human limits and a reward for collisions that are faults to the driver.
@@ -73,7 +78,14 @@ impl Template {
 
 /// `falsify new`
 pub fn new(options: &NewArgs) -> Ended {
-    let NewArgs { path, template } = options;
+    let NewArgs { path, template, list } = options;
+    if *list {
+        for value in Template::value_variants().iter().filter_map(Template::to_possible_value) {
+            let about = value.get_help().map(ToString::to_string).unwrap_or_default();
+            console::say(&format!("{:27}{about}", value.get_name()));
+        }
+        return Ok(ExitCode::Done);
+    }
     write_new(path, template.text())?;
     console::say(&format!("{} is written", path.display()));
     if let Some((name, text)) = template.companion() {
@@ -103,6 +115,10 @@ pub fn write_new(path: &Path, text: &str) -> Result<(), ExitCode> {
         ErrorKind::AlreadyExists => {
             misused(format!("`{}` exists already and was left alone; name another file", path.display()))
         }
-        _ => unwritten(format!("cannot write `{}`: {error}", path.display())),
+        ErrorKind::NotFound => {
+            let folder = path.parent().unwrap_or(Path::new(".")).display();
+            misused(format!("cannot write `{}`: there is no folder `{folder}`; make it first", path.display()))
+        }
+        _ => unwritten(format!("cannot write `{}`: {}", path.display(), reason(&error))),
     })
 }

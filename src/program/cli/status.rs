@@ -1,4 +1,3 @@
-use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use clap::Args;
@@ -21,7 +20,7 @@ const SHOWN: usize = 8;
 pub const EXAMPLES: &str = "\
 Examples:
   falsify status                             the campaigns of reports/
-  falsify status --format json shared        one JSON object for each campaign, for programs
+  falsify status --format json --out shared  one JSON object for each campaign, for programs
   falsify status --stored                    what is stored in reports/.falsify, by campaign
   falsify status --prune                     remove what no campaign needed in its last run
   falsify status --cache /scratch/cache --prune --gone
@@ -32,9 +31,6 @@ Exit codes: 0 finished or running   2 nothing was run there   9 something is mis
 /// Options of `falsify status`.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
-    /// The same, named as other commands name a report.
-    #[arg(long, value_name = "DIR", conflicts_with = "out")]
-    pub report: Option<PathBuf>,
     /// The folder and its cache.
     #[command(flatten)]
     pub of: session::StatusOptions,
@@ -54,12 +50,10 @@ pub struct StatusArgs {
 
 /// `falsify status`
 pub fn status(options: &StatusArgs) -> Ended {
-    let mut of = options.of.clone();
-    of.out = options.report.clone().unwrap_or(of.out);
     if options.stored || options.prune {
-        return stored(&of, options);
+        return stored(options);
     }
-    let campaigns = session(false).status(&of).map_err(failed)?;
+    let campaigns = session(false).status(&options.of).map_err(failed)?;
     for campaign in &campaigns {
         match options.format {
             Output::Json => console::say_object(campaign),

@@ -4,11 +4,11 @@ use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{misused, store_failed};
 use super::status::StatusArgs;
-use crate::session;
 use results::store::{References, Store, StoreError};
 
 /// `falsify status --stored` and `--prune` of a folder for reports and its cache.
-pub fn stored(of: &session::StatusOptions, options: &StatusArgs) -> Ended {
+pub fn stored(options: &StatusArgs) -> Ended {
+    let of = &options.of;
     let cache = of.cache.as_deref();
     if let Some(missing) = cache.filter(|cache| !cache.exists()) {
         return Err(misused(format!("the cache `{}` does not exist", missing.display())));

@@ -2,7 +2,7 @@
 
 /// The first steps.
 pub const WELCOME: &str = "\
-falsify searches for the faults of a self-driving car towards pedestrians.
+falsify finds crossings in which a self-driving car hits a pedestrian whom a careful driver would have spared.
 
 Usage: falsify <COMMAND>
 

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use super::{CampaignOutcome, Change, ChangedProgram, Incomplete, Session, ShardReport};
 use base::diagnostic::{Diagnostic, Sources};
-use compile::Campaign;
+use compile::{Campaign, OutsideSetting};
 use results::campaign::{self, Task};
 use results::report::{Doubt, ReadError, Unreached};
 
@@ -130,6 +130,9 @@ pub enum Notice {
     /// Scenarios could start programs in the run of the report, and cannot now.
     #[error("scenarios might start programs in that run, and may not now")]
     ProgramsNotAllowed,
+    /// A setting from outside the files, with the campaigns that it reaches.
+    #[error("{0}")]
+    Setting(OutsideSetting),
     /// A file is not what it was when the report was made.
     #[error(transparent)]
     Changed(Change),

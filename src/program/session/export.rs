@@ -65,7 +65,7 @@ impl Export for Picture {
             Drawing::Animation => report::animation,
         };
         let page = draw(scenario, trace, verdict.as_ref(), &headline(episode), title);
-        report::write_file(&self.path, page.as_bytes())
+        report::write_new_file(&self.path, page.as_bytes())
     }
 }
 

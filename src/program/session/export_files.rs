@@ -87,7 +87,7 @@ fn export_repeated(repeated: &Repeated, options: &ExportOptions) -> Result<Vec<P
         .map_err(|source| Error::Export { name: repeated.name, source })?;
     let write = |file: &export::ExportFile| {
         let path = path(&options.out, &file.name);
-        report::write_file(&path, &file.bytes)?;
+        report::write_new_file(&path, &file.bytes)?;
         Ok(path)
     };
     files.iter().map(write).collect()

@@ -1,4 +1,4 @@
-//! Whether the place of a report holds a finished report of something else.
+//! Whether the place of a report holds a finished report for other inputs.
 
 use std::path::PathBuf;
 

@@ -48,6 +48,7 @@ impl Session {
         if !options.only.is_empty() {
             planned.plan.campaigns.retain(|campaign| options.only.contains(&campaign.name));
         }
+        planned.plan.settings.iter().for_each(|setting| self.notice(&Notice::Setting(setting.clone())));
         if options.smoke {
             planned.plan.campaigns.iter_mut().for_each(campaign::smoke);
         }

@@ -16,7 +16,7 @@ const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("evaluate", "evaluati
 #[derive(Debug, Clone, Default, Args)]
 pub struct StatusOptions {
     /// The folder for the reports, or one of its reports.
-    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
     /// The folder that `run` was given as --cache.
     #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]

@@ -107,6 +107,11 @@ pub fn complete(finished: Finished, campaign: &Campaign, results: &dyn ResultSto
     Finished { trainings, ..finished }
 }
 
+/// The seed of a training.
+pub(super) fn training_seed(seed: &Seed, key: &TrainingKey) -> Seed {
+    seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into())
+}
+
 /// The training that a task waits for.
 pub(super) fn training_of(campaign: &Campaign, task: Task) -> Option<usize> {
     match task {
@@ -220,7 +225,7 @@ impl Work<'_> {
         let task = Task::Training(index);
         let key = &plan.key;
         let scenarios = plan.scenarios();
-        let seed = seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
+        let seed = training_seed(seed, key);
         let begin = || TrainingRun::begin(&scenarios, plan.environments, &plan.config, &seed);
         let resume =
             |state: Vec<u8>| TrainingRun::resume(&state, &scenarios, plan.environments, &plan.config, &seed).ok();

@@ -12,7 +12,7 @@ pub fn smoke(campaign: &mut Campaign) {
     campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);
     for evaluation in &mut campaign.evaluations {
         evaluation.episodes = evaluation.episodes.min(5);
-        if let ControllerKind::Trained(training) | ControllerKind::Sampled(training) = &mut evaluation.controller {
+        if let ControllerKind::Trained(training) | ControllerKind::Stochastic(training) = &mut evaluation.controller {
             *training = kept.iter().position(|index| index == training).expect("run 0 is kept");
         }
     }

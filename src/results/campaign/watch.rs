@@ -1,10 +1,11 @@
 use std::ops::{ControlFlow, Range};
 
+use super::run::training_seed;
 use base::seed::Seed;
-use compile::{ControllerKind, Evaluation, episodes_seed};
+use compile::{ControllerKind, Evaluation, Training, episodes_seed};
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};
-use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_noting};
+use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_noting, first_networks};
 
 /// Runs the episodes of an evaluation with these numbers, and returns what `note` makes of each.
 ///
@@ -44,7 +45,13 @@ pub(super) fn watch_numbered<T>(
     let mut walker: Box<dyn WalkPolicy> = match &evaluation.controller {
         ControllerKind::Untrained(controller) => controller.walk_policy(),
         ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),
-        ControllerKind::Sampled(_) => learnt(ActionMode::Stochastic),
+        ControllerKind::Stochastic(_) => learnt(ActionMode::Stochastic),
+        ControllerKind::First => {
+            let Training { config, key, .. } =
+                evaluation.first.as_deref().expect("first networks come with their training");
+            let first = first_networks(&evaluation.scenario.cast, config, &training_seed(seed, key));
+            Box::new(TrainedWalker::new(first, evaluation.scenario.cast.obs_dim(), ActionMode::Deterministic))
+        }
     };
     let own = seed.child("walker").child(&evaluation.town).child(&evaluation.policy);
     let own = own.child(evaluation.controller.name()).index(evaluation.trained.run.into());

@@ -21,8 +21,8 @@ pub const RUN: Column<u32> = Column::new("run", "", "number of the run, that is 
 pub const CONTROLLER: Column<String> = Column::new(
     "controller",
     "",
-    "what controls the pedestrian: `trained` (the mean of its policy), `sampled` (draws from its policy), `random` (each command \
-     uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
+    "what controls the pedestrian: `trained` (the mean of its policy), `stochastic` (draws from its policy, as in training), `untrained` \
+     (the mean of the policy with which its training begins), `random` (each command uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
      velocity)",
 );
 pub const TOWN: Column<String> = Column::new("town", "", "town of the episodes");

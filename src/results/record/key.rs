@@ -1,6 +1,6 @@
 use std::fmt;
 
-use compile::{Evaluation, NO_REWARD, RunId};
+use compile::{Evaluation, NO_REWARD, RunId, UNTRAINED};
 
 /// The key of a cell of results: a controller and its training, the place of the episodes, and the driver under test.
 ///
@@ -15,7 +15,7 @@ pub struct CellKey {
     pub vehicle: String,
     /// Name of the adversary, for its body.
     pub adversary: String,
-    /// The controller: `trained`, `sampled`, `random`, `homing`, `intercept`, `scripted`, or the name of a declared one.
+    /// The controller: `trained`, `stochastic`, `untrained`, `random`, `homing`, `intercept`, `scripted`, or the name of a declared one.
     pub controller: String,
     pub reward: String,
     /// Town of the training; empty for an untrained controller.
@@ -44,6 +44,12 @@ impl CellKey {
     /// Whether the controller comes from a training.
     pub fn is_trained(&self) -> bool {
         !self.train_town.is_empty()
+    }
+
+    /// Whether its reward distinguishes it: a trained controller, and the networks with which a training for the reward begins. Other
+    /// controllers are the same for all rewards.
+    pub fn is_of_reward(&self) -> bool {
+        self.is_trained() || self.controller == UNTRAINED
     }
 
     /// Whether another cell has the same place: the same block, town, vehicle and adversary. Cells of one place share their starts,

@@ -36,6 +36,9 @@ pub enum WriteError {
         path: PathBuf,
         source: io::Error,
     },
+    /// A file with other contents is at its place.
+    #[error("`{path}` exists already and holds something else; remove it, or choose another folder with --out", path = path.display())]
+    Exists { path: PathBuf },
     /// A table cannot be made.
     #[error("cannot make the table `{name}`: {source}")]
     Table {
@@ -248,6 +251,18 @@ pub(super) fn digest(path: &Path) -> io::Result<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(files::open(path)?)?;
     Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// Writes a file whole, as [`write_file`] does, and replaces none with other contents.
+///
+/// # Errors
+/// The file cannot be written, or there is one with other contents.
+pub fn write_new_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    match fs::read(path) {
+        Ok(known) if known == bytes => Ok(()),
+        Ok(_) if path.is_file() => Err(WriteError::Exists { path: path.to_path_buf() }),
+        _ => write_file(path, bytes),
+    }
 }
 
 /// Writes a single file; it appears whole or not at all. A device or a pipe is written to, not replaced. A link to a file is refused: it may

@@ -43,7 +43,7 @@ pub use compare::{
 pub use draft::draft_in;
 pub use failure_modes::FailureModes;
 pub use findings::Findings;
-pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
+pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_new_file, write_table};
 pub use infer::{
     Baseline, CellEvidence, Change, Comparison, Doubt, Evidence, Figure, Gathering, Learning, Learnt, Quantiles,
     Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
@@ -51,7 +51,7 @@ pub use infer::{
 pub use listed_failure::{FailureClass, FailureOrder, ListedFailure};
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use metric_table::{METRICS, metric_references};
-pub use overview::{HighestRate, Overview, OverviewRow, Variant};
+pub use overview::{Found, Overview, OverviewRow, RateOfRow, Variant};
 pub use played::PlayedFailure;
 pub use read::{
     Difference, FailureFilter, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, TooFewRuns,

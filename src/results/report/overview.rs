@@ -2,7 +2,7 @@
 
 use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 
-use super::{Average, Cell, DriverResult, SearchCell};
+use super::{Average, Cell, DriverResult, SearchCell, Spread};
 use crate::record::{Column, Table};
 
 /// The results of a report for an overview.
@@ -19,43 +19,90 @@ pub struct Variant<'a> {
     pub searches: &'a [SearchCell],
 }
 
-/// A rate in the cell in which it is highest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HighestRate {
+/// A rate with its spread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RateOfRow {
     /// The rate, mean over runs.
     pub rate: f64,
-    /// Its 95 % interval: for evaluations Wilson's over the episodes of all runs, for searches Student's over runs, about further
-    /// runs in that town. None for searches with fewer than four runs.
-    pub interval: Option<(f64, f64)>,
-    /// The place of the cell in the list of cells, or of searches.
-    pub cell: usize,
+    /// One standard deviation over runs to either side; of a single run Wilson's 95 % interval. For searches Student's 95 % interval, of
+    /// fewer than four the lowest and the highest run.
+    pub band: (f64, f64),
 }
 
-/// A row of an overview: a driver in one of the reports.
+/// What a row of an overview is about.
+#[derive(Debug, Clone, Copy)]
+pub enum Found<'a> {
+    /// A controller in a town against a driver.
+    Evaluated(&'a Cell),
+    /// A falsifier in a town against a driver.
+    Searched(&'a SearchCell),
+}
+
+/// A row of an overview: a cell of one of the reports.
 #[derive(Debug, Clone)]
 pub struct OverviewRow<'a> {
     /// The report.
     pub variant: &'a Variant<'a>,
     /// The value of each parameter; none where the campaign does not have it.
     pub values: Vec<Option<String>>,
-    /// The driver, with its worst failure.
-    pub result: &'a DriverResult,
-    /// The highest rates over controllers and towns, in the order of [`OverviewRow::RATES`]; none without an evaluation.
-    pub rates: [Option<HighestRate>; 3],
-    /// The highest share of starts from which a search found a fault; none without a search.
-    pub searched: Option<HighestRate>,
+    pub found: Found<'a>,
 }
 
-impl OverviewRow<'_> {
-    /// The names of the rates.
-    pub const RATES: [&'static str; 3] = ["fault", "preventable", "collision"];
-    /// The name of the rate of searches.
-    pub const SEARCHED: &'static str = "fault starts of searches";
+impl<'a> OverviewRow<'a> {
+    /// The names of the rates of evaluations, and of that of searches.
+    pub const RATES: [&'static str; 4] = ["fault", "preventable", "collision", "starts with a fault"];
 
-    /// The rate at a place of [`OverviewRow::RATES`]; at the place after these that of searches.
-    pub fn rate(&self, place: usize) -> Option<&HighestRate> {
-        self.rates.get(place).unwrap_or(&self.searched).as_ref()
+    /// The name of the driver.
+    pub fn driver(&self) -> &'a str {
+        match self.found {
+            Found::Evaluated(cell) => &cell.key.policy,
+            Found::Searched(cell) => &cell.key.policy,
+        }
     }
+
+    pub fn town(&self) -> &'a str {
+        match self.found {
+            Found::Evaluated(cell) => &cell.key.town,
+            Found::Searched(cell) => &cell.key.town,
+        }
+    }
+
+    /// The controller with its reward, and with its training where that was elsewhere; or the falsifier.
+    pub fn who(&self) -> String {
+        match self.found {
+            Found::Searched(cell) => cell.key.falsifier.clone(),
+            Found::Evaluated(cell) => {
+                let key = &cell.key;
+                let is_home = (&key.town, &key.policy) == (&key.train_town, &key.train_policy);
+                if is_home { format!("{} {}", key.controller, key.reward) } else { key.who() }
+            }
+        }
+    }
+
+    /// The rate at a place of [`OverviewRow::RATES`].
+    pub fn rate(&self, place: usize) -> Option<RateOfRow> {
+        let (spread, interval) = match (self.found, place) {
+            (Found::Evaluated(cell), 0) => (cell.fault, cell.fault_interval),
+            (Found::Evaluated(cell), 1) => (cell.preventable, cell.preventable_interval),
+            (Found::Evaluated(cell), 2) => (cell.collision, cell.interval),
+            (Found::Searched(cell), 3) => return searched_rate(&cell.fault_start_rate),
+            _ => return None,
+        };
+        let rate = spread.mean?;
+        Some(RateOfRow { rate, band: spread.sd.map_or(interval, |sd| ((rate - sd).max(0.0), (rate + sd).min(1.0))) })
+    }
+
+    /// What was found about its driver.
+    fn result(&self) -> Option<&'a DriverResult> {
+        self.variant.drivers.iter().find(|result| result.driver.name == self.driver())
+    }
+}
+
+/// The rate of searches.
+fn searched_rate(average: &Average) -> Option<RateOfRow> {
+    let runs = average.by_run.iter().copied();
+    let ends = runs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), run| (low.min(run), high.max(run)));
+    Some(RateOfRow { rate: average.mean?, band: average.interval.unwrap_or(ends) })
 }
 
 /// The reports of a call side by side.
@@ -63,7 +110,8 @@ impl OverviewRow<'_> {
 pub struct Overview<'a> {
     /// The names of the settings that differ between the reports.
     pub parameters: Vec<&'a str>,
-    /// A row for each driver of each report, in the order in which the reports were made.
+    pub variants: &'a [Variant<'a>],
+    /// A row for each cell and each cell of searches of each report, in the order in which the reports were made.
     pub rows: Vec<OverviewRow<'a>>,
 }
 
@@ -77,23 +125,18 @@ impl<'a> Overview<'a> {
                 parameters.push(name);
             }
         }
-        let row = |variant: &'a Variant<'a>, result: &'a DriverResult| {
-            let highest = |rate: RateOf| highest(variant.cells, &result.driver.name, rate);
-            OverviewRow {
-                variant,
-                values: parameters.iter().map(|name| value(variant, name).map(str::to_string)).collect(),
-                result,
-                rates: [
-                    highest(|cell| (cell.fault.mean, cell.fault_interval)),
-                    highest(|cell| (cell.preventable.mean, cell.preventable_interval)),
-                    highest(|cell| (cell.collision.mean, cell.interval)),
-                ],
-                searched: highest_searched(variant.searches, &result.driver.name),
-            }
-        };
-        let rows = variants.iter().flat_map(|variant| variant.drivers.iter().map(move |result| (variant, result)));
-        let rows = rows.map(|(variant, result)| row(variant, result)).collect();
-        Self { parameters, rows }
+        let mut this = Self { parameters, variants, rows: Vec::new() };
+        for variant in variants {
+            let values = this.values(variant);
+            let found = variant.cells.iter().map(Found::Evaluated).chain(variant.searches.iter().map(Found::Searched));
+            this.rows.extend(found.map(|found| OverviewRow { variant, values: values.clone(), found }));
+        }
+        this
+    }
+
+    /// The value of each parameter in a report; none where its campaign does not have it.
+    pub fn values(&self, variant: &Variant<'_>) -> Vec<Option<String>> {
+        self.parameters.iter().map(|name| value(variant, name).map(str::to_string)).collect()
     }
 
     /// The overview as a table, with a column of text for each parameter at its end.
@@ -114,42 +157,67 @@ impl<'a> Overview<'a> {
 fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     type Row<'a> = OverviewRow<'a>;
     let (text, number) = (Column::<String>::new, Column::<f64>::new);
-    let mut table = Table::new("overview", "One row for each driver of each report of a call.")
-        .column(text("report", "", "folder of the report").of(|row: &Row<'a>| row.variant.report.clone()))
-        .column(text("policy", "", "name of the driving policy").of(|row: &Row<'a>| row.result.driver.name.clone()));
-    let rates = [
-        ["fault_rate", "fault_rate_wilson_low", "fault_rate_wilson_high", "fault_controller"],
-        ["preventable_rate", "preventable_rate_wilson_low", "preventable_rate_wilson_high", "preventable_controller"],
-        ["collision_rate", "collision_rate_wilson_low", "collision_rate_wilson_high", "collision_controller"],
+    let cell = |row: &Row<'a>| if let Found::Evaluated(cell) = row.found { Some(cell) } else { None };
+    let searched = |row: &Row<'a>| if let Found::Searched(cell) = row.found { Some(cell) } else { None };
+    let mut table = Table::new(
+        "overview",
+        "One row for each cell of each report of a call: a controller or a falsifier in a town against a driver.",
+    )
+    .column(text("report", "", "folder of the report").of(|row: &Row<'a>| row.variant.report.clone()))
+    .column(text("policy", "", "name of the driving policy").of(|row: &Row<'a>| row.driver().to_string()))
+    .column(text("town", "", "name of the town").of(|row: &Row<'a>| row.town().to_string()))
+    .column(
+        text("controller", "", "the controller of the pedestrian; empty for a falsifier")
+            .of(move |row: &Row<'a>| cell(row).map_or(String::new(), |cell| cell.key.controller.clone())),
+    )
+    .column(
+        text("reward", "", "its reward; empty for a falsifier")
+            .of(move |row: &Row<'a>| cell(row).map_or(String::new(), |cell| cell.key.reward.clone())),
+    )
+    .column(text("training", "", "town and driver of its training; empty without one").of(move |row: &Row<'a>| {
+        let key = cell(row).map(|cell| &cell.key).filter(|key| key.is_trained());
+        key.map_or(String::new(), |key| format!("{}, {}", key.train_town, key.train_policy))
+    }))
+    .column(
+        text("falsifier", "", "the falsifier; empty for a controller")
+            .of(move |row: &Row<'a>| searched(row).map_or(String::new(), |cell| cell.key.falsifier.clone())),
+    )
+    .column(Column::<u64>::new("runs", "", "number of its runs").of(|row: &Row<'a>| match row.found {
+        Found::Evaluated(cell) => u64::from(cell.runs),
+        Found::Searched(cell) => cell.runs as u64,
+    }));
+    let rates: [([&'static str; 4], fn(&Cell) -> (Spread, (f64, f64))); 3] = [
+        (["fault_rate", "fault_rate_sd", "fault_rate_wilson_low", "fault_rate_wilson_high"], |cell| {
+            (cell.fault, cell.fault_interval)
+        }),
+        (
+            ["preventable_rate", "preventable_rate_sd", "preventable_rate_wilson_low", "preventable_rate_wilson_high"],
+            |cell| (cell.preventable, cell.preventable_interval),
+        ),
+        (["collision_rate", "collision_rate_sd", "collision_rate_wilson_low", "collision_rate_wilson_high"], |cell| {
+            (cell.collision, cell.interval)
+        }),
     ];
-    for (place, [rate, low, high, controller]) in rates.into_iter().enumerate() {
-        let of = move |row: &Row<'a>| row.rates[place].clone();
+    for ([rate, sd, low, high], of) in rates {
+        let of = move |row: &Row<'a>| cell(row).map(of);
         table = table
+            .column(number(rate, "", "mean over the runs").of(move |row: &Row<'a>| of(row)?.0.mean))
             .column(
-                number(rate, "", "highest rate over controllers and towns")
-                    .of(move |row: &Row<'a>| of(row).map(|found| found.rate)),
+                number(sd, "", "its standard deviation over runs; missing for one")
+                    .of(move |row: &Row<'a>| of(row)?.0.sd),
             )
             .column(
-                number(low, "", "lower end of its 95 % interval (Wilson)")
-                    .of(move |row: &Row<'a>| of(row).and_then(|found| found.interval).map(|ends| ends.0)),
+                number(low, "", "lower end of its 95 % interval over episodes (Wilson)")
+                    .of(move |row: &Row<'a>| Some(of(row)?.1.0)),
             )
-            .column(
-                number(high, "", "upper end of its 95 % interval (Wilson)")
-                    .of(move |row: &Row<'a>| of(row).and_then(|found| found.interval).map(|ends| ends.1)),
-            )
-            .column(text(controller, "", "the controller and the town of that rate").of(move |row: &Row<'a>| {
-                of(row).map_or(String::new(), |found| row.variant.cells[found.cell].key.to_string())
-            }));
+            .column(number(high, "", "upper end of the same").of(move |row: &Row<'a>| Some(of(row)?.1.1)));
     }
-    let searched = |value: fn(&HighestRate) -> Option<f64>| move |row: &Row<'a>| row.searched.as_ref().and_then(value);
-    table = table
+    let average = move |of: fn(&SearchCell) -> Option<f64>| move |row: &Row<'a>| searched(row).and_then(of);
+    let worst = |row: &Row<'a>| row.result().and_then(|result| result.worst.as_ref());
+    table
         .column(
-            number(
-                "search_faults_start_rate",
-                "",
-                "share of starts from which a search found a fault, highest over falsifiers and towns",
-            )
-            .of(searched(|found| Some(found.rate))),
+            number("search_faults_start_rate", "", "share of starts from which the falsifier found a fault")
+                .of(average(|cell| cell.fault_start_rate.mean)),
         )
         .column(
             number(
@@ -157,35 +225,35 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
                 "",
                 "lower end of its 95 % interval (Student, over runs in that town); missing for fewer than four",
             )
-            .of(searched(|found| found.interval.map(|ends| ends.0))),
+            .of(average(|cell| Some(cell.fault_start_rate.interval?.0))),
         )
         .column(
             number("search_faults_start_rate_high", "", "upper end of the same")
-                .of(searched(|found| found.interval.map(|ends| ends.1))),
+                .of(average(|cell| Some(cell.fault_start_rate.interval?.1))),
         )
-        .column(text("search_falsifier", "", "the falsifier and the town of that rate").of(|row: &Row<'a>| {
-            let cell = row.searched.as_ref().map(|found| &row.variant.searches[found.cell]);
-            cell.map_or(String::new(), SearchCell::in_full)
-        }));
-    table
-        .column(text("worst_failure", "", "verdict of the worst failure; empty without a collision").of(
-            |row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.class().name().to_string()),
-        ))
+        .column(
+            number("search_failed_starts", "", "starts from which the falsifier found a failure, mean over runs")
+                .of(average(|cell| cell.failed_starts.mean)),
+        )
+        .column(
+            number("search_starts", "", "starts from which it searched, mean over runs")
+                .of(average(|cell| cell.starts.mean)),
+        )
+        .column(
+            text(
+                "worst_failure",
+                "",
+                "verdict of the worst failure of the driver in the report; empty without a collision",
+            )
+            .of(move |row: &Row<'a>| worst(row).map_or(String::new(), |found| found.class().name().to_string())),
+        )
         .column(
             number("worst_impact_speed", "m/s", "speed of the car at its touch")
-                .of(|row: &Row<'a>| row.result.worst.as_ref().map(|found| found.impact_speed)),
+                .of(move |row: &Row<'a>| worst(row).map(|found| found.impact_speed)),
         )
         .column(
             text("worst_episode", "", "its name, `RUN:EPISODE`")
-                .of(|row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), super::ListedFailure::name)),
-        )
-        .column(
-            number("search_failures", "", "failures that searches found")
-                .of(|row: &Row<'a>| row.result.searched.map(|found| found.all as f64)),
-        )
-        .column(
-            number("search_faults", "", "fault ones of these")
-                .of(|row: &Row<'a>| row.result.searched.map(|found| found.fault as f64)),
+                .of(move |row: &Row<'a>| worst(row).map_or(String::new(), super::ListedFailure::name)),
         )
 }
 
@@ -205,73 +273,43 @@ fn value<'a>(variant: &Variant<'a>, name: &str) -> Option<&'a str> {
         .map(|found| found.1)
 }
 
-/// A rate of a cell with its interval.
-type RateOf = fn(&Cell) -> (Option<f64>, (f64, f64));
-
-/// The cell of a driver in which a rate is highest, the first of equal ones.
-fn highest(cells: &[Cell], driver: &str, rate: RateOf) -> Option<HighestRate> {
-    let of_driver = cells.iter().enumerate().filter(|(_, cell)| cell.key.policy == driver);
-    let mut found: Option<HighestRate> = None;
-    for (cell, (mean, interval)) in of_driver.map(|(place, cell)| (place, rate(cell))) {
-        if let Some(rate) = mean.filter(|mean| found.as_ref().is_none_or(|found| *mean > found.rate)) {
-            found = Some(HighestRate { rate, interval: Some(interval), cell });
-        }
-    }
-    found
-}
-
-/// The search cell of a driver with the highest share of fault starts, the first of equal ones.
-fn highest_searched(cells: &[SearchCell], driver: &str) -> Option<HighestRate> {
-    let mut found: Option<HighestRate> = None;
-    for (cell, searched) in cells.iter().enumerate().filter(|(_, searched)| searched.key.policy == driver) {
-        let Average { mean, interval, .. } = searched.fault_start_rate;
-        if let Some(rate) = mean.filter(|mean| found.as_ref().is_none_or(|found| *mean > found.rate)) {
-            found = Some(HighestRate { rate, interval, cell });
-        }
-    }
-    found
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::record::CellKey;
-    use crate::report::Spread;
-    use base::signature::Arguments;
-    use compile::Driver;
 
     #[test]
-    fn parameters_are_the_settings_that_differ_and_rates_are_the_highest() {
-        let driver = Driver {
-            name: "a".into(),
-            kind: "idm",
-            settings: Arguments::default(),
-            sensors: None,
-            sensor_model: None,
-            surrogate: "",
-        };
-        let drivers = [DriverResult { driver, worst: None, cell: Some(0), searched: None }];
-        let cell = |town: &str, collision: f64| Cell {
-            key: CellKey { policy: "a".into(), town: town.into(), ..CellKey::default() },
-            collision: Spread { mean: Some(collision), sd: None },
+    fn each_controller_of_each_value_has_a_row_with_its_spread() {
+        let cell = |controller: &str, collision: f64, sd: Option<f64>| Cell {
+            key: CellKey {
+                policy: "a".into(),
+                town: "x".into(),
+                controller: controller.into(),
+                reward: "r".into(),
+                ..CellKey::default()
+            },
+            collision: Spread { mean: Some(collision), sd },
             interval: (collision - 0.1, collision + 0.1),
             ..Cell::default()
         };
-        let cells = [cell("x", 0.2), cell("y", 0.5), cell("z", 0.5)];
-        let settings = [3, 8].map(|brake| vec!["same = 1".to_string(), format!("a.brake = {brake} m/s^2")]);
+        let cells = [cell("trained", 0.2, Some(0.03)), cell("random", 0.5, None)];
+        let settings = [3, 8].map(|weight| vec!["same = 1".to_string(), format!("weight = {weight}")]);
         let variants: Vec<Variant<'_>> = settings
             .iter()
-            .map(|settings| Variant { report: "r".into(), settings, cells: &cells, drivers: &drivers, searches: &[] })
+            .map(|settings| Variant { report: "r".into(), settings, cells: &cells, drivers: &[], searches: &[] })
             .collect();
         let overview = Overview::new(&variants);
-        assert_eq!(overview.parameters, ["a.brake"]);
-        assert_eq!(overview.rows[1].values, [Some("8 m/s^2".to_string())]);
-        let highest = overview.rows[0].rates[2].as_ref().unwrap();
-        assert_eq!((highest.rate, highest.cell), (0.5, 1));
-        assert_eq!(overview.rows[0].rates[0], None, "a rate without a value is none");
-        assert_eq!((overview.rows[0].rate(2), overview.rows[0].rate(3)), (Some(highest), None));
+        assert_eq!(overview.parameters, ["weight"]);
+        assert_eq!(overview.rows.len(), 4, "two values, two controllers");
+        assert_eq!(overview.rows[2].values, [Some("8".to_string())]);
+        assert_eq!(overview.rows[3].who(), "random r");
+        let rate = |row: usize| overview.rows[row].rate(2).unwrap();
+        assert_eq!((rate(0).rate, rate(0).band), (0.2, (0.2 - 0.03, 0.2 + 0.03)));
+        assert_eq!((rate(1).rate, rate(1).band), (0.5, (0.4, 0.6)), "one run has the interval over its episodes");
+        assert_eq!(overview.rows[0].rate(0), None, "a rate without a value is none");
         let table = overview.table().unwrap();
-        assert_eq!(table.height(), 2);
-        assert_eq!(table.column("a.brake").unwrap().str().unwrap().get(0), Some("3 m/s^2"));
+        assert_eq!(table.height(), 4);
+        assert_eq!(table.column("weight").unwrap().str().unwrap().get(0), Some("3"));
+        assert_eq!(table.column("collision_rate_sd").unwrap().f64().unwrap().get(1), None);
     }
 }

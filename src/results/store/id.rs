@@ -48,7 +48,10 @@ impl Ids {
     /// Computes them for a seed.
     pub fn new(campaign: &Campaign, seed: u64) -> Self {
         let trainings: Vec<Id> = campaign.trainings.iter().map(|each| training(each, seed)).collect();
-        let evaluation = |each: &Evaluation| evaluation(each, each.training().map(|place| trainings[place]), seed);
+        let evaluation = |each: &Evaluation| {
+            let first = || each.first.as_deref().map(|first| training(first, seed));
+            evaluation(each, each.training().map(|place| trainings[place]).or_else(first), seed)
+        };
         Self {
             evaluations: campaign.evaluations.iter().map(evaluation).collect(),
             searches: campaign.searches.iter().map(|each| search(each, seed)).collect(),

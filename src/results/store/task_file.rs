@@ -68,8 +68,8 @@ pub fn decode(mut file: Vec<u8>) -> Option<(Header, Vec<u8>)> {
 }
 
 /// Reads the header at the start of a file, and where the bytes start.
-pub fn head(beginning: &[u8]) -> Option<(Header, usize)> {
-    let rest = beginning.strip_prefix(MAGIC)?;
+pub fn head(start: &[u8]) -> Option<(Header, usize)> {
+    let rest = start.strip_prefix(MAGIC)?;
     let end = rest.iter().position(|byte| *byte == b'\n')?;
     Some((serde_json::from_slice(&rest[..end]).ok()?, MAGIC.len() + end + 1))
 }

@@ -54,7 +54,7 @@ pub use simulator::{SearchOutcome, Simulator};
 pub use start_set::StartSet;
 pub use trained::{ActionMode, TrainedWalker};
 pub use training::{TrainError, train};
-pub use training_run::TrainingRun;
+pub use training_run::{TrainingRun, first_networks};
 pub use tree_search::TreeSearch;
 pub use walk_policy::WalkPolicy;
 pub use walking::Walking;

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::TrainError;
 use super::training_ground::TrainingGround;
-use crate::env::Scenario;
+use crate::env::{Cast, Scenario};
 use base::seed::Seed;
-use learn::{CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
+use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
 
 /// A training of a pedestrian between two updates, with its environments.
 ///
@@ -146,6 +146,11 @@ impl TrainingRun {
         }
         Ok(self.finish())
     }
+}
+
+/// The networks with which a training of such actors begins, before its first decision; `seed` is that of [`TrainingRun::begin`].
+pub fn first_networks(cast: &Cast, config: &PpoConfig, seed: &Seed) -> ActorCritic {
+    learn::first_networks(cast.obs_dim() * config.frame_stack, cast.action_bounds().len(), config, &seed.child("ppo"))
 }
 
 /// An environment in which a rollout ends early: its next reward is not a number, which ends the update.

@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_cubic_holds_from_its_beginning() {
+    fn each_cubic_is_valid_from_its_start() {
         let profile = Profile::new(vec![
             Cubic { start: 10.0, a: 5.0, b: 1.0, c: 0.5, d: 0.25 },
             Cubic { start: 0.0, a: 3.0, ..Cubic::default() },

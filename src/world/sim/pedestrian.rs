@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_stops_whoever_walks_into_it() {
+    fn a_wall_stops_a_pedestrian_that_walks_into_it() {
         let wall = OrientedBox::new(Pose::new(5.0, 0.0, 0.0), 0.5, 50.0);
         let obstacles = Obstacles::new(&[wall]);
         for (body, far) in [(PedestrianBody::adult().nimble(), 7.0), (PedestrianBody::adult(), 1.5)] {
@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_walks_through_a_thin_wall() {
+    fn no_pedestrian_walks_through_a_thin_wall() {
         let wall = OrientedBox::new(Pose::new(5.0, 0.0, 0.0), 0.01, 10.0);
         let obstacles = Obstacles::new(&[wall]);
         let body = PedestrianBody::adult().nimble();

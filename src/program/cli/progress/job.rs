@@ -213,7 +213,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
     let who = match &evaluation.controller {
         ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
         ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
-        ControllerKind::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
+        ControllerKind::Stochastic(_) => format!("stochastic {} of {} and {}", key.reward, key.town, key.policy),
         other if key.reward == NO_REWARD => other.name().to_string(),
         other => format!("{} ({})", other.name(), key.reward),
     };

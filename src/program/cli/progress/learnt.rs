@@ -15,7 +15,7 @@ pub struct Learnt {
     pub mean_reward: Option<f64>,
     /// Their mean length in decisions.
     pub mean_length_decisions: Option<f64>,
-    /// The share of them that ended in a collision.
+    /// The share of them that ended in a collision, with actions drawn from the policy.
     pub collision_rate: Option<f64>,
 }
 
@@ -43,7 +43,11 @@ impl Learnt {
     pub fn told(&self) -> Option<String> {
         let reward = self.mean_reward?;
         let rate = self.collision_rate?;
-        Some(format!("mean reward {reward:.3}, {:.0} % hit, {} episodes", 100.0 * rate, HumanCount(self.episodes)))
+        Some(format!(
+            "mean reward {reward:.3}, {:.0} % hit while exploring, {} episodes",
+            100.0 * rate,
+            HumanCount(self.episodes)
+        ))
     }
 }
 
@@ -71,7 +75,7 @@ mod tests {
         assert_eq!((learnt.updates, learnt.episodes), (2, 7));
         learnt.follow(&curve);
         assert_eq!(learnt, Learnt::of(&curve));
-        assert_eq!(learnt.told().unwrap(), "mean reward 0.500, 25 % hit, 1,007 episodes");
+        assert_eq!(learnt.told().unwrap(), "mean reward 0.500, 25 % hit while exploring, 1,007 episodes");
         assert_eq!(Learnt::of(&[]).told(), None);
     }
 }

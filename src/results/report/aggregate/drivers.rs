@@ -42,7 +42,7 @@ pub struct DriverResult {
 }
 
 /// The results of the drivers: the worst first, by the avoidable injury and the rates in the worst cell, then by what searches found. Drivers that see no
-/// pedestrians follow, since they show only what can be hit.
+/// pedestrians follow, since they are a baseline.
 pub fn driver_results(
     drivers: &[Driver],
     cells: &[Cell],

@@ -34,7 +34,7 @@ impl Failures {
         let key = RunKey::read(run, 0)?;
         let counts = match &self.last {
             Some((last, counts)) if *last == key => *counts,
-            _ => key.cell.is_trained() || self.is_new(&key),
+            _ => key.cell.is_of_reward() || self.is_new(&key),
         };
         self.last = Some((key.clone(), counts));
         for found in listed(run)?.into_values() {

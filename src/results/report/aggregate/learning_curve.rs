@@ -61,7 +61,12 @@ pub fn learning_curve_table<'a>() -> Table<'a, Update<'a>> {
             .of(|row: &Row<'_>| row.1.mean_length),
     )
     .column(
-        number("collision_rate", "", "share of the same episodes that ended in a collision (`rollout/success_rate`)")
+        number(
+            "collision_rate",
+            "",
+            "share of the same episodes that ended in a collision (`rollout/success_rate`); the pedestrian explores: its actions are drawn, as \
+             those of the controller `stochastic`, where `trained` takes the mean action",
+        )
             .of(|row: &Row<'_>| row.1.success_rate),
     )
     .column(

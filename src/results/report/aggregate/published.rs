@@ -117,7 +117,7 @@ pub fn beside<'a>(
 }
 
 fn matching<'a>(theirs: &'a PublishedCell, cells: &'a [Cell]) -> impl Iterator<Item = (&'a PublishedCell, &'a Cell)> {
-    let trained = |cell: &&Cell| ["trained", "sampled"].contains(&cell.key.controller.as_str());
+    let trained = |cell: &&Cell| ["trained", "stochastic"].contains(&cell.key.controller.as_str());
     let same = move |cell: &&Cell| {
         theirs.rewards.contains(&cell.key.reward)
             && theirs.towns.contains(&cell.key.town)

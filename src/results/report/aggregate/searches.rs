@@ -23,6 +23,8 @@ pub struct Figures {
     ticks: u64,
     failures: usize,
     failed_starts: usize,
+    /// The number of starts from which it searched.
+    starts: u64,
     failure_rate: Option<f64>,
     first: Option<u64>,
     distinct: usize,
@@ -92,6 +94,7 @@ impl Figures {
             ticks: spent.ticks,
             failures: spent.failures.len(),
             failed_starts: spent.failures.iter().map(|failure| failure.start).collect::<BTreeSet<_>>().len(),
+            starts: spent.starts.count(),
             failure_rate: share(spent.failures.len(), spent.episodes),
             first: spent.failures.first().map(|failure| failure.ticks),
             distinct: cells.len(),
@@ -143,6 +146,8 @@ pub struct SearchCell {
     pub failures: Average,
     /// The number of starts from which a failure was found.
     pub failed_starts: Average,
+    /// The number of starts from which it searched.
+    pub starts: Average,
     /// The number of kinds of failures.
     pub distinct: Average,
     /// Preventable failures.
@@ -243,6 +248,7 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         failure_rate: over(&|figures| figures.failure_rate).of_share(),
         failures: over(&|figures| Some(figures.failures as f64)),
         failed_starts: over(&|figures| Some(figures.failed_starts as f64)),
+        starts: over(&|figures| Some(figures.starts as f64)),
         distinct: over(&|figures| Some(figures.distinct as f64)),
         preventable: over(&|figures| Some(figures.preventable[0] as f64)),
         fault: over(&|figures| Some(figures.fault[0] as f64)),

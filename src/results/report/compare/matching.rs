@@ -95,7 +95,7 @@ fn names(key: &RunKey, renamed: bool, one_report: bool) -> String {
     // In two reports a renamed driver has pedestrians that were trained against it; in one report the pedestrian must be the same.
     let own = renamed && !one_report && cell.train_policy == cell.policy;
     let train_policy: &str = if own { "" } else { &cell.train_policy };
-    let reward: &str = if cell.is_trained() { &cell.reward } else { "" };
+    let reward: &str = if cell.is_of_reward() { &cell.reward } else { "" };
     let words: [&str; 8] =
         [&cell.town, policy, &cell.vehicle, &cell.adversary, &cell.controller, reward, &cell.train_town, train_policy];
     format!("{}\0{}\0{}", words.join("\0"), cell.block, key.run)

@@ -91,7 +91,7 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
     }
     let repeats = |cell: usize, key: &CellKey| {
         let mut earlier = keys().take(cell);
-        !key.is_trained() && earlier.any(|(_, b)| b.policy == key.policy && b.controller == key.controller)
+        !key.is_of_reward() && earlier.any(|(_, b)| b.policy == key.policy && b.controller == key.controller)
     };
     for (first, a) in keys().filter(|(cell, key)| !repeats(*cell, key)) {
         let others = keys().take(first).filter(|(_, b)| a.policy != b.policy && a.has_controller_of(b));

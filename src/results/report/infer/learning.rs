@@ -5,6 +5,7 @@ use super::place::{Measured, Place};
 use crate::record::CellKey;
 use base::choice;
 use base::statistics::{Sample, holm, normal_below, normal_quantile};
+use compile::UNTRAINED;
 
 /// The greatest probability of a difference by chance that still counts as one.
 const SIGNIFICANT: f64 = 0.05;
@@ -269,17 +270,23 @@ impl fmt::Display for Doubt {
             let each: Vec<String> = rewards.iter().map(|reward| format!("{reward:.3}")).collect();
             each.join(", ")
         };
+        let named = |controller: &str| match controller {
+            UNTRAINED => "the untrained network".to_string(),
+            other => format!("the untrained `{other}`"),
+        };
         write!(f, "{}: ", self.key)?;
         match &self.reason {
             Reason::Below { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "{count} of {of} trainings got less reward than the untrained `{controller}`: {} and {reward:.3} an episode",
+                "{count} of {of} trainings got less reward than {}: {} and {reward:.3} an episode",
+                named(controller),
                 listed(rewards)
             ),
             Reason::NotAbove { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "no sign of learning in {count} of {of} trainings: rewards of {} an episode, and {reward:.3} of the untrained `{controller}`",
-                listed(rewards)
+                "no sign of learning in {count} of {of} trainings: rewards of {} an episode, and {reward:.3} of {}",
+                listed(rewards),
+                named(controller)
             ),
             Reason::Disagree { rewards } => {
                 write!(f, "the trainings disagree: rewards of {} an episode", listed(rewards))

@@ -114,7 +114,7 @@ fn single_runs_are_compared_by_mcnemar_on_pairs_that_both_finished() {
 }
 
 #[test]
-fn common_beginnings_make_differences_surer_than_rates() {
+fn common_starts_make_differences_surer_than_rates() {
     let hits = |offset: usize| -> String {
         // Every second start is hit by all runs. Of the others each run hits one in ten more.
         (0..400).map(|k| if k % 2 == 0 || (k + offset) % 20 == 1 { 'x' } else { '.' }).collect()

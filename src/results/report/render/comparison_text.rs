@@ -59,7 +59,7 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
 pub fn title(cell: &ComparedCell) -> String {
     let before = &cell.keys[0];
     let drivers = drivers(&cell.keys.each_ref().map(|key| key.policy.clone()));
-    let who = if before.is_trained() { before.who() } else { before.controller.clone() };
+    let who = if before.is_of_reward() { before.who() } else { before.controller.clone() };
     format!("{drivers} in {}, {who}", before.town)
 }
 

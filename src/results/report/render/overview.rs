@@ -3,13 +3,15 @@
 use maud::html;
 
 use super::page::{document, paragraph, percent};
+use super::sections::{average, failed_starts};
 use super::svg::{Chart, Curve, Figure, Panel, SERIES, short};
 use super::table::{Column, Table, Value};
-use crate::report::overview::{HighestRate, Overview, OverviewRow};
+use crate::report::overview::{Found, Overview, OverviewRow};
+use crate::report::{DriverResult, Variant};
 
-/// How to read the table.
-const READING: &str = "Each rate is the highest over the controllers and towns of the report, a share of all episodes there, with Wilson's 95 % interval over these \
-episodes. The highest of several rates is a little too high. Variants of a matrix meet the same starts. `overview.csv` has the same numbers.";
+/// How to read the tables.
+const READING: &str = "A row is a controller of the pedestrian, or a falsifier, in a town against a driver. Rates are shares of all episodes: the mean over runs \
+± one standard deviation. Variants of a matrix meet the same starts. `overview.csv` has the same numbers, and intervals.";
 
 pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
     let figures = curves(overview);
@@ -23,7 +25,7 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
         main #main {
             section #table {
                 h2 { "What was found" }
-                (table(overview).to_html())
+                @for table in tables(overview) { (table.to_html()) }
                 (paragraph(READING))
             }
             @if !figures.is_empty() {
@@ -38,55 +40,95 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
 }
 
 pub fn overview_for_terminal(overview: &Overview<'_>) -> String {
-    table(overview).to_terminal(80)
+    tables(overview).iter().map(|table| table.to_terminal(80)).collect::<Vec<_>>().join("\n")
 }
 
 fn reports(overview: &Overview<'_>) -> usize {
-    let mut names: Vec<&str> = overview.rows.iter().map(|row| row.variant.report.as_str()).collect();
-    names.dedup();
-    names.len()
+    overview.variants.len()
 }
 
-fn table(overview: &Overview<'_>) -> Table {
-    let searched = overview.rows.iter().any(|row| row.result.searched.is_some());
-    let evaluated = overview.rows.iter().any(|row| row.rates.iter().any(Option::is_some));
-    // Without parameters only the reports tell the rows apart.
-    let report = Column::text("report");
-    let mut head = vec![if overview.parameters.is_empty() { report } else { report.page_only() }];
-    head.extend(overview.parameters.iter().map(|name| Column::text(*name)));
+/// The rates of controllers, those of falsifiers, and the worst failure of each driver; without those that would be empty.
+fn tables(overview: &Overview<'_>) -> Vec<Table> {
+    let of = |searched: bool| move |row: &&OverviewRow<'_>| matches!(row.found, Found::Searched(_)) == searched;
+    let evaluated: Vec<_> = overview.rows.iter().filter(of(false)).collect();
+    let searched: Vec<_> = overview.rows.iter().filter(of(true)).collect();
+    let several = |name: fn(&OverviewRow<'_>) -> String| {
+        let first = overview.rows.first().map(name);
+        overview.rows.iter().any(|row| Some(name(row)) != first)
+    };
+    let (drivers, towns) = (several(|row| row.driver().to_string()), several(|row| row.town().to_string()));
+    let place = |row: &OverviewRow<'_>| {
+        let driver = drivers.then(|| Value::from(row.driver()));
+        driver.into_iter().chain(towns.then(|| Value::from(row.town())))
+    };
+    let mut place_head = Vec::new();
+    place_head.extend(drivers.then(|| Column::text("driver")));
+    place_head.extend(towns.then(|| Column::text("town")));
+    let mut tables = Vec::new();
+    if !evaluated.is_empty() {
+        let mut head = head(overview);
+        head.extend(place_head.clone());
+        head.extend([Column::text("controller"), Column::number("runs").page_only()]);
+        head.extend(["fault", "preventable", "collision"].map(Column::number));
+        let row = |row: &&OverviewRow<'_>| {
+            let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
+            let mut values = first(row.variant, &row.values);
+            values.extend(place(row));
+            values.extend([row.who().into(), Value::Count(cell.runs.into())]);
+            values.extend([cell.fault, cell.preventable, cell.collision].map(Value::Spread));
+            values
+        };
+        tables.push(Table { head, rows: evaluated.iter().map(row).collect(), ..Table::default() });
+    }
+    if !searched.is_empty() {
+        let mut head = head(overview);
+        head.extend(place_head.clone());
+        head.push(Column::text("falsifier"));
+        head.extend(["failed starts", "starts with a fault"].map(Column::text));
+        let row = |row: &&OverviewRow<'_>| {
+            let Found::Searched(cell) = row.found else { unreachable!("the rows are those of searches") };
+            let mut values = first(row.variant, &row.values);
+            values.extend(place(row));
+            values.extend([
+                cell.key.falsifier.as_str().into(),
+                failed_starts(cell),
+                average(&cell.fault_start_rate, 3),
+            ]);
+            values
+        };
+        tables.push(Table { head, rows: searched.iter().map(row).collect(), ..Table::default() });
+    }
+    let mut head = head(overview);
     head.extend(["driver", "worst failure"].map(Column::text));
-    if evaluated {
-        let [fault, preventable, collision] = OverviewRow::RATES.map(|rate| Column::number(format!("{rate} (95 %)")));
-        head.extend([fault, preventable, collision.page_only()]);
-    }
-    if searched {
-        head.push(Column::text("found by searches"));
-    }
-    let row = |row: &OverviewRow<'_>| {
-        let report = &row.variant.report;
-        let mut values = vec![Value::Link(report.clone(), format!("{}/report.html", address(report)))];
-        values.extend(row.values.iter().map(|value| Value::from(value.as_deref().unwrap_or("–"))));
-        values.push(Value::from(&row.result.driver.name));
-        values.push(Value::Text(match &row.result.worst {
+    let results =
+        overview.variants.iter().flat_map(|variant| variant.drivers.iter().map(move |result| (variant, result)));
+    let row = |(variant, result): (&Variant<'_>, &DriverResult)| {
+        let mut values = first(variant, &overview.values(variant));
+        values.push(Value::from(&result.driver.name));
+        values.push(Value::Text(match &result.worst {
             Some(found) => format!("{}, {:.1} m/s", found.class().name(), found.impact_speed),
             None => "no collision".into(),
         }));
-        if evaluated {
-            let rate = |found: &Option<HighestRate>| {
-                let found = found.as_ref();
-                Value::Estimate(found.map(|found| found.rate), found.and_then(|found| found.interval), 2)
-            };
-            values.extend(row.rates.iter().map(rate));
-        }
-        if searched {
-            values.push(match row.result.searched {
-                Some(found) => format!("{} failures, {} fault", found.all, found.fault).into(),
-                None => Value::from("–"),
-            });
-        }
         values
     };
-    Table { head, rows: overview.rows.iter().map(row).collect(), ..Table::default() }
+    tables.push(Table { head, rows: results.map(row).collect(), ..Table::default() });
+    tables
+}
+
+/// The columns that tell the reports apart.
+fn head(overview: &Overview<'_>) -> Vec<Column> {
+    // Without parameters only the reports tell the rows apart.
+    let report = Column::text("report");
+    let mut head = vec![if overview.parameters.is_empty() { report } else { report.page_only() }];
+    head.extend(overview.parameters.iter().map(|name| Column::text(*name).key()));
+    head
+}
+
+/// The values of these columns.
+fn first(variant: &Variant<'_>, parameters: &[Option<String>]) -> Vec<Value> {
+    let report = &variant.report;
+    let link = Value::Link(report.clone(), format!("{}/report.html", address(report)));
+    std::iter::once(link).chain(parameters.iter().map(|value| Value::from(value.as_deref().unwrap_or("–")))).collect()
 }
 
 /// A folder's name in a relative address.
@@ -95,7 +137,7 @@ fn address(name: &str) -> String {
     name.bytes().map(|byte| if plain(&byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
-/// A curve over a parameter: a driver with the values of all other parameters.
+/// A curve over a parameter: a controller or a falsifier, with the values of all other parameters.
 struct Line<'a> {
     label: String,
     points: Vec<(f64, &'a OverviewRow<'a>)>,
@@ -116,7 +158,8 @@ fn figure(overview: &Overview<'_>, place: usize) -> Option<Figure> {
         }
         let others = row.values.iter().zip(&overview.parameters).enumerate().filter(|(other, _)| *other != place);
         let others = others.filter_map(|(_, (value, name))| Some(format!(", {name} = {}", value.as_ref()?)));
-        let label = format!("{}{}", row.result.driver.name, others.collect::<String>());
+        let place = format!("{} in {} against {}", row.who(), row.town(), row.driver());
+        let label = format!("{place}{}", others.collect::<String>());
         // Another file may have the same parameter: its points are a curve of their own.
         let open = |line: &&mut Line<'_>| line.label == label && line.points.iter().all(|(other, _)| *other != x);
         match lines.iter_mut().find(open) {
@@ -135,7 +178,7 @@ fn figure(overview: &Overview<'_>, place: usize) -> Option<Figure> {
     let name = overview.parameters[place];
     let label = if unit.is_empty() { name.to_string() } else { format!("{name}, {unit}") };
     // Campaigns without evaluations have no rates of episodes, and those without searches none of starts.
-    let titles = OverviewRow::RATES.into_iter().chain([OverviewRow::SEARCHED]).enumerate();
+    let titles = OverviewRow::RATES.into_iter().enumerate();
     let known = |rate: usize| lines.iter().flat_map(|line| &line.points).any(|(_, row)| row.rate(rate).is_some());
     let panels: Vec<Panel> =
         titles.filter(|(rate, _)| known(*rate)).map(|(rate, title)| panel(&lines, rate, title, x, &label)).collect();
@@ -145,7 +188,8 @@ fn figure(overview: &Overview<'_>, place: usize) -> Option<Figure> {
     Some(Figure {
         name: String::new(),
         title: format!(
-            "Highest rates over {name}, with 95 % intervals: Wilson's over episodes, Student's over the runs of searches, if there are four."
+            "Rates over {name}. Bands: ± one standard deviation over runs, Wilson's 95 % interval for a single run; for searches Student's 95 % \
+             interval over runs, lowest and highest of fewer than four."
         ),
         legend: lines.iter().enumerate().map(|(number, line)| (class(number), line.label.clone())).collect(),
         panels,
@@ -164,14 +208,17 @@ fn panel(lines: &[Line<'_>], rate: usize, title: &str, x: (f64, f64), label: &st
     let mut drawn = Vec::new();
     for (number, line) in lines.iter().enumerate() {
         let known = || line.points.iter().filter_map(|(x, row)| Some((*x, row.rate(rate)?)));
-        most = known().fold(most, |most, (_, found)| most.max(found.interval.map_or(found.rate, |ends| ends.1)));
+        if known().next().is_none() {
+            continue;
+        }
+        most = known().fold(most, |most, (_, found)| most.max(found.band.1));
         let texts: Vec<String> = known().map(|(x, found)| format!("{} at {}", percent(found.rate), short(x))).collect();
         says.push(format!("{}: {}", line.label, texts.join(", ")));
         drawn.push(Curve {
             colour: number % SERIES,
             thin: false,
             points: known().map(|(x, found)| (x, found.rate)).collect(),
-            band: known().map(|(_, found)| found.interval).collect::<Option<_>>().unwrap_or_default(),
+            band: known().map(|(_, found)| found.band).collect(),
         });
     }
     let chart = Chart {

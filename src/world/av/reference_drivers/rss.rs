@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_brakes_for_whoever_stands_in_the_way_from_the_beginning() {
+    fn it_brakes_for_a_person_in_the_way_from_the_start() {
         let own = OwnMotion { speed: 5.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
         let standing = |gap| Threat { gap, length: 0.4, offset: 0.0, reach: 1.25, along: 0.0, towards: 0.0 };
         let mut rss = Rss::default();
@@ -135,6 +135,6 @@ mod tests {
         assert_eq!(rss.brake(&own, Some(&walking(3.0, 1.39)), 0.05), None, "it can stop within 2.37 m");
         assert_eq!(rss.brake(&own, Some(&walking(2.0, 1.39)), 0.05), None);
         rss.begin();
-        assert_eq!(rss.brake(&own, Some(&walking(2.0, 1.39)), 0.05), Some(4.0), "a danger from the beginning");
+        assert_eq!(rss.brake(&own, Some(&walking(2.0, 1.39)), 0.05), Some(4.0), "a danger from the start");
     }
 }

@@ -52,9 +52,6 @@ impl fmt::Display for Rarity {
                 "{accepted} of them took {tried} tries, since around most poses of the ego no pedestrian can be placed; the constraint that fails most is `{worst}`"
             );
         }
-        write!(
-            f,
-            "only {accepted} of {tried} starts satisfy all constraints; the one that fails most is `{worst}`, satisfied by {worst_passed}"
-        )
+        write!(f, "{accepted} of {tried} do; the constraint that fails most is `{worst}`, which {worst_passed} satisfy")
     }
 }

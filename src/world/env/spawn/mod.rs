@@ -18,6 +18,7 @@ mod rule;
 mod target_walk;
 mod given_path;
 mod survey;
+mod reach;
 mod error;
 
 pub use constraint::{Constraint, Ground};

@@ -242,7 +242,7 @@ fn a_hardly_visible_bend_is_continuous_too() {
 }
 
 #[test]
-fn speed_signs_stand_at_the_beginning_of_both_lanes() {
+fn speed_signs_stand_at_the_start_of_both_lanes() {
     let mut design =
         design(&[("a", 0.0, 0.0), ("b", 100.0, 0.0), ("c", 200.0, 0.0)], &[("fast", &[0, 1]), ("free", &[1, 2])]);
     design.streets[0].speed_limit = Some(13.5);

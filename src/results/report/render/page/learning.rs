@@ -12,8 +12,12 @@ const POINTS: usize = 160;
 pub fn learning(trainings: &[TrainingResult]) -> Vec<Figure> {
     type Quantity = fn(&UpdateLog) -> Option<f64>;
     let quantities: [(&str, &str, Quantity); 3] = [
-        ("learning_reward", "Reward of an episode, mean of the last 100", |log| log.mean_reward),
-        ("learning_collisions", "Share of the last 100 episodes with a collision", |log| log.success_rate),
+        ("learning_reward", "Reward of an episode while exploring, mean of the last 100", |log| log.mean_reward),
+        (
+            "learning_collisions",
+            "Share of the last 100 episodes with a collision, with drawn actions as of `stochastic`",
+            |log| log.success_rate,
+        ),
         ("learning_length", "Length of an episode in decisions, mean of the last 100", |log| log.mean_length),
     ];
     quantities.into_iter().filter_map(|(name, title, value)| figure(trainings, name, title, value)).collect()

@@ -63,7 +63,7 @@ fn table(title: &str, found: &[&Comparison]) -> Table {
 fn names(found: &Comparison, several_trainings: bool) -> Vec<Value> {
     let (first, second) = (&found.first, &found.second);
     let who = |key: &CellKey| {
-        if key.is_trained() { format!("{}, {}", key.controller, key.reward) } else { key.controller.clone() }
+        if key.is_of_reward() { format!("{}, {}", key.controller, key.reward) } else { key.controller.clone() }
     };
     let training = match first.is_trained() && several_trainings {
         true => format!(" ({}, {})", first.train_town, first.train_policy),

@@ -24,7 +24,7 @@ pub use names::{distinct, place, who};
 pub use protocol::{PROTOCOL, protocol};
 pub use published::published_section;
 pub use results::{errors, results};
-pub use searches::search_section;
+pub use searches::{average, failed_starts, search_section};
 pub use trainings::trainings_section;
 pub use transfer::transfer;
 

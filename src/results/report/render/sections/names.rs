@@ -12,7 +12,7 @@ pub fn head() -> Vec<Column> {
 pub fn names(cell: &Cell, cells: &[Cell]) -> Vec<Value> {
     vec![
         Value::from(&cell.key.controller),
-        if cell.key.is_trained() { Value::from(&cell.key.reward) } else { Value::from("–") },
+        if cell.key.is_of_reward() { Value::from(&cell.key.reward) } else { Value::from("–") },
         training(cell).into(),
         place(cell, cells).into(),
         Value::from(&cell.key.policy),
@@ -35,16 +35,19 @@ pub fn distinct(cells: &[Cell]) -> Vec<&Cell> {
 fn is_repeated(first: &Cell, second: &Cell) -> bool {
     let key = |cell: &Cell| CellKey { reward: String::new(), ..cell.key.clone() };
     let figures = |cell: &Cell| (cell.runs, cell.episodes, cell.labels, cell.collision, cell.length, cell.impact_speed);
-    !first.key.is_trained() && figures(first) == figures(second) && key(first) == key(second)
+    !first.key.is_of_reward() && figures(first) == figures(second) && key(first) == key(second)
 }
 
 /// The controller of a cell, with what distinguishes it from the others: its reward if it was trained, and its training if there are several.
 pub fn who(cell: &Cell, cells: &[Cell]) -> String {
-    if !cell.key.is_trained() {
+    if !cell.key.is_of_reward() {
         return cell.key.controller.clone();
     }
-    let mut trainings = cells.iter().filter(|other| other.key.is_trained());
     let reward = format!("{}, {}", cell.key.controller, cell.key.reward);
+    if !cell.key.is_trained() {
+        return reward;
+    }
+    let mut trainings = cells.iter().filter(|other| other.key.is_trained());
     let several = trainings.any(|other| training(other) != training(cell));
     if several { format!("{reward} ({})", training(cell)) } else { reward }
 }

@@ -39,7 +39,7 @@ pub fn results(cells: &[Cell]) -> Table {
         ]);
         if is_paid {
             // The row of an untrained controller is that of all rewards, which pay it differently.
-            let one = cell.key.is_trained() || rewards.len() == 1;
+            let one = cell.key.is_of_reward() || rewards.len() == 1;
             row.push(if one { cell.reward_sum.into() } else { Value::from(Spread::default()) });
         }
         row.extend([Value::from(cell.length), cell.impact_speed.into()]);

@@ -28,7 +28,7 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
             Value::Of((cell.runs - cell.censored) as u64, cell.runs as u64),
             median(cell.first_failure).into(),
             average(&cell.failure_rate, 3),
-            average(&cell.failed_starts, 1),
+            failed_starts(cell),
             average(&cell.distinct, 1),
             average(&cell.fault, 1),
             average(&cell.fault_start_rate, 3),
@@ -44,6 +44,8 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
          Brookmeyer and Crowley's; `≥` and `≤` stand where the runs show one end alone. The other intervals are Student's 95 % over runs. They are \
          about further runs in *this* town; other towns may give other figures, and no interval here covers that. Fewer than four runs have no \
          interval; their single values stand there.",
+        "*Failed starts* are those from which a failure was found, of the number of starts from which it searched (means over runs). With the same budget \
+         one falsifier may spend all ticks on few starts, and another visit many.",
         "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
          methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver was doing. \
          A *fault* is a failure that counts against the driver. \
@@ -96,8 +98,16 @@ fn median(time: MedianTime) -> String {
     }
 }
 
+/// The starts from which a failure was found, of those from which the falsifier searched.
+pub fn failed_starts(cell: &SearchCell) -> Value {
+    let found = &cell.failed_starts;
+    let each = || found.by_run.iter().map(|run| format!("{run:.0}")).collect::<Vec<_>>().join(" ");
+    let found = if found.interval.is_none() { each() } else { average(found, 1).to_string() };
+    format!("{found} of {:.0}", cell.starts.mean.unwrap_or(0.0)).into()
+}
+
 /// The mean with its interval; of two or three runs the single values.
-fn average(average: &Average, digits: usize) -> Value {
+pub fn average(average: &Average, digits: usize) -> Value {
     match (average.interval, average.by_run.len()) {
         (None, 2..) => Value::Runs(average.by_run.clone(), digits, false),
         (interval, _) => Value::Estimate(average.mean, interval, digits),

@@ -1,0 +1,53 @@
+use super::{EgoSpeed, SpawnRule, Survey};
+use crate::env::FirstHeading;
+use crate::geometry::{Obstacles, Point};
+use crate::road::{LaneFilter, Town};
+use base::seed::Stream;
+
+/// The car may drive at so many times the highest limit of a speed sign,
+const BEYOND_LIMIT: f64 = 2.0;
+/// and at this speed (m/s) in any town.
+const LEAST_SPEED: f64 = 20.0;
+/// Length that bodies and half a lane may take of a distance between middles (m).
+const BODIES: f64 = 5.0;
+/// The number of starts that are drawn first.
+const FEW: u32 = 4;
+/// The number that is drawn if none of these is within reach; [`ENOUGH`] of them must satisfy all constraints.
+const MANY: u32 = 200;
+const ENOUGH: usize = 20;
+
+impl SpawnRule {
+    /// Whether no pedestrian of this greatest speed (m/s) can meet the car within a time (s), as far as drawn starts tell.
+    ///
+    /// A start is within reach where the pedestrian can get to a driving lane, and together with a car of 20 m/s, or
+    /// of twice the highest speed sign, can cover the distance between them. A rule that states the pedestrian's walk is always within reach.
+    pub fn is_out_of_reach(
+        &self,
+        town: &Town,
+        obstacles: &Obstacles,
+        first: FirstHeading,
+        (walking, time): (f64, f64),
+        stream: &mut Stream,
+    ) -> bool {
+        if self.scripted().is_some() {
+            return false;
+        }
+        let drawn = if let EgoSpeed::Drawn(speed) = &self.ego_speed { speed.support().1 } else { 0.0 };
+        let driven = town.speed_signs.iter().map(|sign| BEYOND_LIMIT * sign.limit).fold(LEAST_SPEED, f64::max);
+        let driven = driven.max(drawn).max(self.test_speed.unwrap_or(0.0));
+        let walked = walking * time + BODIES;
+        let lane_in_reach = |place: Point| {
+            let lane = town.nearest_lane(place, LaneFilter::Driving);
+            lane.is_some_and(|lane| (town.pose(lane).position() - place).norm() <= walked)
+        };
+        let none_in_reach = |count: u32, stream: &mut Stream| {
+            let Survey { spawns, .. } = self.survey(town, obstacles, first, count, stream);
+            let in_reach = spawns.iter().any(|start| {
+                let apart = (start.pedestrian.position() - start.ego.position()).norm();
+                apart <= driven * time + walked && lane_in_reach(start.pedestrian.position())
+            });
+            (!in_reach).then_some(spawns.len())
+        };
+        none_in_reach(FEW, stream).is_some() && none_in_reach(MANY, stream).is_some_and(|found| found >= ENOUGH)
+    }
+}
