@@ -182,7 +182,7 @@ impl DrivingPolicy for BehaviorAgent {
         let ego = EgoBody::new(&perception.ego);
         let speed = perception.ego.speed() * KMH;
         // The server gives the limit in 32 bits; that also turns 8.33 m/s into 30 km/h.
-        let limit = f64::from((perception.speed_limit * KMH) as f32);
+        let limit = f64::from((perception.carla_limit() * KMH) as f32);
         self.decision = Decision::default();
         let intent = self.intend(perception, &ego, limit, speed);
         let (control, target_speed) = match intent {
