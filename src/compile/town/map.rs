@@ -8,7 +8,7 @@ use lang::{Reader, diagnostics};
 use world::road::{AssumedLimit, TownParts, opendrive};
 
 keys! {
-    /// A town from an OpenDRIVE map. Such maps hold no buildings; they can be added here.
+    /// A town from an OpenDRIVE map, with its speed limits and its signs. Such maps hold no buildings; they can be added here.
     pub struct OpenDriveKeys = "opendrive" {
         /// The map, relative to the folder of this file.
         file: String as Path,

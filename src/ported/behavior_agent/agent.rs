@@ -32,6 +32,12 @@ pub struct AgentConfig {
 /// CARLA's `BehaviorAgent`.
 ///
 /// Without a plan it finds its own way, according to [`AgentConfig::way`].
+///
+/// Its speed limit is [`Perception::carla_limit`]: 30 km/h before the first speed sign, then that of the last sign. CARLA ignores limits of lanes
+/// and road types. Stop and yield signs do not stop it.
+///
+/// # Source
+/// CARLA `Vehicle/WheeledVehicleAIController.h`, `Traffic/SpeedLimitComponent.cpp`; `agents/navigation/behavior_agent.py` checks red lights alone.
 #[derive(Debug, Clone)]
 pub struct BehaviorAgent {
     config: AgentConfig,

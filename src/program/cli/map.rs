@@ -71,7 +71,7 @@ fn describe(town: &Town) {
 fn limits(town: &Town) -> String {
     let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| &section.lanes);
     let driving = lanes.filter(|lane| lane.kind == LaneKind::Driving);
-    let known = driving.flat_map(|lane| &lane.limits).filter_map(|(_, limit)| Some(limit? * 3.6));
+    let known = driving.flat_map(|lane| &lane.limits).filter_map(|(_, limit)| limit.map(|limit| limit * 3.6));
     let (least, most) =
         known.fold((f64::INFINITY, 0.0_f64), |(least, most), limit| (least.min(limit), most.max(limit)));
     let known = match (most - least).abs() {
