@@ -313,7 +313,6 @@ fn brake_labels_agree_with_the_reference() {
         let rules = BrakeRules {
             ego_half_length: VehicleBlueprint::mkz_2017().half_length,
             speed_limit: limit / 3.6,
-            signed_limit: None,
             scale: 1.0,
         };
         let place = EgoPoint::new(number(&inputs["right_m"]), -number(&inputs["forward_m"]));

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Compiled, compile};
-use learn::Env;
 use world::env::{PedestrianEnv, Scenario};
 
 /// Drivers that heed signs.
@@ -111,7 +110,9 @@ fn a_test_speed_is_held_whatever_the_limit() {
 
 #[test]
 fn a_stop_sign_stops_the_car_before_its_line_and_lets_it_go_on() {
-    let sign = |kind: u32| map(&limit(0.0, "50"), &format!(r#"<signal id="7" s="{MIDDLE}" t="-4" type="{kind}" orientation="+"/>"#));
+    let sign = |kind: u32| {
+        map(&limit(0.0, "50"), &format!(r#"<signal id="7" s="{MIDDLE}" t="-4" type="{kind}" orientation="+"/>"#))
+    };
     let (stop, give_way) = (sign(206), sign(205));
     for driver in HEEDING {
         let driven = drive(&stop, driver, "", 400.0);
@@ -123,7 +124,10 @@ fn a_stop_sign_stops_the_car_before_its_line_and_lets_it_go_on() {
         assert!(ticks < 20, "{driver} stands {ticks} ticks");
         let driven = drive(&give_way, driver, "", 400.0);
         let (line, least) = (speed_at(&driven, MIDDLE), driven.iter().map(|(_, speed)| *speed).fold(9.0, f64::min));
-        assert!(line < 2.3 && least > 1.0, "{driver} passes the yield sign at {line} m/s, and {least} m/s is its least speed");
+        assert!(
+            line < 2.3 && least > 1.0,
+            "{driver} passes the yield sign at {line} m/s, and {least} m/s is its least speed"
+        );
     }
     // One sees no signs, and stop signs do not stop CARLA's agent.
     for driver in ["blind", "behavior"] {
