@@ -173,6 +173,7 @@ fn replay(
             dt: 0.05,
             ego,
             speed_limit: rows.get(row, "speed_limit") / 3.6,
+            signed_limit: None,
             route: &[],
             pedestrians: &pedestrians,
             vehicles: &vehicles,

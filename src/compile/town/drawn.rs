@@ -49,7 +49,8 @@ keys! {
     pub struct StreetKeys = "street" {
         /// The points it leads through, at least two, within 10 km of the origin.
         through: Vec<[f64; 2]>,
-        /// Speed limit on the signs at its ends.
+        /// Speed limit on the signs at its ends. Without it drivers keep the limit of the last sign, or 30 km/h before the
+        /// first one.
         speed_limit: Option<f64> as positive(SPEED),
         /// Number of driving lanes in each direction in which it is driven. Drivers keep the lane in which they start.
         lanes: u32 as whole(1, 4) = "1",

@@ -5,10 +5,10 @@ use base::diagnostic::Diagnostic;
 use base::keys;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics};
-use world::road::{TownParts, opendrive};
+use world::road::{AssumedLimit, TownParts, opendrive};
 
 keys! {
-    /// A town from an OpenDRIVE map. Such maps hold no buildings; they can be added here.
+    /// A town from an OpenDRIVE map, with its speed limits and its signs. Such maps hold no buildings; they can be added here.
     pub struct OpenDriveKeys = "opendrive" {
         /// The map, relative to the folder of this file.
         file: String as Path,
@@ -47,7 +47,8 @@ pub(super) fn read(
         Ok(parts) => {
             // What has no effect is listed by `falsify preview`; it is no mistake of the file.
             let mistakes = parts.warnings.iter().filter(|warning| !warning.problem.is_unused());
-            let warnings: Vec<String> = mistakes.map(ToString::to_string).collect();
+            let assumed = AssumedLimit::of(&parts.roads, &parts.speed_signs).map(|assumed| assumed.to_string());
+            let warnings: Vec<String> = assumed.into_iter().chain(mistakes.map(ToString::to_string)).collect();
             if !warnings.is_empty() {
                 said.push(diagnostics::map_warning(place, shown, &warnings));
             }

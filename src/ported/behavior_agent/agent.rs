@@ -32,6 +32,12 @@ pub struct AgentConfig {
 /// CARLA's `BehaviorAgent`.
 ///
 /// Without a plan it finds its own way, according to [`AgentConfig::way`].
+///
+/// Its speed limit is [`Perception::carla_limit`]: 30 km/h before the first speed sign, then that of the last sign. CARLA ignores limits of lanes
+/// and road types. Stop and yield signs do not stop it.
+///
+/// # Source
+/// CARLA `Vehicle/WheeledVehicleAIController.h`, `Traffic/SpeedLimitComponent.cpp`; `agents/navigation/behavior_agent.py` checks red lights alone.
 #[derive(Debug, Clone)]
 pub struct BehaviorAgent {
     config: AgentConfig,
@@ -182,7 +188,7 @@ impl DrivingPolicy for BehaviorAgent {
         let ego = EgoBody::new(&perception.ego);
         let speed = perception.ego.speed() * KMH;
         // The server gives the limit in 32 bits; that also turns 8.33 m/s into 30 km/h.
-        let limit = f64::from((perception.speed_limit * KMH) as f32);
+        let limit = f64::from((perception.carla_limit() * KMH) as f32);
         self.decision = Decision::default();
         let intent = self.intend(perception, &ego, limit, speed);
         let (control, target_speed) = match intent {

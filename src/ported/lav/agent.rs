@@ -167,13 +167,16 @@ impl DrivingPolicy for Lav {
         if !std::mem::replace(&mut self.started, true) {
             return Control::default();
         }
-        let rules =
-            BrakeRules { ego_half_length: TRAINED_HALF_LENGTH, speed_limit: perception.speed_limit, scale: self.scale };
+        let rules = BrakeRules {
+            ego_half_length: TRAINED_HALF_LENGTH,
+            speed_limit: perception.carla_limit(),
+            scale: self.scale,
+        };
         let hazard = hazards::find(&rules, &self.path, perception);
         self.cause = hazard.unwrap_or(self.cause);
         let brake_score = self.classifier.run(hazard.is_some(), perception.dt);
         let in_turn = matches!(self.command, Command::Left | Command::Right);
-        let expert = Tempo::of_expert(perception.speed_limit, in_turn);
+        let expert = Tempo::of_expert(perception.carla_limit(), in_turn);
         let (Tempo::Cruise(cruise) | Tempo::Brake(cruise, _)) = expert;
         self.look(perception, cruise);
         let braking = Tempo::Brake(ego.speed(), perception.blueprint.full_brake);

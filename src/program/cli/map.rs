@@ -6,7 +6,7 @@ use super::failure::{misused, unwritten};
 use super::preview::PreviewArgs;
 use lang::reason;
 use results::report;
-use world::road::{LaneKind, Town, opendrive};
+use world::road::{AssumedLimit, GiveWay, LaneKind, Town, opendrive};
 
 /// The distance between two waypoints (m).
 ///
@@ -54,13 +54,34 @@ fn describe(town: &Town) {
     console::say(&format!("  driving lanes   {:.2} km", kilometres(LaneKind::Driving)));
     console::say(&format!("  sidewalks       {:.2} km", kilometres(LaneKind::Sidewalk)));
     console::say(&format!("  traffic lights  {}", town.traffic_lights.len()));
+    console::say(&format!("  speed limits    {}", limits(town)));
     console::say(&format!("  speed signs     {}", town.speed_signs.len()));
+    let signs = |kind| town.give_way_signs.iter().filter(|sign| sign.kind == kind).count();
+    console::say(&format!("  stop signs      {}", signs(GiveWay::Stop)));
+    console::say(&format!("  yield signs     {}", signs(GiveWay::Yield)));
     console::say(&format!("  crosswalks      {}", town.crosswalks.len()));
     console::say(&format!("  obstacles       {}", town.obstacles.len()));
     console::say(&format!("  warnings        {}", town.warnings.len()));
     for warning in &town.warnings {
         console::say(&format!("    {warning}"));
     }
+}
+
+/// The limits that the map gives its driving lanes.
+fn limits(town: &Town) -> String {
+    let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| &section.lanes);
+    let driving = lanes.filter(|lane| lane.kind == LaneKind::Driving);
+    let known = driving.flat_map(|lane| &lane.limits).filter_map(|(_, limit)| limit.map(|limit| limit * 3.6));
+    let (least, most) =
+        known.fold((f64::INFINITY, 0.0_f64), |(least, most), limit| (least.min(limit), most.max(limit)));
+    let known = match (most - least).abs() {
+        _ if most == 0.0 && !town.speed_signs.is_empty() => "those of the signs, 30 km/h before the first".to_owned(),
+        _ if most == 0.0 => String::new(),
+        apart if apart < 0.5 => format!("{most:.0} km/h"),
+        _ => format!("{least:.0} to {most:.0} km/h"),
+    };
+    let assumed = AssumedLimit::of(&town.roads, &town.speed_signs).map(|assumed| assumed.to_string());
+    [known, assumed.unwrap_or_default()].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
 fn write(town: &Town, options: &PreviewArgs) -> Result<(), report::WriteError> {

@@ -43,7 +43,7 @@ impl DrivingPolicy for Cruise {
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         self.path.advance(perception);
         let speed = perception.ego.speed();
-        let wanted = self.keys.limit_share * perception.speed_limit;
+        let wanted = lane_keeping::speed_for_limits(&self.path, perception, self.keys.limit_share, COMFORTABLE);
         let allowed = lane_keeping::speed_for_bends(&self.path, wanted, self.keys.lateral_acceleration, COMFORTABLE);
         self.mode = if allowed < 0.1 {
             DrivingMode::Arrived
@@ -52,7 +52,9 @@ impl DrivingPolicy for Cruise {
         } else {
             DrivingMode::Cruise
         };
-        let acceleration = ((allowed - speed) / 0.5).clamp(-2.0 * COMFORTABLE, 2.0);
+        let lower = lane_keeping::lower_limit(&self.path, perception, self.keys.limit_share, COMFORTABLE);
+        let before = lower.map_or(f64::INFINITY, |lower| lower.acceleration(speed, COMFORTABLE));
+        let acceleration = ((allowed - speed) / 0.5).min(before).clamp(-2.0 * COMFORTABLE, 2.0);
         let pedals = perception.blueprint.pedals_for(acceleration, speed);
         Control { steer: lane_keeping::steer(&self.path, perception), ..pedals }
     }

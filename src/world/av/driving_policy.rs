@@ -20,6 +20,8 @@ choice! {
         EmergencyStop = "emergency_stop",
         /// Standing at a red light.
         RedLight = "red_light",
+        /// Slowing down for a stop or yield sign, or standing there.
+        GiveWay = "give_way",
         /// Standing at the end of its route.
         Arrived = "arrived",
         /// An external driver that does not report its mode.

@@ -1,4 +1,6 @@
 use super::crosswalks::{self, CrosswalkKeys};
+use super::give_way::GiveWayMemory;
+use super::lane_keeping::Demand;
 use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
 use crate::geometry::{Point, wrap_angle};
 use crate::sim::{Control, LightColour};
@@ -50,6 +52,7 @@ keys! {
 pub struct Idm {
     keys: IdmKeys,
     path: Path,
+    signs: GiveWayMemory,
     mode: DrivingMode,
 }
 
@@ -75,7 +78,7 @@ enum LeaderKind {
 
 impl Idm {
     pub fn new(keys: IdmKeys) -> Self {
-        Self { keys, path: Path::default(), mode: DrivingMode::Cruise }
+        Self { keys, path: Path::default(), signs: GiveWayMemory::default(), mode: DrivingMode::Cruise }
     }
 
     /// The acceleration of the model (m/s²).
@@ -160,14 +163,16 @@ impl DrivingPolicy for Idm {
 
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.path.reset(perception, stream);
+        self.signs = GiveWayMemory::default();
         self.mode = DrivingMode::Cruise;
     }
 
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         self.path.advance(perception);
         let speed = perception.ego.speed();
-        let limit = self.keys.limit_share * perception.speed_limit;
-        let wanted = lane_keeping::speed_for_bends(&self.path, limit, LATERAL, self.keys.comfortable_braking);
+        let braking = self.keys.comfortable_braking;
+        let limit = lane_keeping::speed_for_limits(&self.path, perception, self.keys.limit_share, braking);
+        let wanted = lane_keeping::speed_for_bends(&self.path, limit, LATERAL, braking);
         let leader = self.leader(perception);
         let steer = lane_keeping::steer(&self.path, perception);
         if let Some(leader) = leader.filter(|leader| leader.kind == LeaderKind::RoadUser) {
@@ -177,7 +182,11 @@ impl DrivingPolicy for Idm {
                 return Control { throttle: 0.0, brake: 1.0, steer };
             }
         }
-        let acceleration = self.follow(speed, wanted, leader);
+        let sign = self.signs.next(perception, &self.path);
+        let lower = lane_keeping::lower_limit(&self.path, perception, self.keys.limit_share, braking);
+        // The model brakes late for a speed that falls along the way.
+        let before = |demand: Option<Demand>| demand.map_or(f64::INFINITY, |each| each.acceleration(speed, braking));
+        let acceleration = self.follow(speed, wanted, leader).min(before(sign)).min(before(lower));
         self.mode = match leader {
             Some(leader) if acceleration < -0.2 || speed < 0.1 => {
                 if leader.kind == LeaderKind::RedLight {
@@ -186,6 +195,7 @@ impl DrivingPolicy for Idm {
                     DrivingMode::Yield
                 }
             }
+            _ if before(sign).is_finite() => DrivingMode::GiveWay,
             _ if wanted < 0.1 => DrivingMode::Arrived,
             _ if wanted < limit - 0.1 => DrivingMode::Turn,
             _ => DrivingMode::Cruise,

@@ -1,4 +1,5 @@
 use super::crosswalks::{self, CrosswalkKeys};
+use super::give_way::GiveWayMemory;
 use super::route_trace::RouteTrace;
 use super::{DrivingMode, Path, Perception, lane_keeping};
 use crate::geometry::wrap_angle;
@@ -22,13 +23,14 @@ const PUSH: f64 = 1.5;
 /// Range of the search for red lights (m).
 const LIGHTS: f64 = 40.0;
 
-/// Keeps the lane, slows down before bends and stops at red lights: the driver inside the guarded drivers. It ignores other road users, except
+/// Keeps the lane, slows down before bends, stops at red lights and heeds stop and yield signs: the driver inside the guarded drivers. It ignores other road users, except
 /// that it can yield to pedestrians at crosswalks.
 #[derive(Debug, Clone)]
 pub struct LaneFollower {
     lane: LaneKeys,
     at_crosswalks: CrosswalkKeys,
     path: Path,
+    signs: GiveWayMemory,
     /// The way ahead.
     pub trace: RouteTrace,
 }
@@ -48,7 +50,13 @@ pub struct Intent {
 
 impl LaneFollower {
     pub fn new(lane: LaneKeys, at_crosswalks: CrosswalkKeys) -> Self {
-        Self { lane, at_crosswalks, path: Path::default(), trace: RouteTrace::default() }
+        Self {
+            lane,
+            at_crosswalks,
+            path: Path::default(),
+            signs: GiveWayMemory::default(),
+            trace: RouteTrace::default(),
+        }
     }
 
     /// The speed limit at which it drives this speed (m/s).
@@ -59,6 +67,7 @@ impl LaneFollower {
     /// Starts an episode.
     pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.path.reset(perception, stream);
+        self.signs = GiveWayMemory::default();
     }
 
     /// Looks along the lane and returns its intention.
@@ -66,14 +75,20 @@ impl LaneFollower {
         self.path.advance(perception);
         self.trace.follow(&self.path, perception);
         let speed = perception.ego.speed();
-        let limit = self.lane.limit_share * perception.speed_limit;
+        let limit = lane_keeping::speed_for_limits(&self.path, perception, self.lane.limit_share, COMFORT);
         let bends = lane_keeping::speed_for_bends(&self.path, limit, COMFORT, COMFORT);
         let light = self.red_light(perception);
         let crosswalk = self.at_crosswalks.yields().then(|| crosswalks::gap(perception, &self.path)).flatten();
         let before = |stop: Option<f64>| stop.map_or(bends, |gap| bends.min((2.0 * COMFORT * gap).sqrt()));
-        let wanted = before(light).min(before(crosswalk));
-        let mode = if wanted < before(light) {
+        let demand = self.signs.next(perception, &self.path);
+        let sign = demand.map_or(bends, |sign| bends.min(sign.allowed(COMFORT)));
+        let lower = lane_keeping::lower_limit(&self.path, perception, self.lane.limit_share, COMFORT);
+        let demands = demand.into_iter().chain(lower).map(|demand| demand.acceleration(speed, COMFORT));
+        let wanted = before(light).min(before(crosswalk)).min(sign);
+        let mode = if wanted < before(light).min(sign) {
             DrivingMode::Yield
+        } else if wanted < before(light) {
+            DrivingMode::GiveWay
         } else if wanted < bends {
             DrivingMode::RedLight
         } else if bends < 0.1 {
@@ -85,7 +100,7 @@ impl LaneFollower {
         };
         // A car that stopped beyond the line would be on the crosswalk.
         let stop = crosswalk.filter(|_| mode == DrivingMode::Yield).map(|gap| -speed * speed / (2.0 * gap).max(0.1));
-        let tracked = (wanted - speed) / 0.5;
+        let tracked = demands.fold((wanted - speed) / 0.5, f64::min);
         let acceleration = stop.map_or(tracked, |stop| tracked.min(stop)).clamp(-2.0 * COMFORT, PUSH);
         Intent { acceleration, steer: lane_keeping::steer(&self.path, perception), wanted, mode }
     }

@@ -13,6 +13,7 @@ mod view;
 mod lane_keeping;
 mod cruise;
 mod crosswalks;
+mod give_way;
 mod idm;
 mod route_trace;
 mod lane_follower;

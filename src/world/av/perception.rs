@@ -69,8 +69,12 @@ pub struct Perception<'a> {
     /// Length of a tick (s).
     pub dt: f64,
     pub ego: Actor,
-    /// The speed limit of the ego (m/s).
+    /// The speed limit where the ego is (m/s): that of its lane, or where the map gives the lane none, that of the last sign, or 30 km/h before the
+    /// first sign. [`Perception::limit_at`] gives those ahead.
     pub speed_limit: f64,
+    /// The limit of the last sign, or 30 km/h (m/s): what CARLA gives its drivers. None while the driver holds a test speed; then `speed_limit`
+    /// is the limit everywhere.
+    pub signed_limit: Option<f64>,
     /// The lanes that the ego is to take from its place on, in order, each as a place on it: the first one is the place of the ego, the last
     /// one the end of the route. Afterwards the driver finds its own way. Drivers read it when they are reset. Empty when every way is the
     /// driver's own.
@@ -92,6 +96,20 @@ impl Perception<'_> {
     pub fn start_lane(&self) -> Option<Waypoint> {
         let given = self.route.first().copied();
         given.or_else(|| self.town.nearest_lane(self.ego.pose.position(), LaneFilter::Driving))
+    }
+
+    /// The speed limit on a lane where the ego is or will be (m/s). Signs that it has not passed yet do not count.
+    pub fn limit_at(&self, place: Waypoint) -> f64 {
+        let Some(signed) = self.signed_limit else { return self.speed_limit };
+        self.town.limit(place).unwrap_or(signed)
+    }
+
+    /// The speed limit as CARLA gives it to its drivers (m/s): limits of lanes and road types do not count.
+    ///
+    /// # Source
+    /// CARLA `Traffic/SpeedLimitComponent.cpp`: signs alone set the limit of a vehicle.
+    pub fn carla_limit(&self) -> f64 {
+        self.signed_limit.unwrap_or(self.speed_limit)
     }
 
     /// Whether the line between the middles of the ego and of an actor is free.
@@ -144,13 +162,17 @@ impl PerfectSensors {
             let lamps = world.town.traffic_lights.iter();
             self.lights.extend(lamps.map(|lamp| Light { trigger: lamp.stop, colour: clock.colour(lamp) }));
         }
+        let (town, signed) = (&world.town, world.vehicles[vehicle].speed_limit);
+        let place = world.vehicles[vehicle].state.pose.position();
+        let lane = town.has_limits().then(|| town.nearest_lane(place, LaneFilter::Driving)).flatten();
         Perception {
-            town: &world.town,
+            town,
             blueprint: &world.vehicles[vehicle].blueprint,
             tick: world.run_up + world.ticks,
             dt: world.dt,
             ego: driven(vehicle),
-            speed_limit: world.vehicles[vehicle].speed_limit,
+            speed_limit: lane.and_then(|lane| town.limit(lane)).unwrap_or(signed),
+            signed_limit: Some(signed),
             route: &[],
             pedestrians: &self.pedestrians,
             vehicles: &self.vehicles,

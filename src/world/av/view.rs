@@ -1,3 +1,4 @@
+use super::lane_keeping::limit_here;
 use super::{Path, Perception};
 use crate::geometry::{Pose, Vector};
 use crate::road::{LaneKind, RoutePoint, Town, Waypoint};
@@ -51,7 +52,7 @@ pub struct LaneAhead {
     pub right: u32,
     /// Whether the point lies inside a junction.
     pub is_junction: bool,
-    /// The speed limit there, if the ego passes all signs up to there (m/s).
+    /// The speed limit there (m/s): that of the lane, or where the map gives it none, that of the last sign up to there.
     pub speed_limit: f64,
 }
 
@@ -80,7 +81,7 @@ impl View {
         let ego = &perception.ego;
         self.ego = ego.pose;
         self.speed = ego.speed();
-        self.speed_limit = perception.speed_limit;
+        self.speed_limit = limit_here(path, perception);
         self.light = light_ahead(perception);
         self.actors.clear();
         let pedestrians = perception.pedestrians.iter().map(|actor| (Kind::Pedestrian, actor));
@@ -106,7 +107,7 @@ impl View {
     /// Updates the lanes at the points of the route that [`View::look`] took from the same path.
     pub fn look_at_lanes(&mut self, perception: &Perception<'_>, path: &Path) {
         let town = perception.town;
-        let mut speed_limit = perception.speed_limit;
+        let mut signed = perception.carla_limit();
         self.lanes.clear();
         for (place, point) in path.points().enumerate() {
             if self.lanes.len() == self.route.len() {
@@ -115,9 +116,10 @@ impl View {
             let here = point.pose.position();
             // The first point is abeam the ego, which knows its limit.
             let mut passed = town.speed_signs.iter().filter(|sign| place > 0 && sign.trigger.distance_to(here) <= 0.0);
-            speed_limit = passed.next_back().map_or(speed_limit, |sign| sign.limit);
+            signed = passed.next_back().map_or(signed, |sign| sign.limit);
             if place.is_multiple_of(STRIDE) {
-                self.lanes.push(LaneAhead::new(town, point, speed_limit));
+                let limit = town.limit(point.waypoint).filter(|_| perception.signed_limit.is_some());
+                self.lanes.push(LaneAhead::new(town, point, limit.unwrap_or(signed)));
             }
         }
     }

@@ -574,7 +574,7 @@ fn perceive<'a>(
 ) -> Perception<'a> {
     let mut perception = sensors.perceive(world, vehicle);
     if let Some(limit) = held_limit.filter(|_| vehicle == 0) {
-        perception.speed_limit = limit;
+        (perception.speed_limit, perception.signed_limit) = (limit, None);
     }
     if stage == Stage::RunUp {
         let route = if vehicle == 0 { run_up.lanes() } else { &[] };

@@ -28,6 +28,14 @@ impl Cubic {
         self.a + ds * (self.b + ds * (self.c + ds * self.d))
     }
 
+    /// The places at which the slope is 0 (m); no numbers where there are none.
+    fn turning_points(&self) -> [f64; 2] {
+        let root = (self.c * self.c - 3.0 * self.d * self.b).sqrt();
+        // Where one denominator is 0 or nearly so, the other formula is exact.
+        let q = if self.c >= 0.0 { -self.c - root } else { -self.c + root };
+        [self.start + q / (3.0 * self.d), self.start + self.b / q]
+    }
+
     /// The slope at `s` (m).
     pub fn slope(&self, s: f64) -> f64 {
         let ds = s - self.start;
@@ -78,6 +86,21 @@ impl Profile {
             cubic.a.abs() + u * (cubic.b.abs() + u * (cubic.c.abs() + u * cubic.d.abs()))
         });
         each.fold(0.0, f64::max)
+    }
+
+    /// The greatest absolute value from `start` to `end` (m); 0 for an empty profile.
+    pub fn greatest(&self, start: f64, end: f64) -> f64 {
+        let ends = self.0.iter().skip(1).map(|next| next.start).chain([f64::INFINITY]);
+        let pieces = self.0.iter().zip(ends).enumerate().filter_map(|(index, (cubic, until))| {
+            let from = if index == 0 { start } else { cubic.start.max(start) };
+            (from <= end && until > start).then_some((cubic, from, until.min(end)))
+        });
+        let values = pieces.flat_map(|(cubic, from, to)| {
+            let inside = cubic.turning_points().map(move |s| if s > from && s < to { s } else { from });
+            [from, to].into_iter().chain(inside).map(|s| cubic.value(s).abs())
+        });
+        // A value that is no number is the greatest.
+        values.fold(0.0, |most, value| if value <= most { most } else { value })
     }
 
     /// The sum of profiles, each multiplied by a factor, from `start` to `end` (m); exact, since sums of cubics are cubics.

@@ -1,5 +1,6 @@
-use super::RoadIndex;
+use super::{RoadIndex, Waypoint};
 use crate::geometry::{OrientedBox, Pose};
+use base::choice;
 
 /// A speed limit that a vehicle takes over when its box touches the sign's trigger box.
 ///
@@ -32,4 +33,39 @@ pub struct TrafficLight {
     pub stop: Pose,
     /// Where a vehicle is affected.
     pub trigger: OrientedBox,
+}
+
+choice! {
+    /// What a sign demands of drivers that give way, the stricter one first.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum GiveWay {
+        /// To stand at the line before they go on.
+        Stop = "stop",
+        /// To be slow at the line.
+        Yield = "yield",
+    }
+}
+
+impl GiveWay {
+    /// The demand of a signal type of OpenDRIVE.
+    pub fn of_signal(kind: &str) -> Option<Self> {
+        match kind {
+            "206" => Some(Self::Stop),
+            "205" => Some(Self::Yield),
+            _ => None,
+        }
+    }
+}
+
+/// A stop or yield sign over one lane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GiveWaySign {
+    pub kind: GiveWay,
+    /// The place on the lane that the front of a car must not pass before it has stopped, or slowed down.
+    pub line: Waypoint,
+    /// Whether the lane has a traffic light there. While that works, the sign does not count.
+    ///
+    /// # Source
+    /// German road traffic regulations (StVO), section 37: lights take precedence over signs.
+    pub has_light: bool,
 }

@@ -12,6 +12,7 @@ mod lane;
 mod road;
 mod junction;
 mod furniture;
+mod assumed_limit;
 mod waypoint;
 mod hash_order;
 mod lane_network;
@@ -28,8 +29,9 @@ pub mod design;
 pub mod crosswalk;
 mod lane_route;
 
+pub use assumed_limit::AssumedLimit;
 pub use cubic::{Cubic, Profile};
-pub use furniture::{SpeedSign, TrafficLight};
+pub use furniture::{GiveWay, GiveWaySign, SpeedSign, TrafficLight};
 pub use junction::{Connection, Junction};
 pub use lane::{Lane, LaneId, LaneKind};
 pub use lane_index::LaneFilter;

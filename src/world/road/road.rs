@@ -1,5 +1,5 @@
 use super::lane_network::heading;
-use super::{Lane, LaneId, PlanView, Profile};
+use super::{Lane, LaneId, LaneKind, PlanView, Profile};
 use crate::geometry::Pose;
 
 /// The index of a road in [`Town::roads`](super::Town::roads).
@@ -39,6 +39,11 @@ pub struct LaneSection {
 }
 
 impl LaneSection {
+    /// Whether the map has limits for a lane.
+    pub fn has_limits(&self) -> bool {
+        self.lanes.iter().any(|lane| lane.kind == LaneKind::Driving && !lane.limits.is_empty())
+    }
+
     pub fn lane(&self, id: LaneId) -> Option<&Lane> {
         self.lanes.iter().find(|lane| lane.id == id)
     }

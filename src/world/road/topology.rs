@@ -2,7 +2,7 @@
 
 use super::hash_order::hash_order;
 use super::lane_network::{LaneSlot, NetworkLane};
-use super::{LaneKind, RoadIndex, Town, Waypoint};
+use super::{LaneKind, RoadIndex, RoadLink, Town, Waypoint};
 
 /// CARLA's margin at the ends of lanes (m).
 const EPSILON: f64 = 10.0 * f64::EPSILON;
@@ -65,6 +65,9 @@ impl Town {
     /// Pairs of waypoints: the start of each driving lane of each section with each of its successors, or with its own
     /// end if there is none. The order is that of CARLA's client library for Linux.
     ///
+    /// The lanes of a direct junction (OpenDRIVE 1.7) have no connecting roads between them. CARLA knows no such junction, so its topology
+    /// ends there. [`Town::next`] and [`Town::successors`] lead on, as the file says.
+    ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GenerateTopology`; roads are in a hash table there, lanes are ordered by their numbers.
     pub fn topology(&self) -> Vec<(Waypoint, Waypoint)> {
@@ -76,7 +79,8 @@ impl Town {
                     let Some(lane) = slot.map(|slot| self.network.lane(slot)) else { continue };
                     let start = lane.waypoint(entry(lane, Way::Ahead));
                     let before = pairs.len();
-                    pairs.extend(self.successors(start).map(|next| (start, next)));
+                    let next = self.successors(start).filter(|next| !self.is_direct_way(lane, *next));
+                    pairs.extend(next.map(|next| (start, next)));
                     if pairs.len() == before {
                         pairs.push((start, lane.waypoint(entry(lane, Way::Back))));
                     }
@@ -84,6 +88,13 @@ impl Town {
             }
         }
         pairs
+    }
+
+    /// Whether a lane leads to the next one through a direct junction.
+    fn is_direct_way(&self, lane: &NetworkLane, next: Waypoint) -> bool {
+        let road = &self.roads[lane.road.0 as usize];
+        let beyond = if lane.forward() { road.successor } else { road.predecessor };
+        next.road != lane.road && matches!(beyond, Some(RoadLink::Junction(_))) && !self.is_junction(next)
     }
 
     /// Waypoints on all driving lanes, every `step` (m) along each road from its start; none for steps below a millimetre.

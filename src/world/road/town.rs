@@ -5,7 +5,8 @@ use super::lane_index::{LaneFilter, LaneIndex, Lanes};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
 use super::{
-    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, Road, RoutePlanner, SpeedSign, TrafficLight, Waypoint,
+    GiveWaySign, Junction, JunctionIndex, LaneId, LaneKind, LaneSection, LaneStretch, Road, RoutePlanner, SpeedSign,
+    TrafficLight, Waypoint,
 };
 use crate::geometry::{OrientedBox, Point, Pose};
 
@@ -21,6 +22,8 @@ pub struct TownParts {
     /// Signs that set a speed limit.
     pub speed_signs: Vec<SpeedSign>,
     pub traffic_lights: Vec<TrafficLight>,
+    /// Stop and yield signs, one for each lane that has one.
+    pub give_way_signs: Vec<GiveWaySign>,
     /// Crosswalks: their corners in order.
     pub crosswalks: Vec<Vec<Point>>,
     /// Buildings, walls, trees: everything that blocks pedestrians and sight.
@@ -42,6 +45,8 @@ pub struct Town {
     /// Signs that set a speed limit.
     pub speed_signs: Vec<SpeedSign>,
     pub traffic_lights: Vec<TrafficLight>,
+    /// Stop and yield signs, one for each lane that has one.
+    pub give_way_signs: Vec<GiveWaySign>,
     /// Crosswalks: their corners in order.
     pub crosswalks: Vec<Vec<Point>>,
     /// Buildings, walls, trees: everything that blocks pedestrians and sight.
@@ -50,6 +55,7 @@ pub struct Town {
     pub warnings: Vec<OpenDriveWarning>,
     /// The text of the map that the town was read from; none for a town that was designed.
     pub map: Option<Arc<str>>,
+    has_limits: bool,
     pub(super) network: LaneNetwork,
     index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
@@ -66,18 +72,31 @@ impl Town {
             length: (lane.end - lane.start).max(0.0),
         };
         let driving_lanes = driving.map(stretch).collect();
-        let TownParts { name, roads, junctions, speed_signs, traffic_lights, crosswalks, obstacles, warnings, map } =
-            parts;
+        let has_limits = parts.roads.iter().flat_map(|road| &road.sections).any(LaneSection::has_limits);
+        let TownParts {
+            name,
+            roads,
+            junctions,
+            speed_signs,
+            traffic_lights,
+            give_way_signs,
+            crosswalks,
+            obstacles,
+            warnings,
+            map,
+        } = parts;
         Self {
             name,
             roads,
             junctions,
             speed_signs,
             traffic_lights,
+            give_way_signs,
             crosswalks,
             obstacles,
             warnings,
             map,
+            has_limits,
             network,
             index: LaneIndex::default(),
             driving_lanes,
@@ -114,6 +133,22 @@ impl Town {
     /// The width of the lane at a waypoint (m); 0 for a lane that does not exist.
     pub fn lane_width(&self, waypoint: Waypoint) -> f64 {
         self.network.slot(waypoint).map_or(0.0, |slot| self.network.width(self.network.lane(slot), waypoint.s))
+    }
+
+    /// Whether the map has speed limits of lanes or road types.
+    pub fn has_limits(&self) -> bool {
+        self.has_limits
+    }
+
+    /// The limit that the map gives the lane at a waypoint (m/s): its own, that of the road's type, or that of a sign on its road before it; none
+    /// where the map does not say.
+    pub fn limit(&self, waypoint: Waypoint) -> Option<f64> {
+        if !self.has_limits {
+            return None;
+        }
+        let section = self.roads.get(waypoint.road.0 as usize)?.sections.get(waypoint.section as usize)?;
+        let begun = section.lane(waypoint.lane)?.limits.iter().rev().find(|(begin, _)| *begin <= waypoint.s);
+        begun.and_then(|(_, limit)| *limit)
     }
 
     /// The use of the lane at a waypoint.

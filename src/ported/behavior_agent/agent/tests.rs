@@ -18,7 +18,7 @@ fn town(in_junction: bool) -> Town {
             2 => (LaneKind::Shoulder, 0.3),
             _ => (LaneKind::Sidewalk, 4.0),
         };
-        Lane { id, kind, width: Width::constant(width), predecessor: None, successor: None }
+        Lane { id, kind, width: Width::constant(width), limits: Vec::new(), predecessor: None, successor: None }
     };
     let road = Road {
         id: 7,
@@ -74,6 +74,7 @@ impl Scene {
             dt: 0.05,
             ego: self.ego,
             speed_limit: 30.0 / 3.6,
+            signed_limit: None,
             route: &[],
             pedestrians: &self.walkers,
             vehicles: &self.vehicles,

@@ -77,7 +77,7 @@ impl PedestrianEnv {
         }
         let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, 0);
         self.path.reset(&perception, stream.clone());
-        let cruising = cruising_speed(&self.path, perception.speed_limit).min(self.run_up.speed());
+        let cruising = cruising_speed(&self.path, &perception).min(self.run_up.speed());
         let test_speed = self.scenario.spawn.test_speed(self.next_episode - 1);
         self.world.vehicles[0].state.speed = test_speed.unwrap_or(cruising);
     }

@@ -263,6 +263,7 @@ fn lanes(left: &[(LaneKind, f64)], right: &[(LaneKind, f64)]) -> Vec<Lane> {
         id,
         kind,
         width: Profile::constant(width),
+        limits: Vec::new(),
         predecessor: None,
         successor: None,
     };

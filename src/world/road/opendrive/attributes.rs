@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
-use super::{OpenDriveProblem, OpenDriveWarning};
+use super::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 
 /// An upper bound of every length, coordinate and coefficient of a town.
 const LARGEST: f64 = 1e9;
@@ -25,6 +25,10 @@ pub(super) struct Context<'x> {
     xml: &'x str,
     /// The number of line ends before each block of the text.
     lines_before: Vec<u32>,
+    /// Whether limits of lanes and road types have no effect, as in CARLA's maps.
+    pub only_signs_limit: bool,
+    /// Why the file cannot be used.
+    pub refused: Option<OpenDriveError>,
     /// What is not used: the line of the first one, and their number.
     unused: BTreeMap<String, (u32, u32)>,
 }
@@ -38,7 +42,15 @@ impl<'x> Context<'x> {
             before += line_ends(block);
             here
         });
-        Self { road: None, warnings: Vec::new(), xml, lines_before: lines_before.collect(), unused: BTreeMap::new() }
+        Self {
+            road: None,
+            warnings: Vec::new(),
+            xml,
+            lines_before: lines_before.collect(),
+            only_signs_limit: false,
+            refused: None,
+            unused: BTreeMap::new(),
+        }
     }
 
     /// Records a problem with an element.
@@ -50,7 +62,8 @@ impl<'x> Context<'x> {
         self.warnings.push(OpenDriveWarning { road: self.road.clone(), line, problem });
     }
 
-    fn line(&self, node: Node) -> u32 {
+    /// The line of an element.
+    pub fn line(&self, node: Node) -> u32 {
         let start = node.range().start;
         let block = start / BLOCK;
         self.lines_before
@@ -115,7 +128,8 @@ impl<'x> Context<'x> {
         names.map(|name| self.number_or_zero(node, name))
     }
 
-    fn bad(&mut self, node: Node, attribute: &'static str, text: &str) {
+    /// Records that an attribute is not a number that can be used.
+    pub fn bad(&mut self, node: Node, attribute: &'static str, text: &str) {
         let element = node.tag_name().name().to_owned();
         let text = text.chars().take(40).collect();
         self.warn(node, OpenDriveProblem::BadNumber { element, attribute, text });

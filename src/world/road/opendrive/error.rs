@@ -8,6 +8,8 @@ pub enum OpenDriveError {
     NotOpenDrive { found: String },
     #[error("the map is too large: it has more than {most} {what}")]
     TooLarge { what: &'static str, most: f64 },
+    #[error("line {line}, road {road}: lane {lane} is {width:.0} m wide at one place; the most is {most} m")]
+    TooWide { line: u32, road: String, lane: i32, width: f64, most: f64 },
     #[error("no usable road among {found}")]
     NoRoads { found: usize },
 }
@@ -40,6 +42,11 @@ pub enum OpenDriveProblem {
     BadNumber { element: String, attribute: &'static str, text: String },
     #[error("`{element}` has no `{attribute}`")]
     MissingAttribute { element: String, attribute: &'static str },
+    #[error("the unit `{unit}` of a speed limit is none of `m/s`, `km/h`, `mph`; the limit is skipped")]
+    UnknownUnit { unit: String },
+    /// A sign stands so far from its own road that it counts on another one.
+    #[error("the speed sign stands {apart} m beside its lane; it counts on the lane beside which it stands")]
+    SignFarAway { apart: u32 },
     #[error("a geometry of no known form; taken as a line")]
     UnknownShape,
     #[error("a spiral of more than ten full turns; taken as a line")]

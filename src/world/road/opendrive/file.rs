@@ -1,14 +1,16 @@
 use roxmltree::Document;
 
 use super::attributes::{Context, children};
-use super::{OpenDriveError, budget, crosswalks, junctions, obstacles, roads, signals, traffic_lights, unused};
+use super::{
+    OpenDriveError, budget, crosswalks, give_way, junctions, limits, obstacles, roads, signals, traffic_lights, unused,
+};
 use crate::road::TownParts;
 use crate::road::lane_network::LaneNetwork;
 
 /// Reads the text of an OpenDRIVE file; `name` becomes the town's name.
 ///
 /// # Errors
-/// The text is not XML, not OpenDRIVE, has no usable road, or is larger than any town. Every other problem becomes a warning in
+/// The text is not XML, not OpenDRIVE, has no usable road or a lane wider than a kilometre, or is larger than any town. Every other problem becomes a warning in
 /// [`TownParts::warnings`].
 ///
 /// # Example
@@ -31,7 +33,11 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     }
     budget::check_roads(root)?;
     let mut context = Context::new(xml);
+    context.only_signs_limit = signals::are_of_carla(root);
     let mut roads = roads::read(&mut context, root);
+    if let Some(error) = context.refused.take() {
+        return Err(error);
+    }
     if roads.roads.is_empty() {
         return Err(OpenDriveError::NoRoads { found: children(root, "road").count() });
     }
@@ -39,9 +45,11 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     roads.link(&mut context, &junctions.by_id);
     let network = LaneNetwork::new(&roads.roads, &junctions.junctions);
     let signals = signals::signals(&mut context, &roads, &network);
-    let speed_signs = signals::speed_signs(&mut context, &roads, &network, &signals);
+    let (speed_signs, on_lanes) = signals::speed_signs(&mut context, &roads, &network, &signals);
+    limits::follow_signs(&mut roads.roads, &network, on_lanes);
     let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
     let traffic_lights = traffic_lights::read(root, &roads, &junctions, &network, &signals);
+    let give_way_signs = give_way::read(&mut context, &roads, &network, &signals, &traffic_lights);
     let obstacles = obstacles::read(&mut context, &roads, &network);
     unused::note(&mut context, root);
     Ok(TownParts {
@@ -50,6 +58,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         junctions: junctions.junctions,
         speed_signs,
         traffic_lights,
+        give_way_signs,
         crosswalks,
         obstacles,
         warnings: context.into_warnings(),

@@ -1,11 +1,14 @@
 use roxmltree::Node;
 
-use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
+use super::limits::{self, Limits};
+use super::{OpenDriveError, OpenDriveProblem};
 use crate::road::{Cubic, Lane, LaneId, LaneKind, LaneSection, Profile};
 
 /// Larger lane numbers are treated as errors.
 const LARGEST_ID: LaneId = 1000;
+/// The greatest width of a lane (m).
+const WIDEST: f64 = 1000.0;
 
 /// Reads the offset of lane 0; 0 before its first entry.
 pub(super) fn offset(context: &mut Context, lanes: Node) -> Profile {
@@ -16,8 +19,8 @@ pub(super) fn offset(context: &mut Context, lanes: Node) -> Profile {
     Profile::new(cubics)
 }
 
-/// Reads the lane sections of a road of a given length (m), in order.
-pub(super) fn sections(context: &mut Context, lanes: Node, length: f64) -> Vec<LaneSection> {
+/// Reads the lane sections of a road of a given length (m), in order; `types` are the limits of the road's types.
+pub(super) fn sections(context: &mut Context, lanes: Node, length: f64, types: &Limits) -> Vec<LaneSection> {
     let mut starts: Vec<(f64, Node)> =
         children(lanes, "laneSection").map(|node| (context.number_or_zero(node, "s"), node)).collect();
     if starts.iter().any(|(s, _)| *s < 0.0 || *s >= length) || !starts.is_sorted_by(|a, b| a.0 <= b.0) {
@@ -28,10 +31,10 @@ pub(super) fn sections(context: &mut Context, lanes: Node, length: f64) -> Vec<L
     }
     // Sections that start at one place (one for each side of the road) end at one place too.
     let end = |start: f64| starts.get(starts.partition_point(|(s, _)| *s <= start)).map_or(length, |(s, _)| *s);
-    starts.iter().map(|(start, node)| section(context, *node, *start, end(*start))).collect()
+    starts.iter().map(|(start, node)| section(context, *node, (*start, end(*start)), types)).collect()
 }
 
-fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSection {
+fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &Limits) -> LaneSection {
     let mut found: Vec<(LaneId, Node)> = Vec::new();
     let sides = node.children().filter(|side| matches!(side.tag_name().name(), "left" | "center" | "right"));
     for lane in sides.flat_map(|side| children(side, "lane")) {
@@ -52,6 +55,11 @@ fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSecti
     for (id, node) in found {
         let edge = &mut edges[usize::from(id > 0)];
         let width = if id == 0 { Profile::constant(0.0) } else { width(context, node, id, edge, start, end) };
+        let most = width.greatest(start, end);
+        if !(most <= WIDEST) && context.refused.is_none() {
+            let (line, road) = (context.line(node), context.road.clone().unwrap_or_default());
+            context.refused = Some(OpenDriveError::TooWide { line, road, lane: id, width: most, most: WIDEST });
+        }
         *edge = Profile::sum(&[(edge, 1.0), (&width, 1.0)], start, end);
         let linked = |context: &mut Context, name| {
             child(node, "link").and_then(|link| child(link, name)).and_then(|lane| context.whole(lane, "id"))
@@ -60,6 +68,7 @@ fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSecti
             id,
             kind: LaneKind::from_opendrive(node.attribute("type").unwrap_or_default()),
             width,
+            limits: limits::of_lane(context, node, (start, end), types),
             predecessor: linked(context, "predecessor"),
             successor: linked(context, "successor"),
         });

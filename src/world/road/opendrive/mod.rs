@@ -1,7 +1,7 @@
-//! Reading OpenDRIVE: everything of versions 1.0 to 1.8 that a town of lanes, speed signs and traffic lights needs.
+//! Reading OpenDRIVE: everything of versions 1.0 to 1.8 that a town of lanes, speed limits, signs and traffic lights needs.
 //!
 //! The reader is tolerant. A problem that it can work around becomes an [`OpenDriveWarning`] with the road and the line; only
-//! a file without any usable road is an [`OpenDriveError`]. Superelevation, shapes, lane heights and most kinds of signs are not used;
+//! a file without any usable road, or with a lane that is wider than a kilometre, is an [`OpenDriveError`]. Superelevation, shapes, lane heights and most kinds of signs are not used;
 //! a warning for each kind has the number of them.
 //!
 //! What the standard has no place for is in `userData` elements, which `export` writes: which objects are obstacles, and the exact place where
@@ -18,6 +18,8 @@ mod signals;
 mod crosswalks;
 mod obstacles;
 mod traffic_lights;
+mod limits;
+mod give_way;
 mod unused;
 mod file;
 mod insertion;

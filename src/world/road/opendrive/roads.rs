@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
 use super::budget::LONGEST;
-use super::{OpenDriveProblem, lanes, plan_view};
+use super::{OpenDriveProblem, lanes, limits, plan_view};
 use crate::road::{Cubic, JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
 
 /// The roads of a file, with the elements they come from.
@@ -56,7 +56,8 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         return None;
     }
     let lanes = child(node, "lanes");
-    let sections = lanes.map(|lanes| lanes::sections(context, lanes, length)).unwrap_or_default();
+    let types = limits::of_types(context, node);
+    let sections = lanes.map(|lanes| lanes::sections(context, lanes, length, &types)).unwrap_or_default();
     if sections.is_empty() {
         context.warn(node, OpenDriveProblem::NoLaneSection);
         return None;

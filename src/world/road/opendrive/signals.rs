@@ -4,15 +4,19 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
+use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
 use super::obstacles::trigger;
 use super::roads::Roads;
-use crate::geometry::OrientedBox;
+use crate::geometry::{OrientedBox, Vector};
+use crate::road::lane_index::{LaneFilter, LaneIndex, Lanes};
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
 use crate::road::{LaneId, LaneKind, Road, RoadIndex, SpeedSign};
 
 /// The half size of a speed sign's trigger box, as a share of the lane's width.
 const HALF_SIZE: f64 = 0.35;
+/// A sign farther than this from a lane's middle does not stand beside it (m).
+const BESIDE: f64 = 20.0;
 /// The signal type of a speed limit.
 const SPEED_LIMIT: &str = "274";
 
@@ -89,9 +93,7 @@ fn lanes(
     index: RoadIndex,
     s: f64,
 ) -> Vec<LaneSlot> {
-    let ranges: Vec<(LaneId, LaneId)> = children(node, "validity")
-        .filter_map(|node| Some((context.whole(node, "fromLane")?, context.whole(node, "toLane")?)))
-        .collect();
+    let ranges = validities(context, node);
     let orientation = node.attribute("orientation").unwrap_or_default();
     let holds = |id: LaneId| match orientation {
         _ if !ranges.is_empty() => ranges.iter().any(|(a, b)| (*a.min(b)..=*a.max(b)).contains(&id)),
@@ -99,38 +101,82 @@ fn lanes(
         "-" => id < 0,
         _ => true,
     };
+    driving_lanes(network, road, index, s, holds)
+}
+
+/// The ranges of lanes of an element.
+pub(super) fn validities(context: &mut Context, node: Node) -> Vec<(LaneId, LaneId)> {
+    children(node, "validity")
+        .filter_map(|node| Some((context.whole(node, "fromLane")?, context.whole(node, "toLane")?)))
+        .collect()
+}
+
+/// The driving lanes at a place on a road (m) whose numbers are wanted.
+pub(super) fn driving_lanes(
+    network: &LaneNetwork,
+    road: &Road,
+    index: RoadIndex,
+    s: f64,
+    wanted: impl Fn(LaneId) -> bool,
+) -> Vec<LaneSlot> {
     let section = road.section_at(s);
     let lanes = road.sections.get(section).map_or(&[][..], |section| &section.lanes);
-    let admitted = lanes.iter().filter(|lane| lane.kind == LaneKind::Driving && holds(lane.id));
+    let admitted = lanes.iter().filter(|lane| lane.kind == LaneKind::Driving && wanted(lane.id));
     admitted.filter_map(|lane| network.slot_of(index, section as u32, lane.id)).collect()
 }
 
-/// Reads speed signs: objects named `Speed_NN` or `speed_NN` and signals of type 274, in km/h whatever their unit.
+/// Whether a map has speed signs as CARLA's maps have them: objects with names such as `Speed_30`. CARLA drives by them alone and ignores the
+/// limits of road types, so here they count alone, too.
+pub(super) fn are_of_carla(root: Node) -> bool {
+    let objects = children(root, "road").flat_map(|road| children(road, "objects"));
+    objects.flat_map(|objects| children(objects, "object")).any(|object| limit(object).is_some())
+}
+
+/// Reads speed signs: objects named `Speed_NN` or `speed_NN` and signals of type 274, in km/h whatever their unit. Beside them it returns each
+/// limit (m/s) with its lane and its place along the road (m).
+///
+/// A sign that stands far from its own lanes counts on the lane beside which it stands, if there is one. CARLA lets it count on its own road, where
+/// no driver can see it.
 pub(super) fn speed_signs(
     context: &mut Context,
     roads: &Roads,
     network: &LaneNetwork,
     signals: &[Signal],
-) -> Vec<SpeedSign> {
+) -> (Vec<SpeedSign>, Vec<(f64, LaneSlot, f64)>) {
+    let index = LaneIndex::default();
     let objects = placed(context, roads, network, ["objects", "object"], |node| limit(node).is_some());
     let objects = objects.iter().map(|sign| (sign.node, sign));
     let signals = signals.iter().map(|signal| (signal.definition, &signal.at));
-    let mut found = Vec::new();
+    let (mut found, mut on_lanes) = (Vec::new(), Vec::new());
     for (definition, sign) in objects.chain(signals) {
         let Some(limit) = limit(definition) else { continue };
         if sign.lanes.is_empty() {
             context.not_used(sign.node, "speed sign beside no driving lane".to_owned());
         }
+        let t = context.number_or_zero(sign.node, "t");
+        let stands = roads.roads[sign.road.0 as usize].plan_view.pose(sign.s).to_world(Vector::new(0.0, t));
         for slot in &sign.lanes {
-            let lane = network.lane(*slot);
-            let half = HALF_SIZE * network.width(lane, sign.s).max(0.0);
-            let upstream = if lane.forward() { sign.s - half } else { sign.s + half };
+            let (mut slot, mut s) = (*slot, sign.s);
+            let apart = |slot, s| (network.pose(&roads.roads, network.lane(slot), s).position() - stands).norm();
+            if apart(slot, s) > BESIDE && trigger(definition).is_none() {
+                let all = Lanes { roads: &roads.roads, network };
+                let near = index.nearest(all, stands, LaneFilter::Driving);
+                let near = near.and_then(|near| Some((network.slot(near)?, near.s)));
+                if let Some(near) = near.filter(|(slot, s)| apart(*slot, *s) <= BESIDE) {
+                    context.warn(sign.node, OpenDriveProblem::SignFarAway { apart: apart(slot, s) as u32 });
+                    (slot, s) = near;
+                }
+            }
+            let lane = network.lane(slot);
+            on_lanes.push((limit / 3.6, slot, s));
+            let half = HALF_SIZE * network.width(lane, s).max(0.0);
+            let upstream = if lane.forward() { s - half } else { s + half };
             let pose = network.pose(&roads.roads, lane, upstream.max(lane.start).min(lane.end));
             let trigger = trigger(definition).unwrap_or_else(|| OrientedBox::new(pose, half, half));
             found.push(SpeedSign { limit: limit / 3.6, trigger });
         }
     }
-    found
+    (found, on_lanes)
 }
 
 /// The limit of a speed sign (km/h); none for other elements.

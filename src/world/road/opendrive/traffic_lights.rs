@@ -107,7 +107,7 @@ fn light(roads: &Roads, network: &LaneNetwork, (group, turn, turns): Place, slot
 }
 
 /// The lanes outside junctions that lead to a lane; the lane itself if it is outside.
-fn before_junction(network: &LaneNetwork, slot: LaneSlot) -> Vec<LaneSlot> {
+pub(super) fn before_junction(network: &LaneNetwork, slot: LaneSlot) -> Vec<LaneSlot> {
     let mut seen = vec![slot];
     let mut outside = Vec::new();
     let mut place = 0;

@@ -5,15 +5,13 @@ use roxmltree::Node;
 use super::attributes::Context;
 use super::obstacles::is_obstacle;
 use super::{signals, traffic_lights};
-use crate::road::LaneKind;
+use crate::road::{GiveWay, LaneKind};
 
 /// The names of signal types that maps of CARLA, esmini and SUMO have.
 ///
 /// # Source
 /// The catalogue of OpenDRIVE 1.4, appendix "Signal types"; the numbers below 1000 are those of the German road traffic regulations.
-const SIGNALS: [(&str, &str); 16] = [
-    ("205", "yield sign"),
-    ("206", "stop sign"),
+const SIGNALS: [(&str, &str); 14] = [
     ("274", "speed limit without a number"),
     ("294", "stop line"),
     ("301", "sign of priority at the next junction"),
@@ -32,15 +30,16 @@ const SIGNALS: [(&str, &str); 16] = [
 
 /// Counts everything that has no effect.
 pub(super) fn note(context: &mut Context, root: Node) {
+    let by_signs = context.only_signs_limit;
     for node in root.descendants().filter(Node::is_element) {
-        if let Some(what) = unused(node) {
+        if let Some(what) = unused(node, by_signs) {
             context.not_used(node, what);
         }
     }
 }
 
-/// What an element is, if it has no effect.
-fn unused(node: Node) -> Option<String> {
+/// What an element is, if it has no effect; `by_signs` if limits have none.
+fn unused(node: Node, by_signs: bool) -> Option<String> {
     let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
     let changes = |names: &[&str]| {
         let number = |name: &&str| node.attribute(*name).and_then(|text| text.trim().parse::<f64>().ok());
@@ -51,6 +50,9 @@ fn unused(node: Node) -> Option<String> {
     match (parent, node.tag_name().name()) {
         ("signals", "signal") if signals::limit(node).is_none() && !traffic_lights::is_light(node) => {
             let kind = node.attribute("type").unwrap_or("none");
+            if GiveWay::of_signal(kind).is_some() {
+                return None;
+            }
             let name = SIGNALS.iter().find(|(number, _)| *number == kind);
             Some(
                 name.map_or_else(
@@ -71,8 +73,10 @@ fn unused(node: Node) -> Option<String> {
             lost.then(|| format!("lane of type {kind}"))
         }
         ("lane", "height") if changes(&["inner", "outer"]) => fixed("height of a lane"),
-        ("lane", "speed") if has_number("max") => fixed("speed limit of a lane"),
-        ("type", "speed") if has_number("max") => fixed("speed limit of a road type"),
+        ("lane", "speed") if by_signs && has_number("max") => fixed("speed limit of a lane, since CARLA's signs count"),
+        ("type", "speed") if by_signs && has_number("max") => {
+            fixed("speed limit of a road type, since CARLA's signs count")
+        }
         ("lateralProfile", "superelevation") if changes(&["a", "b", "c", "d"]) => fixed("superelevation"),
         ("lateralProfile", "crossfall") if changes(&["a", "b", "c", "d"]) => fixed("crossfall"),
         ("lateralProfile", "shape") if changes(&["a", "b", "c", "d"]) => fixed("lateral shape"),

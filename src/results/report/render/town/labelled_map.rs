@@ -16,6 +16,8 @@ const WIDTH: f64 = 1000.0;
 const LETTER: f64 = 12.0;
 /// About this number of steps on the longer axis.
 const STEPS: f64 = 10.0;
+/// The most factors of a step: that many lead from a metre beyond every finite length.
+const FACTORS: usize = 930;
 /// Rules of the map.
 pub const STYLE: &str = ".paper{fill:var(--ground)}.axes path{fill:none;stroke:var(--muted);vector-effect:non-scaling-stroke}\
 .axes .rule{opacity:.28}.axes text{fill:var(--ink)}.light{fill:var(--seen)}.sign{fill:var(--paper);stroke:var(--brake);stroke-width:.3}\
@@ -63,6 +65,9 @@ pub fn surfaces(town: &Town) -> Markup {
             circle.sign cx=(px(sign.trigger.pose.x)) cy=(px(-sign.trigger.pose.y)) r="0.7" {
                 title { "speed limit " (Digits(sign.limit * 3.6, 1)) " km/h from here" }
             }
+        }
+        @for (sign, line) in town.give_way_signs.iter().map(|sign| (sign, town.pose(sign.line))) {
+            circle.sign cx=(px(line.x)) cy=(px(-line.y)) r="0.7" { title { (sign.kind.name()) " sign of this lane" } }
         }
     }
 }
@@ -121,7 +126,7 @@ fn axes([left, top, width, height]: [f64; 4], letter: f64) -> Markup {
 /// The nearest of 1, 2 and 5 times a power of ten that is not below a length.
 fn round_step(length: f64) -> f64 {
     let mut step = 1.0;
-    for factor in [2.0, 2.5, 2.0].into_iter().cycle().take(24) {
+    for factor in [2.0, 2.5, 2.0].into_iter().cycle().take(FACTORS) {
         if step >= length {
             break;
         }
@@ -140,5 +145,13 @@ mod tests {
             [0.3, 1.0, 1.2, 3.0, 11.0, 21.0, 60.0, 101.0].map(round_step),
             [1.0, 1.0, 2.0, 5.0, 20.0, 50.0, 100.0, 200.0]
         );
+        assert_eq!(round_step(1e15), 1e15);
+    }
+
+    #[test]
+    fn a_map_of_any_extent_is_drawn_with_few_lines() {
+        let map = r#"<OpenDRIVE><road id="1" length="100" junction="-1"><planView><geometry s="0" x="0" y="0" hdg="0" length="100"><line/></geometry></planView><lanes><laneOffset s="0" d="1e9"/><laneSection s="0"><right><lane id="-1" type="driving"><width a="3.5"/></lane></right></laneSection></lanes></road></OpenDRIVE>"#;
+        let town = Town::new(world::road::opendrive::read(map, "wide").unwrap());
+        assert!(labelled_map(&town).matches("class=\"rule\"").count() < 40);
     }
 }

@@ -93,7 +93,8 @@ pub fn map_page(page: &MapPage<'_>) -> String {
 fn town_section(number: usize, shown: &TownView<'_>, title: &str) -> Markup {
     let town = shown.town;
     let [left, top, width, height] = view(town).map(|number| Digits(number, 1));
-    let lanes: Vec<LaneData> = all_lanes(town).into_iter().map(|(_, lane)| lane_data(town, lane)).collect();
+    let step = step(town);
+    let lanes: Vec<LaneData> = all_lanes(town).into_iter().map(|(_, lane)| lane_data(town, lane, step)).collect();
     html! {
         section.town id={ "town-" (number) } {
             @if town.name != title { h2 { (town.name) } }
@@ -141,8 +142,8 @@ fn town_section(number: usize, shown: &TownView<'_>, title: &str) -> Markup {
     }
 }
 
-fn lane_data(town: &Town, lane: SectionLane<'_>) -> LaneData {
-    let places: Vec<(f64, Pose)> = lane.places(step(town)).map(|place| (place.s, town.pose(place))).collect();
+fn lane_data(town: &Town, lane: SectionLane<'_>, step: f64) -> LaneData {
+    let places: Vec<(f64, Pose)> = lane.places(step).map(|place| (place.s, town.pose(place))).collect();
     let line: Vec<Point> = places.iter().map(|(_, pose)| pose.position()).collect();
     let round = |number: f64, unit: f64| (number * unit).round() / unit;
     let place = |index: usize| {

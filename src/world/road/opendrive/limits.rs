@@ -1,0 +1,124 @@
+//! Speed limits of lanes and of road types.
+
+use roxmltree::Node;
+
+use super::OpenDriveProblem;
+use super::attributes::{Context, child, children};
+use crate::road::lane_network::{LaneNetwork, LaneSlot};
+use crate::road::{LaneSection, Road};
+
+/// What stands for "no limit" (m/s): 130 km/h, the speed that is recommended on German motorways without a limit.
+const NO_LIMIT: f64 = 130.0 / 3.6;
+/// Greater limits are mistakes (m/s).
+const MOST: f64 = 150.0;
+/// A mile per hour (m/s).
+const MPH: f64 = 0.44704;
+
+/// Where each limit begins along the road (m), in order, and what it is (m/s); none where it is undefined.
+pub(super) type Limits = Vec<(f64, Option<f64>)>;
+
+/// Reads the limits of the types of a road; empty where signs alone count.
+pub(super) fn of_types(context: &mut Context, road: Node) -> Limits {
+    if context.only_signs_limit {
+        return Limits::new();
+    }
+    let mut limits: Limits = children(road, "type")
+        .map(|node| {
+            let limit = child(node, "speed").and_then(|speed| limit(context, speed));
+            (context.number_or_zero(node, "s"), limit)
+        })
+        .collect();
+    limits.sort_by(|a, b| a.0.total_cmp(&b.0));
+    limits
+}
+
+/// Reads the limits of a lane from the start of its section to its end (m): its own ones, and those of the road's types where it has none.
+///
+/// # Source
+/// ASAM OpenDRIVE, "Speed limits of lanes": the limit of a lane overrules that of the road's type.
+pub(super) fn of_lane(context: &mut Context, lane: Node, (start, end): (f64, f64), types: &Limits) -> Limits {
+    if context.only_signs_limit {
+        return Limits::new();
+    }
+    let mut own: Limits = children(lane, "speed")
+        .map(|node| (start + context.number_or_zero(node, "sOffset"), limit(context, node)))
+        .collect();
+    own.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let changes = own.iter().chain(types).map(|(s, _)| *s).filter(|s| *s > start && *s < end);
+    let mut places: Vec<f64> = std::iter::once(start).chain(changes).collect();
+    places.sort_by(f64::total_cmp);
+    let mut limits: Limits = places.into_iter().map(|s| (s, at(&own, s).or_else(|| at(types, s)))).collect();
+    limits.dedup_by(|next, last| next.1 == last.1);
+    if limits.iter().all(|(_, limit)| limit.is_none()) { Limits::new() } else { limits }
+}
+
+/// The limit at a place (m).
+fn at(limits: &[(f64, Option<f64>)], s: f64) -> Option<f64> {
+    limits.iter().rev().find(|(begin, _)| *begin <= s).and_then(|(_, limit)| *limit)
+}
+
+/// The limit of a `speed` element (m/s); none if it is undefined, and none with a warning if it cannot be used.
+fn limit(context: &mut Context, speed: Node) -> Option<f64> {
+    let text = speed.attribute("max")?;
+    match text.trim() {
+        "no limit" => return Some(NO_LIMIT),
+        "undefined" => return None,
+        _ => {}
+    }
+    let number = context.optional(speed, "max")?;
+    let limit = match speed.attribute("unit").map(str::trim) {
+        None | Some("" | "m/s") => number,
+        Some("km/h") => number / 3.6,
+        Some("mph") => number * MPH,
+        Some(unit) => {
+            context.warn(speed, OpenDriveProblem::UnknownUnit { unit: unit.chars().take(40).collect() });
+            return None;
+        }
+    };
+    let usable = limit > 0.0 && limit <= MOST;
+    if !usable {
+        context.bad(speed, "max", text);
+    }
+    usable.then_some(limit)
+}
+
+/// Lets speed signs overrule the limits of their lanes: from the sign to the end of its road, or to the next sign. A sign is a limit (m/s), a lane
+/// and a place along the road (m). Maps without limits of lanes and types stay as they are: there a car keeps the limit of the last sign.
+///
+/// # Source
+/// ASAM OpenDRIVE, "Speed limits": limits of signals take precedence. That a sign ends with its road is our own, for want of a rule.
+pub(super) fn follow_signs(roads: &mut [Road], network: &LaneNetwork, mut signs: Vec<(f64, LaneSlot, f64)>) {
+    if !roads.iter().flat_map(|road| &road.sections).any(LaneSection::has_limits) {
+        return;
+    }
+    // In driving order, so that a later sign overrules an earlier one.
+    let along = |(_, slot, s): &(f64, LaneSlot, f64)| if network.lane(*slot).forward() { *s } else { -*s };
+    signs.sort_by(|a, b| along(a).total_cmp(&along(b)));
+    for (limit, slot, s) in signs {
+        let (mut slot, mut from, road) = (slot, Some(s), network.lane(slot).road);
+        loop {
+            let lane = network.lane(slot);
+            let (start, end) = match (from.take(), lane.forward()) {
+                (Some(s), true) => (s, lane.end),
+                (Some(s), false) => (lane.start, s),
+                (None, _) => (lane.start, lane.end),
+            };
+            let section = &mut roads[road.0 as usize].sections[lane.section as usize];
+            if let Some(own) = section.lanes.iter_mut().find(|own| own.id == lane.id) {
+                let after = at(&own.limits, end);
+                own.limits.retain(|(begin, _)| *begin < start || *begin >= end);
+                own.limits.push((start, Some(limit)));
+                if end < lane.end && !own.limits.iter().any(|(begin, _)| *begin == end) {
+                    own.limits.push((end, after));
+                }
+                own.limits.sort_by(|a, b| a.0.total_cmp(&b.0));
+            }
+            let next = network.next(lane).iter().find(|next| {
+                let next = network.lane(**next);
+                next.road == road && next.section != lane.section && next.forward() == lane.forward()
+            });
+            let Some(next) = next else { break };
+            slot = *next;
+        }
+    }
+}
