@@ -34,4 +34,9 @@ class Stack:
 
 STACKS = {
     "sumo": Stack("sumo", "SUMO's car-following model", ("libsumo",), "libsumo==1.28.0"),
+    "openpilot_like": Stack("openpilot", "openpilot's longitudinal planner", ("acados", "casadi"), "comma-deps-acados==0.2.2.post104"),
+    "fiss": Stack("fiss", "FISS+", ("fiss_planner",), "fiss-planner==1.0.0"),
+    "commonroad": Stack("commonroad", "CommonRoad's reactive planner", ("commonroad_rp",), "commonroad-reactive-planner==2025.1"),
+    "pdm_closed": Stack("pdm", "PDM-Closed", ("shapely",), "shapely==2.1.2"),
+    "jupedsim": Stack("jupedsim", "JuPedSim's pedestrian", ("jupedsim",), "jupedsim==1.4.2"),
 }
