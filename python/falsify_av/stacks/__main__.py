@@ -23,8 +23,11 @@ def main(words: list[str]) -> int:
     if missing is not None:
         print(missing, file=sys.stderr)
         return 3
-    if not only_look:
-        import_module(f".{stack.module}", __package__).main(words[1:])
+    module = import_module(f".{stack.module}", __package__)
+    if only_look:
+        getattr(module, "look", lambda: None)()
+    else:
+        module.main(words[1:])
     return 0
 
 

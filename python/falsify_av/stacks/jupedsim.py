@@ -22,7 +22,7 @@ RADIUS = 0.2  # m
 FLOOR, BEYOND, REACHED = 80.0, 8.0, 0.5  # m: half of the floor, of the goal behind the car's line, of the goal
 STEP = 0.01  # s
 LOOK = 1.0  # s: so far ahead of the car no pedestrian steps
-MARGIN = 0.3  # m: around the car
+MARGINS = 0.3, 0.15, 0.0  # m: around the car, the first that leaves the pedestrian where it is
 
 
 class Walk:
@@ -42,13 +42,17 @@ class Walk:
         if math.hypot(x - me["x"], y - me["y"]) < 2 * REACHED:
             return me["yaw"], 0.0
         around = box(me["x"] - FLOOR, me["y"] - FLOOR, me["x"] + FLOOR, me["y"] + FLOOR)
-        floor = around.difference(hole(ego, car))
+        floors = (around.difference(hole(ego, car, margin)) for margin in MARGINS)
         # A car that is where the pedestrian is, or where it wants to be, leaves no way; then it walks as if there were none.
-        stands = floor.buffer(-RADIUS).contains(Point(me["x"], me["y"])) and floor.contains(Point(x, y).buffer(REACHED))
-        to = self._walk(floor if stands and floor.geom_type == "Polygon" else around, me)
+        to = self._walk(next((floor for floor in floors if self._leaves_a_way(floor, me)), around), me)
         way = math.hypot(to[0] - me["x"], to[1] - me["y"])
         heading = math.atan2(to[1] - me["y"], to[0] - me["x"]) if way > 1e-6 else me["yaw"]
         return heading, way / self.lasts
+
+    def _leaves_a_way(self, floor: Any, me: dict[str, float]) -> bool:
+        """Whether the pedestrian and its goal are on a floor in one piece."""
+        here, goal = Point(me["x"], me["y"]), Point(*(self.goal or (0.0, 0.0)))
+        return floor.geom_type == "Polygon" and floor.buffer(-RADIUS).contains(here) and floor.contains(goal.buffer(REACHED))
 
     def _walk(self, floor: Polygon, me: dict[str, float]) -> tuple[float, float]:
         """Where JuPedSim's pedestrian is at the next decision (m)."""
@@ -73,11 +77,11 @@ def across(me: dict[str, float], ego: dict[str, float]) -> tuple[float, float]:
     return me["x"] - sin * far, me["y"] + cos * far
 
 
-def hole(ego: dict[str, float], car: dict[str, float]) -> Polygon:
+def hole(ego: dict[str, float], car: dict[str, float], margin: float) -> Polygon:
     """The car and the way that it drives in the next second."""
     sin, cos = math.sin(ego["yaw"]), math.cos(ego["yaw"])
-    half = car["width"] / 2 + MARGIN
-    back, front = -car["length"] / 2 - MARGIN, car["length"] / 2 + MARGIN + LOOK * max(ego["speed"], 0.0)
+    half = car["width"] / 2 + margin
+    back, front = -car["length"] / 2 - margin, car["length"] / 2 + margin + LOOK * max(ego["speed"], 0.0)
     corners = ((back, -half), (front, -half), (front, half), (back, half))
     return Polygon([(ego["x"] + cos * x - sin * y, ego["y"] + sin * x + cos * y) for x, y in corners])
 
