@@ -93,6 +93,8 @@ def main(_words: list[str]) -> None:
     for line in sys.stdin:
         message = json.loads(line)
         if message["type"] == "hello":
+            if not message["protocol"].startswith("falsify-pedestrian/"):
+                raise SystemExit("JuPedSim's pedestrian is no driver: name it as a controller, `controller jupedsim = external(command: …)`")
             hello, answer = message, {"protocol": message["protocol"], "name": "jupedsim"}
         else:
             answer = {"actions": [act(world, walks, hello) for world in message["worlds"]]}
