@@ -111,7 +111,7 @@ class Names:
     SemanticMapLayer = SimpleNamespace(ROADBLOCK="roadblock", ROADBLOCK_CONNECTOR="connector", CARPARK_AREA="carpark", INTERSECTION="intersection")
 
     @staticmethod
-    def StateSE2(x: float, y: float, heading: float) -> Any:  # noqa: N802
+    def StateSE2(x: float, y: float, heading: float) -> Any:
         return SimpleNamespace(x=x, y=y, heading=heading)
 
 
@@ -169,8 +169,9 @@ def test_pdm_plans_as_recorded() -> None:
 
 def test_jupedsims_pedestrian_crosses_and_walks_around_a_car() -> None:
     needs("jupedsim")
+    from shapely.geometry import Point
+
     from falsify_av.stacks.jupedsim import Walk, across, hole
-    from shapely import Point
 
     me, ego = {"x": 30.0, "y": -5.0, "yaw": 0.0}, {"x": 0.0, "y": 0.0, "yaw": 0.0, "speed": 0.0}
     assert across(me, ego) == pytest.approx((30.0, 8.0))

@@ -52,7 +52,7 @@ class Walk:
     def _leaves_a_way(self, floor: Any, me: dict[str, float]) -> bool:
         """Whether the pedestrian and its goal are on a floor in one piece."""
         here, goal = Point(me["x"], me["y"]), Point(*(self.goal or (0.0, 0.0)))
-        return floor.geom_type == "Polygon" and floor.buffer(-RADIUS).contains(here) and floor.contains(goal.buffer(REACHED))
+        return bool(floor.geom_type == "Polygon" and floor.buffer(-RADIUS).contains(here) and floor.contains(goal.buffer(REACHED)))
 
     def _walk(self, floor: Polygon, me: dict[str, float]) -> tuple[float, float]:
         """Where JuPedSim's pedestrian is at the next decision (m)."""

@@ -145,7 +145,7 @@ class Plan:
         """An obstacle that keeps the car at the set speed."""
         least, greatest = (self.state[1] + 1.05 * each * TIMES for each in CRUISE)
         speeds = np.clip(limit, least, greatest)
-        return np.cumsum(STEPS * speeds) + comfortable(speeds, FOLLOW)
+        return np.asarray(np.cumsum(STEPS * speeds) + comfortable(speeds, FOLLOW))
 
 
 def forecast(lead: Lead, speed: float) -> Array:
@@ -155,7 +155,7 @@ def forecast(lead: Lead, speed: float) -> Array:
     nearest = 0.5 * (speed + lead_speed) * (speed - lead_speed) / (-2.0 * LEAST)
     changes = np.clip(acceleration, -10.0, 5.0) * np.exp(-FADING * TIMES**2 / 2.0)
     speeds = np.maximum(max(lead_speed, 0.0) + np.cumsum(STEPS * changes), 0.0)
-    return max(distance, nearest) + np.cumsum(STEPS * speeds) + braking(speeds)
+    return np.asarray(max(distance, nearest) + np.cumsum(STEPS * speeds) + braking(speeds))
 
 
 def nobody(speed: float) -> Lead:

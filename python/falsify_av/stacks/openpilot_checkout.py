@@ -154,7 +154,7 @@ def last_plan(plan: Any, situation: dict[str, Any]) -> list[list[float]]:
     leads = [tuple(lead) for lead in situation["leads"]]
     for _ in range(TICKS):
         plan.solve((leads + [nobody(situation["speed"])] * 2)[:2], situation["limit"])
-    return np.round([plan.speeds, plan.accelerations], 9).tolist()
+    return [[round(float(number), 9) for number in numbers] for numbers in (plan.speeds, plan.accelerations)]
 
 
 def differences(plan: Any, recorded: list[dict[str, Any]]) -> list[float]:

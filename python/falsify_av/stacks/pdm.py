@@ -220,8 +220,8 @@ class Driver:
         for points in (self.plan[:, :2], route[:, :2]):
             far = np.flatnonzero(np.hypot(points[:, 0] - ego["x"], points[:, 1] - ego["y"]) >= reach)
             if len(far):
-                return points[far[0]]
-        return route[-1, :2]
+                return np.asarray(points[far[0]])
+        return np.asarray(route[-1, :2])
 
     def replan(self, world: dict[str, Any], route: Array) -> Array:
         """Plan from where the car is; returns x, y of the middle of the car (m) and its speed (m/s) every 0.1 s."""

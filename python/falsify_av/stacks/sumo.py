@@ -68,7 +68,7 @@ class World:
         if limit != self.limit:
             libsumo.lane.setMaxSpeed(self.lane, max(limit, 0.1))
             self.limit = limit
-        front = libsumo.vehicle.getLanePosition(self.car)
+        front = float(libsumo.vehicle.getLanePosition(self.car))
         if not FIRST / 2 < front < LATEST:
             front = FIRST
             libsumo.vehicle.moveTo(self.car, self.lane, front)
