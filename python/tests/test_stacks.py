@@ -43,19 +43,32 @@ def test_points_are_projected_onto_the_route_and_beyond_its_ends() -> None:
     corner[0] = [[0, 0, 0], [2, 0, 0], [2, 2, math.pi / 2], [0, 0, 0]]
     segments = _Segments(corner, np.array([3]))
     points = np.array([[1.0, 0.5], [2.5, 1.0], [-3.0, -1.0], [1.0, 9.0]])
-    along, left, direction = segments.project(np.zeros(4, np.int64), points)
+    along, left, direction, bend = segments.project(np.zeros(4, np.int64), points)
     assert along == pytest.approx([1.0, 3.0, -3.0, 11.0])
     assert left == pytest.approx([0.5, -0.5, -1.0, 1.0])
     assert direction == pytest.approx([0.0, math.pi / 2, 0.0, math.pi / 2])
+    assert bend == pytest.approx([math.pi / 4] * 4), "a quarter of a circle in 2 m"
 
 
 def test_a_frame_is_steered_along_its_route() -> None:
     seen = frame(2, 10.0, {1: (20.0, -1.0)})
-    ahead, left, _ = seen.along()
+    ahead, left, _ = seen.along(VEHICLE)
     assert (ahead.tolist(), left.tolist(), seen.world_of.tolist()) == ([20.0], [-1.0], [1])
     assert seen.steer(VEHICLE) == pytest.approx([0.0, 0.0])
     seen.ego = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.2]])
     assert (seen.steer(VEHICLE) < 0.0).all(), "it is left of its route, or turned to the left"
+
+
+def test_the_front_of_a_car_swings_out_in_a_bend() -> None:
+    seen = frame(2, 5.0, {0: (10.0, 0.0), 1: (10.0, 0.0)})
+    radius, angles = 10.0, 0.2 * np.arange(POINTS)
+    arc = np.column_stack([radius * np.sin(angles), radius * (1.0 - np.cos(angles)), angles])
+    there = arc[5, :2] + np.array([[2.0, -2.0]]).T * [-math.sin(1.0), math.cos(1.0)]
+    numbers = np.zeros((2, 12 + 8 * ACTORS + 3 * POINTS))
+    numbers[:, 11], numbers[:, 12], numbers[:, 13:15], numbers[:, 12 + 8 * ACTORS :] = POINTS, 1.0, there, arc.ravel()
+    _, left, _ = Frame(numbers, ACTORS, POINTS).along(VEHICLE)
+    assert left == pytest.approx([2.0 - 0.11, -2.0 + 0.65], abs=0.05), "inside, and outside"
+    assert seen.along(VEHICLE)[1] == pytest.approx([0.0, 0.0])
 
 
 def test_a_stack_that_is_not_there_is_named_with_what_installs_it(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

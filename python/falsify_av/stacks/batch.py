@@ -23,7 +23,7 @@ PEDESTRIAN, VEHICLE = 1.0, 2.0
 GREEN, YELLOW, RED = 1.0, 2.0, 3.0
 
 #: m and s: the place on the route that a driver steers to is this far ahead, plus this long at its speed.
-AHEAD = 3.0, 0.6
+AHEAD = 2.0, 0.4
 #: m: between two points of the route.
 APART = 2.0
 
@@ -45,15 +45,23 @@ class Frame:
         self.actors = everybody[self.world_of, self.place_of]
         self._segments = _Segments(self.route, self.points)
 
-    def along(self) -> tuple[Array, Array, Array]:
+    def along(self, vehicle: dict[str, float]) -> tuple[Array, Array, Array]:
         """The road users in the coordinates of the route of their world, from the middle of the car.
 
-        Returns how far ahead each is (m), how far to the left (m), and the direction of the route there (rad).
+        Returns how far ahead each is (m), how far to the left (m), and the direction of the route there (rad). How far to the left is measured from the
+        route or from the place of the car beside it, whichever is nearer: a car that cuts a corner comes back to its route. In a bend a car sweeps more than
+        its width, since its front swings out and its rear cuts the corner: who is beside the route there is that much nearer to its path.
         """
         everything = np.arange(len(self.ids))
-        own, own_left, _ = self._segments.project(everything, self.ego[:, :2])
-        ahead, left, direction = self._segments.project(self.world_of, self.actors[:, 1:3])
-        return ahead - own[self.world_of], left - own_left[self.world_of], direction
+        own, own_left, _, _ = self._segments.project(everything, self.ego[:, :2])
+        ahead, left, direction, bend = self._segments.project(self.world_of, self.actors[:, 1:3])
+        beside = left - own_left[self.world_of]
+        left = np.where(np.abs(beside) < np.abs(left), beside, left)
+        rear, front = vehicle["wheelbase"] / 2, (vehicle["length"] + vehicle["wheelbase"]) / 2
+        # A circle of radius r departs from its tangent at the rear axle by x^2 / 2r, x ahead of the axle; the middle of the car is on the route.
+        inside = np.sign(left) == np.sign(bend)
+        swept = np.abs(bend) / 2 * np.where(inside, rear**2, front**2 - rear**2)
+        return ahead - own[self.world_of], np.sign(left) * np.maximum(np.abs(left) - swept, 0.0), direction
 
     def steer(self, vehicle: dict[str, float]) -> Array:
         """Steering along the route by pure pursuit, -1 to 1, positive to the left."""
@@ -83,13 +91,14 @@ class _Segments:
         steps[alone, 0] = headings[alone, 0]
         self.lengths = np.maximum(np.hypot(steps[:, :, 0], steps[:, :, 1]), 1e-9)
         self.units = steps / self.lengths[:, :, None]
+        self.headings = np.arctan2(self.units[:, :, 1], self.units[:, :, 0])
         self.before = np.cumsum(self.lengths, axis=1) - self.lengths
         self.absent = np.arange(self.starts.shape[1])[None, :] > self.lasts[:, None]
 
-    def project(self, world: NDArray[np.int64], points: Array) -> tuple[Array, Array, Array]:
-        """Length along the route (m), distance to its left (m) and its direction (rad), for points of some worlds."""
+    def project(self, world: NDArray[np.int64], points: Array) -> tuple[Array, Array, Array, Array]:
+        """Length along the route (m), distance to its left (m), its direction (rad) and its bend (1/m, to the left), for points of some worlds."""
         if not len(world):
-            return np.zeros(0), np.zeros(0), np.zeros(0)
+            return np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0)
         offset = points[:, None, :] - self.starts[world]
         units, lengths = self.units[world], self.lengths[world]
         along = offset[:, :, 0] * units[:, :, 0] + offset[:, :, 1] * units[:, :, 1]
@@ -102,8 +111,10 @@ class _Segments:
         apart = (along - on) ** 2 + left**2
         apart[self.absent[world]] = np.inf
         best = np.argmin(apart, axis=1)
-        direction = np.arctan2(units[rows, best, 1], units[rows, best, 0])
-        return self.before[world, best] + on[rows, best], left[rows, best], direction
+        one, two = np.maximum(best - 1, 0), np.minimum(best + 1, last)
+        turn = np.remainder(self.headings[world, two] - self.headings[world, one] + np.pi, 2 * np.pi) - np.pi
+        bend = turn / np.maximum(self.before[world, two] - self.before[world, one], 0.1)
+        return self.before[world, best] + on[rows, best], left[rows, best], self.headings[world, best], bend
 
 
 def serve(name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[Array, Array]]]) -> None:

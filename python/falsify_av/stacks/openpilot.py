@@ -223,7 +223,7 @@ class Openpilot:
 
     def _leads(self, frame: Frame) -> list[list[Lead]]:
         """The two nearest road users in the path of each car, and a light at which it must stop, as leads."""
-        ahead, left, direction = frame.along()
+        ahead, left, direction = frame.along(self.vehicle)
         turn = frame.actors[:, 3] - direction
         halves = frame.actors[:, 6:8] / 2.0
         reach = np.abs(np.cos(turn)) * halves[:, 0] + np.abs(np.sin(turn)) * halves[:, 1]

@@ -132,7 +132,7 @@ class Sumo:
 
     def decide(self, frame: Frame) -> tuple[Array, Array]:
         """One step of SUMO for all worlds; returns accelerations (m/s^2) and steers."""
-        ahead, left, direction = frame.along()
+        ahead, left, direction = frame.along(self.vehicle)
         kind, speed_along = frame.actors[:, 0], frame.actors[:, 4] * np.cos(direction) + frame.actors[:, 5] * np.sin(direction)
         turn = frame.actors[:, 3] - direction
         long_half, wide_half = frame.actors[:, 6] / 2, frame.actors[:, 7] / 2
