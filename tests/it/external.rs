@@ -255,3 +255,16 @@ fn the_driver_in_cpp_compiles_and_conforms() {
     let output = falsify(&["check", "--timeout", "60", "--", "./my_av"], place.path());
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
 }
+
+/// With and without the Python package the name is unknown: the sentence says what to do, and no driver is started.
+#[test]
+fn a_driver_of_others_that_is_not_there_is_reported_with_what_installs_it() {
+    let place = tempfile::tempdir().unwrap();
+    let output = falsify(&["check", "--driver", "somo"], place.path());
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(5), "{text}");
+    let reasons = ["pip install './python[somo]'", "'somo' is no driver of others", "cannot be started"];
+    assert!(text.contains("FAIL  is installed: ") && reasons.iter().any(|reason| text.contains(reason)), "{text}");
+    let both = falsify(&["check", "--driver", "sumo", "--", "python3", "my_av.py"], place.path());
+    assert_eq!(both.status.code(), Some(2), "{}", said(&both));
+}

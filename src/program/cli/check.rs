@@ -26,6 +26,7 @@ Examples:
                                              where episodes would start, for programs
   falsify check -- python3 my_av.py          see whether a driver of your own speaks the protocol of
                                              scenarios/external/README.md and drives the same way twice
+  falsify check --driver sumo                the same for a driver that others wrote; says what is not installed
 
 Exit codes: 0 no errors   2 missing file   3 errors   5 the driver failed";
 
@@ -36,7 +37,7 @@ pub struct CheckArgs {
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
     /// Scenario files; `-` is the standard input.
-    #[arg(required_unless_present = "driver", conflicts_with = "driver", value_name = "FILE")]
+    #[arg(required_unless_present = "tried", conflicts_with = "tried", value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Replacements of parts of the files.
     #[command(flatten)]
@@ -88,8 +89,8 @@ impl Reader for InputAndFiles {
 
 /// `falsify check`
 pub fn check(options: &CheckArgs) -> Ended {
-    if !options.trial.driver.is_empty() {
-        return Ok(try_driver(&options.trial));
+    if let Some(words) = options.trial.words() {
+        return Ok(try_driver(&options.trial, words));
     }
     if options.format == Format::Sarif && options.sample.is_some() {
         return Err(misused("SARIF has no field for samples; use `--format json`"));

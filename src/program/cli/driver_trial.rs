@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -26,17 +27,51 @@ use world::falsifier::{Random, evaluate_noting};
 #[derive(Debug, Args)]
 pub struct TrialArgs {
     /// Try a driver instead: the program and its arguments, after `--`.
-    #[arg(last = true, value_name = "DRIVER")]
+    #[arg(last = true, value_name = "DRIVER", group = "tried")]
     pub driver: Vec<String>,
+    /// Try a driver that others wrote, by its name in the Python package: sumo, openpilot_like, pdm_closed, fiss, commonroad.
+    #[arg(long = "driver", value_name = "NAME", group = "tried")]
+    pub stack: Option<String>,
     /// Time limit of the driver's answer to a tick, in seconds.
-    #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds, requires = "driver")]
+    #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds, requires = "tried")]
     pub timeout: f64,
     /// Time limit of the driver's greeting, in seconds.
-    #[arg(long, default_value_t = 30.0, value_name = "SECONDS", value_parser = seconds, requires = "driver")]
+    #[arg(long, default_value_t = 30.0, value_name = "SECONDS", value_parser = seconds, requires = "tried")]
     pub start_timeout: f64,
     /// Show the driver's first messages.
-    #[arg(long, requires = "driver")]
+    #[arg(long, requires = "tried")]
     pub show: bool,
+}
+
+impl TrialArgs {
+    /// The words of the driver that is to be tried, if one is.
+    pub fn words(&self) -> Option<Vec<String>> {
+        match &self.stack {
+            Some(name) => Some([&PYTHON[..], &[name]].concat().into_iter().map(String::from).collect()),
+            None => (!self.driver.is_empty()).then(|| self.driver.clone()),
+        }
+    }
+}
+
+/// Starts a driver of the Python package.
+const PYTHON: [&str; 3] = ["python3", "-m", "falsify_av.stacks"];
+
+/// Asks the Python package what a driver needs that is not installed.
+///
+/// # Errors
+/// What is missing, and what installs it.
+fn installed(name: &str) -> Result<(), String> {
+    let [python, arguments @ ..] = PYTHON;
+    let asked = Command::new(python).args(arguments).args(["--missing", name]).output();
+    let asked = asked.map_err(|error| format!("`{python}` cannot be started: {error}"))?;
+    let said = String::from_utf8_lossy(&asked.stderr);
+    match asked.status.success() {
+        true => Ok(()),
+        false if said.contains("No module named") => Err(format!(
+            "the Python package of falsify is not installed: `pip install './python[{name}]'` in a clone installs it and what the driver needs"
+        )),
+        false => Err(said.trim_end().into()),
+    }
 }
 
 /// A crossing with lights, and pedestrians that walk at random.
@@ -69,11 +104,14 @@ const SHOWN: usize = 4;
 const SHOWN_BYTES: usize = 600;
 
 /// `falsify check -- DRIVER`
-pub fn try_driver(options: &TrialArgs) -> ExitCode {
-    let program = Program { words: options.driver.clone(), folder: ".".into(), files: Vec::new() };
+pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
+    let program = Program { words, folder: ".".into(), files: Vec::new() };
     let settings =
         Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
-    console::say(&format!("driver {}", options.driver.join(" ")));
+    console::say(&format!("driver {}", program.words.join(" ")));
+    if let Some(Err(reason)) = options.stack.as_deref().map(installed) {
+        return failed(&format!("is installed: {reason}"));
+    }
     let opener = Arc::new(Overhearing { inner: ProcessOpener::default(), left: Arc::new(AtomicUsize::new(0)) });
     if options.show {
         opener.left.store(SHOWN, Ordering::Relaxed);

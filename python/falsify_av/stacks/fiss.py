@@ -8,34 +8,39 @@ Source: Sun et al., "FISS: A Trajectory Planning Framework Using Fast Iterative 
 RA-L 2022; "FISS+", IROS 2023. Install it with `pip install fiss-planner==1.0.0`.
 """
 
-import json
+from __future__ import annotations
+
 import math
-import sys
+from typing import Any
 
 import fiss_planner
 import numpy as np
 
+from ..drivers import serve
+from .pursuit import limit, pursue
+
 EVERY, STEP, HORIZON = 2, 0.1, 6.0  # ticks, s, s
 BRAKE, PULL = -8.0, 3.0  # m/s^2
-COMFORT, LATERAL = 2.0, 2.0  # m/s^2: before a lower limit, in bends
 ROOM = 1.5  # m: beside the lane in junctions
-MARGIN, APART = 0.4, 2.0  # m: around others, between two points of the route
+MARGIN = 0.4  # m: around others
 AHEAD = 3.0, 0.6  # m and s: the place on its path that it steers to
 
 
 class World:
     """The planner's memory of one world."""
 
-    def __init__(self, vehicle):
+    def __init__(self, vehicle: dict[str, float]) -> None:
         params = fiss_planner.VehicleParams()
         for key in ("length", "width", "wheelbase"):
             if hasattr(params, key):
                 setattr(params, key, vehicle[key])
         params.max_steer = vehicle["greatest_wheel_angle"]
         self.planner = fiss_planner.make_planner(fiss_planner.make_config("fiss_plus"), params)
-        self.acceleration, self.plan, self.age = 0.0, None, 0
+        self.acceleration, self.age = 0.0, 0
+        self.plan: list[Any] | None = None
 
-    def replan(self, world, route):
+    def replan(self, world: dict[str, Any], route: Any) -> None:
+        """Plan from where the car is."""
         ego, here = world["ego"], world["lanes"][0]
         line = fiss_planner.ReferenceLine(np.ascontiguousarray(route[:, 0]), np.ascontiguousarray(route[:, 1]))
         # A lane beside its own counts if it goes on as far as the route is known.
@@ -55,7 +60,8 @@ class World:
             path = found.trajectory
             self.plan = [np.array(each) for each in (path.t, path.v, path.a, path.x, path.y)]
 
-    def accelerate(self, speed, tick):
+    def accelerate(self, speed: float, tick: float) -> float:
+        """The acceleration that follows the plan (m/s^2)."""
         if self.plan is None:
             self.acceleration = BRAKE
         else:
@@ -67,7 +73,7 @@ class World:
             self.acceleration = float(0.75 * (wanted - speed) / max(4 * tick, STEP) + 0.5 * planned)
         return max(BRAKE, min(PULL, self.acceleration))
 
-    def target(self, ego, route):
+    def target(self, ego: dict[str, float], route: Any) -> Any:
         """The place that it steers to: on its path if that is long enough, or on the route."""
         reach = AHEAD[0] + AHEAD[1] * ego["speed"]
         path = route[:, :2] if self.plan is None else np.column_stack(self.plan[3:])
@@ -78,15 +84,7 @@ class World:
         return route[-1, :2]
 
 
-def limit(world, route):
-    """The greatest speed from which comfortable braking keeps every limit and takes every bend ahead."""
-    turns = [math.remainder(after - before, math.tau) for before, after in zip(route[:-1, 2], route[1:, 2])]
-    bends = [math.sqrt(LATERAL * APART / max(abs(turn), 1e-3)) for turn in turns] + [math.inf]
-    allowed = (min(lane["speed_limit"], bend) for lane, bend in zip(world["lanes"], bends))
-    return min(math.sqrt(speed**2 + 2 * COMFORT * APART * place) for place, speed in enumerate(allowed))
-
-
-def obstacle(actor):
+def obstacle(actor: dict[str, Any]) -> Any:
     """A forecast at constant velocity."""
     speed = math.hypot(actor["vx"], actor["vy"])
     heading = math.atan2(actor["vy"], actor["vx"]) if speed > 0.05 else actor["yaw"]
@@ -96,33 +94,27 @@ def obstacle(actor):
     )
 
 
-def drive(world, memory, hello):
-    """The answer for one world."""
-    if world["tick"] == 0 or world["id"] not in memory:
-        memory[world["id"]] = World(hello["vehicle"])
-    state, ego, route = memory[world["id"]], world["ego"], np.array(world["route"])
-    if len(route) < 4:
-        return {"id": world["id"], "acceleration": PULL * -1.0, "steer": 0.0}
-    if world["tick"] % EVERY == 0:
-        state.replan(world, route)
-    acceleration = state.accelerate(ego["speed"], hello["tick_s"])
-    x, y = state.target(ego, route) - (ego["x"], ego["y"])  # pure pursuit
-    angle = math.remainder(math.atan2(y, x) - ego["yaw"], math.tau)
-    vehicle = hello["vehicle"]
-    wheel = math.atan2(2.0 * vehicle["wheelbase"] * math.sin(angle), math.hypot(x, y))
-    steer = max(-1.0, min(1.0, wheel / vehicle["greatest_wheel_angle"]))
-    return {"id": world["id"], "acceleration": acceleration, "steer": steer}
+class Driver:
+    """The planner of one world, with the route that it steers along."""
+
+    revision = 2
+
+    def reset(self, hello: dict[str, Any], _seed: int) -> None:
+        """Forget the last episode."""
+        self.hello, self.state = hello, World(hello["vehicle"])
+
+    def drive(self, world: dict[str, Any]) -> dict[str, float]:
+        """The answer to a tick."""
+        ego, route, vehicle = world["ego"], np.array(world["route"]), self.hello["vehicle"]
+        if len(route) < 4:
+            return {"acceleration": -PULL, "steer": 0.0}
+        if world["tick"] % EVERY == 0:
+            self.state.replan(world, route)
+        acceleration = self.state.accelerate(ego["speed"], self.hello["tick_s"])
+        x, y = self.state.target(ego, route) - (ego["x"], ego["y"])
+        return {"acceleration": acceleration, "steer": pursue(x, y, ego["yaw"], vehicle)}
 
 
-def main():
-    memory, hello = {}, None
-    for line in sys.stdin:
-        message = json.loads(line)
-        if message["type"] == "hello":
-            hello, answer = message, {"protocol": "falsify-av/1", "name": "fiss_plus", "revision": 2}
-        else:
-            answer = {"actions": [drive(world, memory, hello) for world in message["worlds"]]}
-        print(json.dumps(answer), flush=True)
-
-
-main()
+def main(_words: list[str]) -> None:
+    """Serve the planner."""
+    serve(Driver)

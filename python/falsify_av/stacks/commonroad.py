@@ -7,10 +7,12 @@ Source: Würsching and Althoff, "Sampling-Based Optimal Trajectory Generation fo
 Install it with `pip install commonroad-reactive-planner==2025.1`.
 """
 
-import json
+from __future__ import annotations
+
 import logging
 import math
 import sys
+from typing import Any
 
 import numpy as np
 from commonroad.scenario.lanelet import Lanelet, LaneletNetwork
@@ -22,13 +24,17 @@ from commonroad_rp.state import ReactivePlannerState
 from commonroad_rp.utility.config import ReactivePlannerConfiguration
 from commonroad_rp.utility.utils_coordinate_system import CoordinateSystem
 
+from ..drivers import serve
+from .pursuit import limit, only_answers, pursue
+
 EVERY, STEP, STEPS = 6, 0.1, 30  # ticks, s, steps
 BRAKE, FULL, PULL = -6.0, -8.0, 3.0  # m/s^2
-MARGIN, APART, COMFORT, LATERAL = 0.5, 2.0, 2.0, 2.0  # m, m, m/s^2, m/s^2
+MARGIN = 0.5  # m: around others
 SLOWEST = 0.1  # m/s: the planner fails for a car at rest
 
 
-def settings():
+def settings() -> Any:
+    """The planner's settings."""
     made = ReactivePlannerConfiguration()
     made.planning.dt, made.planning.time_steps_computation = STEP, STEPS
     made.planning.planning_horizon = STEP * STEPS
@@ -37,15 +43,16 @@ def settings():
     return made
 
 
-def longer(route):
+def longer(route: Any) -> Any:
     """The route as a line of points that reaches 24 m behind the car and 30 m beyond its end."""
-    def beyond(pose, distances):
+
+    def beyond(pose: Any, distances: tuple[float, ...]) -> list[Any]:
         return [pose[:2] + distance * np.array([math.cos(pose[2]), math.sin(pose[2])]) for distance in distances]
 
     return np.vstack([beyond(route[0], (-24, -18, -12, -6)), route[:, :2], beyond(route[-1], (6, 12, 18, 24, 30))])
 
 
-def road(line, width):
+def road(line: Any, width: float) -> Any:
     """One lane along a line."""
     along = np.gradient(line, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
@@ -55,7 +62,7 @@ def road(line, width):
     return made
 
 
-def forecasts(actors):
+def forecasts(actors: list[dict[str, Any]]) -> Any:
     """The others at constant velocity."""
     checker = pycrcc.CollisionChecker()
     for actor in actors:
@@ -70,21 +77,16 @@ def forecasts(actors):
     return checker
 
 
-def limit(world, route):
-    """The greatest speed from which comfortable braking keeps every limit and takes every bend ahead."""
-    turns = [math.remainder(after - before, math.tau) for before, after in zip(route[:-1, 2], route[1:, 2])]
-    bends = [math.sqrt(LATERAL * APART / max(abs(turn), 1e-3)) for turn in turns] + [math.inf]
-    allowed = (min(lane["speed_limit"], bend) for lane, bend in zip(world["lanes"], bends))
-    return min(math.sqrt(speed**2 + 2 * COMFORT * APART * place) for place, speed in enumerate(allowed))
-
-
 class World:
     """The planner's memory of one world."""
 
-    def __init__(self):
-        self.acceleration, self.plan, self.age, self.planner = 0.0, None, 0, None
+    def __init__(self) -> None:
+        self.acceleration, self.age = 0.0, 0
+        self.plan: Any = None
+        self.planner: Any = None
 
-    def replan(self, world, route, vehicle):
+    def replan(self, world: dict[str, Any], route: Any, vehicle: dict[str, float]) -> None:
+        """Plan from where the car is."""
         ego, line, made = world["ego"], longer(route), settings()
         made.scenario, made.planning_problem = road(line, world["lanes"][0]["width"]), None
         speed, back = max(ego["speed"], SLOWEST), vehicle["wheelbase"] / 2
@@ -108,7 +110,8 @@ class World:
         if found is not None:
             self.plan = np.array([(each.velocity, each.acceleration) for each in found[0].state_list])
 
-    def accelerate(self, speed, tick):
+    def accelerate(self, speed: float, tick: float) -> float:
+        """The acceleration that follows the plan (m/s^2)."""
         if self.plan is None:
             wanted = BRAKE
         else:
@@ -119,35 +122,29 @@ class World:
         return self.acceleration
 
 
-def drive(world, memory, hello):
-    """The answer for one world."""
-    if world["tick"] == 0 or world["id"] not in memory:
-        memory[world["id"]] = World()
-    state, ego, route, vehicle = memory[world["id"]], world["ego"], np.array(world["route"]), hello["vehicle"]
-    if len(route) < 6:
-        return {"id": world["id"], "acceleration": -PULL, "steer": 0.0}
-    if world["tick"] % EVERY == 0:
-        state.replan(world, route, vehicle)
-    acceleration = state.accelerate(ego["speed"], hello["tick_s"])
-    x, y = route[4, 0] - ego["x"], route[4, 1] - ego["y"]  # pure pursuit
-    angle = math.remainder(math.atan2(y, x) - ego["yaw"], math.tau)
-    wheel = math.atan2(2.0 * vehicle["wheelbase"] * math.sin(angle), math.hypot(x, y))
-    steer = max(-1.0, min(1.0, wheel / vehicle["greatest_wheel_angle"]))
-    return {"id": world["id"], "acceleration": acceleration, "steer": steer}
+class Driver:
+    """The planner of one world, which follows its speeds and steers along the route."""
+
+    revision = 2
+
+    def reset(self, hello: dict[str, Any], _seed: int) -> None:
+        """Forget the last episode."""
+        self.hello, self.state = hello, World()
+
+    def drive(self, world: dict[str, Any]) -> dict[str, float]:
+        """The answer to a tick."""
+        ego, route, vehicle = world["ego"], np.array(world["route"]), self.hello["vehicle"]
+        if len(route) < 6:
+            return {"acceleration": -PULL, "steer": 0.0}
+        if world["tick"] % EVERY == 0:
+            self.state.replan(world, route, vehicle)
+        acceleration = self.state.accelerate(ego["speed"], self.hello["tick_s"])
+        x, y = route[4, 0] - ego["x"], route[4, 1] - ego["y"]
+        return {"acceleration": acceleration, "steer": pursue(x, y, ego["yaw"], vehicle)}
 
 
-def main():
+def main(_words: list[str]) -> None:
+    """Serve the planner."""
     logging.disable(logging.CRITICAL)
-    # The planner prints; only answers belong into the output.
-    answers, sys.stdout = sys.stdout, sys.stderr
-    memory, hello = {}, None
-    for line in sys.stdin:
-        message = json.loads(line)
-        if message["type"] == "hello":
-            hello, answer = message, {"protocol": "falsify-av/1", "name": "commonroad_rp", "revision": 2}
-        else:
-            answer = {"actions": [drive(world, memory, hello) for world in message["worlds"]]}
-        print(json.dumps(answer), file=answers, flush=True)
-
-
-main()
+    with only_answers():
+        serve(Driver)

@@ -1,0 +1,198 @@
+"""Adapters to drivers, and a pedestrian, of others. What a package is needed for is skipped, with its name, where it is not installed."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from falsify_av.stacks import STACKS
+from falsify_av.stacks.__main__ import main
+from falsify_av.stacks.batch import Frame, _Segments
+
+VEHICLE = {"length": 4.79, "width": 2.16, "wheelbase": 3.0, "greatest_wheel_angle": 0.86}
+STACKS_FOLDER = Path(__file__).with_name("stacks")
+ACTORS, POINTS = 2, 20
+
+
+def needs(stack: str) -> None:
+    missing = STACKS[stack].missing()
+    if missing is not None:
+        pytest.skip(missing)
+
+
+def frame(worlds: int, speed: float, people: dict[int, tuple[float, float]], start: bool = False, light: tuple[float, float] = (0.0, 0.0)) -> Frame:
+    """Straight roads to the east with a person at x, y (m) in some worlds."""
+    numbers = np.zeros((worlds, 12 + 8 * ACTORS + 3 * POINTS))
+    numbers[:, 0], numbers[:, 2] = np.arange(worlds), 5.0 if start else -1.0
+    numbers[:, 6], numbers[:, 7], numbers[:, 8:10], numbers[:, 11] = speed, 13.9, light, POINTS
+    numbers[:, 12 + 8 * ACTORS :: 3] = 2.0 * np.arange(POINTS)
+    for world, (x, y) in people.items():
+        numbers[world, 10], numbers[world, 12:20] = 1, [1.0, x, y, 1.57, 0.0, 0.0, 0.5, 0.5]
+    return Frame(numbers, ACTORS, POINTS)
+
+
+def test_points_are_projected_onto_the_route_and_beyond_its_ends() -> None:
+    corner = np.zeros((1, 4, 3))
+    corner[0] = [[0, 0, 0], [2, 0, 0], [2, 2, math.pi / 2], [0, 0, 0]]
+    segments = _Segments(corner, np.array([3]))
+    points = np.array([[1.0, 0.5], [2.5, 1.0], [-3.0, -1.0], [1.0, 9.0]])
+    along, left, direction, bend = segments.project(np.zeros(4, np.int64), points)
+    assert along == pytest.approx([1.0, 3.0, -3.0, 11.0])
+    assert left == pytest.approx([0.5, -0.5, -1.0, 1.0])
+    assert direction == pytest.approx([0.0, math.pi / 2, 0.0, math.pi / 2])
+    assert bend == pytest.approx([math.pi / 4] * 4), "a quarter of a circle in 2 m"
+
+
+def test_a_frame_is_steered_along_its_route() -> None:
+    seen = frame(2, 10.0, {1: (20.0, -1.0)})
+    ahead, left, _ = seen.along(VEHICLE)
+    assert (ahead.tolist(), left.tolist(), seen.world_of.tolist()) == ([20.0], [-1.0], [1])
+    assert seen.steer(VEHICLE) == pytest.approx([0.0, 0.0])
+    seen.ego = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.2]])
+    assert (seen.steer(VEHICLE) < 0.0).all(), "it is left of its route, or turned to the left"
+
+
+def test_the_front_of_a_car_swings_out_in_a_bend() -> None:
+    seen = frame(2, 5.0, {0: (10.0, 0.0), 1: (10.0, 0.0)})
+    radius, angles = 10.0, 0.2 * np.arange(POINTS)
+    arc = np.column_stack([radius * np.sin(angles), radius * (1.0 - np.cos(angles)), angles])
+    there = arc[5, :2] + np.array([[2.0, -2.0]]).T * [-math.sin(1.0), math.cos(1.0)]
+    numbers = np.zeros((2, 12 + 8 * ACTORS + 3 * POINTS))
+    numbers[:, 11], numbers[:, 12], numbers[:, 13:15], numbers[:, 12 + 8 * ACTORS :] = POINTS, 1.0, there, arc.ravel()
+    _, left, _ = Frame(numbers, ACTORS, POINTS).along(VEHICLE)
+    assert left == pytest.approx([2.0 - 0.11, -2.0 + 0.65], abs=0.05), "inside, and outside"
+    assert seen.along(VEHICLE)[1] == pytest.approx([0.0, 0.0])
+
+
+def test_a_stack_that_is_not_there_is_named_with_what_installs_it(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("falsify_av.stacks.find_spec", lambda _: None)
+    assert main(["--missing", "sumo"]) == 3
+    assert capsys.readouterr().err == "SUMO's car-following model needs the Python package libsumo: `pip install libsumo==1.28.0`\n"
+    assert main(["--missing", "somo"]) == 2
+    assert "'somo' is no driver of others" in capsys.readouterr().err
+
+
+def test_sumo_brakes_for_a_person_in_its_way_and_for_no_other() -> None:
+    needs("sumo")
+    from falsify_av.stacks.sumo import Sumo
+
+    sumo = Sumo({"vehicle": VEHICLE, "tick_s": 0.05, "worlds": 4}, "EIDM")
+    people = {1: (15.0, 0.0), 2: (15.0, 1.7), 3: (-10.0, 0.0)}
+    found = [sumo.decide(frame(4, 8.0, people, start=tick == 0))[0] for tick in range(4)]
+    free, ahead, beside, behind = found[-1]
+    assert ahead < -3.0 < 0.0 < free
+    assert free == beside == behind, "one world does not change another"
+    stops = [sumo.decide(frame(4, 8.0, {}, start=tick == 0, light=(3.0, 15.0)))[0] for tick in range(4)]
+    assert (stops[-1] < -1.5).all(), "a red light"
+
+
+def test_openpilots_problem_is_solved_as_by_a_checkout() -> None:
+    """The plans were recorded by `python3 -m falsify_av.stacks.openpilot_checkout DIR FILE` with openpilot 0.11.2 (7d325d66)."""
+    needs("openpilot_like")
+    from falsify_av.stacks.openpilot import Plan, solver
+    from falsify_av.stacks.openpilot_checkout import differences
+
+    recorded = json.loads((STACKS_FOLDER / "openpilot_situations.json").read_text(encoding="utf-8"))
+    assert len(recorded) == 200
+    assert differences(Plan(solver()), recorded)[-1] < 1e-6
+
+
+def test_openpilot_stops_for_a_person_who_is_shown_as_a_lead() -> None:
+    needs("openpilot_like")
+    from falsify_av.stacks.openpilot import Openpilot, Plan, solver
+
+    planner, speed, x = Openpilot({"vehicle": VEHICLE, "tick_s": 0.05}, lambda: Plan(solver())), 8.33, 0.0
+    least = 0.0
+    for tick in range(200):
+        acceleration = float(planner.decide(frame(1, speed, {0: (25.0 - x, 0.0)}, start=tick == 0))[0][0])
+        least, speed = min(least, acceleration), max(speed + 0.05 * acceleration, 0.0)
+        x += 0.05 * speed
+    assert speed == 0.0 and -3.51 < least < -1.0
+    assert 25.0 - x > VEHICLE["length"] / 2
+
+
+class Names:
+    """The shapes of nuPlan's names that the map needs."""
+
+    SemanticMapLayer = SimpleNamespace(ROADBLOCK="roadblock", ROADBLOCK_CONNECTOR="connector", CARPARK_AREA="carpark", INTERSECTION="intersection")
+
+    @staticmethod
+    def StateSE2(x: float, y: float, heading: float) -> Any:
+        return SimpleNamespace(x=x, y=y, heading=heading)
+
+
+def test_pdms_map_answers_the_four_calls_of_the_planner() -> None:
+    pytest.importorskip("shapely")
+    from falsify_av.stacks.pdm import BEHIND, Map, longer
+
+    layers, route = Names.SemanticMapLayer, np.column_stack([np.arange(0.0, 40.0, 2.0), np.zeros(20), np.zeros(20)])
+    road = Map(Names, longer(route), 3.5, 8.33, None)
+    here = SimpleNamespace(x=0.0, y=1.0)
+    assert road.route == ["block1"] and road.get_map_object("block1", layers.ROADBLOCK).interior_edges[0].speed_limit_mps == 8.33
+    assert road.get_map_object("block1", layers.ROADBLOCK_CONNECTOR) is None
+    near = road.get_proximal_map_objects(here, 50.0, [layers.ROADBLOCK, layers.CARPARK_AREA])
+    assert [len(near[layer]) for layer in (layers.ROADBLOCK, layers.CARPARK_AREA)] == [1, 0]
+    assert road.is_in_layer(here, layers.ROADBLOCK) and not road.is_in_layer(here, layers.INTERSECTION)
+    assert road.get_distance_to_nearest_map_object(SimpleNamespace(x=0.0, y=2.75), layers.ROADBLOCK) == ("block1", pytest.approx(1.0))
+    closed = Map(Names, longer(route), 3.5, 8.33, 20.0)
+    first, second = (each.interior_edges[0] for each in closed.blocks)
+    assert first.outgoing_edges == [second] and second.incoming_edges == [first] and second.get_roadblock_id() == "block2"
+    assert first.baseline_path.discrete_path[-1].x == pytest.approx(20.0, abs=2.0)
+    assert first.baseline_path.length == pytest.approx(BEHIND + 20.0, abs=2.0)
+
+
+def recorded_run() -> list[dict[str, Any]]:
+    return json.loads((STACKS_FOLDER / "pdm_run.json").read_text(encoding="utf-8"))
+
+
+def test_a_recorded_plan_of_pdm_is_followed() -> None:
+    from falsify_av.stacks.pdm import Driver
+
+    driver = Driver()
+    driver.nuplan = SimpleNamespace(planner=lambda: None, VehicleParameters=lambda *_: None)
+    driver.reset({"vehicle": VEHICLE, "tick_s": 0.05}, 1)
+    for each in recorded_run():
+        driver.replan = lambda *_, plan=each["plan"]: np.array(plan)  # type: ignore[method-assign]
+        assert driver.drive(each["world"]) == pytest.approx(each["control"])
+
+
+def test_pdm_plans_as_recorded() -> None:
+    """The run was recorded with tuplan_garage b51d5d04 and nuplan-devkit e9241677."""
+    needs("pdm_closed")
+    if not os.environ.get("FALSIFY_PDM"):
+        pytest.skip("FALSIFY_PDM does not name a folder with clones of tuplan_garage and nuplan-devkit")
+    from falsify_av.stacks import pdm
+
+    pdm.clones(os.environ["FALSIFY_PDM"])
+    driver = pdm.Driver()
+    driver.nuplan = pdm.Nuplan()
+    driver.reset({"vehicle": VEHICLE, "tick_s": 0.05}, 1)
+    for each in recorded_run():
+        control = driver.drive(each["world"])
+        assert np.allclose(driver.plan[: len(each["plan"])], each["plan"], atol=1e-6)
+        assert control == pytest.approx(each["control"], abs=1e-6)
+
+
+def test_jupedsims_pedestrian_crosses_and_walks_around_a_car() -> None:
+    needs("jupedsim")
+    from shapely.geometry import Point
+
+    from falsify_av.stacks.jupedsim import Walk, across, hole
+
+    me, ego = {"x": 30.0, "y": -5.0, "yaw": 0.0}, {"x": 0.0, "y": 0.0, "yaw": 0.0, "speed": 0.0}
+    assert across(me, ego) == pytest.approx((30.0, 8.0))
+    heading, speed = Walk(1, 0.05, 10).choose(me, ego, VEHICLE)
+    assert heading == pytest.approx(math.pi / 2, abs=0.01) and 0.5 < speed < 2.2
+    walk, standing = Walk(1, 0.05, 10), {"x": 29.0, "y": 0.0, "yaw": 0.0, "speed": 0.0}
+    for _ in range(60):
+        heading, speed = walk.choose(me, standing, VEHICLE)
+        me = {"x": me["x"] + speed * 0.5 * math.cos(heading), "y": me["y"] + speed * 0.5 * math.sin(heading), "yaw": heading}
+        assert not hole(standing, VEHICLE, 0.0).contains(Point(me["x"], me["y"]))
+    assert me["y"] > 4.0, "it has walked around the standing car"
