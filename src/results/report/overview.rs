@@ -169,7 +169,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         }));
     table
         .column(text("worst_failure", "", "verdict of the worst failure; empty without a collision").of(
-            |row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.class().name().to_string()),
+            |row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.word().to_owned()),
         ))
         .column(
             number("worst_impact_speed", "m/s", "speed of the car at its touch")

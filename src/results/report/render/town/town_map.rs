@@ -26,7 +26,7 @@ pub fn town_map(town: &Town, starts: &Starts) -> String {
     let legend = [
         (75.0, 0.0, 0.0, "start: no car hit"),
         (130.0, 1.0, 0.0, "all hit, car moving"),
-        (182.0, 0.0, 1.0, "all hit, car standing"),
+        (182.0, 0.0, 1.0, "all hit, standing"),
     ];
     drawn(town, |x, y| {
         html! {
