@@ -68,13 +68,15 @@ fn table(overview: &Overview<'_>) -> Table {
         values.extend(row.values.iter().map(|value| Value::from(value.as_deref().unwrap_or("–"))));
         values.push(Value::from(&row.result.driver.name));
         values.push(Value::Text(match &row.result.worst {
-            Some(found) => format!("{}, {:.1} m/s", found.class().name(), found.impact_speed),
+            Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
             None => "no collision".into(),
         }));
         if evaluated {
             let rate = |found: &Option<HighestRate>| {
-                let found = found.as_ref();
-                Value::Estimate(found.map(|found| found.rate), found.and_then(|found| found.interval), 2)
+                let Some(found) = found else { return Value::Number(None, 2) };
+                let episodes = row.variant.cells[found.cell].episodes;
+                let failures = (found.rate * f64::from(episodes)).round() as u32;
+                Value::or_count(Value::Estimate(Some(found.rate), found.interval, 2), Some(found.rate), failures, episodes)
             };
             values.extend(row.rates.iter().map(rate));
         }

@@ -1,12 +1,13 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use super::Scale;
 use super::names::{distinct, head, names, place, who};
 use crate::report::render::table::{Column, Table, Value};
 use crate::report::{Cell, Spread};
 
 /// The table of cells, for the summary. It has the mean reward if any was paid.
-pub fn results(cells: &[Cell]) -> Table {
+pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
     let is_paid = cells.iter().any(|cell| cell.reward_sum.mean.is_some_and(|reward| reward != 0.0));
     let rewards: BTreeSet<&str> = cells.iter().map(|cell| cell.key.reward.as_str()).collect();
@@ -17,6 +18,7 @@ pub fn results(cells: &[Cell]) -> Table {
     }
     // Means with a spread are left-aligned, so that the means are below each other.
     columns.extend(["collision rate", "95 % of episodes", "front", "moving", "preventable", "fault"].map(Column::text));
+    columns.extend(scale.head().map(|of| Column::number(format!("fault, {of}"))));
     if is_paid {
         columns.push(Column::text("mean reward"));
     }
@@ -35,6 +37,7 @@ pub fn results(cells: &[Cell]) -> Table {
             or_count(cell.preventable, cell.preventable_collisions(), cell),
             or_count(cell.fault, cell.faults, cell),
         ]);
+        row.extend(scale.head().map(|_| Value::Number(scale.share(cell, |cell| cell.fault), 2)));
         if is_paid {
             // The row of an untrained controller is that of all rewards, which pay it differently.
             let one = cell.key.is_trained() || rewards.len() == 1;
@@ -51,7 +54,8 @@ pub fn results(cells: &[Cell]) -> Table {
              The interval is Wilson's over the episodes of all runs. It does not say what further trainings would show. \
              *Front*: share of the collisions that are in the front sector. *Moving*: share of the episodes that end in a collision \
              with a moving car. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
-             *Fault*: those of them in which the pedestrian moved as people do. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
+             *Fault*: those of them in which the pedestrian moved as people do. The column after it is the fault rate as a share of that of the driver \
+             that sees no pedestrians, or of the worst driver, with the same controller in the same town. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
              An untrained controller walks the same for every reward, so it has one row."
                 .into(),
         ],
@@ -65,13 +69,14 @@ fn or_count(rate: Spread, count: u32, cell: &Cell) -> Value {
 }
 
 /// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller.
-pub fn rates(cells: &[Cell]) -> Table {
+pub fn rates(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
     let mut columns = vec![Column::text("controller"), Column::number("n")];
     if has_errors {
         columns.push(Column::number("errors"));
     }
     columns.extend(["collision", "moving", "preventable", "fault"].map(Column::text));
+    columns.extend(scale.head().map(Column::number));
     let distinct = distinct(cells);
     let heading = |cell: &Cell| format!("{} · {}", place(cell, cells), cell.key.policy);
     let mut headings: Vec<String> = Vec::new();
@@ -98,6 +103,7 @@ pub fn rates(cells: &[Cell]) -> Table {
                 or_count(cell.preventable, cell.preventable_collisions(), cell),
                 or_count(cell.fault, cell.faults, cell),
             ]);
+            row.extend(scale.head().map(|_| Value::Number(scale.share(cell, |cell| cell.fault), 2)));
             rows.push(row);
         }
     }
