@@ -3,10 +3,10 @@
 use maud::{Markup, html};
 
 use super::markup::{count, percent, prose};
-use super::player_card::badge;
+use super::player_card::{PlayerCard, badge};
 use super::worst::card;
 use super::{Contents, Players};
-use crate::report::render::sections::{Scale, drivers, injury, injury_scale, place, who};
+use crate::report::render::sections::{drivers, injury, injury_scale, place, who};
 use crate::report::render::svg::px;
 use crate::report::{Cell, DriverResult, ListedFailure, worst_failure};
 
@@ -24,7 +24,10 @@ pub fn first(contents: &Contents<'_>) -> Markup {
             h2.hidden { "What was found" }
             div.first {
                 div.found { (blocks(contents)) }
-                @if let Some((found, replay)) = played { (card(found).to_html(replay, players.options())) }
+                @if let Some((found, replay)) = played {
+                    @let card = card(found);
+                    (PlayerCard { title: format!("The worst: {}", card.title), ..card }.to_html(replay, players.options()))
+                }
             }
             @if let Some(table) = table {
                 details { summary { "All numbers of the drivers" } (table.to_html()) }
@@ -43,9 +46,18 @@ fn blocks(contents: &Contents<'_>) -> Markup {
         None => result.searched.map(|found| found.fault as f64 / found.episodes.max(1) as f64),
     };
     let bad = |result: &DriverResult| injury(result, cells);
-    let scale = Scale::new(drivers, cells);
-    let injuries = injury_scale(drivers, cells);
+    let injuries = injury_scale(drivers, cells).map(|(_, whole)| whole);
+    let baseline = drivers.iter().find(|result| result.driver.sees_no_pedestrians());
+    let faults_of = baseline.map_or_else(|| Some(most(&often)), often);
+    let whose = baseline.map(|result| result.driver.name.as_str());
+    // Without another driver there is nothing to compare with.
+    let share = |value: f64, whole: Option<f64>| {
+        whole.filter(|whole| *whole > 0.0 && drivers.len() > 1).map(|whole| share_of(value / whole, whose))
+    };
     html! {
+        p.note {
+            "A " b { "fault" } " is a collision that a careful human avoids, with a pedestrian who moves as people do. Rates are those of each driver’s worst setting."
+        }
         @for result in drivers.iter() {
             @let blind = result.driver.sees_no_pedestrians();
             article.driver {
@@ -60,9 +72,7 @@ fn blocks(contents: &Contents<'_>) -> Markup {
                             dd {
                                 (bar(rate, most(&often), blind))
                                 (faults(result, cell(result), rate))
-                                @if let Some(share) = cell(result).filter(|_| !blind).and_then(|cell| scale.share(cell, |cell| cell.fault)) {
-                                    (share_of(share, scale.blind()))
-                                }
+                                @if !blind { @if let Some(share) = share(rate, faults_of) { (share) } }
                             }
                         }
                     }
@@ -72,15 +82,13 @@ fn blocks(contents: &Contents<'_>) -> Markup {
                             dd {
                                 (bar(injury, most(&bad), blind))
                                 (format!("{injury:.2}")) " avoidable severe injuries in 1,000 episodes"
-                                @if let Some((_, whole)) = injuries.as_ref().filter(|_| !blind && drivers.len() > 1) {
-                                    (share_of(injury / whole, drivers.iter().find(|other| other.driver.sees_no_pedestrians()).map(|other| other.driver.name.as_str())))
-                                }
+                                @if !blind { @if let Some(share) = share(injury, injuries) { (share) } }
                             }
                         }
                     }
                 }
                 @if let Some(cell) = cell(result).filter(|_| cells.len() > drivers.len()) {
-                    p.note { "its worst setting: " (who(cell, cells)) " in " (place(cell, cells)) }
+                    p.note { "worst setting: " (who(cell, cells)) " in " (place(cell, cells)) }
                 }
             }
         }
@@ -103,7 +111,7 @@ fn worst(found: &ListedFailure, players: &Players) -> Markup {
                 Some(replay) => (replay.short),
                 None => (format!("The car hit at {:.1} m/s.", found.impact_speed)),
             }
-            @if let Some(link) = players.link(&found.name()) { " " a.play href=(link) { "play" } }
+            @if let Some(link) = players.link(&found.name()) { "\u{a0}" a.play href=(link) { "play" } }
         }
     }
 }

@@ -60,7 +60,7 @@ pub fn modes(cards: &[ModeCard], players: &Players, played: &[&str]) -> Markup {
     let (shown, more) = players.split_at(players.len().min(SHOWN));
     html! {
         p.lead {
-            "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, and what its driver was doing. Within a kind, \
+            "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, and what its driver did at the touch. Within a kind, \
              collisions are grouped by the last seconds before the touch. The most typical example of each group is shown; the preventable kinds are first. "
         }
         div.cards { @for (each, replay) in shown { (card(each).to_html(replay, options)) } }

@@ -152,9 +152,8 @@ class Player {
 
   view(ego, person, width, height) {
     if (this.follow) {
-      const far = Math.hypot(person.x - ego.x, person.y - ego.y);
-      const metres = Math.max(26, far * 1.4 + 10) / this.zoom;
-      return { x: (ego.x + person.x) / 2, y: (ego.y + person.y) / 2, scale: Math.min(width / metres, height / (metres * 0.54)) };
+      const across = Math.max(26, Math.abs(person.x - ego.x) * 1.2 + 10), up = Math.max(14, Math.abs(person.y - ego.y) * 1.2 + 10);
+      return { x: (ego.x + person.x) / 2, y: (ego.y + person.y) / 2, scale: Math.min(width / across, height / up) * this.zoom };
     }
     const all = this.data.ego.concat(this.data.person), of = (i) => all.map((state) => state[i] / 100);
     const [left, right, low, high] = [Math.min(...of(0)), Math.max(...of(0)), Math.min(...of(1)), Math.max(...of(1))];

@@ -63,7 +63,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                 em { "Fault" }
                 ": preventable, and the pedestrian moved as people do. Controllers of a place meet the same starts. \
                  Untrained controllers do the same for every reward, so they are here once."
-                @if scale.head().is_some() {
+                @if scale.name().is_some() {
                     " The thin line above a bar is the scale: from the best driver with this controller in this town to "
                     @match scale.blind() {
                         Some(name) => { code { (name) } ", which sees no pedestrian." },
@@ -100,7 +100,7 @@ fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates, (axes, scal
                         span {
                             (Value::or_count(rate.into(), rate.mean, failures(cell)[number], cell.episodes).to_string())
                             @if let (Some(share), Some(blind)) = (scale.share(cell, of), scale.blind()) {
-                                @if blind != cell.key.policy { small { (format!("{share:.2}")) " of " (blind) "’s" } }
+                                @if blind != cell.key.policy && share >= 0.005 { small { (format!("{share:.2}")) " of " (blind) "’s" } }
                             }
                         }
                     }

@@ -18,7 +18,7 @@ pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
     }
     // Means with a spread are left-aligned, so that the means are below each other.
     columns.extend(["collision rate", "95 % of episodes", "front", "moving", "preventable", "fault"].map(Column::text));
-    columns.extend(scale.head().map(|of| Column::number(format!("fault, {of}"))));
+    columns.extend(scale.name().map(|name| Column::number(format!("fault, of {name}'s"))));
     if is_paid {
         columns.push(Column::text("mean reward"));
     }
@@ -37,7 +37,7 @@ pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
             or_count(cell.preventable, cell.preventable_collisions(), cell),
             or_count(cell.fault, cell.faults, cell),
         ]);
-        row.extend(scale.head().map(|_| Value::Number(scale.share(cell, |cell| cell.fault), 2)));
+        row.extend(scale.name().map(|_| Value::Number(scale.share(cell, |cell| cell.fault), 2)));
         if is_paid {
             // The row of an untrained controller is that of all rewards, which pay it differently.
             let one = cell.key.is_trained() || rewards.len() == 1;
@@ -68,15 +68,16 @@ fn or_count(rate: Spread, count: u32, cell: &Cell) -> Value {
     Value::or_count(rate.into(), rate.mean, count, cell.episodes)
 }
 
-/// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller.
+/// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller. The fault rate has its
+/// scale in place of its spread.
 pub fn rates(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
     let mut columns = vec![Column::text("controller"), Column::number("n")];
     if has_errors {
         columns.push(Column::number("errors"));
     }
-    columns.extend(["collision", "moving", "preventable", "fault"].map(Column::text));
-    columns.extend(scale.head().map(Column::number));
+    columns.extend(["collision", "moving", "preventable"].map(Column::text));
+    columns.push(Column::text(scale.name().map_or("fault".into(), |name| format!("fault\n(of {name})"))));
     let distinct = distinct(cells);
     let heading = |cell: &Cell| format!("{} · {}", place(cell, cells), cell.key.policy);
     let mut headings: Vec<String> = Vec::new();
@@ -101,9 +102,13 @@ pub fn rates(cells: &[Cell], scale: Scale<'_>) -> Table {
                 or_count(cell.collision, cell.collisions, cell),
                 or_count(cell.moving, cell.moving_collisions, cell),
                 or_count(cell.preventable, cell.preventable_collisions(), cell),
-                or_count(cell.fault, cell.faults, cell),
+                match (or_count(cell.fault, cell.faults, cell), scale.share(cell, |cell| cell.fault)) {
+                    (Value::Spread(Spread { mean: Some(mean), .. }), Some(share)) => {
+                        format!("{mean:.2} ({share:.2})").into()
+                    }
+                    (rate, _) => rate,
+                },
             ]);
-            row.extend(scale.head().map(|_| Value::Number(scale.share(cell, |cell| cell.fault), 2)));
             rows.push(row);
         }
     }

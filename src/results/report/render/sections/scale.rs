@@ -22,13 +22,11 @@ impl<'a> Scale<'a> {
         self.blind
     }
 
-    /// Whose rate it is, as the head of a column; none where nobody can be compared.
-    pub fn head(&self) -> Option<String> {
+    /// Whose rate is the upper end, for the head of a column; none where nobody can be compared.
+    pub fn name(&self) -> Option<&'a str> {
         let first = self.cells.first()?;
-        match self.blind {
-            Some(name) => Some(format!("of {name}'s")),
-            None => self.cells.iter().any(|cell| cell.key.policy != first.key.policy).then(|| "of the worst".into()),
-        }
+        let several = || self.cells.iter().any(|cell| cell.key.policy != first.key.policy);
+        self.blind.or_else(|| several().then_some("worst"))
     }
 
     /// The drivers in the setting of a cell: the same town, controller and body.
@@ -91,13 +89,13 @@ mod tests {
         };
         let results = [result("good", "idm", 0), result("blind", "cruise", 2)];
         let scale = Scale::new(&results, &cells);
-        assert_eq!(scale.head().as_deref(), Some("of blind's"));
+        assert_eq!(scale.name(), Some("blind"));
         assert_eq!(scale.share(&cells[1], |cell| cell.fault), Some(0.3 / 0.4));
         assert_eq!(scale.ends(&cells[1], |cell| cell.fault), Some((0.1, 0.4)));
         assert_eq!(scale.share(&cells[3], |cell| cell.fault), None, "nobody has a fault there");
         let others = Scale::new(&results[..1], &cells[..2]);
-        assert_eq!(others.head().as_deref(), Some("of the worst"));
+        assert_eq!(others.name(), Some("worst"));
         assert_eq!(others.ends(&cells[0], |cell| cell.fault), Some((0.1, 0.3)));
-        assert_eq!(Scale::new(&[], &cells[..1]).head(), None);
+        assert_eq!(Scale::new(&[], &cells[..1]).name(), None);
     }
 }
