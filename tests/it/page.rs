@@ -273,7 +273,8 @@ fn plays_above_the_page(tab: &mut Tab) {
     let height = tab.value("document.documentElement.scrollHeight");
     assert!(height.as_u64().unwrap() <= 10_000, "the page is {height} px high on a phone");
     tab.value("document.querySelector('nav a[href=\"#results\"]').click()");
-    let opened = "new Promise((done) => setTimeout(() => done(document.getElementById('results').parentElement.open), 300))";
+    let opened =
+        "new Promise((done) => setTimeout(() => done(document.getElementById('results').parentElement.open), 300))";
     assert_eq!(tab.value(opened), json!(true), "a link opens its section");
     tab.value("document.querySelector('a.play').click()");
     let title = tab.value("document.querySelector('dialog[open] h3').textContent");
@@ -282,7 +283,10 @@ fn plays_above_the_page(tab: &mut Tab) {
          const look = () => { if (bar.value !== from || performance.now() > until) done(bar.value !== from); else requestAnimationFrame(look); }; look(); })";
     assert_eq!(tab.value(plays), json!(true), "it does not play");
     tab.value("document.querySelector('dialog header button').click()");
-    assert_eq!(tab.value("new Promise((done) => setTimeout(() => done(document.querySelectorAll('dialog').length), 300))"), json!(0));
+    assert_eq!(
+        tab.value("new Promise((done) => setTimeout(() => done(document.querySelectorAll('dialog').length), 300))"),
+        json!(0)
+    );
 }
 
 /// Whether the page and each of its tables fit a window of this width (CSS pixels), with everything unfolded.

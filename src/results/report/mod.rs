@@ -29,9 +29,9 @@ mod write;
 pub use aggregate::{
     Agreement, Average, Cell, Colour, DriverResult, Episodes, Failures, Gathered, MedianTime, Metrics, ProtocolCell,
     PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures, SearchKind, Spread, Wanted, beside,
-    driver_results, worst_failure, gather, layer_cells, learning_curve, learning_curve_lines, metrics, published, search_cell_table,
+    driver_results, gather, layer_cells, learning_curve, learning_curve_lines, metrics, published, search_cell_table,
     search_cells, search_comparison_table, search_comparisons, search_failure, search_failures, search_kind_table,
-    search_kinds, searches, ticks, write_ticks,
+    search_kinds, searches, ticks, worst_failure, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use compare::{

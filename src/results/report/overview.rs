@@ -168,9 +168,10 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
             cell.map_or(String::new(), SearchCell::in_full)
         }));
     table
-        .column(text("worst_failure", "", "verdict of the worst failure; empty without a collision").of(
-            |row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.word().to_owned()),
-        ))
+        .column(
+            text("worst_failure", "", "verdict of the worst failure; empty without a collision")
+                .of(|row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.word().to_owned())),
+        )
         .column(
             number("worst_impact_speed", "m/s", "speed of the car at its touch")
                 .of(|row: &Row<'a>| row.result.worst.as_ref().map(|found| found.impact_speed)),

@@ -76,7 +76,12 @@ fn table(overview: &Overview<'_>) -> Table {
                 let Some(found) = found else { return Value::Number(None, 2) };
                 let episodes = row.variant.cells[found.cell].episodes;
                 let failures = (found.rate * f64::from(episodes)).round() as u32;
-                Value::or_count(Value::Estimate(Some(found.rate), found.interval, 2), Some(found.rate), failures, episodes)
+                Value::or_count(
+                    Value::Estimate(Some(found.rate), found.interval, 2),
+                    Some(found.rate),
+                    failures,
+                    episodes,
+                )
             };
             values.extend(row.rates.iter().map(rate));
         }

@@ -52,7 +52,8 @@ fn blocks(contents: &Contents<'_>) -> Markup {
     let whose = baseline.map(|result| result.driver.name.as_str());
     // Without another driver there is nothing to compare with.
     let share = |value: f64, whole: Option<f64>| {
-        whole.filter(|whole| *whole > 0.0 && drivers.len() > 1).map(|whole| share_of(value / whole, whose))
+        let whole = whole.filter(|whole| value > 0.0 && *whole > 0.0 && drivers.len() > 1)?;
+        (whose.is_some() || value < whole).then(|| share_of(value / whole, whose))
     };
     html! {
         p.note {
@@ -63,9 +64,11 @@ fn blocks(contents: &Contents<'_>) -> Markup {
             article.driver {
                 h3 { (result.driver.name) @if blind { " " span.note { "baseline: sees no pedestrian" } } }
                 @if !blind { p.note { (documentation(contents, &result.driver.name)) } }
-                @if let Some(found) = &result.worst { (worst(found, contents.players)) }
-                @else { p { "No collision was found." } }
-                dl.measures {
+                @match &result.worst {
+                    Some(found) => (worst(found, contents.players)),
+                    None => p { "No collision was found in " (count(tried(result, cells))) " episodes." },
+                }
+                @if result.worst.is_some() { dl.measures {
                     @if let Some(rate) = often(result) {
                         div {
                             dt { "how often" }
@@ -76,7 +79,7 @@ fn blocks(contents: &Contents<'_>) -> Markup {
                             }
                         }
                     }
-                    @if let Some(injury) = bad(result) {
+                    @if let Some(injury) = bad(result).filter(|injury| *injury > 0.0) {
                         div {
                             dt { "how bad" }
                             dd {
@@ -86,13 +89,20 @@ fn blocks(contents: &Contents<'_>) -> Markup {
                             }
                         }
                     }
-                }
-                @if let Some(cell) = cell(result).filter(|_| cells.len() > drivers.len()) {
+                } }
+                @if let Some(cell) = cell(result).filter(|_| result.worst.is_some() && cells.len() > drivers.len()) {
                     p.note { "worst setting: " (who(cell, cells)) " in " (place(cell, cells)) }
                 }
             }
         }
     }
+}
+
+/// The episodes of a driver, of evaluations and searches.
+fn tried(result: &DriverResult, cells: &[Cell]) -> u64 {
+    let evaluated =
+        cells.iter().filter(|cell| cell.key.policy == result.driver.name).map(|cell| u64::from(cell.episodes));
+    evaluated.sum::<u64>() + result.searched.map_or(0, |found| found.episodes)
 }
 
 /// The first sentence of what the scenario says about a driver.

@@ -14,11 +14,11 @@ use super::severity::{near_misses, severity};
 use super::spawns::spawns;
 use super::verdicts::verdicts;
 use super::worst::{failures, worst};
-use crate::report::{ListedFailure, worst_failure};
 use crate::report::render::sections::PROTOCOL;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::svg::Figure;
 use crate::report::render::table::Section;
+use crate::report::{ListedFailure, worst_failure};
 use compile::Campaign;
 
 /// A page with its figures, for callers that also want them as files.

@@ -17,8 +17,7 @@ pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
     if hit.is_empty() {
         return None;
     }
-    let legend =
-        Label::ALL.iter().enumerate().map(|(number, label)| (format!("v{number}"), label.word(false).into()));
+    let legend = Label::ALL.iter().enumerate().map(|(number, label)| (format!("v{number}"), label.word(false).into()));
     let panels = places(&hit).into_iter().map(|(place, members)| panel(place, &members));
     Some(Figure {
         name: "figure-verdicts".into(),

@@ -25,11 +25,10 @@ pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
     };
     let worst = worst_failure(&found.drivers).into_iter().chain(worst(&found.drivers)).map(ListedFailure::name);
     worst.chain(cards(found).into_iter().map(|card| card.example)).for_each(|name| add(&mut names, name, CARDS));
-    let is_external = |name: &str| found.drivers.iter().any(|each| each.driver.name == name && each.driver.is_external());
+    let is_external =
+        |name: &str| found.drivers.iter().any(|each| each.driver.name == name && each.driver.is_external());
     let of_list = listed(&found.drivers, &found.gathered.failures).into_iter();
-    of_list
-        .filter(|failure| !is_external(&failure.policy))
-        .for_each(|failure| add(&mut names, failure.name(), PLAYED));
+    of_list.filter(|failure| !is_external(&failure.policy)).for_each(|failure| add(&mut names, failure.name(), PLAYED));
     names
 }
 

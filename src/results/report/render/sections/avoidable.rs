@@ -31,7 +31,8 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         return None;
     }
     let mut columns = head();
-    let names_of_shares = ["contested", "machine preventable", "unpreventable", "standing", "into the side", "foreseeable"];
+    let names_of_shares =
+        ["contested", "machine preventable", "unpreventable", "standing", "into the side", "foreseeable"];
     columns.extend(
         [
             "collisions",

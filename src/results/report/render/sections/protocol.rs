@@ -38,8 +38,8 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
         tests.entry(number).or_default().push(cell);
     }
     tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
-    if let Some(last) = tables.last_mut() {
-        last.notes.push(JUDGES.into());
+    if let Some(first) = tables.first_mut() {
+        first.notes.push(JUDGES.into());
     }
     let notes = vec![READING.into(), LIMITS.into()];
     Some(Section {
