@@ -57,7 +57,12 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
             Value::or_count(cell.fault.into(), cell.fault.mean, cell.faults, cell.episodes),
             Value::Interval(Some(cell.fault_interval)),
             cell.expected_preventable.into(),
-            Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
+            Value::or_count(
+                Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
+                share(preventable),
+                preventable,
+                cell.collisions,
+            ),
         ]);
         row.extend(
             others.into_iter().chain([cell.walked_into, cell.foreseeable]).map(|count| Value::Number(share(count), 2)),
