@@ -73,7 +73,7 @@ fn blocks(contents: &Contents<'_>) -> Markup {
                         div {
                             dt { "how often" }
                             dd {
-                                (bar(rate, most(&often), blind))
+                                @if drivers.len() > 1 { (bar(rate, most(&often), blind)) }
                                 (faults(result, cell(result), rate))
                                 @if !blind { @if let Some(share) = share(rate, faults_of) { (share) } }
                             }
@@ -83,7 +83,7 @@ fn blocks(contents: &Contents<'_>) -> Markup {
                         div {
                             dt { "how bad" }
                             dd {
-                                (bar(injury, most(&bad), blind))
+                                @if drivers.len() > 1 { (bar(injury, most(&bad), blind)) }
                                 (format!("{injury:.2}")) " avoidable severe injuries in 1,000 episodes"
                                 @if !blind { @if let Some(share) = share(injury, injuries) { (share) } }
                             }
