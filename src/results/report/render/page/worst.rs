@@ -39,7 +39,7 @@ pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[&str], p
     let first = worst_failure(drivers);
     html! {
         p.lead {
-            "The worst failure of each other driver. "
+            @if drivers.len() > 1 { "The worst failure of each other driver. " }
             span.keys { "Space plays, arrows step by a tick, with shift by a second. “Follow” keeps the car in the middle of the picture, “Whole” shows the whole way." }
         }
         div.cards {

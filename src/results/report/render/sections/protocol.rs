@@ -38,7 +38,8 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
         tests.entry(number).or_default().push(cell);
     }
     tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
-    if let Some(first) = tables.first_mut() {
+    let is_coloured = cells.iter().chain(layers).any(|cell| cell.criterion == TestCriterion::EuroNcap);
+    if let Some(first) = tables.first_mut().filter(|_| is_coloured) {
         first.notes.push(JUDGES.into());
     }
     let notes = vec![READING.into(), LIMITS.into()];
