@@ -121,8 +121,7 @@ pub fn load(
         };
         let mut sources = Sources::default();
         let overrides = Overrides { maps: maps.into_iter().collect(), settings, ..Overrides::default() };
-        let compiled = compile_with(&files, &overrides, &catalog, &Disk, &mut sources)
-            .map_err(unreadable)?;
+        let compiled = compile_with(&files, &overrides, &catalog, &Disk, &mut sources).map_err(unreadable)?;
         let text: Vec<String> = compiled.diagnostics.iter().map(|each| render(each, &sources, Colour::Never)).collect();
         let known = records(&compiled.diagnostics, &sources);
         let known = serde_json::to_string(&known).map_err(|error| PyValueError::new_err(error.to_string()))?;

@@ -166,7 +166,7 @@ impl<'a> Episode<'a> {
             Some(speed) => format!("collision at {speed:.2} m/s"),
             None => format!("no collision, least gap {:.2} m", self.outcome.least_gap),
         };
-        let verdict = self.verdict.map(|verdict| format!(", {}", verdict.label.name())).unwrap_or_default();
+        let verdict = self.verdict.map(|verdict| format!(", {}", verdict.word())).unwrap_or_default();
         format!("{} ({}), digest {:016x}: {end}{verdict}", self.name, self.title, self.outcome.digest)
     }
 

@@ -87,7 +87,7 @@ impl<'a> Film<'a> {
             Some(speed) => format!("hit at {speed:.1} m/s"),
             None => format!("no hit, least gap {:.2} m", episode.outcome.least_gap),
         };
-        let verdict = episode.verdict.map(|verdict| verdict.label.name().replace('_', " "));
+        let verdict = episode.verdict.map(|verdict| verdict.word().to_owned());
         let headline = [Some(end), verdict].into_iter().flatten().collect::<Vec<_>>().join(", ");
         Self { episode, actors, ticks, background, headline: format!("{}  {headline}", episode.name) }
     }

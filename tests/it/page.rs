@@ -245,6 +245,7 @@ fn opens(browser: &Path, page: &Path) {
     for width in [1400, 1100, 390] {
         fits(&mut tab, width);
     }
+    plays_above_the_page(&mut tab);
     let unnamed = "[...document.querySelectorAll('button, input, select, svg[role=img], canvas[role=img]')]\
          .filter((e) => !(e.getAttribute('aria-label') || e.textContent.trim())).length";
     assert_eq!(tab.value(unnamed), json!(0), "something has no name for those who do not see it");
@@ -259,6 +260,33 @@ fn opens(browser: &Path, page: &Path) {
         })
         .collect();
     assert!(talked.is_empty(), "{talked:#?}");
+}
+
+/// On a phone all sections are closed, and a link into one opens it. A link to a player plays it at once, below its title.
+fn plays_above_the_page(tab: &mut Tab) {
+    let metrics = json!({ "width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": true });
+    tab.ask("Emulation.setDeviceMetricsOverride", metrics);
+    tab.heard.retain(|event| event["method"] != json!("Page.loadEventFired"));
+    tab.ask("Page.reload", json!({}));
+    tab.wait("Page.loadEventFired");
+    assert_eq!(tab.value("document.querySelectorAll('details.part[open]').length"), json!(0));
+    let height = tab.value("document.documentElement.scrollHeight");
+    assert!(height.as_u64().unwrap() <= 10_000, "the page is {height} px high on a phone");
+    tab.value("document.querySelector('nav a[href=\"#results\"]').click()");
+    let opened =
+        "new Promise((done) => setTimeout(() => done(document.getElementById('results').parentElement.open), 300))";
+    assert_eq!(tab.value(opened), json!(true), "a link opens its section");
+    tab.value("document.querySelector('a.play').click()");
+    let title = tab.value("document.querySelector('dialog[open] h3').textContent");
+    assert!(title.as_str().unwrap().contains("hit at"), "{title}");
+    let plays = "new Promise((done) => { const bar = document.querySelector('dialog .player input'), from = bar.value, until = performance.now() + 20000; \
+         const look = () => { if (bar.value !== from || performance.now() > until) done(bar.value !== from); else requestAnimationFrame(look); }; look(); })";
+    assert_eq!(tab.value(plays), json!(true), "it does not play");
+    tab.value("document.querySelector('dialog header button').click()");
+    assert_eq!(
+        tab.value("new Promise((done) => setTimeout(() => done(document.querySelectorAll('dialog').length), 300))"),
+        json!(0)
+    );
 }
 
 /// Whether the page and each of its tables fit a window of this width (CSS pixels), with everything unfolded.

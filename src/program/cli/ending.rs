@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::console;
 use crate::session::{CampaignReport, OverviewFiles};
-use results::report::{self, DriverResult, ListedFailure};
+use results::report::{self, ListedFailure};
 
 /// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
 pub fn show(report: &CampaignReport) {
@@ -14,7 +14,7 @@ pub fn show(report: &CampaignReport) {
     let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches, width) };
     let protocol = report::protocol_for_terminal(nominal, layers, width);
     for text in [
-        report::results_for_terminal(cells, width),
+        report::results_for_terminal(drivers, cells, width),
         protocol,
         searched,
         report::drivers_for_terminal(drivers, cells, width),
@@ -23,14 +23,8 @@ pub fn show(report: &CampaignReport) {
             console::say(&format!("{}\n", text.trim_end()));
         }
     }
-    // A driver that sees no pedestrians is a baseline.
-    let (blind, sighted): (Vec<_>, Vec<_>) = drivers.iter().partition(|result| result.driver.sees_no_pedestrians());
-    let worst = |of: &[&DriverResult]| {
-        let found = of.iter().filter_map(|result| result.worst.clone());
-        found.min_by(ListedFailure::worse_first)
-    };
-    match worst(&sighted).or_else(|| worst(&blind)) {
-        Some(worst) => console::say(&worst_failure(&worst, folder, manifest.call.replay_options())),
+    match report::worst_failure(drivers) {
+        Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
         None => console::say("no collision was found"),
     }
     console::say(&folder.join("report.html").display().to_string());
@@ -42,9 +36,9 @@ pub fn show_overview(overview: &OverviewFiles) {
 }
 
 /// A failure in a line, and the commands that show it.
-fn worst_failure(worst: &ListedFailure, folder: &Path, options: &str) -> String {
+fn look_at(worst: &ListedFailure, folder: &Path, options: &str) -> String {
     let ListedFailure { policy, town, impact_speed, .. } = worst;
-    let class = worst.class().name();
+    let class = worst.word();
     let name = worst.name();
     let folder = quoted(&folder.display().to_string());
     format!(

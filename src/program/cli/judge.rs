@@ -62,7 +62,7 @@ fn tell(found: &Encountered) {
         return;
     };
     console::say(&format!("touch after {touch:.2} s, the car drives {:.2} m/s", verdict.impact_speed));
-    console::say(&format!("verdict: {}", verdict.label.name()));
+    console::say(&format!("verdict: {}", verdict.word()));
     let moved = if verdict.foreseeable { "moved as people do" } else { "did not move as people do" };
     let counts = if verdict.is_fault() { "counts" } else { "does not count" };
     console::say(&format!("the pedestrian {moved}: the touch {counts} against the driver"));

@@ -139,6 +139,7 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
         "ticks": outcome.ticks,
         "least_gap_m": outcome.least_gap,
         "verdict": repeated.verdict.map(|verdict| verdict.label.name()),
+        "fault": repeated.verdict.map(|verdict| verdict.is_fault()),
         "warning_s": repeated.verdict.map(|verdict| verdict.warning),
         "digest": format!("{:016x}", outcome.digest),
         "events": events.collect::<Vec<_>>(),

@@ -73,7 +73,7 @@ impl Export for Picture {
 fn headline(episode: &Repeated) -> String {
     let what = match (episode.outcome.impact_speed(), &episode.verdict) {
         (Some(speed), Some(verdict)) => {
-            format!("hit at {speed:.1} m/s, {}", verdict.label.name().replace('_', " "))
+            format!("hit at {speed:.1} m/s, {}", verdict.word())
         }
         _ => format!("no hit, least gap {:.2} m", episode.outcome.least_gap),
     };

@@ -42,7 +42,7 @@ pub struct Kind {
     pub verdict: Label,
     /// Whether the pedestrian came into sight too late for a careful human.
     pub occluded: bool,
-    /// What the driver was doing at the pedestrian's last decision.
+    /// What the driver did at the touch.
     pub mode: DrivingMode,
 }
 

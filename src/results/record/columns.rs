@@ -76,7 +76,7 @@ pub const PET: Column<f64> = Column::new(
      disc and box both sweep; missing without such a place and at a collision",
 );
 pub const DRIVING_MODE: Column<String> =
-    Column::new("driving_mode", "", "what the driver did at the pedestrian's last decision");
+    Column::new("driving_mode", "", "what the driver did in the last tick: after a collision, at the touch");
 pub const IMPACT: Column<String> = Column::new("impact", "", "side of the impact: `front`, `left`, `right` or `rear`");
 pub const EGO_X: Column<f64> = Column::new("ego_x_m", "m", "start of the car, in the world frame");
 pub const EGO_Y: Column<f64> = Column::new("ego_y_m", "m", EGO_X.doc);

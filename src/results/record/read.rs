@@ -222,7 +222,7 @@ impl<'a> EpisodeTable<'a> {
         self.pet.get(row)
     }
 
-    /// The driver's action at the last decision.
+    /// The driver's action in the last tick.
     pub fn driving_mode(&self, row: usize) -> Option<DrivingMode> {
         self.driving_mode.get(row).and_then(DrivingMode::named)
     }

@@ -12,29 +12,26 @@ use crate::record::columns::{
     VERDICT,
 };
 use crate::record::{EpisodeTable, RunKey};
-use base::choice;
 use world::av::DrivingMode;
 use world::judge::{Label, Sight};
 
-choice! {
-    /// How much a failure counts against the driver under test, the most serious first. All lists of failures have this order.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-    pub enum FailureClass {
-        /// A careful human would have avoided it, and the pedestrian moved as people do.
-        Fault = "fault",
-        /// A careful human would have avoided it.
-        Preventable = "preventable",
-        /// Reference drivers disagree.
-        Contested = "contested",
-        /// Only a machine avoids it.
-        MachinePreventable = "by machine only",
-        /// No driver avoids it by braking.
-        Unpreventable = "unpreventable",
-        /// The car stood.
-        Bump = "bump",
-        /// There is no verdict: a driver that is not deterministic did not repeat it.
-        Unjudged = "not judged",
-    }
+/// How much a failure counts against the driver under test, the most serious first. All lists of failures have this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FailureClass {
+    /// A careful human would have avoided it, and the pedestrian moved as people do.
+    Fault,
+    /// A careful human would have avoided it.
+    Preventable,
+    /// Reference drivers disagree.
+    Contested,
+    /// Only a machine avoids it.
+    MachinePreventable,
+    /// No driver avoids it by braking.
+    Unpreventable,
+    /// The car stood.
+    Bump,
+    /// There is no verdict: a driver that is not deterministic did not repeat it.
+    Unjudged,
 }
 
 impl FailureClass {
@@ -88,7 +85,7 @@ pub struct ListedFailure {
     pub impact: String,
     /// Whether the pedestrian came into sight too late for a careful human.
     pub occluded: bool,
-    /// What the driver was doing at the last decision.
+    /// What the driver did at the touch.
     pub driving_mode: String,
     /// Speed of the car at the touch (m/s).
     pub impact_speed: f64,
@@ -113,18 +110,9 @@ impl ListedFailure {
         self.verdict == Some(Label::Bump)
     }
 
-    /// The verdict in a word: `fault` precedes the verdict of the reference drivers.
-    pub fn verdict_name(&self) -> &'static str {
-        match self.verdict {
-            _ if self.fault => "fault",
-            Some(label) => label.name(),
-            None => "",
-        }
-    }
-
-    /// The verdict for people.
-    pub fn verdict_text(&self) -> String {
-        self.verdict_name().replace('_', " ")
+    /// What it is called in lists: [`Label::word`].
+    pub fn word(&self) -> &'static str {
+        self.verdict.map_or("not judged", |label| label.word(self.fault))
     }
 
     /// What found it, in words.

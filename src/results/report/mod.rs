@@ -32,7 +32,7 @@ pub use aggregate::{
     PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures, SearchKind, Spread, Wanted, beside,
     driver_results, gather, layer_cells, learning_curve, learning_curve_lines, metrics, published, search_cell_table,
     search_cells, search_comparison_table, search_comparisons, search_failure, search_failures, search_kind_table,
-    search_kinds, searches, ticks, write_ticks,
+    search_kinds, searches, ticks, worst_failure, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use compare::{

@@ -245,7 +245,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
                 "",
                 "verdict of the worst failure of the driver in the report; empty without a collision",
             )
-            .of(move |row: &Row<'a>| worst(row).map_or(String::new(), |found| found.class().name().to_string())),
+            .of(move |row: &Row<'a>| worst(row).map_or(String::new(), |found| found.word().to_owned())),
         )
         .column(
             number("worst_impact_speed", "m/s", "speed of the car at its touch")

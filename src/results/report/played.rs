@@ -5,9 +5,6 @@ use compile::{Campaign, Search};
 use world::env::{Outcome, Scenario, Trace};
 use world::judge::{Verdict, judge};
 
-/// The most failures that a page plays, so that it stays small.
-const MOST: usize = 14;
-
 /// A failure that was repeated to be shown.
 #[derive(Debug, Clone)]
 pub struct PlayedFailure<'a> {
@@ -22,18 +19,9 @@ pub struct PlayedFailure<'a> {
     pub verdict: Option<Verdict>,
 }
 
-/// Repeats the first of these failures, each once. One that cannot be repeated is left out.
+/// Repeats these failures. One that cannot be repeated is left out.
 pub fn played<'a>(names: &[String], found: &Findings<'a>, seed: &Seed) -> Vec<PlayedFailure<'a>> {
-    let mut all: Vec<PlayedFailure<'a>> = Vec::new();
-    for name in names {
-        if all.len() == MOST {
-            break;
-        }
-        if !all.iter().any(|known| known.name == *name) {
-            all.extend(repeated(name, found.campaign, found.finished, seed));
-        }
-    }
-    all
+    names.iter().filter_map(|name| repeated(name, found.campaign, found.finished, seed)).collect()
 }
 
 fn repeated<'a>(name: &str, campaign: &'a Campaign, finished: &Finished, seed: &Seed) -> Option<PlayedFailure<'a>> {

@@ -76,7 +76,7 @@ pub struct FailureCell {
     pub impact: u8,
     /// Class of the walking speed: number of steps of 0.5 m/s below it.
     pub pace: u8,
-    /// The driver's action at the last decision.
+    /// The driver's action at the touch.
     pub mode: DrivingMode,
 }
 
@@ -90,7 +90,7 @@ impl FailureCell {
         Some(Self::of(contact, (&ego.blueprint, ego.state.pose.yaw), walker.velocity, mode))
     }
 
-    /// The cell of the touch that ended a traced episode with this mode at the last decision; none when the two did not touch.
+    /// The cell of the touch that ended a traced episode with this mode of the driver; none when the two did not touch.
     pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
         let (contact, last) = (pair.contact()?, pair.last()?);
         Some(Self::of(contact, (pair.blueprint(), last.ego.pose.yaw), last.pedestrian.velocity, mode))

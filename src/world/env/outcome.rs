@@ -52,7 +52,7 @@ pub struct Outcome {
     pub least_gap: f64,
     /// Whether the pedestrian was on a crosswalk at the touch; false without a touch.
     pub on_crosswalk: bool,
-    /// The driver's action at the pedestrians' last decision.
+    /// The driver's action in the last tick: after a collision, that at the touch.
     pub last_mode: DrivingMode,
     /// A digest of every state of the episode: equal digests mean equal episodes.
     pub digest: u64,

@@ -12,7 +12,7 @@ use super::{
     Controller, Driven, Ending, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario, Spawn,
     SpawnRule, StateHashes, Trace,
 };
-use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception, PerfectSensors};
+use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::sim::{ActorStart, Contact, Control, PedestrianState, WalkCommand, World};
 use base::seed::Seed;
@@ -117,7 +117,6 @@ struct Episode {
     contact: Option<Contact>,
     reward: f64,
     least_gap: f64,
-    mode: DrivingMode,
     digest: u64,
     state_hashes: StateHashes,
     outcome: Option<Outcome>,
@@ -135,7 +134,6 @@ impl Episode {
             contact: None,
             reward: 0.0,
             least_gap: f64::INFINITY,
-            mode: DrivingMode::Cruise,
             digest: 0,
             state_hashes: StateHashes::default(),
             outcome: None,
@@ -354,9 +352,6 @@ impl PedestrianEnv {
         let (limit, hold) = (rule.ticks, rule.hold);
         if let Some(fault) = self.failed_run_up().or_else(|| self.drive()) {
             return Some(self.give_up(fault));
-        }
-        if self.episode.held == 0 {
-            self.episode.mode = self.policies[0].mode();
         }
         self.episode.held += 1;
         let contact = match self.stated_command() {

@@ -142,7 +142,9 @@ impl Recording {
             match misfit(&track, dt) {
                 None => {}
                 Some(Misfit::Speed { ratio, likely }) => return Err(RecordingError::Units { who, ratio, dt, likely }),
-                Some(Misfit::Heading { degrees, likely }) => return Err(RecordingError::Heading { who, degrees, likely }),
+                Some(Misfit::Heading { degrees, likely }) => {
+                    return Err(RecordingError::Heading { who, degrees, likely });
+                }
             }
         }
         Ok(Self { dt, ego, pedestrian })

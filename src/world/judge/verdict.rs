@@ -36,6 +36,15 @@ choice! {
 }
 
 impl Label {
+    /// The word for a failure with this label in lists, pictures and exported files. A *fault* is named as such.
+    pub fn word(self, is_fault: bool) -> &'static str {
+        match self {
+            _ if is_fault => "fault",
+            Self::MachinePreventable => "machine preventable",
+            label => label.name(),
+        }
+    }
+
     /// The number of labels.
     pub const COUNT: usize = 5;
 
@@ -106,6 +115,11 @@ impl Verdict {
             speed: self.impact_speed,
             margin: Label::humans().map(|human| self.margin(human)).into_iter().fold(f64::INFINITY, f64::min),
         })
+    }
+
+    /// What it is called in lists, pictures and exported files.
+    pub fn word(&self) -> &'static str {
+        self.label.word(self.is_fault())
     }
 
     /// Whether it counts against the driver.

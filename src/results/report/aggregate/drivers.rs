@@ -74,6 +74,15 @@ pub fn driver_results(
     results
 }
 
+/// The worst failure of all drivers under test; without any, that of the drivers that see no pedestrians.
+pub fn worst_failure(results: &[DriverResult]) -> Option<&ListedFailure> {
+    let worst = |blind: bool| {
+        let of = results.iter().filter(|result| result.driver.sees_no_pedestrians() == blind);
+        of.filter_map(|result| result.worst.as_ref()).min_by(|a, b| a.worse_first(b))
+    };
+    worst(false).or_else(|| worst(true))
+}
+
 /// The place of the cell of a driver with the highest rates, the first of equal ones.
 fn worst_cell(cells: &[Cell], driver: &str) -> Option<usize> {
     let of_driver = cells.iter().enumerate().filter(|(_, cell)| cell.key.policy == driver);

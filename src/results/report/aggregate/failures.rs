@@ -64,7 +64,7 @@ impl Failures {
         self.worst.iter().find(|(key, _)| key == cell).map(|(_, worst)| worst)
     }
 
-    /// The worst failures of a driver, the worst first; at most 100.
+    /// The worst failures of a driver, one of each start of a run, the worst first; at most 100.
     pub fn of(&self, driver: &str) -> &[ListedFailure] {
         self.drivers.get(driver).map_or(&[], Vec::as_slice)
     }
@@ -80,9 +80,15 @@ impl Failures {
         new
     }
 
-    /// Inserts a failure where it belongs, if it is among the worst of its driver.
+    /// Inserts a failure where it belongs, if it is the worst of its start and among the worst of its driver.
     fn insert(&mut self, found: ListedFailure) {
         let list = self.drivers.entry(found.policy.clone()).or_default();
+        if let Some(same) = list.iter().position(|other| (&other.run, other.start) == (&found.run, found.start)) {
+            if list[same].worse_first(&found).is_lt() {
+                return;
+            }
+            list.remove(same);
+        }
         let place = list.partition_point(|other| other.worse_first(&found).is_lt());
         if place < MOST_OF_A_DRIVER {
             list.insert(place, found);
@@ -98,11 +104,13 @@ mod tests {
     use world::judge::Label;
 
     #[test]
-    fn only_the_worst_of_a_driver_are_kept() {
+    fn only_the_worst_of_each_start_and_driver_are_kept() {
         let mut failures = Failures::default();
         for number in 0..3 * MOST_OF_A_DRIVER as u64 {
             let speed = ((7 * number) % 300) as f64;
-            failures.insert(ListedFailure { number, ..failure(Some(Label::Contested), false, speed) });
+            let found = ListedFailure { number, start: number, ..failure(Some(Label::Contested), false, speed) };
+            failures.insert(ListedFailure { number: number + 1000, impact_speed: speed - 0.5, ..found.clone() });
+            failures.insert(found);
         }
         let kept = failures.of("behavior");
         let speeds: Vec<f64> = kept.iter().map(|found| found.impact_speed).collect();

@@ -22,7 +22,7 @@ mod protocol;
 mod ticks;
 mod tick_file;
 
-pub use drivers::{DriverResult, SearchFailures, driver_results};
+pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};

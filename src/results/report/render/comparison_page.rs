@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::comparison_text::{changes, counts, headline, list, rates, searches, start_changes, start_list, title};
-use super::page::{OWN_SCRIPTS, Replay, head, json};
+use super::page::{OWN_SCRIPTS, Replay, badge, head, json};
 use crate::report::{FailureChange, ReportComparison};
 
 /// What the page adds to the style of reports.
@@ -110,7 +110,7 @@ fn card(number: usize, pair: &PlayedPair, comparison: &ReportComparison) -> Mark
         article.card {
             header {
                 h3 { (change.word()) ": " (failure.kind()) }
-                span class={ "verdict " (failure.verdict_name()) } { (failure.verdict_text()) }
+                (badge(failure.class(), failure.word()))
             }
             p.where { (title(&comparison.cells[change.cell])) }
             div.pair {

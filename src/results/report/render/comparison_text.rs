@@ -114,7 +114,7 @@ fn p(value: f64) -> String {
 /// Failures by verdict or by kind.
 pub fn counts(comparison: &ReportComparison, by: &'static str, most: usize) -> Table {
     let counts = comparison.counts(|failure| match by {
-        "verdict" => failure.verdict_name().replace('_', " "),
+        "verdict" => failure.word().to_owned(),
         _ => failure.kind(),
     });
     let mut rows: Vec<_> = counts.into_iter().collect();
@@ -216,7 +216,7 @@ pub fn list(changes: &[&FailureChange]) -> Table {
         vec![
             Value::Code(after.name.clone()),
             Value::Code(before.name.clone()),
-            failure.verdict_text().into(),
+            failure.word().into(),
             Value::Number(Some(failure.impact_speed), 1),
             failure.policy.clone().into(),
             failure.kind().into(),

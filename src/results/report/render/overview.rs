@@ -106,7 +106,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         let mut values = first(variant, &overview.values(variant));
         values.push(Value::from(&result.driver.name));
         values.push(Value::Text(match &result.worst {
-            Some(found) => format!("{}, {:.1} m/s", found.class().name(), found.impact_speed),
+            Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
             None => "no collision".into(),
         }));
         values

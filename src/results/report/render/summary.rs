@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::sections::{conclusions, drivers as driver_section, errors, results};
+use super::sections::{Scale, conclusions, drivers as driver_section, errors, results};
 use super::table::Section;
 use crate::report::{Findings, Manifest};
 use compile::{Campaign, Driver};
@@ -40,7 +40,7 @@ pub fn summary(found: &Findings<'_>, manifest: &Manifest, sections: &[Section]) 
     }
     if !cells.is_empty() {
         page.push_str("\n## Controllers\n\n");
-        page.push_str(&results(cells).to_markdown());
+        page.push_str(&results(cells, Scale::new(&found.drivers, cells)).to_markdown());
         page.push_str(&errors(cells));
         conclusions(cells, &found.gathered.evidence, doubts)
             .iter()

@@ -283,7 +283,8 @@ struct Action {
 fn refusal(line: &[u8]) -> Fault {
     let parsed: Option<serde_json::Value> = serde_json::from_slice(line).ok();
     let actions = parsed.as_ref().and_then(|answer| answer.get("actions")?.as_array());
-    let mut keys = actions.into_iter().flatten().filter_map(serde_json::Value::as_object).flat_map(|action| action.keys());
+    let mut keys =
+        actions.into_iter().flatten().filter_map(serde_json::Value::as_object).flat_map(|action| action.keys());
     Fault::Answer(match keys.any(|key| !ACTION.contains(&key.as_str())) {
         true => "an action with a key other than id, throttle, brake, acceleration, steer, mode",
         false => "not the JSON of an answer",
@@ -370,9 +371,8 @@ mod tests {
             let mut decisions = Vec::new();
             read_decisions(line.as_bytes(), &[3, 5], &mut decisions).map(|()| decisions)
         };
-        let good = read(
-            r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1}]}"#,
-        );
+        let good =
+            read(r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1}]}"#);
         let pedals =
             Decision { pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 }, steer: -1.0, mode: DrivingMode::Unknown };
         let braking = Decision { pedals: Choice::Acceleration(-2.0), steer: 0.0, mode: DrivingMode::Yield };

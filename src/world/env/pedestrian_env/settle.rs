@@ -75,7 +75,7 @@ impl PedestrianEnv {
             duration: self.elapsed(contact),
             least_gap: if hit { 0.0 } else { self.episode.least_gap },
             on_crosswalk,
-            last_mode: self.episode.mode,
+            last_mode: self.policies[0].mode(),
             digest: self.episode.digest,
             state_hashes: self.episode.state_hashes,
         });

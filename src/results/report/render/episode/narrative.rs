@@ -1,4 +1,3 @@
-use crate::report::FailureClass;
 use world::av::DrivingMode;
 use world::env::{Ending, Frame, Outcome, Pair, Scenario, Trace};
 use world::judge::{ContactSide, Label, Reference, Verdict};
@@ -187,8 +186,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         ContactSide::Rear => "; the pedestrian ran into the rear",
         _ => "; the pedestrian walked into the side",
     };
-    let class = FailureClass::new(Some(verdict.label), verdict.is_fault());
-    let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", class.name())];
+    let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", verdict.word())];
     if !verdict.is_bump() {
         let share = 100.0 * verdict.preventable_probability();
         lines.push(match verdict.latest_reaction {

@@ -10,9 +10,9 @@ use world::judge::Verdict;
 const COLUMNS: usize = 3;
 const FRAMES: usize = 6;
 const WIDE: f64 = 300.0;
-/// Between frames (px), and for the line below a frame.
+/// Between frames (px), and for the two lines below a frame.
 const GAP: f64 = 14.0;
-const CAPTION: f64 = 26.0;
+const CAPTION: f64 = 42.0;
 /// Height of the speeds (px).
 const SPEEDS: f64 = 110.0;
 
@@ -26,10 +26,10 @@ pub fn strip(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, titl
     let height = FRAMES.div_ceil(COLUMNS) as f64 * (tall + CAPTION + GAP) - GAP;
     let sheet = Sheet::new(&view, (width, height), SPEEDS);
     let ticks: Vec<usize> = (0..FRAMES).map(|frame| first + (last - first) * frame / (FRAMES - 1)).collect();
-    let caption = |tick: usize| {
+    let mode = |tick: usize| view.frame(tick).mode.name().replace('_', " ");
+    let speeds = |tick: usize| {
         let frame = view.frame(tick);
-        let mode = frame.mode.name().replace('_', " ");
-        format!("car {:.1} m/s, {mode}; pedestrian {:.1} m/s", frame.ego.speed, frame.pedestrian.speed())
+        format!("car {:.1} m/s, pedestrian {:.1} m/s", frame.ego.speed, frame.pedestrian.speed())
     };
     let place = |frame: usize| {
         let (row, column) = (frame / COLUMNS, frame % COLUMNS);
@@ -49,8 +49,9 @@ pub fn strip(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, titl
             rect.frame x=(px(x)) y=(px(y)) width=(WIDE) height=(px(tall)) {}
             text.ink x=(px(x)) y=(px(y + tall + 17.0)) {
                 tspan font-weight="600" { (format!("{:.2} s", view.time(tick))) }
-                tspan.muted dx="8" { (caption(tick)) }
+                tspan.muted dx="8" { "driver: " (mode(tick)) }
             }
+            text.muted x=(px(x)) y=(px(y + tall + 33.0)) { (speeds(tick)) }
         }
     };
     let marks = html! { @for tick in &ticks { (sheet.mark(*tick, &html! {})) } };

@@ -33,7 +33,7 @@ pub fn modes_section(cells: &[CellModes<'_>], names: &[String]) -> Option<Sectio
         tables,
         notes: vec![
             "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, whether the pedestrian came into sight too \
-             late, and what the driver was doing at the controller's last decision. Within a kind, modes are clusters of the last seconds before the touch. \
+             late, and what the driver did at the touch. Within a kind, modes are clusters of the last seconds before the touch. \
              The examples are medoids. `failure_modes.csv` has all modes, and the pictures show them."
                 .into(),
         ],

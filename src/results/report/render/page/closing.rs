@@ -16,32 +16,29 @@ pub fn meaning(campaign: &Campaign) -> Markup {
     let surrogates = campaign.drivers.iter().filter(|driver| !driver.surrogate.is_empty() && seen.insert(driver.kind));
     let surrogates: Vec<_> = surrogates.collect();
     html! {
-        section #meaning {
-            h2 { "Names of the scenario" }
-            dl.words {
-                @for driver in &campaign.drivers {
-                    dt { (driver.name) }
-                    dd {
-                        @if let Some(word) = documented(&driver.name) { (prose(&word.docs)) " " }
-                        "Driving policy " code { (driver.kind) } ", "
-                        @match &driver.sensors {
-                            Some(name) => { "with the sensors " code { (name) } "." },
-                            None => "without sensors: it perceives exactly and without delay.",
-                        }
-                        @if !driver.surrogate.is_empty() { " " b.warn { "A surrogate." } }
+        dl.words {
+            @for driver in &campaign.drivers {
+                dt { (driver.name) }
+                dd {
+                    @if let Some(word) = documented(&driver.name) { (prose(&word.docs)) " " }
+                    "Driving policy " code { (driver.kind) } ", "
+                    @match &driver.sensors {
+                        Some(name) => { "with the sensors " code { (name) } "." },
+                        None => "without sensors: it perceives exactly and without delay.",
                     }
-                }
-                @for word in campaign.words.iter().filter(|word| word.form != "policy" || !known(&word.name)) {
-                    dt { (word.name) }
-                    dd { i { (word.form) "." } " " (prose(&word.docs)) }
+                    @if !driver.surrogate.is_empty() { " " b.warn { "A surrogate." } }
                 }
             }
-            @for driver in surrogates {
-                p { b { "Surrogate " code { (driver.kind) } "." } " " (prose(driver.surrogate)) }
+            @for word in campaign.words.iter().filter(|word| word.form != "policy" || !known(&word.name)) {
+                dt { (word.name) }
+                dd { i { (word.form) "." } " " (prose(&word.docs)) }
             }
-            h3 { "What the simulator leaves out" }
-            p { (prose(LEFT_OUT)) }
         }
+        @for driver in surrogates {
+            p { b { "Surrogate " code { (driver.kind) } "." } " " (prose(driver.surrogate)) }
+        }
+        h3 { "What the simulator leaves out" }
+        p { (prose(LEFT_OUT)) }
     }
 }
 
@@ -62,22 +59,19 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
         ..Table::default()
     };
     html! {
-        section #data {
-            h2 { "Data" }
-            ul.files {
-                @for (name, what) in there { li { a href=(name) { (name) } " " (what) } }
-                @for file in others { li { a href=(file) { (file) } } }
-            }
-            h3 { "Reproduce this report" }
-            pre { code { (command(manifest)) } }
-            p {
-                "falsify " (manifest.version) ", vector instructions " (manifest.vector_instructions)
-                ". The manifest has the times. The same files, seed and version give the same numbers."
-            }
-            details {
-                summary { "Files read" }
-                (read.to_html())
-            }
+        ul.files {
+            @for (name, what) in there { li { a href=(name) { (name) } " " (what) } }
+            @for file in others { li { a href=(file) { (file) } } }
+        }
+        h3 { "Reproduce this report" }
+        pre { code { (command(manifest)) } }
+        p {
+            "falsify " (manifest.version) ", vector instructions " (manifest.vector_instructions)
+            ". The manifest has the times. The same files, seed and version give the same numbers."
+        }
+        details {
+            summary { "Files read" }
+            (read.to_html())
         }
     }
 }

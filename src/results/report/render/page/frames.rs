@@ -15,7 +15,7 @@ const LEAST: f64 = 22.0;
 ///
 /// `id` names the ground, and is unique in a page.
 pub fn frames(replay: &Replay, id: &str) -> Markup {
-    let first = first_tick(replay);
+    let first = replay.opens;
     let span = replay.end() - first;
     let ticks: Vec<usize> = (0..FRAMES).map(|frame| first + span * frame / (FRAMES - 1)).collect();
     // All frames show the same ground.
@@ -54,13 +54,6 @@ pub fn frames(replay: &Replay, id: &str) -> Markup {
             }
         }
     }
-}
-
-/// The first frame of the strip: 2 s before the danger, or 10 s before the end.
-fn first_tick(replay: &Replay) -> usize {
-    let ticks = |seconds: f64| (seconds / replay.dt) as usize;
-    let before = replay.danger.map_or(replay.end().saturating_sub(ticks(10.0)), |tick| tick.saturating_sub(ticks(1.0)));
-    before.max(replay.end().saturating_sub(ticks(12.0)))
 }
 
 fn metres(state: &[i64; 4]) -> (f64, f64) {

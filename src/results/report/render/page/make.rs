@@ -3,6 +3,7 @@ use polars::prelude::PolarsResult;
 
 use super::Contents;
 use super::closing::{data, meaning};
+use super::first::first;
 use super::head::{OWN_SCRIPTS, head as head_of_file};
 use super::identity::{named, run_rates};
 use super::learning::learning;
@@ -13,10 +14,11 @@ use super::severity::{near_misses, severity};
 use super::spawns::spawns;
 use super::verdicts::verdicts;
 use super::worst::{failures, worst};
-use crate::report::ListedFailure;
-use crate::report::render::sections::{PROTOCOL, drivers};
+use crate::report::render::sections::PROTOCOL;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::svg::Figure;
+use crate::report::render::table::Section;
+use crate::report::{ListedFailure, worst_failure};
 use compile::Campaign;
 
 /// A page with its figures, for callers that also want them as files.
@@ -27,12 +29,32 @@ pub struct Page {
     pub figures: Vec<Figure>,
 }
 
-/// A section of the page with its place in the list of contents.
+/// A section of the page with its place in the list of contents. It can be folded; a script unfolds it where the window is wide.
 struct Part {
     id: &'static str,
     name: &'static str,
+    title: &'static str,
     html: Markup,
     figures: Vec<Figure>,
+}
+
+impl Part {
+    fn new(id: &'static str, name: &'static str, title: &'static str, html: Markup) -> Self {
+        Self { id, name, title, html, figures: Vec::new() }
+    }
+
+    fn of(section: &Section) -> Self {
+        Self::new(section.id, section.name, section.title, section.to_html())
+    }
+
+    fn to_html(&self) -> Markup {
+        html! {
+            details.part {
+                summary { h2 { (self.title) } }
+                section id=(self.id) { (self.html) }
+            }
+        }
+    }
 }
 
 /// Makes the page of a report.
@@ -42,20 +64,22 @@ struct Part {
 pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let cells = named(contents.cells);
     let rates = run_rates(contents.runs)?;
-    let text = |id, name, html| Part { id, name, html, figures: Vec::new() };
     // The results of a protocol's tests are what its campaign is run for.
     let (leading, others): (Vec<_>, Vec<_>) = contents.sections.iter().partition(|section| section.id == PROTOCOL);
-    let mut parts: Vec<Part> =
-        leading.into_iter().map(|section| text(section.id, section.name, section.to_html())).collect();
-    let link = |found: &ListedFailure| contents.players.link(&found.name());
-    if let Some(section) = drivers(contents.drivers, contents.cells, link) {
-        parts.push(text(section.id, section.name, section.to_html()));
-        parts.push(text("failures", "Failures", failures(contents.drivers, contents.failures, contents.players)));
+    let mut parts: Vec<Part> = Vec::new();
+    let very_worst = worst_failure(contents.drivers).into_iter();
+    let worst: Vec<String> = very_worst.chain(worst(contents.drivers)).map(ListedFailure::name).collect();
+    let played: Vec<&str> = worst.iter().map(String::as_str).collect();
+    if !contents.drivers.is_empty() {
+        let examples = contents.modes.iter().map(|card| card.example.as_str());
+        let cards: Vec<&str> = played.iter().copied().chain(examples).collect();
+        let html = failures(contents.drivers, contents.failures, &cards, contents.players);
+        parts.push(Part::new("failures", "Failures", "Failures", html));
     }
     if !cells.is_empty() {
-        parts.push(text("results", "Results", results(contents, &cells, &rates)));
+        parts.push(Part::new("results", "Results", "How often cars are hit", results(contents, &cells, &rates)));
     }
-    parts.extend(contents.published_section.as_ref().map(|each| text(each.id, each.name, each.to_html())));
+    parts.extend(contents.published_section.as_ref().map(Part::of));
     parts.extend(figures(
         "verdicts",
         "Avoidable?",
@@ -64,25 +88,30 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
         verdicts(&cells),
     ));
     if !contents.modes.is_empty() {
-        let worst: Vec<String> = worst(contents.drivers).map(ListedFailure::name).collect();
-        let played: Vec<&str> = worst.iter().map(String::as_str).collect();
-        parts.push(text("modes", "Kinds", modes(contents.modes, contents.players, &played)));
+        let html = modes(contents.modes, contents.players, &played);
+        parts.push(Part::new("modes", "Kinds", "Kinds of collisions", html));
     }
     parts.extend(figures("speed", "Speed", "How fast the car was", SPEED, severity(contents.tally, &cells)));
     parts.extend(figures("near", "Near misses", "Near misses", NEAR, near_misses(contents.tally, &cells)));
     let starts = spawns(contents.tally, &cells, &contents.campaign.towns);
     parts.extend(figures("places", "Starts", "Where episodes start", "", starts));
     parts.extend(figures("learning", "Learning", "How the controllers learnt", "", learning(contents.trainings)));
-    for section in others {
-        parts.push(text(section.id, section.name, section.to_html()));
-    }
-    parts.push(text("meaning", "Names", meaning(contents.campaign)));
-    parts.push(text("data", "Data", data(contents.manifest, contents.files)));
+    parts.extend(others.into_iter().map(Part::of));
+    parts.push(Part::new("meaning", "Names", "Names of the scenario", meaning(contents.campaign)));
+    parts.push(Part::new("data", "Data", "Data", data(contents.manifest, contents.files)));
     let body = html! {
         a.skip href="#main" { "Skip to the results" }
         (head(contents))
-        nav aria-label="Sections" { @for part in &parts { a href={ "#" (part.id) } { (part.name) } } }
-        main #main { (key_numbers(contents)) @for part in &parts { (part.html) } }
+        nav aria-label="Sections" {
+            @for section in &leading { a href={ "#" (section.id) } { (section.name) } }
+            @if !contents.drivers.is_empty() { a href="#drivers" { "Drivers" } }
+            @for part in &parts { a href={ "#" (part.id) } { (part.name) } }
+        }
+        main #main {
+            @for section in leading { section id=(section.id) { h2 { (section.title) } (section.to_html()) } }
+            @if !contents.drivers.is_empty() { (first(contents)) }
+            @for part in &parts { (part.to_html()) }
+        }
     };
     let html = document(&contents.campaign.name, &contents.manifest.version, &body, true);
     Ok(Page { html, figures: parts.into_iter().flat_map(|part| part.figures).collect() })
@@ -120,19 +149,16 @@ const SPEED: &str =
 fn figures(
     id: &'static str,
     name: &'static str,
-    title: &str,
+    title: &'static str,
     lead: &str,
     figures: impl IntoIterator<Item = Figure>,
 ) -> Option<Part> {
     let figures: Vec<Figure> = figures.into_iter().collect();
     let html = html! {
-        section id=(id) {
-            h2 { (title) }
-            @if !lead.is_empty() { p.lead { (lead) } }
-            @for figure in &figures { (figure.to_html()) }
-        }
+        @if !lead.is_empty() { p.lead { (lead) } }
+        @for figure in &figures { (figure.to_html()) }
     };
-    (!figures.is_empty()).then_some(Part { id, name, html, figures })
+    (!figures.is_empty()).then_some(Part { id, name, title, html, figures })
 }
 
 /// Name, documentation and how it was run.
@@ -140,7 +166,6 @@ fn head(contents: &Contents<'_>) -> Markup {
     let (campaign, manifest) = (contents.campaign, contents.manifest);
     html! {
         header.top {
-            p.kind { "falsify · campaign" }
             h1 { (campaign.name) }
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
             @else { p.lead { (grid(campaign)) } }
@@ -151,7 +176,13 @@ fn head(contents: &Contents<'_>) -> Markup {
             @if contents.doubts.len() > DOUBTS {
                 p.warn { a href="#learnt" { (contents.doubts.len() - DOUBTS) " more doubts about trainings" } }
             }
+            @if manifest.errors > 0 {
+                p.warn {
+                    "In " (count(manifest.errors)) " episodes a driver or a controller failed as a program; no number includes them."
+                }
+            }
             p.meta {
+                @for part in amount(contents) { (part) " · " }
                 "seed " (manifest.seed) " · falsify " (manifest.version)
                 @for setting in &manifest.settings { " · " code { (setting) } }
             }
@@ -167,27 +198,21 @@ fn grid(campaign: &Campaign) -> String {
     format!("Drivers: {}. Towns: {}.", drivers.join(", "), towns.join(", "))
 }
 
-/// A few key numbers.
-fn key_numbers(contents: &Contents<'_>) -> Markup {
-    let mut tiles: Vec<(String, String)> = Vec::new();
+/// How much was run, in a line.
+fn amount(contents: &Contents<'_>) -> Vec<String> {
+    let mut parts = Vec::new();
     let episodes: u64 = contents.cells.iter().map(|cell| u64::from(cell.episodes)).sum();
     if episodes > 0 {
-        tiles.push((count(episodes), "episodes evaluated".into()));
+        parts.push(format!("{} episodes evaluated", count(episodes)));
     }
     if contents.manifest.search_ticks > 0 {
-        tiles.push((count(contents.manifest.search_ticks), "simulator ticks of searches".into()));
+        parts.push(format!("{} simulator ticks of searches", count(contents.manifest.search_ticks)));
     }
     let done = contents.trainings.iter().filter(|training| training.result.is_ok()).count();
     if done > 0 {
         let failed = contents.trainings.len() - done;
         let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
-        tiles.push((done.to_string(), format!("trainings{failed}")));
+        parts.push(format!("{done} trainings{failed}"));
     }
-    if contents.manifest.errors > 0 {
-        tiles.push((
-            count(contents.manifest.errors),
-            "episodes in which a driver or a controller failed as a program; no number includes them".into(),
-        ));
-    }
-    html! { dl.key { @for (number, what) in tiles { div { dt { (number) } dd { (what) } } } } }
+    parts
 }

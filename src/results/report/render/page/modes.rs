@@ -3,7 +3,7 @@ use maud::{Markup, html};
 use super::Players;
 use super::markup::percent;
 use super::player_card::PlayerCard;
-use super::replay::verdict_text;
+use crate::report::FailureClass;
 use crate::report::render::table::{Column, Table, Value};
 use world::judge::Label;
 
@@ -59,21 +59,18 @@ pub fn modes(cards: &[ModeCard], players: &Players, played: &[&str]) -> Markup {
         .collect();
     let (shown, more) = players.split_at(players.len().min(SHOWN));
     html! {
-        section #modes {
-            h2 { "Kinds of collisions" }
-            p.lead {
-                "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, and what its driver was doing. Within a kind, \
-                 collisions are grouped by the last seconds before the touch. The most typical example of each group is shown; the preventable kinds are first. "
-            }
-            div.cards { @for (each, replay) in shown { (card(each).to_html(replay, options)) } }
-            @if !more.is_empty() {
-                details.more {
-                    summary { "More kinds to play" }
-                    div.cards { @for (each, replay) in more { (card(each).to_html(replay, options)) } }
-                }
-            }
-            details.all { summary { "All kinds" } (table(cards).to_html()) }
+        p.lead {
+            "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, and what its driver did at the touch. Within a kind, \
+             collisions are grouped by the last seconds before the touch. The most typical example of each group is shown; the preventable kinds are first. "
         }
+        div.cards { @for (each, replay) in shown { (card(each).to_html(replay, options)) } }
+        @if !more.is_empty() {
+            details.more {
+                summary { "More kinds to play" }
+                div.cards { @for (each, replay) in more { (card(each).to_html(replay, options)) } }
+            }
+        }
+        details.all { summary { "All kinds" } (table(cards).to_html()) }
     }
 }
 
@@ -86,7 +83,7 @@ fn table(cards: &[ModeCard]) -> Table {
             Value::from(&card.title),
             Value::from(&card.place),
             Value::from(&card.who),
-            verdict_text(card.verdict).into(),
+            card.verdict.word(false).into(),
             Value::Count(card.failures as u64),
             Value::Percent(card.share),
             Value::Number(Some(card.impact_speed), 1),
@@ -100,7 +97,7 @@ fn table(cards: &[ModeCard]) -> Table {
 fn card(card: &ModeCard) -> PlayerCard {
     PlayerCard {
         title: card.title.clone(),
-        verdict: (card.verdict.name(), verdict_text(card.verdict)),
+        verdict: (FailureClass::new(Some(card.verdict), false), card.verdict.word(false)),
         place: format!("{} · {}", card.who, card.place),
         about: format!("{} of its collisions there, {}. {}", card.failures, percent(card.share), card.about),
         name: card.example.clone(),

@@ -42,11 +42,16 @@ for (const table of document.querySelectorAll("table.sortable")) {
   });
 }
 
-// A link to a player opens what it is folded in.
-addEventListener("hashchange", () => {
-  const target = document.getElementById(location.hash.slice(1)), folded = target?.closest("details:not([open])");
-  if (folded) {
-    folded.open = true;
-    target.scrollIntoView();
-  }
+// Sections are open where there is room for them. A link into a closed one opens it.
+for (const part of document.querySelectorAll("details.part")) part.open = matchMedia("(min-width: 701px)").matches;
+const reveal = (hash) => {
+  const target = document.getElementById(hash.slice(1));
+  for (let folded = target?.closest("details:not([open])"); folded; folded = folded.parentElement.closest("details:not([open])")) folded.open = true;
+  target?.scrollIntoView();
+};
+addEventListener("hashchange", () => reveal(location.hash));
+document.addEventListener("click", (event) => {
+  const link = event.target.closest("a[href^='#']");
+  if (link && link.hash === location.hash) reveal(link.hash);
 });
+if (location.hash) reveal(location.hash);

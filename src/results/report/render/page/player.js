@@ -4,13 +4,13 @@ class Player {
     this.host = host;
     this.data = data;
     this.end = data.ego.length - 1;
-    // Playback starts 2 s before the danger; the scrub bar reaches the whole episode.
-    const dull = Math.round(2 / data.dt);
-    this.tick = data.danger === null ? 0 : Math.max(0, data.danger - dull);
+    // Playback starts near the danger; the scrub bar reaches the whole episode.
+    this.tick = data.opens;
     this.rate = 1;
     this.follow = true;
     this.zoom = 1;
     this.playing = false;
+    this.fresh = true;
     this.build();
     this.colours();
     this.draw();
@@ -50,6 +50,7 @@ class Player {
       make("div", { className: "bar" }, this.button, step(-1, "‹", "One tick back"), step(1, "›", "One tick forward"), this.speed,
         make("span", { className: "gap" }), this.camera, zoom(1 / 1.4, "−", "Zoom out"), zoom(1.4, "+", "Zoom in")));
     this.button.addEventListener("click", () => this.toggle());
+    this.scene.addEventListener("click", () => this.toggle());
     this.bar.addEventListener("input", () => { this.pause(); this.seek(Number(this.bar.value)); });
     this.speed.addEventListener("change", () => { this.rate = Number(this.speed.value); });
     this.camera.addEventListener("click", () => {
@@ -91,8 +92,9 @@ class Player {
   toggle() { this.playing ? this.pause() : this.play(); }
 
   play() {
-    if (this.tick >= this.end) this.tick = 0;
+    if (this.tick >= this.end) this.tick = this.data.opens;
     this.playing = true;
+    this.fresh = false;
     this.button.textContent = "Pause";
     let last = null, exact = this.tick;
     const frame = (now) => {
@@ -150,9 +152,8 @@ class Player {
 
   view(ego, person, width, height) {
     if (this.follow) {
-      const far = Math.hypot(person.x - ego.x, person.y - ego.y);
-      const metres = Math.min(70, Math.max(26, far * 1.5 + 10)) / this.zoom;
-      return { x: (ego.x + person.x) / 2, y: (ego.y + person.y) / 2, scale: Math.min(width / metres, height / (metres * 0.62)) };
+      const across = Math.max(26, Math.abs(person.x - ego.x) * 1.2 + 10), up = Math.max(14, Math.abs(person.y - ego.y) * 1.2 + 10);
+      return { x: (ego.x + person.x) / 2, y: (ego.y + person.y) / 2, scale: Math.min(width / across, height / up) * this.zoom };
     }
     const all = this.data.ego.concat(this.data.person), of = (i) => all.map((state) => state[i] / 100);
     const [left, right, low, high] = [Math.min(...of(0)), Math.max(...of(0)), Math.min(...of(1)), Math.max(...of(1))];
@@ -208,6 +209,21 @@ class Player {
     }
     c.restore();
     this.drawScale(c, view.scale, width, height);
+    if (this.fresh) this.drawPlay(c, height);
+  }
+
+  // A sign that a click on the picture plays it.
+  drawPlay(c, height) {
+    c.fillStyle = this.colour.accent;
+    c.beginPath();
+    c.arc(34, height - 34, 22, 0, 7);
+    c.fill();
+    c.fillStyle = this.colour.edge;
+    c.beginPath();
+    c.moveTo(28, height - 44);
+    c.lineTo(45, height - 34);
+    c.lineTo(28, height - 24);
+    c.fill();
   }
 
   drawCar(c, ego) {
@@ -317,3 +333,26 @@ class Player {
 for (const host of document.querySelectorAll(".player")) {
   new Player(host, JSON.parse(document.getElementById(host.dataset.replay).textContent));
 }
+
+// A link to a player plays it above the page, with its title.
+document.addEventListener("click", (event) => {
+  const link = event.target.closest("a[href^='#play-']"), script = link && document.getElementById(link.hash.slice(1) + "-data");
+  if (!script) return;
+  event.preventDefault();
+  const make = (tag, properties, ...children) => {
+    const element = Object.assign(document.createElement(tag), properties);
+    element.append(...children);
+    return element;
+  };
+  const host = make("div", { className: "player" }), title = make("h3", { textContent: script.dataset.title });
+  const close = make("button", { type: "button", textContent: "Close", onclick: () => dialog.close() });
+  const dialog = make("dialog", {}, make("header", {}, title, close), make("p", { textContent: script.dataset.short }), host);
+  dialog.setAttribute("aria-label", script.dataset.title);
+  document.body.append(dialog);
+  dialog.showModal();
+  const player = new Player(host, JSON.parse(script.textContent));
+  dialog.addEventListener("close", () => { player.pause(); dialog.remove(); });
+  dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close(); });
+  player.button.focus();
+  player.play();
+});

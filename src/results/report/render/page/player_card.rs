@@ -3,13 +3,14 @@ use maud::{Markup, PreEscaped, html};
 use super::frames::frames;
 use super::markup::json;
 use super::{Players, Replay};
+use crate::report::FailureClass;
 
 /// A failure with its player.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerCard {
     pub title: String,
-    /// The verdict: the name of its class, and in words.
-    pub verdict: (&'static str, &'static str),
+    /// How much it counts against the driver, and the word for it.
+    pub verdict: (FailureClass, &'static str),
     /// The controller, the town and the driver.
     pub place: String,
     /// More about it, in a sentence or two.
@@ -26,19 +27,40 @@ impl PlayerCard {
             article.card id=(id) aria-labelledby={ (id) "-title" } {
                 header {
                     h3 id={ (id) "-title" } { (self.title) }
-                    span class={ "verdict " (self.verdict.0) } { (self.verdict.1) }
+                    (badge(self.verdict.0, self.verdict.1))
                 }
-                p.where { (self.place) }
                 p { (replay.short) }
-                p.where { (self.about) }
+                p.where { (self.place) @if !self.about.is_empty() { ". " (self.about) } }
                 div.player data-replay={ (id) "-data" } {}
                 (frames(replay, &format!("{id}-ground")))
-                (reference_drivers(replay))
-                p.replay { code { "falsify replay " (options) (self.name) } }
-                script type="application/json" id={ (id) "-data" } { (PreEscaped(json(replay))) }
+                details {
+                    summary { "Other drivers, and the command" }
+                    (reference_drivers(replay))
+                    p.replay { code { "falsify replay " (options) (self.name) } }
+                }
+                (self.data(replay))
             }
         }
     }
+
+    /// What the player needs, with the words that it shows above the picture.
+    pub fn data(&self, replay: &Replay) -> Markup {
+        html! {
+            script type="application/json" id={ (Players::id(&self.name)) "-data" } data-title={ (self.title) ", " (self.verdict.1) } data-short=(replay.short) {
+                (PreEscaped(json(replay)))
+            }
+        }
+    }
+}
+
+/// The word for a failure, in the colours of its class.
+pub fn badge(class: FailureClass, word: &str) -> Markup {
+    let colour = match class {
+        FailureClass::Fault | FailureClass::Preventable => " preventable",
+        FailureClass::Contested => " contested",
+        _ => "",
+    };
+    html! { span class={ "verdict" (colour) } { (word) } }
 }
 
 /// The reference drivers that would have avoided it, in a line.
@@ -62,6 +84,9 @@ fn driver(name: &str) -> &str {
     match name {
         "cc" => "careful human",
         "cc_attentive" => "attentive human",
+        "cc_swerve" => "careful human who swerves",
+        "nieon_like" => "NIEON-like human",
+        "fsm_swerve" => "fuzzy safety, swerving",
         "fsm" => "fuzzy safety",
         "rss" => "RSS",
         "ideal" => "ideal brake",

@@ -4,10 +4,14 @@ use super::super::episode::in_short;
 use super::super::town::{Scenery, Surface};
 use world::env::{Ending, Frame, Outcome, Scenario, Trace};
 use world::geometry::{Point, Pose};
-use world::judge::{Label, Reference, Verdict};
+use world::judge::{Reference, Verdict};
 
 /// Scenery is shown up to this distance from the paths of car and pedestrian (m).
 const AROUND: f64 = 40.0;
+/// A picture opens this long before the danger, but within these times before the end (s).
+const BEFORE: f64 = 0.5;
+const SHORTEST: f64 = 2.0;
+const LONGEST: f64 = 4.0;
 
 /// An episode in the format of the player: integers relative to an origin, so that hundreds of ticks stay small.
 ///
@@ -38,6 +42,8 @@ pub struct Replay {
     pub sight: Vec<usize>,
     /// Tick at which the danger started; none without a collision.
     pub danger: Option<usize>,
+    /// The tick at which a picture of it opens: some seconds before the end, with the danger near.
+    pub opens: usize,
     pub verdict: Option<&'static str>,
     /// The results of the reference drivers: name, and impact speed (m/s), none when they avoid it.
     pub drivers: Vec<(&'static str, Option<f64>)>,
@@ -91,7 +97,8 @@ impl Replay {
         }
         let touch = matches!(outcome.ending, Ending::Touch { .. });
         // The touch is within the last tick. The danger started this time before it.
-        let ticks = |verdict: &Verdict| (verdict.warning / scenario.episode.tick).ceil() as usize;
+        let ticks = |seconds: f64| (seconds / scenario.episode.tick).ceil() as usize;
+        let shown = verdict.map_or(LONGEST, |verdict| (verdict.warning + BEFORE).clamp(SHORTEST, LONGEST));
         Self {
             origin: [origin.x, origin.y],
             dt: scenario.episode.tick,
@@ -104,7 +111,8 @@ impl Replay {
             brake: frames.iter().map(|frame| whole(frame.control.brake, 0.01)).collect(),
             throttle: frames.iter().map(|frame| whole(frame.control.throttle, 0.01)).collect(),
             sight,
-            danger: verdict.map(|verdict| (frames.len() - 1).saturating_sub(ticks(verdict))),
+            danger: verdict.map(|verdict| (frames.len() - 1).saturating_sub(ticks(verdict.warning))),
+            opens: (frames.len() - 1).saturating_sub(ticks(shown)),
             verdict: verdict.map(|verdict| verdict.label.name()),
             drivers: verdict.map_or_else(Vec::new, |verdict| {
                 let fared = |driver: Reference| (driver.name(), verdict.trial(driver).impact_speed);
@@ -128,16 +136,5 @@ impl Replay {
     /// The driver's action at a tick.
     pub fn mode(&self, tick: usize) -> &'static str {
         self.modes.iter().rev().find(|(from, _)| *from <= tick).map_or("", |(_, name)| name)
-    }
-}
-
-/// A verdict in words, for people.
-pub fn verdict_text(label: Label) -> &'static str {
-    match label {
-        Label::Preventable => "preventable",
-        Label::Contested => "contested",
-        Label::MachinePreventable => "by machine only",
-        Label::Unpreventable => "unpreventable",
-        Label::Bump => "bump",
     }
 }

@@ -2,7 +2,6 @@ use maud::html;
 
 use super::identity::{Named, places};
 use super::markup::percent;
-use super::replay::verdict_text;
 use crate::report::render::svg::{Figure, Panel, px};
 use world::judge::Label;
 
@@ -18,7 +17,7 @@ pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
     if hit.is_empty() {
         return None;
     }
-    let legend = labels().map(|(number, label)| (format!("v{number}"), verdict_text(label).into()));
+    let legend = labels().map(|(number, label)| (format!("v{number}"), label.word(false).into()));
     let panels = places(&hit).into_iter().map(|(place, members)| panel(place, &members));
     Some(Figure {
         name: "figure-verdicts".into(),
@@ -50,7 +49,7 @@ fn pieces(named: &Named<'_>) -> Vec<Piece> {
         let share = f64::from(count) / all;
         let width = share * (BAR.1 - BAR.0);
         left += width;
-        let text = format!("{} {} ({count})", verdict_text(label), percent(share));
+        let text = format!("{} {} ({count})", label.word(false), percent(share));
         Piece { class, left: left - width, width: (width - 0.7).max(0.4), text }
     };
     counted.map(piece).collect()

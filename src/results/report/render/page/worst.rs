@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::Players;
 use super::player_card::PlayerCard;
-use crate::report::{DriverResult, FailureClass, Failures, ListedFailure};
+use crate::report::{DriverResult, Failures, ListedFailure, worst_failure};
 
 /// The most failures in the list of the drivers under test, and in that of drivers that see no pedestrians.
 const LISTED: (usize, usize) = (150, 20);
@@ -32,47 +32,38 @@ pub fn worst(drivers: &[DriverResult]) -> impl Iterator<Item = &ListedFailure> {
     drivers.iter().filter_map(|result| result.worst.as_ref()).take(DRIVERS)
 }
 
-/// The players of the worst failures, and the list of failures.
-pub fn failures(drivers: &[DriverResult], failures: &Failures, players: &Players) -> Markup {
-    let listed = listed(drivers, failures);
+/// The players of the worst failures but the very worst, which is shown first, and the list of failures.
+///
+/// `cards` are the names of the failures that have cards anywhere on the page.
+pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[&str], players: &Players) -> Markup {
+    let first = worst_failure(drivers);
     html! {
-        section #failures {
-            h2 { "The worst failures" }
-            p.lead {
-                "The worst failure of each driver. "
-                span.keys { "Space plays, arrows step by a tick, with shift by a second. “Follow” keeps the car in the middle of the picture, “Whole” shows the whole way." }
-            }
-            div.cards {
-                @for found in worst(drivers) {
-                    @if let Some(replay) = players.get(&found.name()) { (card(found).to_html(replay, players.options())) }
-                }
-            }
-            (list(&listed, players))
+        p.lead {
+            @if drivers.len() > 1 { "The worst failure of each other driver. " }
+            span.keys { "Space plays, arrows step by a tick, with shift by a second. “Follow” keeps the car in the middle of the picture, “Whole” shows the whole way." }
         }
+        div.cards {
+            @for found in worst(drivers).filter(|found| Some(*found) != first) {
+                @if let Some(replay) = players.get(&found.name()) { (card(found).to_html(replay, players.options())) }
+            }
+        }
+        (list(&listed(drivers, failures), cards, players))
     }
 }
 
-fn card(found: &ListedFailure) -> PlayerCard {
+/// The card of a failure.
+pub fn card(found: &ListedFailure) -> PlayerCard {
     PlayerCard {
         title: format!("{}, hit at {:.1} m/s", found.policy, found.impact_speed),
-        verdict: (class(found.class()), found.class().name()),
-        place: format!("{} · {} · {}", found.finder(), found.town, found.policy),
-        about: format!("Contact {:.1} s after the start.", found.length),
+        verdict: (found.class(), found.word()),
+        place: format!("{} · {} · contact {:.1} s after the start", found.finder(), found.town, found.length),
+        about: String::new(),
         name: found.name(),
     }
 }
 
-/// The class of a verdict's colours.
-fn class(class: FailureClass) -> &'static str {
-    match class {
-        FailureClass::Fault | FailureClass::Preventable => "preventable",
-        FailureClass::Contested => "contested",
-        _ => "other",
-    }
-}
-
-/// The failures as a table that can be sorted where scripts run.
-fn list(listed: &[&ListedFailure], players: &Players) -> Markup {
+/// The failures as a table that can be sorted where scripts run. Those that can be played and have no card bring what their player needs.
+fn list(listed: &[&ListedFailure], cards: &[&str], players: &Players) -> Markup {
     let heads = ["driver", "verdict", "impact, m/s", "after, s", "town", "found by"];
     html! {
         h3 { "List of failures" }
@@ -83,23 +74,24 @@ fn list(listed: &[&ListedFailure], players: &Players) -> Markup {
                         @for (place, head) in heads.into_iter().enumerate() {
                             th scope="col" class=[(place == 2 || place == 3).then_some("number")] { (head) }
                         }
-                        th scope="col" { "play or name" }
+                        th scope="col" { "name" }
                     }
                 }
                 tbody {
                     @for found in listed {
-                        tr {
+                        @let name = found.name();
+                        @let own = players.get(&name).filter(|_| !cards.contains(&name.as_str()));
+                        tr id=[own.map(|_| Players::id(&name))] {
                             th scope="row" { (found.policy) }
-                            td data-label=(heads[1]) data-value=(found.class() as usize) { (found.class().name()) }
+                            td data-label=(heads[1]) data-value=(found.class() as usize) { (found.word()) }
                             td.number data-label=(heads[2]) { (format!("{:.1}", found.impact_speed)) }
                             td.number data-label=(heads[3]) { (format!("{:.1}", found.length)) }
                             td data-label=(heads[4]) { (found.town) }
                             td data-label=(heads[5]) { (found.finder()) }
-                            td data-label="play or name" {
-                                @match players.link(&found.name()) {
-                                    Some(link) => a href=(link) { "play " (found.name()) },
-                                    None => code { (found.name()) },
-                                }
+                            td data-label="name" {
+                                @if let Some(link) = players.link(&name) { a.play href=(link) { "play" } " " }
+                                code { (name) }
+                                @if let Some(replay) = own { (card(found).data(replay)) }
                             }
                         }
                     }
@@ -144,7 +136,7 @@ mod tests {
             surrogate: "",
         };
         let result = DriverResult { driver, worst: Some(a.clone()), cell: None, searched: None };
-        let page = failures(&[result], &Failures::default(), &Players::default()).into_string();
+        let page = failures(&[result], &Failures::default(), &[], &Players::default()).into_string();
         assert!(page.contains("List of failures"), "{page}");
     }
 }

@@ -1,17 +1,35 @@
 use super::identity::{Named, named};
 use super::modes::order;
-use super::worst::worst;
+use super::worst::{listed, worst};
 use super::{Contents, ModeCard, Players, page};
 use crate::analysis::{Impact, Kind};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
 use crate::report::render::sections::{comparisons, learnt, protocol, published_section, search_section, transfer};
-use crate::report::{Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError};
+use crate::report::{
+    Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError, worst_failure,
+};
 
-/// The names of the failures that the page would play, the most important first.
+/// The most failures that have cards, and the most that can be played, so that the page stays small.
+const CARDS: usize = 14;
+const PLAYED: usize = 44;
+
+/// The names of the failures that the page plays, each once, the most important first: those with cards, then the first of the list. A program of the user
+/// may take long to start, so of its failures only those with cards are played.
 pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
-    let worst = worst(&found.drivers).map(ListedFailure::name);
-    worst.chain(cards(found).into_iter().map(|card| card.example)).collect()
+    let mut names: Vec<String> = Vec::new();
+    let add = |names: &mut Vec<String>, name: String, most: usize| {
+        if names.len() < most && !names.contains(&name) {
+            names.push(name);
+        }
+    };
+    let worst = worst_failure(&found.drivers).into_iter().chain(worst(&found.drivers)).map(ListedFailure::name);
+    worst.chain(cards(found).into_iter().map(|card| card.example)).for_each(|name| add(&mut names, name, CARDS));
+    let is_external =
+        |name: &str| found.drivers.iter().any(|each| each.driver.name == name && each.driver.is_external());
+    let of_list = listed(&found.drivers, &found.gathered.failures).into_iter();
+    of_list.filter(|failure| !is_external(&failure.policy)).for_each(|failure| add(&mut names, failure.name(), PLAYED));
+    names
 }
 
 /// The cards of the kinds of failures, in their order.
@@ -133,6 +151,6 @@ fn words(kind: Kind, speed: &str, length: f64) -> (String, String) {
     let mode = kind.mode.name().replace('_', " ");
     (
         format!("Into {side} of the car"),
-        format!("{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"),
+        format!("{speed}; contact after {length:.1} s. At the touch the driver’s mode was {mode}.{late}"),
     )
 }

@@ -10,7 +10,7 @@ const READING: [&str; 4] = [
     "- **preventable**: a careful human would have avoided it. The driver under test failed, so look at these first. The column `verdict` of `episodes.csv` \
      finds them, `falsify replay RUN_ID:EPISODE` describes one, `falsify export RUN_ID:EPISODE --as svg` draws it.\n\
      - **contested**: some reference drivers avoid it and some do not.\n\
-     - **by machine**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
+     - **machine preventable**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
      - **unpreventable**: braking at once with 0.85 g does not avoid it.",
     "*Fault* is preventable and foreseeable: these failures count against the driver under test. Two more shares say what else was true of a \
      collision, whatever its verdict. *Into the side*: the front had passed, and the pedestrian walked into the side or the rear. *Foreseeable*: the \
@@ -30,7 +30,7 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         return None;
     }
     let mut columns = head();
-    let names_of_shares = ["contested", "by machine", "unpreventable", "into the side", "foreseeable"];
+    let names_of_shares = ["contested", "machine preventable", "unpreventable", "into the side", "foreseeable"];
     columns.extend(
         [
             "collisions",
@@ -50,12 +50,17 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         let mut row = names(cell, cells);
         row.extend([
             Value::Of(cell.collisions.into(), cell.episodes.into()),
-            cell.preventable.into(),
+            Value::or_count(cell.preventable.into(), cell.preventable.mean, preventable, cell.episodes),
             Value::Interval(Some(cell.preventable_interval)),
-            cell.fault.into(),
+            Value::or_count(cell.fault.into(), cell.fault.mean, cell.faults, cell.episodes),
             Value::Interval(Some(cell.fault_interval)),
             cell.expected_preventable.into(),
-            Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
+            Value::or_count(
+                Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
+                share(preventable),
+                preventable,
+                cell.collisions,
+            ),
         ]);
         row.extend(
             others.into_iter().chain([cell.walked_into, cell.foreseeable]).map(|count| Value::Number(share(count), 2)),

@@ -24,11 +24,11 @@ pub fn drivers(
     let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
         results.iter().partition(|result| result.driver.sees_no_pedestrians());
     let parts = [("", tested), ("Baseline: drivers that ignore pedestrians", blind)];
-    let scale = worst_blind(&parts[1].1, cells);
+    let scale = injury_scale(results, cells);
     let tables: Vec<Table> = parts
         .into_iter()
         .filter(|(_, of)| !of.is_empty())
-        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale, &link) })
+        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale.as_ref(), &link) })
         .collect();
     (!tables.is_empty()).then(|| Section {
         id: "drivers",
@@ -59,23 +59,32 @@ fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
 }
 
 /// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches.
-fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
+pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     match result.cell {
         Some(cell) => cells[cell].injury.mean.map(|injury| injury * 1000.0),
         None => result.searched.map(|found| found.injury_per_thousand()),
     }
 }
 
-/// The scale: the drivers that see no pedestrians, the one with the greatest avoidable injury, with its name.
-fn worst_blind<'a>(results: &[&'a DriverResult], cells: &[Cell]) -> Option<(&'a str, f64)> {
-    let known = results.iter().filter_map(|result| Some((result.driver.name.as_str(), injury(result, cells)?)));
-    known.filter(|(_, injury)| *injury > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
+/// The scale of avoidable injuries: the head of a column of shares, and the whole. It is the greatest of the drivers that see no pedestrians; without one,
+/// the greatest of several drivers. None where nobody has any.
+pub fn injury_scale(results: &[DriverResult], cells: &[Cell]) -> Option<(String, f64)> {
+    let greatest = |blind: bool| {
+        let of = results.iter().filter(|result| result.driver.sees_no_pedestrians() == blind);
+        let known = of.filter_map(|result| Some((result, injury(result, cells)?))).filter(|(_, injury)| *injury > 0.0);
+        known.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    match greatest(true) {
+        Some((blind, injury)) => Some((format!("of {}'s", blind.driver.name), injury)),
+        None if results.len() > 1 => greatest(false).map(|(_, injury)| ("of the worst".into(), injury)),
+        None => None,
+    }
 }
 
 fn table(
     results: &[&DriverResult],
     cells: &[Cell],
-    scale: Option<(&str, f64)>,
+    scale: Option<&(String, f64)>,
     link: &impl Fn(&ListedFailure) -> Option<String>,
 ) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
@@ -84,7 +93,7 @@ fn table(
     if evaluated {
         head.extend([Column::text("highest rates").page_only(), Column::number("n").page_only()]);
         head.push(Column::number("avoidable injury / 1,000"));
-        head.extend(scale.map(|(name, _)| Column::number(format!("of {name}'s"))));
+        head.extend(scale.map(|(of, _)| Column::number(of)));
         head.extend(["fault (95 %)", "preventable (95 %)", "collision (95 %)"].map(Column::number));
     }
     if searched {
@@ -92,13 +101,13 @@ fn table(
         let found = Column::text("found by searches");
         if !evaluated {
             head.push(Column::number("avoidable injury / 1,000"));
-            head.extend(scale.map(|(name, _)| Column::number(format!("of {name}'s"))));
+            head.extend(scale.map(|(of, _)| Column::number(of)));
         }
         head.push(if evaluated { found.page_only() } else { found });
     }
     let of_injury = |result: &DriverResult| {
         let own = injury(result, cells);
-        let share = scale.map(|(_, blind)| Value::Number(own.map(|own| own / blind), 2));
+        let share = scale.map(|(_, whole)| Value::Number(own.map(|own| own / whole), 2));
         [Value::Number(own, 2)].into_iter().chain(share)
     };
     let row = |result: &&DriverResult| {
@@ -150,7 +159,7 @@ fn rate(cell: Option<&Cell>, of: RateOf) -> Value {
 fn worst(result: &DriverResult) -> String {
     match &result.worst {
         None => "no collision".into(),
-        Some(found) => format!("{}, {:.1} m/s", found.class().name(), found.impact_speed),
+        Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
     }
 }
 

@@ -10,7 +10,7 @@ pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)], width: u16) 
         let name = failure.name();
         vec![
             Value::Code(if one { name } else { report.join(name).display().to_string() }),
-            failure.verdict_text().into(),
+            failure.word().into(),
             Value::Number(Some(failure.impact_speed), 1),
             failure.policy.clone().into(),
             Value::Text(controller(failure)),

@@ -1,6 +1,7 @@
 //! The sections of a report: each makes its tables once, for the summary and for the page.
 
 mod names;
+mod scale;
 mod drivers;
 mod results;
 mod avoidable;
@@ -17,13 +18,14 @@ mod trainings;
 mod failures;
 
 pub use comparisons::comparisons;
-pub use drivers::drivers;
+pub use drivers::{drivers, injury, injury_scale};
 pub use failures::failures_for_terminal;
 pub use learnt::learnt;
 pub use names::{distinct, place, who};
 pub use protocol::{PROTOCOL, protocol};
 pub use published::published_section;
 pub use results::{errors, results};
+pub use scale::{RateOf, Scale};
 pub use searches::{average, failed_starts, search_section};
 pub use trainings::trainings_section;
 pub use transfer::transfer;
@@ -32,8 +34,8 @@ use super::table::{Section, Table};
 use crate::report::{Cell, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell};
 
 /// The rates of a campaign's controllers as text for a terminal of this width (columns); empty without cells.
-pub fn results_for_terminal(cells: &[Cell], width: u16) -> String {
-    if cells.is_empty() { String::new() } else { results::rates(cells).to_terminal(width) }
+pub fn results_for_terminal(results: &[DriverResult], cells: &[Cell], width: u16) -> String {
+    if cells.is_empty() { String::new() } else { results::rates(cells, Scale::new(results, cells)).to_terminal(width) }
 }
 
 /// What was found about each driver as text for a terminal of this width (columns).

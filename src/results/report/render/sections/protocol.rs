@@ -12,6 +12,10 @@ const READING: &str = "A cell is the impact speed (km/h) at the test speed of it
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), and a cell without \
      points is not passed. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order).";
+/// Why colours, passes and verdicts differ.
+const JUDGES: &str = "A number is the impact speed in km/h. *Passed* counts the cells that get points: green has all of them, brown still a quarter, red none. \
+     So a driver can pass a cell in which it hits the target. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
+     careful humans would have avoided the touch. So a red cell can be *contested*: some reference drivers avoid it and some do not.";
 /// What a test does not say.
 const LIMITS: &str = "**This is no rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
      the car's sensors unless the scenario gives them, warnings to a driver, tyres and brakes beyond the car's blueprint, repeated runs and \
@@ -34,6 +38,10 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
         tests.entry(number).or_default().push(cell);
     }
     tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
+    let is_coloured = cells.iter().chain(layers).any(|cell| cell.criterion == TestCriterion::EuroNcap);
+    if let Some(first) = tables.first_mut().filter(|_| is_coloured) {
+        first.notes.push(JUDGES.into());
+    }
     let notes = vec![READING.into(), LIMITS.into()];
     Some(Section {
         id: PROTOCOL,

@@ -15,7 +15,8 @@ pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) ->
     let row = |(cell, found): &(&Cell, &CellEvidence)| {
         let rate = |count: Weighted| {
             let share = count.share_of(&found.episodes).unwrap_or_default();
-            Value::Estimate(Some(share), Some(wilson(count, found.episodes)), 2)
+            let estimate = Value::Estimate(Some(share), Some(wilson(count, found.episodes)), 2);
+            Value::or_count(estimate, Some(share), count.count() as u32, found.episodes.count() as u32)
         };
         let mut row = names(cell, cells);
         row.push(rate(found.collisions));

@@ -1,12 +1,13 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use super::Scale;
 use super::names::{distinct, head, names, place, who};
 use crate::report::render::table::{Column, Table, Value};
 use crate::report::{Cell, Spread};
 
 /// The table of cells, for the summary. It has the mean reward if any was paid.
-pub fn results(cells: &[Cell]) -> Table {
+pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
     let is_paid = cells.iter().any(|cell| cell.reward_sum.mean.is_some_and(|reward| reward != 0.0));
     let rewards: BTreeSet<&str> = cells.iter().map(|cell| cell.key.reward.as_str()).collect();
@@ -16,9 +17,9 @@ pub fn results(cells: &[Cell]) -> Table {
         columns.push(Column::number("errors"));
     }
     // Means with a spread are left-aligned, so that the means are below each other.
-    columns.extend(
-        ["collision rate", "95 % of episodes", "preventable", "fault", "with bumps", "front"].map(Column::text),
-    );
+    columns.extend(["collision rate", "95 % of episodes", "preventable", "fault"].map(Column::text));
+    columns.extend(scale.name().map(|name| Column::number(format!("fault, of {name}'s"))));
+    columns.extend(["with bumps", "front"].map(Column::text));
     if is_paid {
         columns.push(Column::text("mean reward"));
     }
@@ -34,9 +35,9 @@ pub fn results(cells: &[Cell]) -> Table {
             Value::Interval(Some(cell.interval)),
             or_count(cell.preventable, cell.preventable_collisions(), cell),
             or_count(cell.fault, cell.faults, cell),
-            cell.touch.into(),
-            cell.front.into(),
         ]);
+        row.extend(scale.name().map(|_| Value::Number(scale.share(cell, |cell| cell.fault), 2)));
+        row.extend([Value::from(cell.touch), cell.front.into()]);
         if is_paid {
             // The row of an untrained controller is that of all rewards, which pay it differently.
             let one = cell.key.is_of_reward() || rewards.len() == 1;
@@ -53,7 +54,8 @@ pub fn results(cells: &[Cell]) -> Table {
              The interval is Wilson's over the episodes of all runs. It does not say what further trainings would show. \
              In a collision the car moves. *With bumps*: share of the episodes in which car and pedestrian touch, also while the car \
              stands; *front*: share of these in the front sector. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
-             *Fault*: those of them in which the pedestrian moved as people do. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
+             *Fault*: those of them in which the pedestrian moved as people do. The column after it is the fault rate as a share of that of the driver \
+             that sees no pedestrians, or of the worst driver, with the same controller in the same town. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
              An untrained controller walks the same for every reward, so it has one row."
                 .into(),
         ],
@@ -66,14 +68,16 @@ fn or_count(rate: Spread, count: u32, cell: &Cell) -> Value {
     Value::or_count(rate.into(), rate.mean, count, cell.episodes)
 }
 
-/// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller.
-pub fn rates(cells: &[Cell]) -> Table {
+/// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller. The fault rate has its
+/// scale in place of its spread.
+pub fn rates(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
     let mut columns = vec![Column::text("controller"), Column::number("n")];
     if has_errors {
         columns.push(Column::number("errors"));
     }
-    columns.extend(["collision", "preventable", "fault"].map(Column::text));
+    columns.extend(["collision", "preventable"].map(Column::text));
+    columns.push(Column::text(scale.name().map_or("fault".into(), |name| format!("fault\n(of {name})"))));
     let distinct = distinct(cells);
     let heading = |cell: &Cell| format!("{} · {}", place(cell, cells), cell.key.policy);
     let mut headings: Vec<String> = Vec::new();
@@ -97,7 +101,12 @@ pub fn rates(cells: &[Cell]) -> Table {
             row.extend([
                 or_count(cell.collision, cell.collisions, cell),
                 or_count(cell.preventable, cell.preventable_collisions(), cell),
-                or_count(cell.fault, cell.faults, cell),
+                match (or_count(cell.fault, cell.faults, cell), scale.share(cell, |cell| cell.fault)) {
+                    (Value::Spread(Spread { mean: Some(mean), .. }), Some(share)) => {
+                        format!("{mean:.2} ({share:.2})").into()
+                    }
+                    (rate, _) => rate,
+                },
             ]);
             rows.push(row);
         }

@@ -47,7 +47,7 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
         "*Failed starts* are those from which a failure was found, of the number of starts from which it searched (means over runs). With the same budget \
          one falsifier may spend all ticks on few starts, and another visit many.",
         "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
-         methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver was doing. \
+         methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver did at the touch. \
          A *fault* is a failure that counts against the driver. \
          *Evaluated afterwards* are the collision rate and the rate of faults of the controller with which the falsifier \
          ends, in fresh episodes; `–` if there is none. Pairs of falsifiers and of drivers are compared in `search_comparisons`; \

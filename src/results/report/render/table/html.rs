@@ -58,17 +58,14 @@ impl Table {
 }
 
 impl Section {
-    /// The section for a page.
+    /// What is below its heading, for a page.
     pub fn to_html(&self) -> Markup {
         html! {
-            section id=(self.id) {
-                h2 { (self.title) }
-                @for table in &self.tables { (table.to_html()) }
-                @if !self.notes.is_empty() {
-                    details {
-                        summary { "How to read this" }
-                        @for note in &self.notes { (paragraph(note)) }
-                    }
+            @for table in &self.tables { (table.to_html()) }
+            @if !self.notes.is_empty() {
+                details {
+                    summary { "How to read this" }
+                    @for note in &self.notes { (paragraph(note)) }
                 }
             }
         }

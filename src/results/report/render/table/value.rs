@@ -71,6 +71,7 @@ impl fmt::Display for Value {
             Self::Number(Some(number), digits) => write!(f, "{number:.digits$}"),
             Self::Spread(Spread { mean: Some(mean), sd: None }) => f.write_str(&short(*mean)),
             Self::Spread(Spread { mean: Some(mean), sd: Some(sd) }) => write!(f, "{} ± {}", short(*mean), short(*sd)),
+            Self::Interval(Some((_, high))) if *high < RARE => f.write_str("< 0.01"),
             Self::Interval(Some((low, high))) => write!(f, "{low:.2}..{high:.2}"),
             Self::Estimate(Some(number), None, digits) => write!(f, "{number:.digits$}"),
             // Runs that are all equal, as those of deterministic controllers, show no spread.

@@ -1,0 +1,167 @@
+//! What is seen first: who was tested, what is wrong, how often and how bad.
+
+use maud::{Markup, html};
+
+use super::markup::{count, percent, prose};
+use super::player_card::{PlayerCard, badge};
+use super::worst::card;
+use super::{Contents, Players};
+use crate::report::render::sections::{drivers, injury, injury_scale, place, who};
+use crate::report::render::svg::px;
+use crate::report::{Cell, DriverResult, ListedFailure, worst_failure};
+
+/// Below this a share of episodes is given as their number.
+const RARE: f64 = 0.005;
+
+/// A block for each driver, the worst failure with its player, and the table of all numbers.
+pub fn first(contents: &Contents<'_>) -> Markup {
+    let players = contents.players;
+    let played = worst_failure(contents.drivers).and_then(|found| Some((found, players.get(&found.name())?)));
+    let link = |found: &ListedFailure| players.link(&found.name());
+    let table = drivers(contents.drivers, contents.cells, link);
+    html! {
+        section #drivers {
+            h2.hidden { "What was found" }
+            div.first {
+                div.found { (blocks(contents)) }
+                @if let Some((found, replay)) = played {
+                    @let card = card(found);
+                    (PlayerCard { title: format!("The worst: {}", card.title), ..card }.to_html(replay, players.options()))
+                }
+            }
+            @if let Some(table) = table {
+                details { summary { "All numbers of the drivers" } (table.to_html()) }
+            }
+        }
+    }
+}
+
+/// A block for each driver, on common scales.
+fn blocks(contents: &Contents<'_>) -> Markup {
+    let Contents { drivers, cells, .. } = contents;
+    let cell = |result: &DriverResult| result.cell.map(|cell| &cells[cell]);
+    let most = |of: &dyn Fn(&DriverResult) -> Option<f64>| drivers.iter().filter_map(of).fold(0.0, f64::max);
+    let often = |result: &DriverResult| match cell(result) {
+        Some(cell) => cell.fault.mean,
+        None => result.searched.map(|found| found.fault as f64 / found.episodes.max(1) as f64),
+    };
+    let bad = |result: &DriverResult| injury(result, cells);
+    let injuries = injury_scale(drivers, cells).map(|(_, whole)| whole);
+    let baseline = drivers.iter().find(|result| result.driver.sees_no_pedestrians());
+    let faults_of = baseline.map_or_else(|| Some(most(&often)), often);
+    let whose = baseline.map(|result| result.driver.name.as_str());
+    // Without another driver there is nothing to compare with.
+    let share = |value: f64, whole: Option<f64>| {
+        let whole = whole.filter(|whole| value > 0.0 && *whole > 0.0 && drivers.len() > 1)?;
+        (whose.is_some() || value < whole).then(|| share_of(value / whole, whose))
+    };
+    html! {
+        p.note {
+            "A " b { "fault" } " is a collision that a careful human avoids, with a pedestrian who moves as people do. Rates are those of each driver’s worst setting."
+        }
+        @for result in drivers.iter() {
+            @let blind = result.driver.sees_no_pedestrians();
+            article.driver {
+                h3 { (result.driver.name) @if blind { " " span.note { "baseline: sees no pedestrian" } } }
+                @if !blind { p.note { (documentation(contents, &result.driver.name)) } }
+                @match &result.worst {
+                    Some(found) => (worst(found, contents.players)),
+                    None => p { "No collision was found in " (count(tried(result, cells))) " episodes." },
+                }
+                @if result.worst.is_some() { dl.measures {
+                    @if let Some(rate) = often(result) {
+                        div {
+                            dt { "how often" }
+                            dd {
+                                @if drivers.len() > 1 { (bar(rate, most(&often), blind)) }
+                                (faults(result, cell(result), rate))
+                                @if !blind { @if let Some(share) = share(rate, faults_of) { (share) } }
+                            }
+                        }
+                    }
+                    @if let Some(injury) = bad(result).filter(|injury| *injury > 0.0) {
+                        div {
+                            dt { "how bad" }
+                            dd {
+                                @if drivers.len() > 1 { (bar(injury, most(&bad), blind)) }
+                                (format!("{injury:.2}")) " avoidable severe injuries in 1,000 episodes"
+                                @if !blind { @if let Some(share) = share(injury, injuries) { (share) } }
+                            }
+                        }
+                    }
+                } }
+                @if let Some(cell) = cell(result).filter(|_| result.worst.is_some() && cells.len() > drivers.len()) {
+                    p.note { "worst setting: " (who(cell, cells)) " in " (place(cell, cells)) }
+                }
+            }
+        }
+    }
+}
+
+/// The episodes of a driver, of evaluations and searches.
+fn tried(result: &DriverResult, cells: &[Cell]) -> u64 {
+    let evaluated =
+        cells.iter().filter(|cell| cell.key.policy == result.driver.name).map(|cell| u64::from(cell.episodes));
+    evaluated.sum::<u64>() + result.searched.map_or(0, |found| found.episodes)
+}
+
+/// The first sentence of what the scenario says about a driver.
+fn documentation(contents: &Contents<'_>, name: &str) -> Markup {
+    let word = contents.campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
+    let docs = word.map_or("", |word| word.docs.as_str());
+    prose(docs.split_inclusive(". ").next().unwrap_or_default().trim_end())
+}
+
+/// What a failure is, in the words of its card.
+fn worst(found: &ListedFailure, players: &Players) -> Markup {
+    html! {
+        p {
+            (badge(found.class(), found.word())) " "
+            @match players.get(&found.name()) {
+                Some(replay) => (replay.short),
+                None => (format!("The car hit at {:.1} m/s.", found.impact_speed)),
+            }
+            @if let Some(link) = players.link(&found.name()) { "\u{a0}" a.play href=(link) { "play" } }
+        }
+    }
+}
+
+/// The number of faults, as a share of the episodes if it is not very small.
+fn faults(result: &DriverResult, cell: Option<&Cell>, rate: f64) -> Markup {
+    let searched = result.searched.unwrap_or_default();
+    let (faults, episodes, what) = match cell {
+        Some(cell) => (u64::from(cell.faults), u64::from(cell.episodes), "episodes"),
+        None => (searched.fault as u64, searched.episodes, "episodes of searches"),
+    };
+    html! {
+        @if faults == 0 { "no fault in " (count(episodes)) " " (what) }
+        @else if rate < RARE { "a fault in " (count(faults)) " of " (count(episodes)) " " (what) }
+        @else {
+            "a fault in " (percent(rate)) " of " (count(episodes)) " " (what)
+            @if let Some(cell) = cell {
+                " " small { (percent(cell.fault_interval.0)) " to " (percent(cell.fault_interval.1)) }
+            }
+        }
+    }
+}
+
+/// A share of the scale, in words.
+fn share_of(share: f64, blind: Option<&str>) -> Markup {
+    html! {
+        b {
+            (format!("{share:.2}")) " of "
+            @match blind { Some(name) => { (name) "’s" }, None => "the worst driver’s" }
+        }
+    }
+}
+
+/// A bar whose full width is the greatest value of all drivers.
+fn bar(value: f64, most: f64, pale: bool) -> Markup {
+    let width = if most > 0.0 { 100.0 * value / most } else { 0.0 };
+    html! {
+        svg.meter viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true" {
+            rect.h0 width="100" height="6" {}
+            rect class=(if pale { "f6" } else { "v0" }) width=(px(width)) height="6" {}
+        }
+    }
+}
