@@ -20,6 +20,7 @@ mod chord_tree;
 mod chord_grid;
 mod lane_index;
 mod town;
+mod around;
 mod topology;
 pub mod opendrive;
 mod route;
@@ -28,6 +29,7 @@ pub mod design;
 pub mod crosswalk;
 mod lane_route;
 
+pub use around::LaneAround;
 pub use cubic::{Cubic, Profile};
 pub use furniture::{SpeedSign, TrafficLight};
 pub use junction::{Connection, Junction};

@@ -51,7 +51,7 @@ pub struct Town {
     /// The text of the map that the town was read from; none for a town that was designed.
     pub map: Option<Arc<str>>,
     pub(super) network: LaneNetwork,
-    index: LaneIndex,
+    pub(super) index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
     route_planners: Mutex<Vec<Arc<RoutePlanner>>>,
 }
@@ -169,7 +169,7 @@ impl Town {
         self.index.nearest(self.lanes(), point, filter)
     }
 
-    fn lanes(&self) -> Lanes<'_> {
+    pub(super) fn lanes(&self) -> Lanes<'_> {
         Lanes { roads: &self.roads, network: &self.network }
     }
 
