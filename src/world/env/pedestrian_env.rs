@@ -10,8 +10,8 @@ use super::run_up::{self, RunUp};
 use super::running::RunningEpisode;
 use super::spawn::{Pacing, Release};
 use super::{
-    Controller, Driven, Ending, LeftOut, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario, Spawn,
-    SpawnRule, StateHashes, Trace,
+    Controller, Driven, Ending, LeftOut, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario,
+    Spawn, SpawnRule, StateHashes, Trace,
 };
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};

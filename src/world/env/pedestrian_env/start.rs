@@ -2,8 +2,8 @@ use rand::RngExt;
 
 use super::{Episode, PedestrianEnv, Stage, perceive};
 use crate::av::cruising_speed;
-use crate::env::{EgoSpeed, LeftOut};
 use crate::env::motion::Motion;
+use crate::env::{EgoSpeed, LeftOut};
 use crate::geometry::Pose;
 use crate::sim::{ActorStart, Control, Start, WalkCommand};
 use base::seed::Stream;
