@@ -56,6 +56,11 @@ impl Town {
         best
     }
 
+    /// How far a point is inside the driving lane of a place, anywhere along it, as [`LaneAround::inside`] counts.
+    pub fn inside_lane(&self, place: Waypoint, point: Point) -> f64 {
+        self.network.slot(place).map_or(f64::NEG_INFINITY, |slot| self.inside_of(slot, point))
+    }
+
     fn inside_of(&self, slot: LaneSlot, point: Point) -> f64 {
         let chords = self.index.chords_of(self.lanes(), slot, LaneFilter::Driving);
         chords.iter().map(|chord| self.inside_at(chord, point)).fold(f64::NEG_INFINITY, f64::max)
