@@ -53,6 +53,7 @@ mod onnx_file;
 mod outputs;
 mod own_kinds;
 mod losses;
+mod lost_drivers;
 mod maps;
 mod memory;
 mod messages;
