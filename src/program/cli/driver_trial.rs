@@ -253,7 +253,7 @@ mod tests {
         let [_, road] = proving_grounds();
         let mut follower = (road.cast.ego.policy)();
         assert_eq!(empty_road::follow(&road, &mut *follower, &Seed::root(1)), Ok(()));
-        let mut drive = |throttle: f64, steer: f64| {
+        let drive = |throttle: f64, steer: f64| {
             let control = Control { throttle, brake: 0.0, steer };
             empty_road::follow(&road, &mut Constant(control), &Seed::root(1)).unwrap_err()
         };
