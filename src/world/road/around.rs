@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::road::design::{Carriageway, Node, Street, TownDesign};
 
-    /// Two streets that cross at the origin, with lanes of 3.5 m.
+    /// Two streets that cross at the origin, with lanes of 4 m.
     fn crossing() -> Town {
         let node = |x, y| Node { name: String::new(), position: Point::new(x, y), lights: false };
         let street = |nodes: Vec<usize>| Street {
@@ -98,9 +98,9 @@ mod tests {
     fn a_point_is_inside_the_lane_around_it_up_to_the_edge() {
         let town = crossing();
         let at = |y: f64| town.lane_around(Point::new(-50.0, y)).unwrap();
-        let own = at(-1.75);
-        assert!((own.inside - 1.85).abs() < 1e-6 && own.direction.x > 0.99 && !own.is_junction, "{own:?}");
-        assert!((at(-3.55).inside - 0.05).abs() < 1e-6 && (at(-4.0).inside + 0.4).abs() < 1e-6);
+        let own = at(-2.0);
+        assert!((own.inside - 2.1).abs() < 1e-6 && own.direction.x > 0.99 && !own.is_junction, "{own:?}");
+        assert!((at(-4.05).inside - 0.05).abs() < 1e-6 && (at(-4.5).inside + 0.4).abs() < 1e-6);
         assert!(at(1.75).direction.x < -0.99, "the other lane leads back");
     }
 
