@@ -34,6 +34,9 @@ keys! {
         /// Time within the cycle of all junctions when the car sets off: at the start of the episode, or of its run-up. Any
         /// time without it. At 0 s the first turn becomes green.
         light_phase: Option<Distribution> as drawn(TIME, 0.0, 36_000.0),
+        /// Whether episodes count in which the driver was lost before a pedestrian came into sight: it did not reach its start in the
+        /// run-up, or its car left the road. Otherwise they are in the tables, and in no rate, search or list of failures.
+        count_all: bool = "false",
     }
 }
 
@@ -54,5 +57,6 @@ pub fn lower(keys: EpisodeKeys) -> EpisodeRule {
         traffic_lights: keys.traffic_lights,
         light_cycle: LightCycle { green: keys.light_green, yellow: keys.light_yellow, red: keys.light_red },
         light_phase: keys.light_phase,
+        count_all: keys.count_all,
     }
 }

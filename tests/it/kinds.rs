@@ -52,6 +52,7 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         verdict,
         false_alarms: None,
         near_miss,
+        lane: None,
         motion: Default::default(),
         weight: 1.0,
     };

@@ -54,6 +54,7 @@ mod outputs;
 mod own_kinds;
 mod losses;
 mod map_facts;
+mod lost_drivers;
 mod maps;
 mod memory;
 mod messages;

@@ -1,4 +1,4 @@
-//! The conformance test of an external driver: real episodes in a small town, and a check that they repeat.
+//! The conformance test of an external driver: real episodes in a small town, a check that they repeat, and an empty road that it has to follow.
 
 use std::cell::Cell;
 use std::io;
@@ -12,7 +12,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::exit_code::ExitCode;
-use super::{console, interrupt};
+use super::{console, empty_road, interrupt};
 use crate::session::seconds;
 use base::diagnostic::Sources;
 use base::seed::Seed;
@@ -75,14 +75,17 @@ fn installed(name: &str) -> Result<(), String> {
 }
 
 /// A crossing with lights, and pedestrians that walk at random.
-const PROVING_GROUND: &str = "\
-edition 1
+const CROSSING: &str = "\
 town proving_ground {
   traffic_lights: true
   street along { through: [(0 m, 0 m), (100 m, 0 m), (200 m, 0 m)] }
   street across { through: [(100 m, -100 m), (100 m, 0 m), (100 m, 100 m)] }
   building corner { corner: (110 m, 10 m) opposite: (130 m, 30 m) }
 }
+";
+/// The campaign whose scenarios are driven.
+const CAMPAIGN: &str = "\
+edition 1
 policy placeholder = cruise()
 vehicle car = model3()
 adversary walker { }
@@ -92,7 +95,7 @@ reward any { on hit => 1 }
 training none = ppo()
 campaign check {
   vehicle: car adversary: walker spawn: ahead episode: half_a_minute training: none
-  train { towns: [proving_ground] policies: [placeholder] rewards: [any] }
+  train { towns: [proving_ground, empty_road] policies: [placeholder] rewards: [any] }
 }
 ";
 
@@ -120,7 +123,7 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
     if let Err(reason) = opener.find(&program) {
         return failed(&format!("could be started: {reason}"));
     }
-    let ground = proving_ground();
+    let [ground, road] = proving_grounds();
     let drive = |worlds: usize| {
         let program = program.clone();
         let opener = opener.clone();
@@ -165,6 +168,11 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
         ));
     }
     passed(&format!("drives the same way when it is asked about {EPISODES} worlds at once"));
+    let mut driver = External::new(program, Settings { worlds: 1, ..settings }, opener);
+    if let Err(reason) = empty_road::follow(&road, &mut driver, &Seed::root(1).child("road")) {
+        return failed(&format!("follows an empty road with a bend and a turn: {reason}"));
+    }
+    passed("follows an empty road with a bend and a turn");
     console::say(&format!("        {alone:.0} ticks a second alone, {together:.0} with {EPISODES} worlds at once"));
     ExitCode::Done
 }
@@ -186,15 +194,17 @@ fn first_difference(left: &[Outcome], right: &[Outcome]) -> Option<usize> {
     left.iter().zip(right).position(|(left, right)| left != right)
 }
 
-fn proving_ground() -> Scenario {
+/// The crossing and the empty road.
+fn proving_grounds() -> [Scenario; 2] {
     let read = |path: &Path| match path.to_str() {
-        Some("proving_ground.scn") => Ok(PROVING_GROUND.to_string()),
+        Some("proving_ground.scn") => Ok([CAMPAIGN, CROSSING, empty_road::TOWN].concat()),
         _ => Err(io::Error::from(io::ErrorKind::NotFound)),
     };
     let files = ["proving_ground.scn".into()];
     let compiled = compile(&files, &Catalog::builtin(), &read, &mut Sources::default());
-    let plan = compiled.ok().and_then(|compiled| compiled.plan).expect("the text above is sound");
-    (*plan.campaigns[0].trainings[0].scenario).clone()
+    let plan = compiled.ok().and_then(|compiled| compiled.plan).expect("the texts above are sound");
+    let trainings = &plan.campaigns[0].trainings;
+    [0, 1].map(|place: usize| (*trainings[place].scenario).clone())
 }
 
 /// Shows the messages on the links that it opens.
@@ -253,5 +263,45 @@ impl Link for Overheard {
 
     fn note(&self, text: &str) {
         self.inner.note(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use world::av::{DrivingMode, DrivingPolicy, Perception};
+    use world::sim::Control;
+
+    struct Constant(Control);
+
+    impl DrivingPolicy for Constant {
+        fn reset(&mut self, _: &Perception<'_>, _: base::seed::Stream) {}
+
+        fn drive(&mut self, _: &Perception<'_>) -> Control {
+            self.0
+        }
+
+        fn mode(&self) -> DrivingMode {
+            DrivingMode::Cruise
+        }
+    }
+
+    #[test]
+    fn an_empty_road_tells_drivers_that_follow_it_from_others() {
+        let [_, road] = proving_grounds();
+        let mut follower = (road.cast.ego.policy)();
+        assert_eq!(empty_road::follow(&road, &mut *follower, &Seed::root(1)), Ok(()));
+        let drive = |throttle: f64, steer: f64| {
+            let control = Control { throttle, brake: 0.0, steer };
+            empty_road::follow(&road, &mut Constant(control), &Seed::root(1)).unwrap_err()
+        };
+        let circles = drive(0.3, 0.3);
+        assert!(
+            circles.starts_with("the car left the road ") || circles.starts_with("the car left its lane "),
+            "{circles}"
+        );
+        assert!(circles.ends_with("m/s: the driver steers constantly 0.30 to the left"), "{circles}");
+        assert!(drive(0.3, 0.0).ends_with("the driver does not steer"));
+        assert_eq!(drive(0.0, 0.0), "the car stood for 120 s");
     }
 }

@@ -133,7 +133,7 @@ pub fn notice(notice: &Notice) {
         Notice::Store { .. }
         | Notice::LearningCurve { .. }
         | Notice::DoubtfulTraining { .. }
-        | Notice::Unreached { .. }
+        | Notice::LostDriver { .. }
         | Notice::UnreadableReport(_)
         | Notice::OtherVersion { .. }
         | Notice::Changed(_)

@@ -43,6 +43,7 @@ mod lsp;
 mod map;
 mod preview;
 mod driver_trial;
+mod empty_road;
 mod network_trial;
 
 pub use args::Arguments;

@@ -224,7 +224,7 @@ impl RunReporter {
         if let Notice::Unpaid { campaign, .. }
         | Notice::EpisodesInError { campaign, .. }
         | Notice::DoubtfulTraining { campaign, .. }
-        | Notice::Unreached { campaign, .. } = notice
+        | Notice::LostDriver { campaign, .. } = notice
             && self.output == Output::Json
         {
             EventLine::Warning { campaign, message: &notice.to_string() }.tell();

@@ -5,7 +5,7 @@ use super::{CampaignOutcome, Change, ChangedProgram, Incomplete, Session, ShardR
 use base::diagnostic::{Diagnostic, Sources};
 use compile::{Campaign, OutsideSetting};
 use results::campaign::{self, Task};
-use results::report::{Doubt, ReadError, Unreached};
+use results::report::{Doubt, LostDriver, ReadError};
 
 /// What happens during a call of a session.
 pub enum Event<'a> {
@@ -105,12 +105,12 @@ pub enum Notice {
         /// The reason, and what to try.
         doubt: Box<Doubt>,
     },
-    /// A driver often does not reach the starts of its episodes.
+    /// A driver often does not reach the starts of its episodes, or leaves the road.
     #[error("{driver}")]
-    Unreached {
+    LostDriver {
         /// The name of the report.
         campaign: String,
-        driver: Box<Unreached>,
+        driver: Box<LostDriver>,
     },
     /// A folder to merge from holds no tasks.
     #[error("there are no tasks in `{folder}`", folder = folder.display())]

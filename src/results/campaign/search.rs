@@ -24,6 +24,7 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
         let spent = SearchOutcome {
             ticks: 0,
             episodes: 0,
+            left_out: 0,
             starts: StartSet::default(),
             first_start: None,
             failures: Vec::new(),

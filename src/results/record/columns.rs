@@ -48,6 +48,12 @@ pub const ERROR: Column<String> =
     Column::new("error", "", "why the driver, or `the controller`, failed; empty otherwise");
 pub const COLLISION: Column<bool> =
     Column::new("collision", "", "whether the moving car touched the pedestrian; a bump is none");
+pub const LEFT_OUT: Column<String> = Column::new(
+    "left_out",
+    "",
+    "why the row is in no rate, comparison, gate or list of failures: `run_up` (the driver did not reach its start in the run-up) or `off_road` \
+     (the car left the road before it could see a pedestrian); empty for a row that counts",
+);
 pub const FRONT: Column<bool> =
     Column::new("front", "", "whether they touched within the front sector, by the bearing from the car's middle");
 pub const IMPACT_SPEED: Column<f64> = Column::new("impact_speed_mps", "m/s", "speed of the car at the touch");
@@ -91,6 +97,17 @@ pub const PLACED: Column<bool> = Column::new(
     "placed",
     "",
     "whether the driver did not reach the start within the time of a run-up, so that it starts there at rest; missing without a run-up",
+);
+pub const LEFT_LANE: Column<f64> = Column::new(
+    "left_lane_s",
+    "s",
+    "time in which the centre of the car was outside its lane: more than 0.1 m beyond the edge of a driving lane that leads its way; in a junction, of \
+     all lanes that lead on from the lane by which it came. A lane beside it with the same direction is no other lane",
+);
+pub const LEFT_ROAD: Column<bool> = Column::new(
+    "left_road",
+    "",
+    "whether the centre of the car was outside all driving lanes, by more than 0.1 m, at the start or later",
 );
 pub const START: Column<String> = Column::new(
     "start",

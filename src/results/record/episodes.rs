@@ -2,14 +2,15 @@ use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
     ADVERSARY, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, ON_CROSSWALK,
-    OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, REWARD,
-    RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, LEFT_LANE, LEFT_OUT,
+    LEFT_ROAD, MIN_TTC, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y,
+    PEDESTRIAN_YAW, PET, PLACED, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY,
+    TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE,
 };
 use super::reference_drivers::{is_of_reference_driver, reference_columns};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
-use world::env::{Ending, Outcome};
-use world::judge::{NearMiss, PedestrianMotion};
+use world::env::{Ending, LeftOut, Outcome};
+use world::judge::{LaneDeparture, NearMiss, PedestrianMotion};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -92,6 +93,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EPISODE.of(|row: &EpisodeRow| row.episode))
         .column(OUTCOME.of(|row: &EpisodeRow| ending(&row.outcome.ending)))
         .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.outcome)))
+        .column(LEFT_OUT.of(|row: &EpisodeRow| row.outcome.left_out.map_or("", LeftOut::name)))
         .column(COLLISION.of(|row: &EpisodeRow| row.outcome.is_collision()))
         .column(FRONT.of(|row| hit(row).is_some_and(|hit| hit.front)))
         .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)))
@@ -113,6 +115,8 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
         .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
         .column(PLACED.of(placed))
+        .column(LEFT_LANE.of(|row| lane(row).map(|lane| lane.left_lane)))
+        .column(LEFT_ROAD.of(|row| lane(row).map(|lane| lane.left_road)))
         .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
@@ -152,6 +156,11 @@ fn hit(row: &EpisodeRow) -> Option<Hit> {
 /// The near-miss figures of an episode; none for one in error, whose driver did not reach the end.
 fn near_miss(row: &EpisodeRow) -> NearMiss {
     if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
+}
+
+/// Whether the car stayed in its lane; none for an episode in error.
+fn lane(row: &EpisodeRow) -> Option<LaneDeparture> {
+    row.lane.filter(|_| row.outcome.fault().is_none())
 }
 
 /// What the pedestrian did with its body; none for an episode in error.

@@ -60,6 +60,8 @@ pub fn metrics() -> Vec<Metric> {
     all.extend([Class::Flank, Class::Slow, Class::Narrow].map(|class| Count(counting(class))));
     all.push(Mean(AVOIDABLE_INJURY));
     all.extend(FAULTS_IF.map(Count));
+    all.extend([Count(ALL_EPISODES), Count(LEFT_OUT_EPISODES), Rate(LEFT_OUT_RATE)]);
+    all.extend([Count(LEFT_ROAD_EPISODES), Rate(LEFT_ROAD_RATE), Mean(LEFT_LANE)]);
     all
 }
 
@@ -73,14 +75,19 @@ pub struct Count {
     pub which: Which,
 }
 
-/// Which episodes count.
+/// Which episodes a number is of. Only those that count are meant where nothing else is said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// Those without error.
+    /// Those that count: without error, and not left out.
     Valid,
     InError,
+    LeftOut,
+    /// Those without error, also where they are left out.
+    All,
     /// Those for which a column is true.
     True(&'static str),
+    /// Those without error for which a column is true, also where they are left out.
+    TrueOfAll(&'static str),
     /// Those with this verdict.
     Labelled(Label),
     /// Those that count as this.
@@ -89,11 +96,24 @@ pub enum Which {
     Ended(&'static str),
     /// Those that ended in a collision or a bump.
     Touched,
-    /// Those without error and without a touch.
+    /// Those without a touch.
     Passed,
 }
 
-/// A mean over episodes. Over all episodes without error, a missing value counts as 0.
+/// Over which episodes a mean is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// Those that count; a missing value counts as 0.
+    Valid,
+    /// Those that count and have a value.
+    Present,
+    /// Those without error that have a value, also where they are left out.
+    All,
+    /// Those that count and ended in a collision.
+    Collisions,
+}
+
+/// A mean over episodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
     /// The column.
@@ -106,17 +126,6 @@ pub struct Mean {
     pub over: Over,
     /// Whether the table of cells has it too.
     pub in_cells: bool,
-}
-
-/// The episodes that a mean is over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Over {
-    /// Those without error; a missing value counts as 0.
-    Valid,
-    /// Those with a value.
-    Present,
-    /// Those that ended in a collision.
-    Collisions,
 }
 
 /// A ratio of two counts, missing where the denominator is 0, with Wilson's 95 % interval.
@@ -152,12 +161,12 @@ impl Count {
 }
 
 impl Mean {
-    /// The mean of a column over the episodes without error.
+    /// The mean of a column over the episodes that count.
     pub const fn new(column: &Column<f64>, doc: &'static str) -> Self {
         Self { name: column.name, column: column.name, unit: column.unit, doc, over: Over::Valid, in_cells: true }
     }
 
-    /// The mean of a column over the episodes in which it has a value.
+    /// The mean of a column over the episodes that count in which it has a value.
     pub const fn of_present(column: &Column<f64>, doc: &'static str) -> Self {
         Self { over: Over::Present, ..Self::new(column, doc) }
     }
@@ -216,7 +225,7 @@ pub const RUNS: Count = Count::new("runs", Which::Valid, "number of runs");
 pub const EPISODES: Count = Count::new(
     "episodes",
     Which::Valid,
-    "number of episodes; episodes in error are left out here and in every rate and mean",
+    "number of episodes that count; those in error and those that are left out (`left_out`) are missing here and in every rate and mean",
 );
 pub const ERRORS: Count = Count::new("errors", Which::InError, "number of episodes in error");
 pub const COLLISIONS: Count =
@@ -263,8 +272,23 @@ pub const WALKED_INTO_COLLISIONS: Count = Count::new(
 
 pub const PLACED_STARTS: Count = Count::new(
     "placed_starts",
-    Which::True(columns::PLACED.name),
+    Which::TrueOfAll(columns::PLACED.name),
     "number of starts that the driver did not reach in its run-up",
+);
+pub const ALL_EPISODES: Count = Count::new(
+    "all_episodes",
+    Which::All,
+    "number of episodes without error: those that count, and those that are left out",
+);
+pub const LEFT_OUT_EPISODES: Count = Count::new(
+    "left_out_episodes",
+    Which::LeftOut,
+    "number of episodes that are left out: the driver did not reach its start, or its car left the road before it could see a pedestrian",
+);
+pub const LEFT_ROAD_EPISODES: Count = Count::new(
+    "left_road_episodes",
+    Which::TrueOfAll(columns::LEFT_ROAD.name),
+    "number of episodes in which the centre of the car was outside all driving lanes, those that are left out included",
 );
 pub const PASSED: Count =
     Count::new("passed_episodes", Which::Passed, "number of episodes without a touch and without error");
@@ -369,9 +393,24 @@ pub const HARD_RATE: Rate =
 pub const PLACED_RATE: Rate = Rate::new(
     "placed_rate",
     PLACED_STARTS,
-    EPISODES,
-    "starts that the driver did not reach of all episodes: near 1 it never drives to where the encounter is",
+    ALL_EPISODES,
+    "starts that the driver did not reach of `all_episodes`: near 1 it never drives to where the encounter is",
 );
+pub const LEFT_OUT_RATE: Rate =
+    Rate::new("left_out_rate", LEFT_OUT_EPISODES, ALL_EPISODES, "episodes that are left out of `all_episodes`");
+pub const LEFT_ROAD_RATE: Rate = Rate::new(
+    "left_road_rate",
+    LEFT_ROAD_EPISODES,
+    ALL_EPISODES,
+    "episodes in which the car left the road of `all_episodes`: near 1 the driver does not follow its route",
+);
+pub const LEFT_LANE: Mean = Mean {
+    over: Over::All,
+    ..Mean::new(
+        &columns::LEFT_LANE,
+        "mean time of an episode in which the car was outside its lane, over `all_episodes`",
+    )
+};
 pub const PREVENTABLE_PROBABILITY: Mean = Mean::of_present(
     &columns::PREVENTABLE_PROBABILITY,
     "mean share of drivers who would have avoided a collision, over the collisions",

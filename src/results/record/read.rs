@@ -4,14 +4,14 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC,
-    ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START,
-    STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, LEFT_OUT,
+    MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID,
+    RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
 use world::av::DrivingMode;
-use world::env::{Ending, Outcome, Spawn};
+use world::env::{Ending, LeftOut, Outcome, Spawn};
 use world::geometry::Pose;
 use world::judge::{Label, Reference};
 
@@ -75,6 +75,7 @@ pub struct EpisodeTable<'a> {
     episode: &'a UInt32Chunked,
     outcome: &'a StringChunked,
     error: &'a StringChunked,
+    left_out: &'a StringChunked,
     front: &'a BooleanChunked,
     on_crosswalk: &'a BooleanChunked,
     fault: &'a BooleanChunked,
@@ -114,6 +115,7 @@ impl<'a> EpisodeTable<'a> {
             episode: EPISODE.read(table)?,
             outcome: OUTCOME.read(table)?,
             error: ERROR.read(table)?,
+            left_out: LEFT_OUT.read(table)?,
             front: FRONT.read(table)?,
             on_crosswalk: ON_CROSSWALK.read(table)?,
             fault: FAULT.read(table)?,
@@ -170,6 +172,16 @@ impl<'a> EpisodeTable<'a> {
     /// Whether it is a collision or a bump.
     pub fn is_touch(&self, row: usize) -> bool {
         self.outcome.get(row).is_some_and(named::is_touch)
+    }
+
+    /// Why it is left out; none if it is not.
+    pub fn left_out(&self, row: usize) -> Option<LeftOut> {
+        self.left_out.get(row).and_then(LeftOut::named)
+    }
+
+    /// Whether it is in rates, comparisons, gates and lists of failures: it has no error, and it is not left out.
+    pub fn counts(&self, row: usize) -> bool {
+        self.error(row).is_none() && self.left_out(row).is_none()
     }
 
     /// Whether it is a collision.
@@ -278,6 +290,7 @@ impl<'a> EpisodeTable<'a> {
             spawn: self.spawn(row),
             start: u64::from_str_radix(self.start.get(row)?, 16).ok()?,
             run_up: self.run_up.get(row)?,
+            left_out: self.left_out(row),
             ending,
             reward: self.reward(row).unwrap_or_default(),
             ticks: self.ticks(row)?,

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::RunKey;
 use world::env::{Outcome, Pair};
-use world::judge::{FalseAlarms, NearMiss, PedestrianMotion, Verdict, judge};
+use world::judge::{FalseAlarms, LaneDeparture, NearMiss, PedestrianMotion, Verdict, judge};
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,8 @@ pub struct EpisodeRow {
     pub false_alarms: Option<FalseAlarms>,
     /// How near it came to a touch.
     pub near_miss: NearMiss,
+    /// Whether the car stayed in its lane; none off the map.
+    pub lane: Option<LaneDeparture>,
     /// What the pedestrian did with its body.
     pub motion: PedestrianMotion,
     /// Its weight: the probability of its start in the scenario, divided by the probability with which it was drawn. It is 1 today, since
@@ -36,6 +38,7 @@ impl EpisodeRow {
             verdict: judge(pair),
             false_alarms: FalseAlarms::new(pair).filter(|_| outcome.fault().is_none()),
             near_miss: NearMiss::new(pair),
+            lane: LaneDeparture::new(pair),
             motion: PedestrianMotion::new(pair),
             weight: 1.0,
         }

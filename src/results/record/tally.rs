@@ -1,7 +1,7 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::EpisodeRow;
-use super::columns::{COLLISION, OUTCOME};
+use super::columns::{LEFT_OUT, OUTCOME};
 use super::episodes::named;
 use super::read::Weights;
 use base::statistics::Weighted;
@@ -10,9 +10,9 @@ use base::statistics::Weighted;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
     pub episodes: u32,
-    /// Those without error, with their weights.
+    /// Those that count, with their weights: without error, and not left out.
     pub valid: Weighted,
-    /// The collisions, with their weights.
+    /// Their collisions, with their weights.
     pub collisions: Weighted,
     /// Whether no more episodes are needed.
     pub enough: bool,
@@ -34,27 +34,27 @@ impl Tally {
     /// # Errors
     /// As [`Tally::of`].
     pub fn add_all(&mut self, table: &DataFrame) -> PolarsResult<()> {
-        let (outcomes, collisions) = (OUTCOME.read(table)?, COLLISION.read(table)?);
-        let weights = Weights::read(table)?;
+        let (outcomes, left_out, weights) = (OUTCOME.read(table)?, LEFT_OUT.read(table)?, Weights::read(table)?);
         for row in 0..table.height() {
-            let (in_error, hit) = (outcomes.get(row) == Some(named::ERROR), collisions.get(row).unwrap_or_default());
-            self.count(weights.get(row), in_error, hit);
+            let outcome = outcomes.get(row);
+            let counts = outcome != Some(named::ERROR) && left_out.get(row).is_none_or(str::is_empty);
+            self.count(weights.get(row), counts, outcome == Some(named::COLLISION));
         }
         Ok(())
     }
 
-    fn count(&mut self, weight: f64, in_error: bool, collision: bool) {
+    fn count(&mut self, weight: f64, counts: bool, collision: bool) {
         self.episodes += 1;
-        if !in_error {
+        if counts {
             self.valid.include(weight);
         }
-        if collision {
+        if counts && collision {
             self.collisions.include(weight);
         }
     }
 
     /// Adds an episode to the counts.
     pub fn add(&mut self, row: &EpisodeRow) {
-        self.count(row.weight, row.outcome.fault().is_some(), row.outcome.is_collision());
+        self.count(row.weight, row.outcome.counts(), row.outcome.is_collision());
     }
 }

@@ -37,6 +37,7 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
             spawn,
             start: 0xABCD,
             run_up: 12,
+            left_out: None,
             ending,
             reward: 0.25,
             ticks: 90,
@@ -62,6 +63,7 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
         }),
         false_alarms: (!hit).then(FalseAlarms::default),
         near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
+        lane: None,
         motion: Default::default(),
         weight: 1.0,
     }

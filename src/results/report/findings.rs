@@ -2,8 +2,8 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::aggregate::run_columns;
 use super::failure_modes::CellModes;
+use super::lost::{LostDriver, lost};
 use super::metric_table::metric_table;
-use super::unreached::{Unreached, unreached};
 use super::{
     Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
     SearchKind, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_kinds,
@@ -39,8 +39,8 @@ pub struct Findings<'a> {
     pub search_kinds: Vec<SearchKind>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
     pub doubts: Vec<Doubt>,
-    /// The drivers that often do not reach their starts.
-    pub unreached: Vec<Unreached>,
+    /// The drivers that often do not reach their starts, or leave the road.
+    pub lost: Vec<LostDriver>,
 }
 
 impl<'a> Findings<'a> {
@@ -69,7 +69,7 @@ impl<'a> Findings<'a> {
             layers: layer_cells(campaign, &finished.searches),
             searches: search_cells(&finished.searches),
             search_kinds: search_kinds(&finished.searches),
-            unreached: unreached(&cells),
+            lost: lost(&cells, &finished.searches),
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,
             finished,

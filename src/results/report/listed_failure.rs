@@ -167,7 +167,7 @@ impl FailureOrder {
     }
 }
 
-/// The collisions of a part of the table of episodes, by their rows.
+/// The collisions of a part of the table of episodes that count, by their rows.
 ///
 /// # Errors
 /// A column is missing or holds something else.
@@ -207,7 +207,7 @@ pub fn touches(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>>
         };
         Ok((row, failure))
     };
-    table.rows().filter(|row| table.is_touch(*row)).map(failure).collect()
+    table.rows().filter(|row| table.counts(*row) && table.is_touch(*row)).map(failure).collect()
 }
 
 /// The failures of a part of the table of failures of searches.

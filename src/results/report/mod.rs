@@ -20,7 +20,7 @@ mod text_forms;
 mod draft;
 mod folder;
 mod overview;
-mod unreached;
+mod lost;
 mod findings;
 mod listed_failure;
 mod metric_table;
@@ -49,6 +49,7 @@ pub use infer::{
     Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
 };
 pub use listed_failure::{FailureClass, FailureOrder, ListedFailure};
+pub use lost::LostDriver;
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use metric_table::{METRICS, metric_references};
 pub use overview::{Found, Overview, OverviewRow, RateOfRow, Variant};
@@ -73,7 +74,6 @@ pub use render::{
 pub use scenario_files::{MOST_HELD_BYTES, held_places};
 pub use table_stream::TableStream;
 pub use text_forms::{csv_text, json_rows};
-pub use unreached::Unreached;
 pub use waypoints::waypoints;
 pub use write::{pedestrian_file, write, write_failure_modes};
 

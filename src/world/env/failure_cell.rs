@@ -1,6 +1,6 @@
 use std::fmt;
 
-use super::{Pair, PedestrianEnv};
+use super::{Outcome, Pair, PedestrianEnv};
 use crate::av::DrivingMode;
 use crate::geometry::{Vector, wrap_angle};
 use crate::sim::{Contact, VehicleBlueprint};
@@ -81,9 +81,10 @@ pub struct FailureCell {
 }
 
 impl FailureCell {
-    /// The cell of the touch that ended an episode of an environment; none when the ego and a pedestrian did not touch.
+    /// The cell of the touch that ended an episode of an environment; none when the ego and a pedestrian did not touch, and when the episode
+    /// does not count.
     pub fn new(env: &PedestrianEnv) -> Option<Self> {
-        let contact = env.contact()?;
+        let contact = env.contact().filter(|_| env.outcome().is_some_and(Outcome::counts))?;
         let walker = &env.world().pedestrians[contact.pedestrian_at_ego()?].state;
         let ego = env.world().ego();
         let mode = env.outcome()?.last_mode;

@@ -40,7 +40,7 @@ pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMak
 pub use component::Component;
 pub use failure_cell::{Course, FailureCell, Zone};
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
-pub use outcome::{Ending, Outcome};
+pub use outcome::{Ending, LeftOut, Outcome};
 pub use pair::{Frame, Pair};
 pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};

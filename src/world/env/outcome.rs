@@ -2,6 +2,18 @@ use serde::{Deserialize, Serialize};
 
 use super::{Spawn, StateHashes};
 use crate::av::{DrivingMode, Fault};
+use base::choice;
+
+choice! {
+    /// Why an episode is in no rate, comparison, gate, search or list of failures: the driver was lost before a pedestrian had any part in it.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum LeftOut {
+        /// The driver did not reach its start in the run-up.
+        RunUp = "run_up",
+        /// The centre of the car was outside all driving lanes before, or at the tick in which, a pedestrian came into sight for the first time.
+        OffRoad = "off_road",
+    }
+}
 
 /// Why an episode ended.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -40,6 +52,8 @@ pub struct Outcome {
     pub start: u64,
     /// Ticks of the run-up; 0 without one.
     pub run_up: u32,
+    /// Why it is in no rate; none if it counts.
+    pub left_out: Option<LeftOut>,
     /// Why it ended.
     pub ending: Ending,
     /// Sum of the rewards.
@@ -74,6 +88,11 @@ impl Outcome {
     /// Whether the pedestrian touched the standing ego, which is no failure.
     pub fn is_bump(&self) -> bool {
         matches!(self.ending, Ending::Touch { moving: false, .. })
+    }
+
+    /// Whether it is in rates, comparisons, gates, searches and lists of failures: no program failed, and it is not left out.
+    pub fn counts(&self) -> bool {
+        self.fault().is_none() && self.left_out.is_none()
     }
 
     /// The fault of the driver or of the controller, if it ended the episode.

@@ -1,3 +1,4 @@
+mod first_sight;
 mod settle;
 mod start;
 
@@ -9,8 +10,8 @@ use super::run_up::{self, RunUp};
 use super::running::RunningEpisode;
 use super::spawn::{Pacing, Release};
 use super::{
-    Controller, Driven, Ending, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario, Spawn,
-    SpawnRule, StateHashes, Trace,
+    Controller, Driven, Ending, LeftOut, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario,
+    Spawn, SpawnRule, StateHashes, Trace,
 };
 use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -110,6 +111,11 @@ struct Episode {
     /// The hash of the spawn as it was drawn.
     start: u64,
     run_up: u32,
+    left_out: Option<LeftOut>,
+    /// Whether no pedestrian has been in sight yet, and the road is watched.
+    alone: bool,
+    /// Where the car was when the road was last looked at, and how far it can go from there without leaving it (m).
+    on_road: (Point, f64),
     /// The environment's width when it started.
     width: f64,
     /// Ticks for which the present commands have been carried out.
@@ -129,6 +135,9 @@ impl Episode {
             spawn,
             start: hashed(0, &spawn),
             run_up: 0,
+            left_out: None,
+            alone: false,
+            on_road: (Point::origin(), 0.0),
             width,
             held: 0,
             contact: None,
@@ -366,6 +375,9 @@ impl PedestrianEnv {
         self.episode.contact = contact;
         self.motions.iter_mut().for_each(|motion| motion.tick(&self.world));
         self.record();
+        if self.episode.alone {
+            self.watch_road();
+        }
         if let Some(mut trace) = self.trace.take() {
             trace.watch(&self.world, contact.as_ref(), |vehicle| self.driven(vehicle));
             self.trace = Some(trace);

@@ -29,6 +29,8 @@ pub struct EpisodeRule {
     pub light_cycle: LightCycle,
     /// The time within the cycle when the car sets off, at the start of its run-up (s); none for any time, drawn evenly.
     pub light_phase: Option<Distribution>,
+    /// Whether episodes count in which the driver was lost before it could see a pedestrian ([`LeftOut`](super::LeftOut)).
+    pub count_all: bool,
 }
 
 /// A logical scenario: everything that all its episodes share.

@@ -123,6 +123,7 @@ impl OpenLoop {
     fn cost(&self, outcome: &Outcome) -> f64 {
         match self.plan.reward {
             Some(_) => -outcome.reward,
+            None if !outcome.counts() => f64::INFINITY,
             None => outcome.impact_speed().map_or(outcome.least_gap, |speed| -1.0 - speed),
         }
     }

@@ -26,8 +26,9 @@ pub struct Simulator<'a> {
     /// Memory for the commands of a decision.
     chosen: Vec<WalkCommand>,
     episodes: u64,
+    left_out: u64,
     starts: BTreeSet<u64>,
-    /// The least of these numbers, and the hash of that start.
+    /// The least number of a start, and the hash of that start.
     first_start: Option<(u64, u64)>,
     failures: Vec<Failure>,
     spent: bool,
@@ -45,11 +46,13 @@ pub struct Simulator<'a> {
 pub struct SearchOutcome {
     /// Ticks that were simulated.
     pub ticks: u64,
-    /// Number of finished episodes.
+    /// Number of finished episodes that count.
     pub episodes: u64,
+    /// Number of finished episodes that are left out ([`LeftOut`](crate::env::LeftOut)): neither they nor their starts are in other numbers.
+    pub left_out: u64,
     /// The starts of these episodes.
     pub starts: StartSet,
-    /// The least number of these starts and [`Outcome::start`] of it: searches with equal ones have equal starts.
+    /// The least number of the starts of all episodes and [`Outcome::start`] of it: searches with equal ones have equal starts.
     pub first_start: Option<(u64, u64)>,
     /// The failures, in the order in which they were found.
     pub failures: Vec<Failure>,
@@ -72,6 +75,7 @@ impl<'a> Simulator<'a> {
             commands: Vec::new(),
             chosen,
             episodes: 0,
+            left_out: 0,
             starts: BTreeSet::new(),
             first_start: None,
             failures: Vec::new(),
@@ -174,9 +178,13 @@ impl<'a> Simulator<'a> {
     }
 
     fn note(&mut self, outcome: Outcome) {
+        self.first_start = earlier(self.first_start, Some((self.start, outcome.start)));
+        if outcome.left_out.is_some() {
+            self.left_out += 1;
+            return;
+        }
         self.episodes += 1;
         self.starts.insert(self.start);
-        self.first_start = earlier(self.first_start, Some((self.start, outcome.start)));
         if let Some(cell) = FailureCell::new(&self.env).filter(|_| outcome.is_collision()) {
             let commands = self.commands.clone();
             self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, cell });
@@ -207,6 +215,7 @@ impl<'a> Simulator<'a> {
             self.used += share.used;
             self.heard += share.heard;
             self.episodes += share.episodes;
+            self.left_out += share.left_out;
             self.starts.extend(share.starts);
             self.first_start = earlier(self.first_start, share.first_start);
             self.stopped |= share.stopped;
@@ -225,6 +234,7 @@ impl<'a> Simulator<'a> {
         SearchOutcome {
             ticks: self.used,
             episodes: self.episodes,
+            left_out: self.left_out,
             starts: self.starts.into_iter().collect(),
             first_start: self.first_start,
             failures: self.failures,

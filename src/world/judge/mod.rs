@@ -22,7 +22,7 @@
 //!
 //! A [`Recording`] holds an encounter from another simulator, or from a road, and has the same verdicts.
 //!
-//! [`FalseAlarms`] asks the same drivers about episodes that ended well. [`NearMiss`] measures how near any episode came to a touch, and [`PedestrianMotion`] whether the pedestrian moved as people do.
+//! [`FalseAlarms`] asks the same drivers about episodes that ended well. [`NearMiss`] measures how near any episode came to a touch, [`LaneDeparture`] whether the car stayed in its lane, and [`PedestrianMotion`] whether the pedestrian moved as people do.
 //!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, not with those
 //! of the car's brake.
@@ -42,6 +42,7 @@ mod inquiry;
 mod false_alarms;
 mod verdict;
 mod near_miss;
+mod lane_departure;
 mod oracle;
 mod recording;
 mod recording_file;
@@ -56,6 +57,7 @@ pub use encounter::{Encounter, Step};
 pub use false_alarms::FalseAlarms;
 pub use foreseeable::PedestrianMotion;
 pub use inquiry::Inquiry;
+pub use lane_departure::LaneDeparture;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
 pub use reaction::share_of_drivers;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use super::chord::{Chord, chords};
 use super::chord_grid::ChordGrid;
 use super::chord_tree::{ChordTree, first_nearest};
-use super::lane_network::LaneNetwork;
+use super::lane_network::{LaneNetwork, LaneSlot};
 use super::{LaneKind, Road, Waypoint};
 use crate::geometry::Point;
 
@@ -82,6 +82,11 @@ impl LaneIndex {
 
     /// The place on the nearest chord; none without lanes of that kind, or for a point that is not finite.
     pub fn nearest(&self, lanes: Lanes, point: Point, filter: LaneFilter) -> Option<Waypoint> {
+        self.nearest_chord(lanes, point, filter).map(|chord| place(chord, lanes, point))
+    }
+
+    /// The nearest chord, as [`LaneIndex::nearest`] finds it.
+    pub fn nearest_chord(&self, lanes: Lanes, point: Point, filter: LaneFilter) -> Option<&Chord> {
         if !point.x.is_finite() || !point.y.is_finite() {
             return None;
         }
@@ -94,11 +99,20 @@ impl LaneIndex {
                 WORTH_A_TREE..WORTH_A_GRID => self.tree(lanes, filter).0.nearest(chords, point)?,
                 WORTH_A_GRID.. => {
                     self.prepare(lanes, filter);
-                    return self.nearest(lanes, point, filter);
+                    return self.nearest_chord(lanes, point, filter);
                 }
             },
         };
-        Some(place(&chords[index as usize], lanes, point))
+        Some(&chords[index as usize])
+    }
+
+    /// The chords of one lane; empty where the filter does not admit it.
+    pub fn chords_of(&self, lanes: Lanes, slot: LaneSlot, filter: LaneFilter) -> &[Chord] {
+        let chords = self.chords(lanes, filter);
+        // They are in the order of the lanes.
+        let first = chords.partition_point(|chord| chord.slot < slot);
+        let count = chords[first..].partition_point(|chord| chord.slot == slot);
+        &chords[first..first + count]
     }
 }
 

@@ -21,6 +21,7 @@ mod chord_tree;
 mod chord_grid;
 mod lane_index;
 mod town;
+mod around;
 mod topology;
 pub mod opendrive;
 mod route;
@@ -29,6 +30,7 @@ pub mod design;
 pub mod crosswalk;
 mod lane_route;
 
+pub use around::LaneAround;
 pub use assumed_limit::AssumedLimit;
 pub use cubic::{Cubic, Profile};
 pub use furniture::{GiveWay, GiveWaySign, SpeedSign, TrafficLight};

@@ -57,7 +57,7 @@ pub struct Town {
     pub map: Option<Arc<str>>,
     has_limits: bool,
     pub(super) network: LaneNetwork,
-    index: LaneIndex,
+    pub(super) index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
     route_planners: Mutex<Vec<Arc<RoutePlanner>>>,
 }
@@ -204,7 +204,7 @@ impl Town {
         self.index.nearest(self.lanes(), point, filter)
     }
 
-    fn lanes(&self) -> Lanes<'_> {
+    pub(super) fn lanes(&self) -> Lanes<'_> {
         Lanes { roads: &self.roads, network: &self.network }
     }
 

@@ -160,7 +160,7 @@ impl Gathered {
     fn note_starts(&mut self, evaluation: &Evaluation, part: &DataFrame) -> PolarsResult<()> {
         let table = EpisodeTable::new(part)?;
         let starts = self.starts.entry(evaluation.town.to_string()).or_default();
-        for row in table.rows() {
+        for row in table.rows().filter(|row| table.counts(*row)) {
             if let Some(outcome) = table.outcome(row) {
                 starts.add((&evaluation.policy, evaluation.block, table.episode(row)), &outcome);
             }

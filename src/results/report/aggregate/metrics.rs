@@ -30,7 +30,7 @@ pub struct Spread {
 pub struct Cell {
     pub key: CellKey,
     pub runs: u32,
-    /// The number of episodes in all runs, without those in which the driver failed.
+    /// The number of episodes in all runs that count: without those in which the driver failed as a program, and those that are left out.
     pub episodes: u32,
     /// The number of episodes in which the driver failed; no other figure counts them.
     pub errors: u32,
@@ -79,8 +79,14 @@ pub struct Cell {
     pub foreseeable: u32,
     /// The number of collisions in which the pedestrian walked into the side or the rear.
     pub walked_into: u32,
-    /// The number of starts that the driver did not reach.
+    /// The number of episodes without error: those that count, and those that are left out.
+    pub all: u32,
+    /// The number of these that are left out.
+    pub left_out: u32,
+    /// The number of these whose start the driver did not reach.
     pub placed: u32,
+    /// The number of these in which the car left the road.
+    pub left_road: u32,
     /// The number of episodes without a touch.
     pub passed: u32,
     /// The number of these in which each reference driver would have braked needlessly, and to a stop, in the order of [`Reference::ALL`].
@@ -235,7 +241,10 @@ impl Metrics {
                 injury: spread(metric::AVOIDABLE_INJURY.name, row)?,
                 faults: count(metric::FAULT_COLLISIONS, row)?,
                 faults_if,
+                all: count(metric::ALL_EPISODES, row)?,
+                left_out: count(metric::LEFT_OUT_EPISODES, row)?,
                 placed: count(metric::PLACED_STARTS, row)?,
+                left_road: count(metric::LEFT_ROAD_EPISODES, row)?,
                 passed: count(metric::PASSED, row)?,
                 false_alarms,
                 key: CellKey::read(frame, row)?,
@@ -321,6 +330,7 @@ mod tests {
                 spawn,
                 start: 0,
                 run_up: 0,
+                left_out: None,
                 ending,
                 reward,
                 ticks: 10,
@@ -334,6 +344,7 @@ mod tests {
             verdict,
             false_alarms: None,
             near_miss: world::judge::NearMiss::default(),
+            lane: None,
             motion: Default::default(),
             weight: 1.0,
         }

@@ -28,7 +28,7 @@ pub struct ProtocolCell {
     pub episodes: u32,
     /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. None when no episode ended.
     pub impact_speed: Option<f64>,
-    /// Whether an episode ended with an error, of its driver for example.
+    /// Whether an episode has no result: an error, of its driver for example, or it is left out.
     pub failed: bool,
     /// How the protocol judges.
     pub criterion: TestCriterion,
@@ -178,7 +178,7 @@ impl<'a> ProtocolRun<'a> {
         for row in table.rows() {
             let episode = table.episode(row);
             let case = episode as usize % self.cells.len();
-            if table.error(row).is_some() {
+            if !table.counts(row) {
                 self.cells[case].failed = true;
                 continue;
             }

@@ -58,7 +58,7 @@ impl RunTotals {
         if self.keys.is_none() && part.height() > 0 {
             self.keys = Some(part.select(record::run_key_names())?.head(Some(1)));
         }
-        include(&mut self.totals, &self.metrics, part, || 0..part.height())
+        include(&mut self.totals, &self.metrics, part, 0..part.height())
     }
 
     /// The table of the run, of one row; of none without any episode.
@@ -78,37 +78,34 @@ pub(super) fn to_runs(episodes: &DataFrame, metrics: &[Metric]) -> PolarsResult<
     let groups = Groups::new(episodes, record::run_key_names())?;
     let of_run = |rows: &Vec<usize>| {
         let mut totals: Vec<Total> = metrics.iter().map(Total::none).collect();
-        include(&mut totals, metrics, episodes, || rows.iter().copied()).map(|()| totals)
+        include(&mut totals, metrics, episodes, rows.iter().copied()).map(|()| totals)
     };
     let all = groups.rows().iter().map(of_run).collect::<PolarsResult<Vec<_>>>()?;
     table(groups.table()?, metrics, &all)
 }
 
 /// Adds some rows of a table of episodes to the totals of a run.
-fn include<R: Iterator<Item = usize>>(
+fn include(
     totals: &mut [Total],
     metrics: &[Metric],
     episodes: &DataFrame,
-    rows: impl Fn() -> R,
+    rows: impl Iterator<Item = usize>,
 ) -> PolarsResult<()> {
-    let outcome = columns::OUTCOME.read(episodes)?;
-    // An episode without error counts.
-    let valid = |row: usize| outcome.get(row).is_some_and(|outcome| outcome != record::IN_ERROR);
+    let parts = Parts::new(episodes, rows)?;
     for (metric, total) in metrics.iter().zip(totals) {
         match (*metric, total) {
-            (Metric::Count(count), Total::Count(total)) => *total += counted(&count, episodes, valid, rows())?,
+            (Metric::Count(count), Total::Count(total)) => *total += parts.count(&count, episodes)? as u32,
             (Metric::Mean(mean), Total::Mean(total)) => {
                 let values = episodes.column(mean.column)?.f64()?;
-                match mean.over {
-                    Over::Valid => {
-                        rows().filter(|row| valid(*row)).for_each(|row| total.include(values.get(row).unwrap_or(0.0)));
-                    }
-                    Over::Present => rows().filter_map(|row| values.get(row)).for_each(|value| total.include(value)),
-                    Over::Collisions => {
-                        let collisions = rows().filter(|row| outcome.get(*row) == Some(named::COLLISION));
-                        collisions.filter_map(|row| values.get(row)).for_each(|value| total.include(value));
-                    }
-                }
+                let rows = match mean.over {
+                    Over::All => &parts.all,
+                    Over::Collisions => &parts.collisions,
+                    Over::Valid | Over::Present => &parts.valid,
+                };
+                // A missing value of an episode that counts is 0, unless only those with a value are asked for.
+                let missing = (mean.over == Over::Valid).then_some(0.0);
+                let found = rows.iter().filter_map(|row| values.get(*row).or(missing));
+                found.for_each(|value| total.include(value));
             }
             _ => {}
         }
@@ -116,35 +113,68 @@ fn include<R: Iterator<Item = usize>>(
     Ok(())
 }
 
-/// The number of episodes that count.
-fn counted(
-    count: &Count,
-    episodes: &DataFrame,
-    valid: impl Fn(usize) -> bool,
-    rows: impl Iterator<Item = usize>,
-) -> PolarsResult<u32> {
-    let outcome = columns::OUTCOME.read(episodes)?;
-    let touched = |row: usize| outcome.get(row).is_some_and(named::is_touch);
-    let number = match count.which {
-        Which::Valid => rows.filter(|row| valid(*row)).count(),
-        Which::InError => rows.filter(|row| !valid(*row)).count(),
-        Which::True(column) => {
-            let flags = episodes.column(column)?.bool()?;
-            rows.filter(|row| flags.get(*row) == Some(true)).count()
+/// Rows of a table of episodes, each list in the order of the table.
+struct Parts {
+    /// Those that count.
+    valid: Vec<usize>,
+    /// Those without error: also the ones that are left out.
+    all: Vec<usize>,
+    /// Those that count and ended in a collision.
+    collisions: Vec<usize>,
+    in_error: usize,
+}
+
+impl Parts {
+    fn new(episodes: &DataFrame, rows: impl Iterator<Item = usize>) -> PolarsResult<Self> {
+        let (outcome, left_out) = (columns::OUTCOME.read(episodes)?, columns::LEFT_OUT.read(episodes)?);
+        let mut parts = Self { valid: Vec::new(), all: Vec::new(), collisions: Vec::new(), in_error: 0 };
+        for row in rows {
+            if outcome.get(row).is_none_or(|outcome| outcome == record::IN_ERROR) {
+                parts.in_error += 1;
+                continue;
+            }
+            parts.all.push(row);
+            if left_out.get(row).is_none_or(str::is_empty) {
+                parts.valid.push(row);
+                if outcome.get(row) == Some(named::COLLISION) {
+                    parts.collisions.push(row);
+                }
+            }
         }
-        Which::Ended(how) => rows.filter(|row| outcome.get(*row) == Some(how)).count(),
-        Which::Touched => rows.filter(|row| touched(*row)).count(),
-        Which::Passed => rows.filter(|row| valid(*row) && !touched(*row)).count(),
-        Which::Counts(class) => {
-            let counts = columns::COUNTS_AS.read(episodes)?;
-            rows.filter(|row| counts.get(*row) == Some(class.name())).count()
-        }
-        Which::Labelled(label) => {
-            let verdicts = columns::VERDICT.read(episodes)?;
-            rows.filter(|row| verdicts.get(*row) == Some(label.name())).count()
-        }
-    };
-    Ok(number as u32)
+        Ok(parts)
+    }
+
+    /// The number of episodes that a count is of.
+    fn count(&self, count: &Count, episodes: &DataFrame) -> PolarsResult<usize> {
+        let valid = self.valid.iter();
+        let outcome = columns::OUTCOME.read(episodes)?;
+        let touched = |row: usize| outcome.get(row).is_some_and(named::is_touch);
+        Ok(match count.which {
+            Which::Valid => self.valid.len(),
+            Which::InError => self.in_error,
+            Which::LeftOut => self.all.len() - self.valid.len(),
+            Which::All => self.all.len(),
+            Which::True(column) => {
+                let flags = episodes.column(column)?.bool()?;
+                valid.filter(|row| flags.get(**row) == Some(true)).count()
+            }
+            Which::TrueOfAll(column) => {
+                let flags = episodes.column(column)?.bool()?;
+                self.all.iter().filter(|row| flags.get(**row) == Some(true)).count()
+            }
+            Which::Ended(how) => valid.filter(|row| outcome.get(**row) == Some(how)).count(),
+            Which::Touched => valid.filter(|row| touched(**row)).count(),
+            Which::Passed => valid.filter(|row| !touched(**row)).count(),
+            Which::Counts(class) => {
+                let counts = columns::COUNTS_AS.read(episodes)?;
+                valid.filter(|row| counts.get(**row) == Some(class.name())).count()
+            }
+            Which::Labelled(label) => {
+                let verdicts = columns::VERDICT.read(episodes)?;
+                valid.filter(|row| verdicts.get(**row) == Some(label.name())).count()
+            }
+        })
+    }
 }
 
 /// The table of runs with these keys and totals.

@@ -42,6 +42,7 @@ pub struct Figures {
     /// Shares of the starts with a fault with other figures of the careful humans, in the order of
     /// [`Sensitivity::NAMES`](world::judge::Sensitivity::NAMES).
     fault_start_rates_if: [Option<f64>; 4],
+    evaluated: u64,
     evaluated_collisions: usize,
     evaluated_rate: Option<f64>,
     evaluated_faults: usize,
@@ -85,9 +86,10 @@ impl Figures {
         let touches = TOUCHES.map(|class| found.iter().filter(|(_, verdict)| verdict.class() == class).count());
         let if_so = |place: usize| starts_with(&|verdict| verdict.sensitivity.values()[place]);
         let fault_start_rates_if = [0, 1, 2, 3].map(|place| share(if_so(place), spent.starts.count()));
-        let (evaluated, number) = (&result.evaluated, result.evaluated.len() as u64);
+        let evaluated: Vec<&Evaluated> = result.evaluated.iter().filter(|each| each.outcome.counts()).collect();
+        let number = evaluated.len() as u64;
         let evaluated_collisions = evaluated.iter().filter(|each| each.outcome.is_collision()).count();
-        let fault = |each: &&Evaluated| each.verdict.as_ref().is_some_and(Verdict::is_fault);
+        let fault = |each: &&&Evaluated| each.verdict.as_ref().is_some_and(Verdict::is_fault);
         let evaluated_faults = evaluated.iter().filter(fault).count();
         let reward: f64 = evaluated.iter().map(|each| each.outcome.reward).sum();
         Self {
@@ -107,6 +109,7 @@ impl Figures {
             injury: (spent.episodes > 0).then(|| injury * 1000.0 / spent.episodes as f64),
             touches,
             fault_start_rates_if,
+            evaluated: number,
             evaluated_collisions,
             evaluated_rate: share(evaluated_collisions, number),
             evaluated_faults,
@@ -377,8 +380,12 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         .of(|row: &Row<'_>| row.0.spent.ticks),
     )
     .column(
-        count("episodes", "", "episodes that came to an end, without one that the budget cut off")
+        count("episodes", "", "episodes that came to an end and count, without one that the budget cut off")
             .of(|row: &Row<'_>| row.0.spent.episodes),
+    )
+    .column(
+        count("left_out_episodes", "", "further episodes that are left out: see `left_out` of `episodes`")
+            .of(|row: &Row<'_>| row.0.spent.left_out),
     )
     .column(STARTS.of(|row: &Row<'_>| row.0.spent.starts.count()))
     .column(TRIED.of(|row: &Row<'_>| row.0.spent.starts.to_string()))
@@ -461,7 +468,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             "",
             "fresh episodes of the controller that the falsifier ended with, outside the budget; their starts are those of `evaluate`",
         )
-        .of(|row: &Row<'_>| row.0.evaluated.len() as u64),
+        .of(|row: &Row<'_>| row.1.evaluated),
     )
     .column(count("evaluated_collisions", "", "collisions of these").of(|row: &Row<'_>| row.1.evaluated_collisions as u64))
     .column(number(EVALUATED_RATE, "", "their share of `evaluated_episodes`").of(|row: &Row<'_>| row.1.evaluated_rate))

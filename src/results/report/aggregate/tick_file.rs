@@ -92,7 +92,9 @@ impl<'a> Wanted<'a> {
 /// The numbers of the collisions, or of all episodes that were run.
 fn chosen(part: &DataFrame, all: bool) -> PolarsResult<Vec<u32>> {
     let table = EpisodeTable::new(part)?;
-    let wanted = table.rows().filter(|row| table.ticks(*row).is_some() && (all || table.is_collision(*row)));
+    let wanted = table
+        .rows()
+        .filter(|row| table.ticks(*row).is_some() && (all || table.counts(*row) && table.is_collision(*row)));
     Ok(wanted.map(|row| table.episode(row)).collect())
 }
 

@@ -232,18 +232,18 @@ impl ComparedCell {
     }
 }
 
-/// The rows of episodes with the same number and the same start in two runs. Episodes in error are left out.
+/// The rows of episodes with the same number and the same start in two runs. Only episodes that count are compared.
 fn common(before: &DataFrame, after: &DataFrame) -> PolarsResult<Vec<(usize, usize)>> {
     let (a, b) = (EpisodeTable::new(before)?, EpisodeTable::new(after)?);
     let (starts, others) = (START.read(before)?, START.read(after)?);
     let numbered: BTreeMap<u32, usize> =
-        b.rows().filter(|row| b.error(*row).is_none()).map(|row| (b.episode(row), row)).collect();
+        b.rows().filter(|row| b.counts(*row)).map(|row| (b.episode(row), row)).collect();
     let partner = |row: usize| {
         let other = *numbered.get(&a.episode(row))?;
         let start = starts.get(row).filter(|start| !start.is_empty())?;
         (others.get(other) == Some(start)).then_some((row, other))
     };
-    Ok(a.rows().filter(|row| a.error(*row).is_none()).filter_map(partner).collect())
+    Ok(a.rows().filter(|row| a.counts(*row)).filter_map(partner).collect())
 }
 
 /// The numbers of the episodes of a run, row by row.

@@ -52,7 +52,7 @@ impl<'a> RunSample<'a> {
     pub(super) fn add(&mut self, part: &DataFrame, runs: usize) -> PolarsResult<()> {
         let (table, sample) = (EpisodeTable::new(part)?, self);
         let (failures, cases) = (MOST_FAILURES.div_ceil(runs), MOST_CASES.div_ceil(runs));
-        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+        for row in table.rows().filter(|row| table.counts(*row)) {
             let (episode, collision) = (table.episode(row), table.is_collision(row));
             sample.all = (sample.all.0 + 1, sample.all.1 + u64::from(collision));
             let label = table.label(row);

@@ -44,6 +44,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
                 spawn,
                 start: 0,
                 run_up: 0,
+                left_out: None,
                 ending,
                 reward: 0.0,
                 ticks: 1,
@@ -57,6 +58,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
             verdict: None,
             false_alarms: None,
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
+            lane: None,
             motion: Default::default(),
             weight: 1.0,
         }

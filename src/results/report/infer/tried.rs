@@ -98,7 +98,7 @@ impl Tried {
         if !tried.weights.is_empty() {
             tried.weights.resize(here, 1.0);
         }
-        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+        for row in table.rows().filter(|row| table.counts(*row)) {
             let episode = table.episode(row) as usize;
             let (touch, collision) = (table.is_touch(row), table.is_collision(row));
             let flag = |holds: bool, flag: u8| if holds { flag } else { 0 };

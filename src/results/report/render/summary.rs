@@ -29,8 +29,8 @@ pub fn summary(found: &Findings<'_>, manifest: &Manifest, sections: &[Section]) 
     if !manifest.complete {
         let _ = writeln!(page, "**{INCOMPLETE}**\n");
     }
-    for unreached in &found.unreached {
-        let _ = writeln!(page, "**{unreached}.**\n");
+    for lost in &found.lost {
+        let _ = writeln!(page, "**{lost}.**\n");
     }
     if !doubts.is_empty() {
         let _ = writeln!(page, "**{DOUBTFUL}**\n");

@@ -25,7 +25,9 @@ impl PedestrianEnv {
         let (earned, ending) = match (hit, contact) {
             (Some(hit), _) => {
                 let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > rule.moving_above);
-                let earned = worth(reward.for_hit(&Hit { front, moving, judgement }));
+                // A hit that does not count is no goal of a search or a training.
+                let counts = self.episode.left_out.is_none();
+                let earned = if counts { worth(reward.for_hit(&Hit { front, moving, judgement })) } else { 0.0 };
                 let ending = Ending::Touch { front, moving, impact_speed: hit.impact_speed, bearing: hit.bearing };
                 (earned, Some(ending))
             }
@@ -69,6 +71,7 @@ impl PedestrianEnv {
             spawn: self.episode.spawn,
             start: self.episode.start,
             run_up: self.episode.run_up,
+            left_out: self.episode.left_out,
             ending,
             reward: self.episode.reward,
             ticks: self.world.ticks,

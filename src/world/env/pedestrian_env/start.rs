@@ -2,8 +2,8 @@ use rand::RngExt;
 
 use super::{Episode, PedestrianEnv, Stage, perceive};
 use crate::av::cruising_speed;
-use crate::env::EgoSpeed;
 use crate::env::motion::Motion;
+use crate::env::{EgoSpeed, LeftOut};
 use crate::geometry::Pose;
 use crate::sim::{ActorStart, Control, Start, WalkCommand};
 use base::seed::Stream;
@@ -118,6 +118,7 @@ impl PedestrianEnv {
         let over = touched || self.episode.run_up >= self.scenario.most_run_up();
         if self.is_running_up() && over {
             self.place_vehicles(ActorStart::standing(*self.run_up.goal()));
+            self.episode.left_out = Some(LeftOut::RunUp).filter(|_| !self.scenario.episode.count_all);
             self.meet();
             self.reset_policies();
         }
@@ -154,5 +155,6 @@ impl PedestrianEnv {
         if let Some(trace) = &mut self.trace {
             trace.begin(&self.world);
         }
+        self.begin_watch();
     }
 }

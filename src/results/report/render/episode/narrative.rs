@@ -1,5 +1,5 @@
 use world::av::DrivingMode;
-use world::env::{Ending, Frame, Outcome, Pair, Scenario, Trace};
+use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
 use world::judge::{ContactSide, Label, Reference, Verdict};
 
 /// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
@@ -48,6 +48,13 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
         events.insert(MOST / 2, (at, format!("… {left_out} more")));
     }
     events.push((outcome.duration, ending(outcome, &frames)));
+    if let Some(reason) = outcome.left_out {
+        let why = match reason {
+            LeftOut::RunUp => "the driver did not reach its start in the run-up",
+            LeftOut::OffRoad => "the car left the road before its driver could see a pedestrian",
+        };
+        events.push((outcome.duration, format!("the episode is in no rate, since {why}")));
+    }
     Narrative {
         short: in_short(scenario, outcome, trace, verdict),
         events,

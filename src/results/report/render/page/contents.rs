@@ -3,7 +3,7 @@ use polars::prelude::DataFrame;
 use super::{ModeCard, Players, Tally};
 use crate::campaign::TrainingResult;
 use crate::report::render::table::Section;
-use crate::report::{Cell, Doubt, DriverResult, Failures, Manifest, PublishedComparison, Unreached};
+use crate::report::{Cell, Doubt, DriverResult, Failures, LostDriver, Manifest, PublishedComparison};
 use compile::Campaign;
 
 /// The data of a page.
@@ -30,7 +30,7 @@ pub struct Contents<'a> {
     /// Tables that the summary has, too, each a section.
     pub sections: &'a [Section],
     /// The drivers that often do not reach their starts.
-    pub unreached: &'a [Unreached],
+    pub lost: &'a [LostDriver],
     /// The doubts about the trainings.
     pub doubts: &'a [Doubt],
     /// The comparison with published figures, which the summary has, too.

@@ -55,7 +55,8 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
         details {
             summary { "How to read this" }
             p {
-                "Rates are shares of all episodes. The large dot is the mean over runs, each a training of its own. Small dots are the runs. \
+                "Rates are shares of the episodes that count: those in which the driver reached its start and did not leave the road before it could see a \
+                 pedestrian. The large dot is the mean over runs, each a training of its own. Small dots are the runs. \
                  The bar is Wilson's 95 % interval over the episodes of all runs. It shows what more episodes of these trainings would show, \
                  not what more trainings would show. “±” is the standard deviation over runs. "
                 em { "Preventable" }
@@ -88,6 +89,7 @@ fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates, (axes, scal
             th scope="row" { i class={ "dot f" (named.colour) } {} (named.who) }
             td.number data-label="runs × episodes" {
                 (cell.runs) " × " (count((cell.episodes / cell.runs.max(1)).into()))
+                @if cell.left_out > 0 { " " em.warn { (percent(f64::from(cell.left_out) / f64::from(cell.all))) " left out" } }
                 @if cell.errors > 0 { " " em.warn { (cell.errors) " in error" } }
             }
             @for (number, of) in OF.into_iter().enumerate() {

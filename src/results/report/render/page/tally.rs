@@ -113,7 +113,7 @@ impl Tally {
             self.cells.len() - 1
         });
         let cell = &mut self.cells[place];
-        for row in episodes.rows().filter(|row| episodes.error(*row).is_none()) {
+        for row in episodes.rows().filter(|row| episodes.counts(*row)) {
             let (spawn, hit) = (episodes.spawn(row), episodes.is_collision(row));
             let start = spawn.pedestrian.position();
             let seen = spawn.ego.to_local(start);

@@ -86,7 +86,7 @@ pub fn write_page(
         published,
         published_section: published_section(published),
         sections: &sections,
-        unreached: &found.unreached,
+        lost: &found.lost,
         doubts,
         files: &folder.names()?,
     })

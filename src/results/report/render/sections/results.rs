@@ -9,10 +9,14 @@ use crate::report::{Cell, Spread};
 /// The table of cells, for the summary. It has the mean reward if any was paid.
 pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
+    let has_left_out = cells.iter().any(|cell| cell.left_out > 0);
     let is_paid = cells.iter().any(|cell| cell.reward_sum.mean.is_some_and(|reward| reward != 0.0));
     let rewards: BTreeSet<&str> = cells.iter().map(|cell| cell.key.reward.as_str()).collect();
     let mut columns = head();
     columns.push(Column::number("runs × episodes"));
+    if has_left_out {
+        columns.push(Column::number("left out"));
+    }
     if has_errors {
         columns.push(Column::number("errors"));
     }
@@ -27,6 +31,9 @@ pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
     let row = |cell: &&Cell| {
         let mut row = names(cell, cells);
         row.push(Value::Times(cell.runs.into(), u64::from(cell.episodes / cell.runs.max(1))));
+        if has_left_out {
+            row.push(left_out(cell));
+        }
         if has_errors {
             row.push(Value::Count(cell.errors.into()));
         }
@@ -56,11 +63,17 @@ pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
              stands; *front*: share of these in the front sector. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
              *Fault*: those of them in which the pedestrian moved as people do. The column after it is the fault rate as a share of that of the driver \
              that sees no pedestrians, or of the worst driver, with the same controller in the same town. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
-             An untrained controller walks the same for every reward, so it has one row."
+             An untrained controller walks the same for every reward, so it has one row. \
+             *Left out* (if there are any): share of the episodes that are in no rate, since the driver did not reach its start or left the road before it could see a pedestrian."
                 .into(),
         ],
         ..Table::default()
     }
+}
+
+/// The share of a cell's episodes that are in no rate.
+fn left_out(cell: &Cell) -> Value {
+    Value::Percent(f64::from(cell.left_out) / f64::from(cell.all.max(1)))
 }
 
 /// A rate of a cell's episodes, or their number where it is very small.
@@ -72,7 +85,11 @@ fn or_count(rate: Spread, count: u32, cell: &Cell) -> Value {
 /// scale in place of its spread.
 pub fn rates(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
+    let has_left_out = cells.iter().any(|cell| cell.left_out > 0);
     let mut columns = vec![Column::text("controller"), Column::number("n")];
+    if has_left_out {
+        columns.push(Column::number("left out"));
+    }
     if has_errors {
         columns.push(Column::number("errors"));
     }
@@ -95,6 +112,9 @@ pub fn rates(cells: &[Cell], scale: Scale<'_>) -> Table {
         rows.push(row);
         for cell in members {
             let mut row = vec![Value::Text(format!("  {}", who(cell, cells))), Value::Count(cell.episodes.into())];
+            if has_left_out {
+                row.push(left_out(cell));
+            }
             if has_errors {
                 row.push(Value::Count(cell.errors.into()));
             }

@@ -1,0 +1,129 @@
+use std::collections::BTreeMap;
+use std::fmt;
+
+use super::aggregate::Cell;
+use crate::campaign::SearchResult;
+
+/// Above this share of episodes in which a driver is lost, its figures say little.
+const MOST: f64 = 0.05;
+
+/// A driver that often does not reach the starts of its episodes or leaves the road, as one that does not follow its route.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LostDriver {
+    pub policy: String,
+    pub town: String,
+    /// Its episodes in evaluations there.
+    pub episodes: u64,
+    /// The number of these whose start it did not reach within the time of a run-up.
+    pub placed: u64,
+    /// The number of these in which its car left the road.
+    pub left_road: u64,
+    /// The number of these that are in no rate.
+    pub left_out: u64,
+    /// The same of the episodes of searches, and the number of all of these.
+    pub searched: (u64, u64),
+}
+
+impl LostDriver {
+    /// Whether one of its shares is above a twentieth.
+    fn is_often_lost(&self) -> bool {
+        let often = |part: u64, whole: u64| part as f64 > MOST * whole as f64;
+        often(self.placed.max(self.left_road), self.episodes) || often(self.searched.0, self.searched.1)
+    }
+}
+
+impl fmt::Display for LostDriver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { policy, town, episodes, placed, left_road, left_out, searched } = self;
+        let mut what = Vec::new();
+        if *placed > 0 {
+            what.push(format!("did not reach its start in {placed} of {episodes} run-ups"));
+        }
+        if *left_road > 0 {
+            what.push(format!("left the road in {left_road} of {episodes} episodes"));
+        }
+        if searched.0 > 0 {
+            what.push(format!(
+                "was lost before it could see a pedestrian in {} of {} episodes of searches",
+                searched.0, searched.1
+            ));
+        }
+        write!(f, "`{policy}` in {town} {}: see whether it follows its route", what.join(" and "))?;
+        match (left_out, episodes - left_out) {
+            (0, _) => write!(f, "; its figures there say little"),
+            (_, 0) => write!(f, "; none of its episodes counts, so it has no rates there"),
+            (_, counted) => write!(f, "; its rates there are those of the {counted} episodes that count"),
+        }
+    }
+}
+
+/// The drivers that are lost in more than a twentieth of their episodes in a town: of evaluations or of searches.
+pub fn lost(cells: &[Cell], searches: &[SearchResult]) -> Vec<LostDriver> {
+    let mut sums: BTreeMap<(&str, &str), LostDriver> = BTreeMap::new();
+    let mut at = |policy, town, add: &dyn Fn(&mut LostDriver)| {
+        let none = LostDriver {
+            policy: String::from(policy),
+            town: String::from(town),
+            episodes: 0,
+            placed: 0,
+            left_road: 0,
+            left_out: 0,
+            searched: (0, 0),
+        };
+        add(sums.entry((policy, town)).or_insert(none));
+    };
+    for cell in cells {
+        at(&cell.key.policy, &cell.key.town, &|driver| {
+            driver.episodes += u64::from(cell.all);
+            driver.placed += u64::from(cell.placed);
+            driver.left_road += u64::from(cell.left_road);
+            driver.left_out += u64::from(cell.left_out);
+        });
+    }
+    for SearchResult { key, spent, .. } in searches {
+        at(&key.policy, &key.town, &|driver| {
+            driver.searched.0 += spent.left_out;
+            driver.searched.1 += spent.left_out + spent.episodes;
+        });
+    }
+    sums.into_values().filter(LostDriver::is_often_lost).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::CellKey;
+
+    #[test]
+    fn a_driver_that_is_lost_in_more_than_a_twentieth_of_its_episodes_is_named_once() {
+        let cell = |policy: &str, controller: &str, placed: u32, left_road: u32| Cell {
+            key: CellKey {
+                policy: policy.into(),
+                town: "a".into(),
+                controller: controller.into(),
+                ..CellKey::default()
+            },
+            placed,
+            left_road,
+            left_out: placed,
+            all: 100,
+            episodes: 100 - placed,
+            ..Cell::default()
+        };
+        let cells = [
+            cell("lost", "random", 100, 0),
+            cell("lost", "homing", 90, 6),
+            cell("good", "random", 5, 5),
+            cell("stray", "random", 0, 6),
+        ];
+        let found: Vec<String> = lost(&cells, &[]).iter().map(ToString::to_string).collect();
+        assert_eq!(
+            found,
+            [
+                "`lost` in a did not reach its start in 190 of 200 run-ups and left the road in 6 of 200 episodes: see whether it follows its \
+                 route; its rates there are those of the 10 episodes that count",
+                "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; its figures there say little",
+            ]
+        );
+    }
+}

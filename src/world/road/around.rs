@@ -1,0 +1,117 @@
+//! The driving lane around a point, and how far inside it the point is.
+
+use super::chord::Chord;
+use super::lane_network::LaneSlot;
+use super::{LaneFilter, Town, Waypoint};
+use crate::geometry::{Point, Vector};
+
+/// How far beyond the edge of a lane the centre of a car still counts as inside (m).
+const EDGE: f64 = 0.1;
+/// The greatest number of lanes in a row through a junction, a guard against lanes that lead in circles.
+const MOST_LANES: usize = 64;
+
+/// The driving lane whose centre line is nearest to a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneAround {
+    /// The nearest place on its centre line.
+    pub place: Waypoint,
+    /// Distance from the point to 0.1 m beyond the edge of the lane (m); negative where the point is outside.
+    pub inside: f64,
+    /// The driving direction there, of length 1.
+    pub direction: Vector,
+    pub is_junction: bool,
+}
+
+impl Town {
+    /// The driving lane whose centre line is nearest to a point; none in a town without such lanes, and for a point that is not finite.
+    ///
+    /// A point outside this lane is outside all driving lanes, as far as lanes beside each other are equally wide.
+    pub fn lane_around(&self, point: Point) -> Option<LaneAround> {
+        let chord = self.index.nearest_chord(self.lanes(), point, LaneFilter::Driving)?;
+        let lane = self.network.lane(chord.slot);
+        Some(LaneAround {
+            place: lane.waypoint(chord.s(chord.project(point))),
+            inside: self.inside_at(chord, point),
+            direction: chord.along,
+            is_junction: lane.in_junction,
+        })
+    }
+
+    /// How far a point is inside a lane or one of those that lead on from it through a junction, as [`LaneAround::inside`] counts; the lane that
+    /// holds it best.
+    pub fn inside_way_on(&self, from: Waypoint, point: Point) -> f64 {
+        let Some(first) = self.network.slot(from) else { return f64::NEG_INFINITY };
+        let mut best = self.inside_of(first, point);
+        for branch in self.network.next(self.network.lane(first)) {
+            let mut slot = *branch;
+            for _ in 0..MOST_LANES {
+                best = best.max(self.inside_of(slot, point));
+                let lane = self.network.lane(slot);
+                match *self.network.next(lane) {
+                    [only] if lane.in_junction => slot = only,
+                    _ => break,
+                }
+            }
+        }
+        best
+    }
+
+    /// How far a point is inside the driving lane of a place, anywhere along it, as [`LaneAround::inside`] counts.
+    pub fn inside_lane(&self, place: Waypoint, point: Point) -> f64 {
+        self.network.slot(place).map_or(f64::NEG_INFINITY, |slot| self.inside_of(slot, point))
+    }
+
+    fn inside_of(&self, slot: LaneSlot, point: Point) -> f64 {
+        let chords = self.index.chords_of(self.lanes(), slot, LaneFilter::Driving);
+        chords.iter().map(|chord| self.inside_at(chord, point)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn inside_at(&self, chord: &Chord, point: Point) -> f64 {
+        let width = self.network.width(self.network.lane(chord.slot), chord.s(chord.project(point)));
+        width / 2.0 + EDGE - chord.distance_squared(point).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::road::design::{Carriageway, Node, Street, TownDesign};
+
+    /// Two streets that cross at the origin, with lanes of 4 m.
+    fn crossing() -> Town {
+        let node = |x, y| Node { name: String::new(), position: Point::new(x, y), lights: false };
+        let street = |nodes: Vec<usize>| Street {
+            name: String::new(),
+            nodes,
+            speed_limit: None,
+            carriageway: Carriageway::default(),
+        };
+        let design = TownDesign {
+            nodes: vec![node(-80.0, 0.0), node(0.0, 0.0), node(80.0, 0.0), node(0.0, 80.0), node(0.0, -80.0)],
+            streets: vec![street(vec![0, 1, 2]), street(vec![3, 1, 4])],
+            ..TownDesign::default()
+        };
+        Town::new(design.build().unwrap())
+    }
+
+    #[test]
+    fn a_point_is_inside_the_lane_around_it_up_to_the_edge() {
+        let town = crossing();
+        let at = |y: f64| town.lane_around(Point::new(-50.0, y)).unwrap();
+        let own = at(-2.0);
+        assert!((own.inside - 2.1).abs() < 1e-6 && own.direction.x > 0.99 && !own.is_junction, "{own:?}");
+        assert!((at(-4.05).inside - 0.05).abs() < 1e-6 && (at(-4.5).inside + 0.4).abs() < 1e-6);
+        assert!(at(1.75).direction.x < -0.99, "the other lane leads back");
+    }
+
+    #[test]
+    fn the_way_on_has_the_turns_of_a_junction_and_nothing_else() {
+        let town = crossing();
+        let from = town.lane_around(Point::new(-50.0, -1.75)).unwrap().place;
+        let inside = |x: f64, y: f64| town.inside_way_on(from, Point::new(x, y));
+        assert!(inside(0.0, -1.75) > 1.8, "straight on");
+        assert!(inside(1.75, 30.0) > 1.8 && inside(-1.75, -30.0) > 1.8, "after a turn to the left, and to the right");
+        assert!(inside(-1.75, 30.0) < 0.0 && inside(30.0, 1.75) < 0.0, "against the traffic");
+        assert!(town.lane_around(Point::new(0.0, 1.75)).unwrap().is_junction);
+    }
+}

@@ -1,0 +1,128 @@
+//! A driver that leaves the road: a warning leads its report, and its episodes are in no rate unless the scenario asks for them.
+
+use std::io;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+
+use falsify::driving::{Control, DrivingMode, DrivingPolicy, Perception, Stream};
+use falsify::language::{Catalog, PolicyKind, keys};
+use falsify::session::{CampaignReport, Event, Input, Notice, Observer, RunOptions, Session};
+
+keys! {
+    /// Steers constantly, whatever its route.
+    struct CirclingKeys = "circling" {
+        /// Steer, 0 to 1 to the left.
+        steer: f64 as share() = "0.3",
+    }
+}
+
+struct Circling {
+    steer: f64,
+}
+
+impl DrivingPolicy for Circling {
+    fn reset(&mut self, _: &Perception<'_>, _: Stream) {}
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let throttle = if perception.ego.speed() < 5.0 { 0.5 } else { 0.0 };
+        Control { throttle, brake: 0.0, steer: self.steer }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        DrivingMode::Cruise
+    }
+}
+
+const SCENARIO: &str = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+policy lost = circling()
+falsifier home = homing()
+episode brief { ticks: 200 traffic_lights: false KEYS }
+spawn steady { distance: 15 m .. 25 m }
+campaign lost {
+  vehicle: model3  adversary: suicidal  spawn: steady  episode: brief
+  evaluate { towns: [harbour]  policies: [lost, blind]  pedestrians: [homing]  episodes: 20 }
+  search { towns: [harbour]  policies: [lost]  falsifiers: [home]  budget: 8_000  runs: 1  episodes: 2 }
+}
+"#;
+
+/// The warnings of a run.
+#[derive(Default)]
+struct Heard(Mutex<Vec<String>>);
+
+impl Observer for Heard {
+    fn event(&self, event: &Event<'_>) {
+        if let Event::Notice(notice @ Notice::LostDriver { .. }) = event {
+            self.0.lock().unwrap().push(notice.to_string());
+        }
+    }
+}
+
+/// Runs the scenario with further keys of its episode, and looks at the report.
+fn run(keys: &'static str, look: impl FnOnce(&CampaignReport, &[String])) {
+    let catalog = Catalog::builtin().with_policy(PolicyKind::new(|CirclingKeys { steer }| Circling { steer })).unwrap();
+    let heard = Arc::new(Heard::default());
+    let session =
+        Session::new(catalog).with_observer(heard.clone()).with_reader(move |path: &Path| match path.to_str() {
+            Some("lost.scn") => Ok(SCENARIO.replace("KEYS", keys)),
+            _ => Err(io::Error::from(io::ErrorKind::NotFound)),
+        });
+    let out = tempfile::tempdir().unwrap();
+    let options =
+        RunOptions { input: Input::file("lost.scn"), out: out.path().join("reports"), ..RunOptions::default() };
+    let run = session.run(&options).unwrap();
+    look(run.reports().next().unwrap(), &heard.0.lock().unwrap());
+}
+
+/// The values of some columns in a table of a report.
+fn columns<const N: usize>(report: &CampaignReport, table: &str, names: [&str; N]) -> Vec<[String; N]> {
+    let text = std::fs::read_to_string(report.folder.join(table)).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let places = names.map(|name| head.iter().position(|column| *column == name).unwrap());
+    lines.map(|row| places.map(|place| row[place].to_string())).collect()
+}
+
+#[test]
+fn a_driver_that_circles_has_a_warning_and_no_rate() {
+    run("", |report, warnings| {
+        let cell = |policy: &str| report.cells.iter().find(|cell| cell.key.policy == policy).unwrap();
+        let lost = cell("lost");
+        assert_eq!((lost.all, lost.left_out, lost.placed, lost.episodes), (20, 20, 20, 0));
+        assert_eq!((lost.collisions, lost.collision.mean, lost.fault.mean), (0, None, None));
+        let blind = cell("blind");
+        assert_eq!((blind.all, blind.left_out, blind.left_road, blind.episodes), (20, 0, 0, 20));
+        assert!(blind.collisions > 0);
+
+        let [warning] = warnings else { panic!("{warnings:?}") };
+        assert!(warning.starts_with("`lost` in harbour did not reach its start in 20 of 20 run-ups"), "{warning}");
+        assert!(warning.contains("none of its episodes counts, so it has no rates there"), "{warning}");
+        let summary = std::fs::read_to_string(report.folder.join("summary.md")).unwrap();
+        let at = |text: &str| summary.find(text).unwrap_or_else(|| panic!("{text} is not in {summary}"));
+        assert!(at(&format!("**{warning}.**")) < at("| driver"), "it leads the summary");
+        let page = std::fs::read_to_string(report.folder.join("report.html")).unwrap();
+        assert!(page.contains("did not reach its start in 20 of 20 run-ups"));
+
+        let rows = columns(report, "episodes.csv", ["policy", "left_out"]);
+        let of = |policy: &str, reason: &str| rows.iter().filter(|row| row[0] == policy && row[1] == reason).count();
+        assert_eq!((of("lost", "run_up"), of("blind", ""), rows.len()), (20, 20, 40), "the table holds all rows");
+        let [search] = &columns(report, "searches.csv", ["episodes", "left_out_episodes", "failures"])[..] else {
+            panic!("there is one search")
+        };
+        assert_eq!([&search[0], &search[2]], ["0", "0"], "a search finds no failure of a lost driver");
+        assert_ne!(search[1], "0");
+    });
+}
+
+#[test]
+fn a_scenario_can_count_the_episodes_of_a_lost_driver() {
+    run("count_all: true", |report, warnings| {
+        let lost = report.cells.iter().find(|cell| cell.key.policy == "lost").unwrap();
+        assert_eq!((lost.all, lost.left_out, lost.placed, lost.episodes), (20, 0, 20, 20));
+        assert!(lost.collision.mean.is_some() && lost.left_road > 0);
+        assert!(warnings.iter().any(|warning| warning.ends_with("its figures there say little")), "{warnings:?}");
+    });
+}
