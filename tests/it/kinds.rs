@@ -46,6 +46,7 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
     );
     let key = std::sync::Arc::new(RunKey::of(evaluation));
     let row = |(episode, (outcome, verdict, near_miss))| EpisodeRow {
+        lane: None,
         key: key.clone(),
         episode,
         outcome,

@@ -10,6 +10,7 @@ use world::sim::{ActorStart, Control, Start, World};
 /// The town: a street with a bend that ends at another one.
 pub const TOWN: &str = "\
 town empty_road {
+  bend_radius: 30 m
   street first { through: [(0 m, 0 m), (80 m, 0 m), (120 m, 40 m), (120 m, 120 m)] }
   street second { through: [(20 m, 120 m), (120 m, 120 m), (220 m, 120 m)] }
 }
@@ -17,7 +18,7 @@ town empty_road {
 /// Where the car starts, at rest.
 const START: (f64, f64) = (20.0, -1.75);
 /// How far beyond its lane the centre of the car may be (m): more than a driver cuts a corner.
-const ASIDE: f64 = 0.5;
+const ASIDE: f64 = 1.0;
 /// How far behind the turn the road ends (m), and the time for it (s).
 const BEHIND: f64 = 20.0;
 const PATIENCE: f64 = 120.0;
