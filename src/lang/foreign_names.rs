@@ -77,12 +77,11 @@ pub(super) fn own_words(word: &str) -> &'static [&'static str] {
 
 /// The kind and its key for a file that is written in place of a kind: `town t = "my.xodr"`.
 pub(super) fn kind_of_file(path: &str) -> Option<String> {
-    let quoted = path.trim_matches('"');
-    let (_, ending) = quoted.rsplit_once('.')?;
+    let (_, ending) = path.rsplit_once('.')?;
     match ending {
-        "xodr" | "xml" | "net" => Some(format!("opendrive(file: \"{quoted}\")")),
-        "onnx" => Some(format!("onnx(model: \"{quoted}\")")),
-        "py" => Some(format!("external(command: \"python3 {quoted}\")")),
+        "xodr" | "xml" | "net" => Some(format!("opendrive(file: \"{path}\")")),
+        "onnx" => Some(format!("onnx(model: \"{path}\")")),
+        "py" => Some(format!("external(command: \"python3 {path}\")")),
         _ => None,
     }
 }

@@ -92,6 +92,7 @@ pub(super) fn value(
         (Type::Distribution { .. }, ExpressionKind::List(_) | ExpressionKind::Group(_)) if !is_formula(expression) => {
             wrong(diagnostics)
         }
+        (Type::Distribution { .. }, ExpressionKind::Text(_)) => wrong(diagnostics),
         (Type::Distribution { dimension, min, max }, _) => {
             let before = diagnostics.len();
             let drawn = distribution(expression, *dimension, context, diagnostics);

@@ -76,10 +76,10 @@ pub fn unbracketed_pair(span: Span, (low, high): (&str, &str)) -> Diagnostic {
         .fix(format!("[{low}, {high}]"))
 }
 
-/// A value follows the `=` of a declaration, where a kind is expected.
-pub fn value_for_kind(span: Span, (form, name): (&str, &str), value: &str) -> Diagnostic {
+/// A value follows the `=` of a declaration, where a kind is expected; it is a text with this path, or "" where it is something else.
+pub fn value_for_kind(span: Span, (form, name): (&str, &str), path: &str) -> Diagnostic {
     let said = Diagnostic::error("syntax", span, "this statement cannot be read");
-    if let Some(kind) = kind_of_file(value) {
+    if let Some(kind) = kind_of_file(path) {
         return said.here("a kind follows `=`").fix(format!("{form} {name} = {kind}"));
     }
     said.here(format!("write `{form} {name} = kind(key: value)`, or `{form} {name} {{ … }}`"))

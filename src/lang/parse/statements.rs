@@ -140,7 +140,13 @@ impl Reader {
                 diagnostics::untyped_param(place, &format!("param {name}"), type_of_value)
             }
             (false, [form, name], 0) => {
-                diagnostics::value_for_kind(place.to(self.span(&value)), (form, name), value.as_str().trim())
+                // A comment after the value is no part of it.
+                let written = value.as_str();
+                let path = written.strip_prefix('"').and_then(|rest| rest.split('"').next()).unwrap_or_default();
+                let end = if path.is_empty() { 0 } else { path.len() + 2 };
+                let start = value.as_span().start();
+                let whole = if end > 0 { place.to(self.place(start, start + end)) } else { place };
+                diagnostics::value_for_kind(whole, (form, name), path)
             }
             _ => diagnostics::syntax(place, "write `param name: type = value`".into()),
         };

@@ -38,7 +38,7 @@ pub struct ExportArgs {
     /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
     #[arg(value_name = "[PATH/]RUN:EPISODE", required_unless_present = "formats", value_parser = str::parse::<Named>)]
     pub names: Vec<Named>,
-    /// The format.
+    /// The format; `--formats` says what each approximates.
     #[arg(long = "as", value_name = "FORMAT", required_unless_present = "formats", value_parser = formats())]
     pub format: Option<Format>,
     /// List the formats.
