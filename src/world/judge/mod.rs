@@ -45,6 +45,7 @@ mod near_miss;
 mod oracle;
 mod recording;
 mod recording_file;
+mod recording_units;
 #[cfg(test)]
 mod tests;
 

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::recording_units::{Misfit, misfit};
 use super::{NearMiss, Verdict, judge};
 use crate::env::{Driven, Scenario, Trace, VehicleFrame};
 use crate::geometry::{Obstacles, Point, Pose, Vector};
@@ -66,6 +67,10 @@ pub enum RecordingError {
         "instant {instant}: the {who} has moved {moved:.1} m since the instant before, at {speed:.1} m/s; correct the position or the speed"
     )]
     Jump { instant: usize, who: &'static str, moved: f64, speed: f64 },
+    #[error("the {who} moves {ratio:.2} times as far as its speed and the step of {dt} s explain: {likely}")]
+    Units { who: &'static str, ratio: f64, dt: f64, likely: String },
+    #[error("the {who} moves at {degrees:.0} deg from its heading: {likely}")]
+    Heading { who: &'static str, degrees: f64, likely: &'static str },
 }
 
 /// What a recording shows.
@@ -95,7 +100,8 @@ impl Recording {
     ///
     /// # Errors
     /// The tracks have not 2 to [`Recording::MOST_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, a
-    /// speed is not 0 to 150 m/s, or a step is much longer than the speed explains.
+    /// speed is not 0 to 150 m/s, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
+    /// are longer or shorter than the speed explains, or are not along the heading.
     pub fn new(dt: f64, ego: Vec<VehicleState>, pedestrian: Vec<PedestrianState>) -> Result<Self, RecordingError> {
         if ego.len() != pedestrian.len() || !(2..=Self::MOST_INSTANTS).contains(&ego.len()) {
             return Err(RecordingError::Instants { ego: ego.len(), pedestrian: pedestrian.len() });
@@ -127,6 +133,17 @@ impl Recording {
             for (who, moved, speed) in [("car", car, speeds[0]), ("pedestrian", walker, speeds[1])] {
                 if moved > Self::SLACK.0 * speed * dt + Self::SLACK.1 {
                     return Err(RecordingError::Jump { instant: instant + 1, who, moved, speed });
+                }
+            }
+        }
+        let cars: Vec<_> = ego.iter().map(|state| (state.pose, state.speed)).collect();
+        let walkers: Vec<_> = pedestrian.iter().map(|state| (state.pose, state.speed())).collect();
+        for (who, track) in [("car", cars), ("pedestrian", walkers)] {
+            match misfit(&track, dt) {
+                None => {}
+                Some(Misfit::Speed { ratio, likely }) => return Err(RecordingError::Units { who, ratio, dt, likely }),
+                Some(Misfit::Heading { degrees, likely }) => {
+                    return Err(RecordingError::Heading { who, degrees, likely });
                 }
             }
         }

@@ -1,0 +1,200 @@
+//! Units of a recording: whether positions, speeds, headings and time fit each other.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use crate::geometry::{Pose, Vector, wrap_angle};
+
+/// Length of a stretch (m), longer than the noise of positions, and the least mean speed on it (m/s).
+const STRETCH: f64 = 2.0;
+const MOVING: f64 = 0.5;
+/// The least number of stretches that say something.
+const FEWEST: usize = 2;
+/// What the length of the median stretch may be, as a multiple of what the speed explains. Miles per hour give 0.45.
+const EXPLAINED: (f64, f64) = (0.6, 1.7);
+/// Units of speed: their names, and what the stretches then are.
+const SPEEDS: [(&str, f64); 2] = [("km/h", 1.0 / 3.6), ("mph", 0.44704)];
+/// How near a ratio is to that of a unit, as a share of it.
+const NEAR: f64 = 0.1;
+/// Headings that deviate by less (rad) are right, whatever would fit better.
+const SMALL: f64 = 0.1;
+
+/// Units that do not fit each other, as parts of a sentence.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Misfit {
+    /// How far it moves, as a multiple of what its speed explains, and the likely cause.
+    Speed { ratio: f64, likely: String },
+    /// The angle between the line of its heading and its motion (deg), and the likely cause.
+    Heading { degrees: f64, likely: &'static str },
+}
+
+/// A stretch of a track in which the actor moves.
+struct Stretch {
+    /// The way, in a straight line.
+    moved: Vector,
+    /// The length that the speeds explain (m).
+    explained: f64,
+    /// The unit vector of the mean heading: as the numbers are, if they were degrees, and if they were degrees that were taken for radians.
+    headings: [Vector; 3],
+}
+
+impl Stretch {
+    fn ratio(&self) -> f64 {
+        self.moved.norm() / self.explained
+    }
+
+    /// The angle from a heading to the motion (rad), −π to π.
+    fn angle(&self, reading: usize) -> f64 {
+        let (heading, moved) = (self.headings[reading], self.moved);
+        libm::atan2(heading.x * moved.y - heading.y * moved.x, heading.dot(&moved))
+    }
+}
+
+/// Finds units that do not fit, in the poses and speeds (m/s) of an actor at instants that are `dt` (s) apart. Medians decide, so noise, a standing
+/// actor and a car that drives backwards are no misfit.
+pub(super) fn misfit(track: &[(Pose, f64)], dt: f64) -> Option<Misfit> {
+    let stretches = stretches(track, dt);
+    if stretches.len() < FEWEST {
+        return None;
+    }
+    let ratio = median(stretches.iter().map(Stretch::ratio));
+    if !(EXPLAINED.0..=EXPLAINED.1).contains(&ratio) {
+        return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) });
+    }
+    let backwards = |angle: f64| FRAC_PI_2 - (angle.abs() - FRAC_PI_2).abs();
+    let found = median(stretches.iter().map(|stretch| backwards(stretch.angle(0))));
+    let other = |reading| median(stretches.iter().map(|stretch: &Stretch| stretch.angle(reading).abs()));
+    // Numbers beyond 1 that fit much better as degrees are degrees.
+    let turned = median(track.iter().map(|(pose, _)| pose.yaw.abs())) > 1.0;
+    let is_better = |reading| other(reading) < found / 4.0;
+    let likely = match () {
+        () if found <= SMALL => return None,
+        () if turned && is_better(1) => "the numbers look like degrees where radians are needed",
+        () if found <= FRAC_PI_4 => return None,
+        () if is_better(2) => "the numbers look like radians where degrees are needed",
+        () => "angles count from x to y; of a left-handed frame change the signs of y and of the heading",
+    };
+    Some(Misfit::Heading { degrees: found.to_degrees(), likely })
+}
+
+/// What explains stretches of another length.
+fn cause_of(ratio: f64, dt: f64) -> String {
+    let unit = SPEEDS.iter().find(|(_, factor)| (ratio / factor - 1.0).abs() < NEAR);
+    unit.map_or_else(
+        || format!("with these speeds an instant would be {} s after the one before", significant(ratio * dt)),
+        |(unit, _)| format!("the speeds look like {unit}; give m/s"),
+    )
+}
+
+/// A number with two significant digits.
+fn significant(number: f64) -> f64 {
+    format!("{number:.1e}").parse().unwrap_or(number)
+}
+
+/// Splits a track into stretches of [`STRETCH`], by the way or by what the speeds explain, and leaves out those in which it hardly moves.
+fn stretches(track: &[(Pose, f64)], dt: f64) -> Vec<Stretch> {
+    let (mut found, mut first, mut explained) = (Vec::new(), 0, 0.0);
+    for instant in 1..track.len() {
+        explained += (track[instant - 1].1 + track[instant].1) / 2.0 * dt;
+        let moved = track[instant].0.position() - track[first].0.position();
+        if moved.norm().max(explained) < STRETCH {
+            continue;
+        }
+        if explained >= MOVING * (instant - first) as f64 * dt {
+            let mean = |factor: f64| -> Vector {
+                let units = track[first..=instant].iter().map(|(pose, _)| {
+                    let yaw = wrap_angle(pose.yaw * factor);
+                    Vector::new(libm::cos(yaw), libm::sin(yaw))
+                });
+                units.sum()
+            };
+            found.push(Stretch { moved, explained, headings: [mean(1.0), mean(PI / 180.0), mean(180.0 / PI)] });
+        }
+        (first, explained) = (instant, 0.0);
+    }
+    found
+}
+
+/// The middle number; the lower one of two.
+fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = numbers.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[(sorted.len() - 1) / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::seed::Seed;
+    use rand::RngExt;
+
+    const DT: f64 = 0.05;
+
+    /// Three seconds at a speed (m/s) along a bend that begins with a heading (rad).
+    fn driven(speed: f64, heading: f64) -> Vec<(Pose, f64)> {
+        let mut pose = Pose::new(40.0, -7.0, heading);
+        let mut track = Vec::new();
+        for _ in 0..60 {
+            track.push((pose, speed));
+            let (sin, cos) = libm::sincos(pose.yaw);
+            pose = Pose::new(pose.x + speed * DT * cos, pose.y + speed * DT * sin, wrap_angle(pose.yaw + 0.002));
+        }
+        track
+    }
+
+    fn changed(track: &[(Pose, f64)], change: impl Fn(Pose, f64) -> (Pose, f64)) -> Vec<(Pose, f64)> {
+        track.iter().map(|(pose, speed)| change(*pose, *speed)).collect()
+    }
+
+    fn headed(track: &[(Pose, f64)], change: impl Fn(f64) -> f64) -> Vec<(Pose, f64)> {
+        changed(track, |pose, speed| (Pose::new(pose.x, pose.y, change(pose.yaw)), speed))
+    }
+
+    #[test]
+    fn honest_recordings_pass() {
+        let mut stream = Seed::root(3).stream();
+        for heading in [-3.0, -1.2, 0.0, 0.03, 0.7, 1.57, 2.9] {
+            for speed in [1.0, 1.4, 9.0, 30.0] {
+                let track = driven(speed, heading);
+                assert_eq!(misfit(&track, DT), None, "{speed} m/s, {heading} rad");
+                let backwards = headed(&track, |yaw| wrap_angle(yaw + PI));
+                assert_eq!(misfit(&backwards, DT), None, "{speed} m/s backwards, {heading} rad");
+                let mut draw = |size: f64| stream.random_range(-size..size);
+                let noisy: Vec<_> = track
+                    .iter()
+                    .map(|(pose, speed)| {
+                        let pose = Pose::new(pose.x + draw(0.15), pose.y + draw(0.15), pose.yaw + draw(0.1));
+                        (pose, (speed + draw(0.3)).max(0.0))
+                    })
+                    .collect();
+                assert_eq!(misfit(&noisy, DT), None, "{speed} m/s with noise, {heading} rad");
+            }
+        }
+        let shaky: Vec<_> =
+            (0..2000).map(|_| (Pose::new(stream.random(), stream.random(), stream.random()), 0.0)).collect();
+        assert_eq!(misfit(&shaky, DT), None, "a standing actor");
+    }
+
+    #[test]
+    fn units_that_do_not_fit_are_named() {
+        for heading in [-2.5, 0.4, 1.57] {
+            let track = driven(10.0, heading);
+            let said = |track: &[(Pose, f64)], dt| match misfit(track, dt) {
+                Some(Misfit::Speed { ratio, likely }) => format!("{ratio:.2}: {likely}"),
+                Some(Misfit::Heading { likely, .. }) => likely.to_owned(),
+                None => "nothing".to_owned(),
+            };
+            let scaled = |factor: f64| changed(&track, |pose, speed| (pose, factor * speed));
+            assert_eq!(said(&scaled(3.6), DT), "0.28: the speeds look like km/h; give m/s");
+            assert_eq!(said(&scaled(1.0 / 0.44704), DT), "0.45: the speeds look like mph; give m/s");
+            let step = "with these speeds an instant would be 0.05 s after the one before";
+            assert_eq!(said(&track, DT / 10.0), format!("10.00: {step}"));
+            assert_eq!(said(&track, DT * 2.0), format!("0.50: {step}"));
+            let degrees = said(&headed(&track, f64::to_degrees), DT);
+            assert_eq!(degrees, "the numbers look like degrees where radians are needed", "{heading}");
+        }
+        let along_y = headed(&driven(10.0, 1.57), f64::to_radians);
+        let Some(Misfit::Heading { degrees, likely }) = misfit(&along_y, DT) else { panic!("{along_y:?}") };
+        assert_eq!(likely, "the numbers look like radians where degrees are needed");
+        assert!((80.0..91.0).contains(&degrees), "{degrees}");
+    }
+}
