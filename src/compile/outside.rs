@@ -1,12 +1,13 @@
 //! Kinds of driving policies that need a program or a file in addition to their arguments.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::lowering::Lowering;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
-use world::av::onnx::{Model, Onnx, OnnxKeys};
+use world::av::onnx::{Model, Onnx, OnnxKeys, with_external_data};
 use world::env::PolicyMaker;
 
 /// A program, if the user allows programs. It is not started here.
@@ -41,7 +42,7 @@ impl Lowering<'_> {
         Some((program, opener))
     }
 
-    /// The network in the file of the key `model`, which is tried before it is loaded; none after reporting what is wrong.
+    /// The network in the file of the key `model`, with its constants in files beside it. It is tried before it is loaded; none after reporting what is wrong.
     pub fn network<T>(
         &mut self,
         declaration: &Declaration,
@@ -49,7 +50,10 @@ impl Lowering<'_> {
         load: impl FnOnce(Vec<u8>) -> Result<T, String>,
     ) -> Option<T> {
         let place = declaration.block.place("model");
-        let bytes = self.read.bytes(&self.beside(declaration, path)).map_err(|error| reason(&error));
+        let file = self.beside(declaration, path);
+        let read = |file: &Path| self.read.bytes(file).map_err(|error| reason(&error));
+        let bytes = read(&file)
+            .and_then(|bytes| with_external_data(bytes, &mut |constants| read(&file.with_file_name(constants))));
         if let (Ok(bytes), Some(trial)) = (&bytes, &self.catalog.network_trial)
             && let Err(reason) = trial(bytes)
         {

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::encoding::{Content, Refusal, fields, text, whole_numbers};
+
 /// The most elements of a constant.
 const MOST_ELEMENTS: u64 = 1 << 26;
 /// The most operators of a network.
@@ -22,9 +24,6 @@ const UNBOUNDED: [&str; 8] = [
 const SIZES: [&str; 9] =
     ["pads", "repeats", "shape", "kernel_shape", "scales", "strides", "dilations", "output_padding", "output_shape"];
 
-/// Why a file is refused.
-type Refusal = String;
-
 /// A message of the format, by its kind.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -39,12 +38,6 @@ enum Kind {
     Dimension,
     Operators,
     Entry,
-}
-
-#[derive(Clone, Copy)]
-enum Content<'a> {
-    Number(u64),
-    Bytes(&'a [u8]),
 }
 
 /// Checks a file. All evaluations of a network that passes have results of the same sizes.
@@ -239,7 +232,9 @@ fn tensor(bytes: &[u8]) -> Result<String, Refusal> {
             (6, Content::Bytes(_)) => tensor.listed += 1,
             (8, Content::Bytes(name)) => tensor.name = text(name),
             (9, Content::Bytes(raw)) => tensor.raw = raw.len() as u64,
-            (13, _) => return Err("a constant of it is in another file; export it as one file".into()),
+            (13, _) => {
+                return Err("a constant inside an operator of it is in another file; export it as one file".into());
+            }
             (2 | 6 | 8 | 9, _) => return Err("a part of it has the wrong type".into()),
             _ => {}
         }
@@ -284,70 +279,9 @@ fn inner(kind: Kind, field: u32) -> Option<Kind> {
     })
 }
 
-/// Calls a function with each field of a message.
-fn fields<'a>(
-    mut bytes: &'a [u8],
-    each: &mut dyn FnMut(u32, Content<'a>) -> Result<(), Refusal>,
-) -> Result<(), Refusal> {
-    let short = || "it ends in the middle of a value".to_owned();
-    while !bytes.is_empty() {
-        let tag = u32::try_from(varint(&mut bytes)?).map_err(|_| "it has a field without a number")?;
-        let content = match tag & 7 {
-            0 => Content::Number(varint(&mut bytes)?),
-            1 => Content::Number(u64::from_le_bytes(split(&mut bytes, 8)?.try_into().map_err(|_| short())?)),
-            2 => {
-                let length = usize::try_from(varint(&mut bytes)?).map_err(|_| short())?;
-                Content::Bytes(split(&mut bytes, length)?)
-            }
-            5 => Content::Number(u32::from_le_bytes(split(&mut bytes, 4)?.try_into().map_err(|_| short())?).into()),
-            _ => return Err("it has a field of no known encoding".into()),
-        };
-        if tag >> 3 == 0 {
-            return Err("it has a field without a number".into());
-        }
-        each(tag >> 3, content)?;
-    }
-    Ok(())
-}
-
-fn split<'a>(bytes: &mut &'a [u8], length: usize) -> Result<&'a [u8], Refusal> {
-    let (first, rest) = bytes.split_at_checked(length).ok_or("it ends in the middle of a value")?;
-    *bytes = rest;
-    Ok(first)
-}
-
-fn varint(bytes: &mut &[u8]) -> Result<u64, Refusal> {
-    let mut number = 0_u64;
-    for place in 0..10 {
-        let byte = split(bytes, 1)?[0];
-        number |= u64::from(byte & 0x7f).checked_shl(7 * place).unwrap_or(0);
-        if byte < 0x80 {
-            return Ok(number);
-        }
-    }
-    Err("it has a number of more than 64 bits".into())
-}
-
-/// Appends whole numbers, which are written one by one or together.
-fn whole_numbers(content: Content, to: &mut Vec<i64>) -> Result<(), Refusal> {
-    match content {
-        Content::Number(number) => to.push(number as i64),
-        Content::Bytes(mut bytes) => {
-            while !bytes.is_empty() {
-                to.push(varint(&mut bytes)? as i64);
-            }
-        }
-    }
-    Ok(())
-}
-
 /// The product of sizes; none if one is negative or the product has more than 64 bits.
 fn product(sizes: &[i64]) -> Option<u64> {
     sizes.iter().try_fold(1_u64, |product, size| product.checked_mul(u64::try_from(*size).ok()?))
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 #[cfg(test)]

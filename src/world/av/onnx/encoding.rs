@@ -1,0 +1,106 @@
+//! The encoding of an ONNX file: fields of protocol buffers. No length in them is trusted.
+
+/// Why a file is refused.
+pub type Refusal = String;
+
+/// The content of a field.
+#[derive(Clone, Copy)]
+pub enum Content<'a> {
+    Number(u64),
+    Bytes(&'a [u8]),
+}
+
+/// Takes the next field of a message: its number, its content, and its bytes as they stand; none at the end.
+///
+/// # Errors
+/// The bytes are no field.
+pub fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u32, Content<'a>, &'a [u8])>, Refusal> {
+    let short = || "it ends in the middle of a value".to_owned();
+    let whole = *bytes;
+    if whole.is_empty() {
+        return Ok(None);
+    }
+    let tag = u32::try_from(varint(bytes)?).map_err(|_| "it has a field without a number")?;
+    let content = match tag & 7 {
+        0 => Content::Number(varint(bytes)?),
+        1 => Content::Number(u64::from_le_bytes(split(bytes, 8)?.try_into().map_err(|_| short())?)),
+        2 => {
+            let length = usize::try_from(varint(bytes)?).map_err(|_| short())?;
+            Content::Bytes(split(bytes, length)?)
+        }
+        5 => Content::Number(u32::from_le_bytes(split(bytes, 4)?.try_into().map_err(|_| short())?).into()),
+        _ => return Err("it has a field of no known encoding".into()),
+    };
+    if tag >> 3 == 0 {
+        return Err("it has a field without a number".into());
+    }
+    Ok(Some((tag >> 3, content, &whole[..whole.len() - bytes.len()])))
+}
+
+/// Calls a function with each field of a message.
+///
+/// # Errors
+/// Those of [`field`] and of the function.
+pub fn fields<'a>(
+    mut bytes: &'a [u8],
+    each: &mut dyn FnMut(u32, Content<'a>) -> Result<(), Refusal>,
+) -> Result<(), Refusal> {
+    while let Some((number, content, _)) = field(&mut bytes)? {
+        each(number, content)?;
+    }
+    Ok(())
+}
+
+/// Appends a field with bytes.
+pub fn put(to: &mut Vec<u8>, number: u32, bytes: &[u8]) {
+    put_varint(to, u64::from(number << 3 | 2));
+    put_varint(to, bytes.len() as u64);
+    to.extend_from_slice(bytes);
+}
+
+fn put_varint(to: &mut Vec<u8>, mut number: u64) {
+    while number > 0x7f {
+        to.push(number as u8 | 0x80);
+        number >>= 7;
+    }
+    to.push(number as u8);
+}
+
+fn split<'a>(bytes: &mut &'a [u8], length: usize) -> Result<&'a [u8], Refusal> {
+    let (first, rest) = bytes.split_at_checked(length).ok_or("it ends in the middle of a value")?;
+    *bytes = rest;
+    Ok(first)
+}
+
+fn varint(bytes: &mut &[u8]) -> Result<u64, Refusal> {
+    let mut number = 0_u64;
+    for place in 0..10 {
+        let byte = split(bytes, 1)?[0];
+        number |= u64::from(byte & 0x7f).checked_shl(7 * place).unwrap_or(0);
+        if byte < 0x80 {
+            return Ok(number);
+        }
+    }
+    Err("it has a number of more than 64 bits".into())
+}
+
+/// Appends whole numbers, which are written one by one or together.
+///
+/// # Errors
+/// The bytes are no numbers.
+pub fn whole_numbers(content: Content, to: &mut Vec<i64>) -> Result<(), Refusal> {
+    match content {
+        Content::Number(number) => to.push(number as i64),
+        Content::Bytes(mut bytes) => {
+            while !bytes.is_empty() {
+                to.push(varint(&mut bytes)? as i64);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Bytes as text.
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
