@@ -262,7 +262,12 @@ struct Answers {
     actions: Vec<Action>,
 }
 
+/// The keys of an action.
+const ACTION: [&str; 6] = ["id", "throttle", "brake", "acceleration", "steer", "mode"];
+
+/// Keys are those of the revision that the driver speaks: an unknown one is a typo.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Action {
     id: u32,
     throttle: Option<f64>,
@@ -274,12 +279,24 @@ struct Action {
     mode: String,
 }
 
+/// Why a line is no answer.
+fn refusal(line: &[u8]) -> Fault {
+    let parsed: Option<serde_json::Value> = serde_json::from_slice(line).ok();
+    let actions = parsed.as_ref().and_then(|answer| answer.get("actions")?.as_array());
+    let mut keys =
+        actions.into_iter().flatten().filter_map(serde_json::Value::as_object).flat_map(|action| action.keys());
+    Fault::Answer(match keys.any(|key| !ACTION.contains(&key.as_str())) {
+        true => "an action with a key other than id, throttle, brake, acceleration, steer, mode",
+        false => "not the JSON of an answer",
+    })
+}
+
 /// Reads a driver's decisions for the requested worlds, in their order.
 ///
 /// # Errors
 /// The line is not an answer, or does not answer each world once.
 pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Decision>) -> Result<(), Fault> {
-    let answers: Answers = serde_json::from_slice(line).map_err(|_| Fault::Answer("not the JSON of an answer"))?;
+    let answers: Answers = serde_json::from_slice(line).map_err(|_| refusal(line))?;
     if answers.actions.len() != asked.len() {
         return Err(Fault::Answer("not one action for each world"));
     }
@@ -354,15 +371,17 @@ mod tests {
             let mut decisions = Vec::new();
             read_decisions(line.as_bytes(), &[3, 5], &mut decisions).map(|()| decisions)
         };
-        let good = read(
-            r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1,"new":0}]}"#,
-        );
+        let good =
+            read(r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1}]}"#);
         let pedals =
             Decision { pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 }, steer: -1.0, mode: DrivingMode::Unknown };
         let braking = Decision { pedals: Choice::Acceleration(-2.0), steer: 0.0, mode: DrivingMode::Yield };
         assert_eq!(good, Ok(vec![pedals, braking]));
+        let unknown = "an action with a key other than id, throttle, brake, acceleration, steer, mode";
         for (line, reason) in [
             ("turn left", "not the JSON of an answer"),
+            (r#"{"actions":[{"id":3,"throtle":1},{"id":5,"brake":1}]}"#, unknown),
+            (r#"{"actions":[{"id":3,"brake":0,"throtle":1},{"id":5,"brake":1}]}"#, unknown),
             (r#"{"actions":[{"id":3,"brake":NaN},{"id":5,"brake":1}]}"#, "not the JSON of an answer"),
             (r#"{"actions":[{"id":3,"brake":1}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"brake":1},{"id":3,"brake":1}]}"#, "not one action for each world"),
