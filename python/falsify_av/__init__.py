@@ -9,17 +9,21 @@ start the program ``falsify``, if it is installed. ``drivers`` has drivers under
 from gymnasium import register as _register
 
 from . import drivers, pedestrians, program
+from ._core import __version__
 from .environments import PedestrianEnv, PedestrianVectorEnv, make, make_vec
 from .evaluation import evaluate, onnx
 from .judgement import judge
 from .program import compare, export, failures, replay, run
 from .scenarios import Diagnostic, ScenarioError, check, scenarios
+from .worlds import RunUpWarning
 
 __all__ = [
     "Diagnostic",
     "PedestrianEnv",
     "PedestrianVectorEnv",
+    "RunUpWarning",
     "ScenarioError",
+    "__version__",
     "check",
     "compare",
     "drivers",

@@ -2,7 +2,8 @@
 
 A driver has one method ``drive(world)``. It gets what a driver in a separate program gets (``scenarios/external/README.md``): ``ego``,
 ``speed_limit``, ``light``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
-``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left). A method ``reset(hello, seed)`` is called before each episode, if there is
+``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left). Steer along ``route``: it leads to the start of the episode, and a driver
+that does not get there starts at rest. A method ``reset(hello, seed)`` is called before each episode, if there is
 one: ``hello`` describes the car, and ``seed`` is the only source of random numbers. A class with ``revision = 2`` also gets ``lanes``, and the ids
 of actors.
 
@@ -22,8 +23,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .suggestion import suggested
+
 _GREETING = {"protocol": "falsify-av/1", "name": "falsify_av"}
 _LIGHTS = {"green": 1.0, "yellow": 2.0, "red": 3.0}
+_PEDALS = ("throttle", "brake")
+_CONTROLS = (*_PEDALS, "acceleration", "steer", "mode")
 
 
 class Driver(Protocol):
@@ -43,6 +48,12 @@ class _Answers:
         self._hello: dict[str, Any] = {}
         self._drivers: dict[int, Driver] = {}
 
+    def _made(self) -> Driver:
+        driver = self._make()
+        if not callable(getattr(driver, "drive", None)):
+            raise TypeError(f"the driver is {type(driver).__name__}, which has no method `drive`")
+        return driver
+
     def __call__(self, message: bytes) -> bytes:
         request = json.loads(message)
         if request["type"] == "hello":
@@ -53,15 +64,46 @@ class _Answers:
     def _drive(self, world: dict[str, Any]) -> dict[str, Any]:
         number = world["id"]
         if number not in self._drivers:
-            self._drivers[number] = self._make()
+            self._drivers[number] = self._made()
         driver = self._drivers[number]
         reset = getattr(driver, "reset", None)
         if "seed" in world and reset is not None:
             reset(self._hello, world["seed"])
-        control = driver.drive(world)
-        if not isinstance(control, Mapping):
-            raise TypeError(f"drive returned {type(control).__name__}; return a dict with throttle and brake or acceleration, and steer")
-        return {"id": number, **{key: value if isinstance(value, str) else float(value) for key, value in control.items() if key != "id"}}
+        return {"id": number, **_checked(driver.drive(world))}
+
+
+def _checked(control: Mapping[str, Any]) -> dict[str, Any]:
+    """The control of a tick with its numbers as floats.
+
+    Raises:
+        TypeError: It is no mapping, or a value has the wrong type.
+        ValueError: A key is unknown, a number is not finite, or it says nothing of the speed.
+    """
+    if not isinstance(control, Mapping):
+        raise TypeError(f"drive returned {type(control).__name__}; return a dict with throttle and brake or acceleration, and steer")
+    checked: dict[str, Any] = {}
+    for key, value in control.items():
+        if key == "id":
+            continue
+        if key not in _CONTROLS:
+            raise ValueError(f"the driver gave a wrong answer: an action has no key `{key}`; {suggested(key, _CONTROLS)}")
+        if (key == "mode") != isinstance(value, str):
+            wanted = "a text" if key == "mode" else "a number"
+            raise TypeError(f"the driver gave a wrong answer: `{key}` is {value!r}, which is not {wanted}")
+        if key != "mode":
+            try:
+                value = float(value)
+            except (TypeError, ValueError):
+                kind = type(value).__name__
+                raise TypeError(f"the driver gave a wrong answer: `{key}` is of the type {kind}, which is not a number") from None
+            if not math.isfinite(value):
+                raise ValueError(f"the driver gave a wrong answer: `{key}` is {value}, which is not finite")
+        checked[key] = value
+    pedals = any(key in checked for key in _PEDALS)
+    if pedals == ("acceleration" in checked):
+        what = "both acceleration and pedals" if pedals else "neither throttle, brake nor acceleration"
+        raise ValueError(f"the driver gave a wrong answer: an action with {what}")
+    return checked
 
 
 def answering(make: Callable[[], Driver]) -> Callable[[], Callable[[bytes], bytes]]:
@@ -83,7 +125,7 @@ class OnnxDriver:
     """A network with the inputs ``ego``, ``actors`` and ``route`` as `scenarios/external/README.md` describes them.
 
     It runs in onnxruntime: ``driver=lambda: OnnxDriver("net.onnx")``, or with a session of your own. A scenario's ``policy p = onnx(model: …)``
-    needs no onnxruntime.
+    needs no onnxruntime. The two compute the same function with other last bits, so episodes drift apart: digests differ, outcomes seldom.
     """
 
     def __init__(self, model: Any) -> None:

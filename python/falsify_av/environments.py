@@ -10,7 +10,7 @@ the left) and ``speed`` (m/s). It is kept for the ticks that the scenario's ``ho
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -18,7 +18,13 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from .scenarios import Files
 from .worlds import SIZE, Closable, action_space, checked_seed, episode_option, numbers_of, observation_space, started
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .worlds import Options
 
 
 class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
@@ -38,12 +44,21 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
         driver: A class, or a function without arguments, that makes the driver under test; it takes the place of the scenario's policy
             (:mod:`falsify_av.drivers`). An exception of a driver is raised by the call in which it drove.
         render_mode: ``"rgb_array"`` for pictures from above (256 by 256 pixels, 60 m, north up), or none.
+
+    Warns:
+        RunUpWarning: The driver did not reach more than a twentieth of its starts; ``placed`` of the info is then true.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 1}
 
     def __init__(
-        self, scenario: Any = None, campaign: str | None = None, *, seed: int = 1, render_mode: str | None = None, **options: Any
+        self,
+        scenario: Files | None = None,
+        campaign: str | None = None,
+        *,
+        seed: int = 1,
+        render_mode: str | None = None,
+        **options: Unpack[Options],
     ) -> None:
         self._make(1, scenario, campaign, seed, render_mode, options)
         self.observation_space = observation_space(self.core, self.core.pedestrians)
@@ -62,6 +77,7 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
         if seed is not None:
             core.reseed(np.array([seed], np.int64))
         states = core.reset(np.ones(1, np.bool_), np.array([episode], np.int64))
+        self._began()
         return states[0], started(core, 0)
 
     def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
@@ -106,14 +122,14 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
 
     def __init__(
         self,
-        scenario: Any = None,
+        scenario: Files | None = None,
         campaign: str | None = None,
         *,
         num_envs: int = 1,
         autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
         seed: int = 1,
         render_mode: str | None = None,
-        **options: Any,
+        **options: Unpack[Options],
     ) -> None:
         self._autoreset = {
             AutoresetMode.NEXT_STEP: "next_step",
@@ -156,6 +172,7 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
             core.reseed(np.array(given, np.int64))
         states = core.reset(mask, np.full(self.num_envs, episode, np.int64))
         self._over = self._over & ~mask
+        self._began()
         infos: dict[str, Any] = {}
         for world in np.flatnonzero(mask):
             infos = self._add_info(infos, started(core, int(world)), int(world))
@@ -168,7 +185,10 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
         core = self._open()
         numbers = numbers_of(actions, self.action_space.shape)
         states, rewards, terminated, truncated, last = core.step(numbers, self._autoreset)
-        over, infos = terminated | truncated, {}
+        over: NDArray[np.bool_] = terminated | truncated
+        infos: dict[str, Any] = {}
+        if last is not None or self._over.any():
+            self._began()
         if last is None:
             begun = self._over if self._autoreset == "next_step" else np.zeros_like(over)
             for world in np.flatnonzero(over | begun):
@@ -197,11 +217,29 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
         return self._open().trace(world)
 
 
-def make(scenario: Any = None, campaign: str | None = None, **options: Any) -> PedestrianEnv:
-    """Make a Gymnasium environment of a scenario; the options are those of :class:`PedestrianEnv`."""
-    return PedestrianEnv(scenario, campaign, **options)
+def make(
+    scenario: Files | None = None,
+    campaign: str | None = None,
+    *,
+    seed: int = 1,
+    render_mode: str | None = None,
+    **options: Unpack[Options],
+) -> PedestrianEnv:
+    """Make a Gymnasium environment of a scenario; the arguments are those of :class:`PedestrianEnv`."""
+    return PedestrianEnv(scenario, campaign, seed=seed, render_mode=render_mode, **options)
 
 
-def make_vec(scenario: Any = None, num_envs: int = 1, *, campaign: str | None = None, **options: Any) -> PedestrianVectorEnv:
-    """Make a Gymnasium vector environment of a scenario; the options are those of :class:`PedestrianVectorEnv`."""
-    return PedestrianVectorEnv(scenario, campaign, num_envs=num_envs, **options)
+def make_vec(
+    scenario: Files | None = None,
+    num_envs: int = 1,
+    *,
+    campaign: str | None = None,
+    autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
+    seed: int = 1,
+    render_mode: str | None = None,
+    **options: Unpack[Options],
+) -> PedestrianVectorEnv:
+    """Make a Gymnasium vector environment of a scenario; the arguments are those of :class:`PedestrianVectorEnv`."""
+    return PedestrianVectorEnv(
+        scenario, campaign, num_envs=num_envs, autoreset_mode=autoreset_mode, seed=seed, render_mode=render_mode, **options
+    )

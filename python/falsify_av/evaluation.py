@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+import os
+import warnings
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
-from numpy.typing import NDArray
 
 from .environments import PedestrianVectorEnv
+from .pedestrians import Pedestrian
 from .progress import Progress, shown
-from .worlds import checked_seed
+from .scenarios import Files
+from .worlds import RunUpWarning, checked_seed, failed_run_ups, numbers_of
 
-#: Takes the states of some worlds, one a row, and returns an action for each.
-Pedestrian = Callable[[NDArray[np.float32]], NDArray[np.floating[Any]]]
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .worlds import Options
 
 
 def evaluate(
     pedestrian: Pedestrian,
-    scenario: Any = None,
+    scenario: Files | None = None,
     campaign: str | None = None,
     *,
     episodes: int,
     seed: int = 1,
     num_envs: int = 64,
     progress: bool | Progress = False,
-    **options: Any,
+    **options: Unpack[Options],
 ) -> list[dict[str, Any]]:
     """Run episodes 0, 1, ... of a seed with a pedestrian, and return what each ended with, in their order.
 
@@ -40,6 +44,9 @@ def evaluate(
         seed: The seed of the campaign.
         num_envs: The most episodes that run at once.
         progress: ``True`` for a bar in a terminal or a notebook, or a function that is called with the episodes done and all episodes.
+
+    Warns:
+        RunUpWarning: The driver did not reach more than a twentieth of its starts; ``placed`` of a row is then true.
     """
     if episodes < 1:
         raise ValueError(f"the number of episodes is {episodes}; give at least 1")
@@ -53,29 +60,36 @@ def evaluate(
     states = core.reset(mask, number)
     rows: dict[int, dict[str, Any]] = {}
     following = worlds
-    left = episodes
     tell = shown(progress, "episodes")
-    while left:
-        actions = np.asarray(pedestrian(states))
-        states, _, terminated, truncated, _ = env.step(actions)
-        over = terminated | truncated
+    running = mask
+    while running.any():
+        # A world without a further episode rests. Its last state stays among the rows, and its action is ignored.
+        actions = numbers_of(pedestrian(states), env.action_space.shape)
+        states, _, terminated, truncated, _ = core.step(actions, "rest")
+        over = running & (terminated | truncated)
+        if not over.any():
+            continue
         for world in np.flatnonzero(over):
             row = core.end(int(world)) or {}
             rows[row["episode"]] = row
-            left -= row["episode"] < episodes
             number[world] = following
             following += 1
-        if over.any():
-            tell(episodes - left, episodes)
-            # A world without an episode of its own starts another one all the same; its row is not used.
-            states = core.reset(over, number)
-    return [rows[episode] for episode in range(episodes)]
+        tell(len(rows), episodes)
+        again = over & (number < episodes)
+        running = running & ~over | again
+        if again.any():
+            states = core.reset(again, number)
+    ends = [rows[episode] for episode in range(episodes)]
+    text = failed_run_ups(sum(row["placed"] for row in ends), sum(row["run_up_ticks"] > 0 for row in ends))
+    if text:
+        warnings.warn(text, RunUpWarning, stacklevel=2)
+    return ends
 
 
-def onnx(path: Any) -> Pedestrian:
+def onnx(path: str | os.PathLike[str]) -> Pedestrian:
     """A pedestrian of an ONNX file with one input of states and actions as its first output. It needs ``pip install onnxruntime``."""
     import onnxruntime
 
     session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
     name = session.get_inputs()[0].name
-    return lambda states: session.run(None, {name: states})[0]
+    return lambda states: cast("np.ndarray[Any, Any]", session.run(None, {name: states})[0])

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .scenarios import choose
+from .scenarios import Files, choose
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .scenarios import Selection
 
 
 def _rows(name: str, numbers: ArrayLike) -> NDArray[np.float64]:
@@ -29,8 +34,9 @@ def judge(
     width: float | None = None,
     radius: float | None = None,
     boxes: ArrayLike | None = None,
-    scenario: Any = None,
-    **options: Any,
+    scenario: Files | None = None,
+    campaign: str | None = None,
+    **options: Unpack[Selection],
 ) -> dict[str, Any]:
     """Judge the first touch of a car and a pedestrian: would a careful driver have avoided it?
 
@@ -46,7 +52,7 @@ def judge(
         length, width: Size of the car (m).
         radius: Radius of the pedestrian (m).
         boxes: Obstacles that hide the pedestrian and stop it: rows of x, y, heading, length, width (m, rad).
-        scenario, options: A scenario, chosen as by :func:`falsify_av.make`. It gives the sizes and the obstacles that no other argument gives.
+        scenario, campaign, options: A scenario, chosen as by :func:`falsify_av.make`. It gives the sizes and the obstacles that no other argument gives.
             Without it they are those of the paper (4.79 m by 2.16 m, 0.188 m), on an empty plane.
 
     Returns:
@@ -55,9 +61,10 @@ def judge(
         ``least_gap_m``, ``min_ttc_s`` and ``pet_s``. A number that does not apply is not a number.
 
     Raises:
-        ValueError: The arrays have other shapes or lengths, or a number that is not finite or out of its range.
+        ValueError: The arrays have other shapes or lengths, a number that is not finite or out of its range, or units that do not fit each
+            other: speeds explain how far an actor moves in ``dt``, and it moves where it heads, or backwards.
     """
-    chosen = choose(scenario, options)
+    chosen = choose(scenario, {"campaign": campaign, **options})
     if boxes is None and scenario is None:
         boxes = np.zeros((0, 5))
     obstacles = None if boxes is None else np.zeros((0, 5)) if np.size(boxes) == 0 else _rows("boxes", boxes)

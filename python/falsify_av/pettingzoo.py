@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from pettingzoo import ParallelEnv
 
+from .scenarios import Files
 from .worlds import SIZE, Closable, action_space, checked_seed, episode_option, numbers_of, observation_space, started
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .worlds import Options
 
 
 class PedestriansEnv(Closable, ParallelEnv):
@@ -23,7 +29,13 @@ class PedestriansEnv(Closable, ParallelEnv):
     }
 
     def __init__(
-        self, scenario: Any = None, campaign: str | None = None, *, seed: int = 1, render_mode: str | None = None, **options: Any
+        self,
+        scenario: Files | None = None,
+        campaign: str | None = None,
+        *,
+        seed: int = 1,
+        render_mode: str | None = None,
+        **options: Unpack[Options],
     ) -> None:
         self._make(1, scenario, campaign, seed, render_mode, options)
         self.possible_agents = [f"pedestrian_{number}" for number in range(self.core.pedestrians)]
@@ -53,6 +65,7 @@ class PedestriansEnv(Closable, ParallelEnv):
             core.reseed(np.array([checked_seed(seed)], np.int64))
         states = core.reset(np.ones(1, np.bool_), np.array([episode], np.int64))
         self.agents = self.possible_agents[:]
+        self._began()
         return self._observations(states[0]), {agent: started(core, 0) for agent in self.agents}
 
     def step(self, actions: dict[str, np.ndarray]) -> tuple[dict, dict, dict, dict, dict]:
@@ -85,6 +98,13 @@ class PedestriansEnv(Closable, ParallelEnv):
         self._closed = True
 
 
-def parallel_env(scenario: Any = None, campaign: str | None = None, **options: Any) -> PedestriansEnv:
-    """Make a parallel environment of a scenario; the options are those of :class:`PedestriansEnv`."""
-    return PedestriansEnv(scenario, campaign, **options)
+def parallel_env(
+    scenario: Files | None = None,
+    campaign: str | None = None,
+    *,
+    seed: int = 1,
+    render_mode: str | None = None,
+    **options: Unpack[Options],
+) -> PedestriansEnv:
+    """Make a parallel environment of a scenario; the arguments are those of :class:`PedestriansEnv`."""
+    return PedestriansEnv(scenario, campaign, seed=seed, render_mode=render_mode, **options)

@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from .progress import Progress, shown
 
@@ -230,19 +230,32 @@ def compare(
 
 
 def export(
-    name: str, form: str, *, report: str | os.PathLike[str] = "reports", to: str | os.PathLike[str] = ".", arguments: Sequence[str] = ()
+    name: str,
+    form: str,
+    *,
+    report: str | os.PathLike[str] = "reports",
+    to: str | os.PathLike[str] = ".",
+    ego: Literal["recorded", "user"] = "recorded",
+    arguments: Sequence[str] = (),
 ) -> list[Path]:
     """Write an episode ``RUN:EPISODE`` for another program and return the new and the changed files.
 
-    ``form`` is a format of ``falsify export --formats``, such as ``"xosc-1.3"``.
+    Args:
+        name: The episode.
+        form: A format of ``falsify export --formats``, such as ``"xosc-1.3"``.
+        report: A report, or a folder of reports.
+        to: The folder for the files.
+        ego: ``"recorded"``: the ego follows its recorded track; ``"user"``: it starts as recorded, and your controller drives it.
+        arguments: Further arguments of ``falsify export``.
     """
     folder = Path(to)
     folder.mkdir(parents=True, exist_ok=True)
     before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
-    call("export", name, "--as", form, "--report", os.fspath(report), "--out", os.fspath(folder), *arguments)
+    driven = [] if ego == "recorded" else ["--ego", ego]
+    call("export", name, "--as", form, "--report", os.fspath(report), "--out", os.fspath(folder), *driven, *arguments)
     return sorted(path for path in folder.iterdir() if before.get(path) != path.stat().st_mtime_ns)
 
 
-def replay(name: str, *, out: str | os.PathLike[str] = "reports", arguments: Sequence[str] = ()) -> dict[str, Any]:
+def replay(name: str, *, report: str | os.PathLike[str] = "reports", arguments: Sequence[str] = ()) -> dict[str, Any]:
     """Repeat an episode ``RUN:EPISODE`` of a report and compare it with the report."""
-    return json.loads(call("replay", name, "--report", os.fspath(out), "--json", *arguments))
+    return json.loads(call("replay", name, "--report", os.fspath(report), "--json", *arguments))

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 
-from .worlds import SIZE, Closable, action_space, checked_seed, numbers_of, observation_space
+from .scenarios import Files
+from .worlds import SIZE, Closable, action_space, checked_seed, numbers_of, observation_space, started
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .worlds import Options
 
 
 class PedestrianVecEnv(Closable, VecEnv):
@@ -20,13 +26,13 @@ class PedestrianVecEnv(Closable, VecEnv):
 
     def __init__(
         self,
-        scenario: Any = None,
+        scenario: Files | None = None,
         num_envs: int = 1,
         *,
         campaign: str | None = None,
         seed: int = 1,
         render_mode: str | None = None,
-        **options: Any,
+        **options: Unpack[Options],
     ) -> None:
         self._make(num_envs, scenario, campaign, seed, render_mode, options)
         self._actions: np.ndarray | None = None
@@ -46,7 +52,8 @@ class PedestrianVecEnv(Closable, VecEnv):
         self._reset_options()
         self._lengths[:] = 0
         states = core.reset(np.ones(self.num_envs, np.bool_), np.array(episodes, np.int64))
-        self.reset_infos = [dict(zip(("seed", "episode"), core.place(world) or ())) for world in range(self.num_envs)]
+        self.reset_infos = [started(core, world) for world in range(self.num_envs)]
+        self._began()
         return states
 
     def step_async(self, actions: np.ndarray) -> None:
@@ -65,6 +72,7 @@ class PedestrianVecEnv(Closable, VecEnv):
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if last is None:
             return states, rewards.astype(np.float32), terminated, infos
+        self._began()
         over = terminated | truncated
         for world in np.flatnonzero(over):
             info = core.end(int(world)) or {}
@@ -111,6 +119,14 @@ class PedestrianVecEnv(Closable, VecEnv):
         return [False for _ in self._chosen(indices)]
 
 
-def make_vec(scenario: Any = None, num_envs: int = 1, **options: Any) -> PedestrianVecEnv:
-    """Make a ``VecEnv`` of a scenario; the options are those of :class:`PedestrianVecEnv`."""
-    return PedestrianVecEnv(scenario, num_envs, **options)
+def make_vec(
+    scenario: Files | None = None,
+    num_envs: int = 1,
+    *,
+    campaign: str | None = None,
+    seed: int = 1,
+    render_mode: str | None = None,
+    **options: Unpack[Options],
+) -> PedestrianVecEnv:
+    """Make a ``VecEnv`` of a scenario; the arguments are those of :class:`PedestrianVecEnv`."""
+    return PedestrianVecEnv(scenario, num_envs, campaign=campaign, seed=seed, render_mode=render_mode, **options)

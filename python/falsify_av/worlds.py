@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,8 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from . import _core
-from .drivers import answering
-from .scenarios import choose
+from .drivers import Driver, answering
+from .scenarios import Files, Selection, choose
 
 #: The numbers of an observation of one pedestrian, in order.
 OBSERVATION = ("bearing", "distance", "relative_heading", "speed")
@@ -22,6 +23,29 @@ ACTION = ("heading", "speed")
 _FARTHEST, _FASTEST = 1e5, 1e3
 #: Pixels of a picture from side to side.
 SIZE = 256
+#: The share of run-ups that a driver may fail without a warning: that of reports.
+_FAILED = 0.05
+
+
+class Options(Selection, total=False):
+    """The options of environments besides the scenario, its campaign and the seed."""
+
+    #: A class, or a function without arguments, that makes the driver under test; it takes the place of the scenario's policy.
+    driver: Callable[[], Driver] | None
+
+
+class RunUpWarning(UserWarning):
+    """The driver often does not reach the starts of its episodes, as one that does not follow ``route``. It starts there at rest."""
+
+
+def failed_run_ups(failed: int, all_of_them: int) -> str:
+    """The text of the warning; empty if no more than a twentieth of the run-ups failed."""
+    if failed <= _FAILED * all_of_them:
+        return ""
+    return (
+        f"the driver did not reach its start in {failed} of {all_of_them} run-ups, and was placed there at rest: see whether it steers along "
+        "`route`; `placed` is true in the infos and the rows of these episodes"
+    )
 
 
 def observation_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
@@ -39,7 +63,7 @@ def action_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
     return spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
 
 
-def make_worlds(count: int, scenario: Any, seed: int, options: Mapping[str, Any]) -> _core.Worlds:
+def make_worlds(count: int, scenario: Files | None, seed: int, options: Mapping[str, Any]) -> _core.Worlds:
     """Worlds of one scenario of the files; ``options`` are those of :func:`make`."""
     options = dict(options)
     driver = options.pop("driver", None)
@@ -84,21 +108,28 @@ def numbers_of(action: Any, shape: tuple[int, ...]) -> NDArray[Any]:
 
 
 def started(core: _core.Worlds, world: int) -> dict[str, Any]:
+    """The info of an episode that has just started."""
     place = core.place(world)
-    return {} if place is None else {"seed": place[0], "episode": place[1]}
+    if place is None:
+        return {}
+    ticks, placed = core.run_up(world)
+    return {"seed": place[0], "episode": place[1], "run_up_ticks": ticks, "placed": placed}
 
 
 class Closable:
     """The compiled worlds of an environment, until it is closed."""
 
     core: _core.Worlds
+    render_mode: str | None
     _closed = False
+    _warned = False
 
     def _make(
-        self, count: int, scenario: Any, campaign: str | None, seed: int, render_mode: str | None, options: Mapping[str, Any]
+        self, count: int, scenario: Files | None, campaign: str | None, seed: int, render_mode: str | None, options: Mapping[str, Any]
     ) -> None:
         if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"there is no render mode {render_mode!r}; there is 'rgb_array'")
+            human = ", which gymnasium.wrappers.HumanRendering shows in a window (it needs pygame)" if render_mode == "human" else ""
+            raise ValueError(f"there is no render mode {render_mode!r}; there is 'rgb_array'{human}")
         self.core = make_worlds(count, scenario, seed, {"campaign": campaign, **options})
         self.render_mode = render_mode
 
@@ -106,3 +137,10 @@ class Closable:
         if self._closed:
             raise RuntimeError("the environment is closed")
         return self.core
+
+    def _began(self) -> None:
+        """Warn once, when more than a twentieth of the run-ups up to now has failed."""
+        text = "" if self._warned else failed_run_ups(*self.core.run_ups())
+        if text:
+            self._warned = True
+            warnings.warn(text, RunUpWarning, stacklevel=3)

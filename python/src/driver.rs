@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use world::av::Fault;
@@ -76,6 +77,11 @@ impl Link for PythonLink {
     fn exact(&mut self, _bytes: &mut [u8]) -> Result<(), Fault> {
         // It greets with JSON, so no message has a length.
         Err(Fault::Ended)
+    }
+
+    fn note(&self, text: &str) {
+        // A program's wrong answer ends its episode; here it is a mistake in the caller's own code.
+        self.raised.note(PyValueError::new_err(format!("the driver {text}")));
     }
 }
 

@@ -38,6 +38,8 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("ticks", outcome.ticks)?;
     dict.set_item("episode_length_s", outcome.duration)?;
     dict.set_item("least_gap_m", outcome.least_gap)?;
+    dict.set_item("run_up_ticks", outcome.run_up)?;
+    dict.set_item("placed", outcome.run_up > 0 && outcome.spawn.ego_speed == 0.0)?;
     dict.set_item("driving_mode", outcome.last_mode.name())?;
     dict.set_item("start", format!("{:016x}", outcome.start))?;
     dict.set_item("digest", format!("{:016x}", outcome.digest))?;

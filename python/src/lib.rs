@@ -20,4 +20,10 @@ mod _core {
     use super::scenarios::{Choice, Scenarios, load};
     #[pymodule_export]
     use super::worlds::Worlds;
+
+    /// Adds the version of the simulator.
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        pyo3::types::PyModuleMethods::add(module, "__version__", env!("CARGO_PKG_VERSION"))
+    }
 }

@@ -1,15 +1,16 @@
 //! Scenario files, and the choice of one scenario of them.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use base::diagnostic::{Colour, Severity, Sources, records, render};
 use base::files;
 use compile::{Catalog, Overrides, Plan, compile_with};
-use lang::Reader;
+use lang::{Reader, Unreadable};
 use numpy::PyReadonlyArray2;
 use process::ProcessOpener;
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use world::env::Scenario;
@@ -120,8 +121,7 @@ pub fn load(
         };
         let mut sources = Sources::default();
         let overrides = Overrides { maps: maps.into_iter().collect(), settings, ..Overrides::default() };
-        let compiled = compile_with(&files, &overrides, &catalog, &Disk, &mut sources)
-            .map_err(|error| PyOSError::new_err(format!("cannot read `{}`: {}", error.path.display(), error.source)))?;
+        let compiled = compile_with(&files, &overrides, &catalog, &Disk, &mut sources).map_err(unreadable)?;
         let text: Vec<String> = compiled.diagnostics.iter().map(|each| render(each, &sources, Colour::Never)).collect();
         let known = records(&compiled.diagnostics, &sources);
         let known = serde_json::to_string(&known).map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -134,6 +134,16 @@ pub fn load(
             plan.map(|plan| Scenarios { choices: choices(&plan), without_campaigns: plan.without_campaigns() });
         Ok((scenarios, text.join("\n"), known))
     })
+}
+
+/// The exception of a file that cannot be read.
+fn unreadable(error: Unreadable) -> PyErr {
+    match error.source.kind() {
+        ErrorKind::NotFound => PyFileNotFoundError::new_err(error.to_string()),
+        ErrorKind::IsADirectory => PyIsADirectoryError::new_err(error.to_string()),
+        ErrorKind::PermissionDenied => PyPermissionError::new_err(error.to_string()),
+        _ => PyOSError::new_err(error.to_string()),
+    }
 }
 
 #[pymethods]

@@ -42,6 +42,10 @@ pub struct World {
     started_over: bool,
     /// The end of the last episode.
     pub end: Option<End>,
+    /// Whether the driver did not reach the start of the present episode in its run-up.
+    pub placed: bool,
+    /// The run-ups that did not reach their start, and all of them.
+    pub run_ups: (u64, u64),
 }
 
 /// The step of an episode that has just started.
@@ -64,6 +68,8 @@ impl World {
             step: FIRST,
             started_over: false,
             end: None,
+            placed: false,
+            run_ups: (0, 0),
         }
     }
 
@@ -79,6 +85,9 @@ impl World {
     pub fn reset(&mut self, episode: Option<u64>) {
         let number = episode.unwrap_or_else(|| self.episode.map_or(0, |last| last.wrapping_add(1)));
         self.env.begin(number);
+        let has_run_up = self.env.run_up_ticks() > 0;
+        self.placed = has_run_up && self.env.world().ego().state.speed == 0.0;
+        self.run_ups = (self.run_ups.0 + u64::from(self.placed), self.run_ups.1 + u64::from(has_run_up));
         self.trace.begin(self.env.world());
         self.env.write_state(&mut self.state);
         (self.episode, self.step, self.started_over) = (Some(number), FIRST, false);

@@ -32,6 +32,8 @@ enum Autoreset {
     NextStep,
     /// In the same step.
     SameStep,
+    /// When it is reset; until then steps leave it as it is.
+    Rest,
 }
 
 /// What a step returns: states, rewards, terminated, truncated, and with `same_step` the last states of episodes that ended.
@@ -200,12 +202,13 @@ impl Worlds {
         Ok(states.into_pyarray(py))
     }
 
-    /// Takes one decision in each world. `autoreset` is `never`, `next_step` or `same_step`.
+    /// Takes one decision in each world. `autoreset` is `never`, `next_step`, `same_step` or `rest`.
     fn step<'py>(&mut self, py: Python<'py>, actions: Actions<'_>, autoreset: &str) -> PyResult<Stepped<'py>> {
         let autoreset = match autoreset {
             "never" => Autoreset::Never,
             "next_step" => Autoreset::NextStep,
             "same_step" => Autoreset::SameStep,
+            "rest" => Autoreset::Rest,
             other => return Err(PyValueError::new_err(format!("there is no autoreset `{other}`"))),
         };
         let width = self.scenario.cast.action_bounds().len();
@@ -234,6 +237,18 @@ impl Worlds {
     /// The seed and the number of the present episode of a world; none before the first.
     fn place(&mut self, world: usize) -> PyResult<Option<(u64, u64)>> {
         Ok(self.world(world)?.place())
+    }
+
+    /// The ticks of the run-up to the present episode of a world, and whether the driver did not reach its start and was placed there.
+    fn run_up(&mut self, world: usize) -> PyResult<(u32, bool)> {
+        let world = self.world(world)?;
+        Ok((world.env().run_up_ticks(), world.placed))
+    }
+
+    /// The run-ups of all worlds up to now: how many did not reach their start, and how many there were.
+    fn run_ups(&mut self) -> (u64, u64) {
+        let each = self.worlds().iter().map(|world| world.run_ups);
+        each.fold((0, 0), |sum, run_ups| (sum.0 + run_ups.0, sum.1 + run_ups.1))
     }
 
     /// The outcome and the verdict of the last episode that ended in a world, as a new dictionary; none before the first end.
@@ -314,7 +329,8 @@ fn step<T: Copy + Into<f64> + Sync>(
         return Err(PyValueError::new_err(text));
     }
     for (index, (world, action)) in worlds.iter().zip(actions.rows()).enumerate() {
-        let dead = autoreset == Autoreset::NextStep && world.place().is_some() && !world.is_running();
+        let waits = [Autoreset::NextStep, Autoreset::Rest].contains(&autoreset);
+        let dead = waits && world.place().is_some() && !world.is_running();
         if !dead && !world.is_running() {
             let text = match world.place() {
                 None => format!("world {index} has no episode yet; call reset before step"),
@@ -330,8 +346,12 @@ fn step<T: Copy + Into<f64> + Sync>(
     let seen = actions.view();
     py.detach(|| {
         each(worlds, |index, world| {
-            if autoreset == Autoreset::NextStep && !world.is_running() {
-                return world.reset(None);
+            if !world.is_running() {
+                match autoreset {
+                    Autoreset::NextStep => return world.reset(None),
+                    Autoreset::Rest => return,
+                    Autoreset::Never | Autoreset::SameStep => {}
+                }
             }
             world.decide(seen.row(index).iter().map(|number| (*number).into()));
             if autoreset == Autoreset::SameStep && world.step.done() {

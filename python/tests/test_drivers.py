@@ -175,6 +175,56 @@ def test_exceptions_of_a_driver_are_its_own(scenario):
         falsify_av.make(scenario, driver="behavior", **CHOICE)
 
 
+@pytest.mark.parametrize(
+    ("control", "error", "text"),
+    [
+        ({"throtle": 1.0}, ValueError, "no key `throtle`; did you mean `throttle`?"),
+        ({"throttle": 0.3, "steering": 0.1}, ValueError, "no key `steering`; did you mean `steer`?"),
+        ({"brake": 1.0, "horn": 1}, ValueError, "no key `horn`; there is throttle, brake, acceleration, steer, mode"),
+        ({}, ValueError, "neither throttle, brake nor acceleration"),
+        ({"steer": 0.1}, ValueError, "neither throttle, brake nor acceleration"),
+        ({"brake": 1.0, "acceleration": 1.0}, ValueError, "both acceleration and pedals"),
+        ({"acceleration": math.nan}, ValueError, "`acceleration` is nan, which is not finite"),
+        ({"brake": "1.0"}, TypeError, "`brake` is '1.0', which is not a number"),
+        ({"brake": [1.0]}, TypeError, "`brake` is of the type list, which is not a number"),
+        ({"brake": 1.0, "mode": 3}, TypeError, "`mode` is 3, which is not a text"),
+    ],
+)
+def test_wrong_answers_are_exceptions_that_name_the_key(scenario, control, error, text):
+    class Mistaken:
+        def drive(self, world):
+            return control
+
+    def standing(states):
+        return np.zeros((len(states), 2))
+
+    env = falsify_av.make(scenario, driver=Mistaken, **CHOICE)
+    env.reset(seed=1)
+    with pytest.raises(error) as raised:
+        env.step(np.zeros(2, np.float32))
+    assert str(raised.value).startswith("the driver gave a wrong answer: ") and text in str(raised.value)
+    with pytest.raises(error):
+        falsify_av.evaluate(standing, scenario, episodes=3, driver=Mistaken, **CHOICE)
+
+
+def test_a_driver_that_cannot_be_greeted_is_an_exception(scenario):
+    class Newer(Cruise):
+        revision = 3
+
+    env = falsify_av.make(scenario, driver=Newer, **CHOICE)
+    env.reset(seed=1)
+    with pytest.raises(ValueError, match="the driver greeted wrongly"):
+        env.step(np.zeros(2, np.float32))
+
+    class Idle:
+        pass
+
+    env = falsify_av.make(scenario, driver=Idle, **CHOICE)
+    env.reset(seed=1)
+    with pytest.raises(TypeError, match="the driver is Idle, which has no method `drive`"):
+        env.step(np.zeros(2, np.float32))
+
+
 def test_a_network_drives_as_in_the_language(tmp_path):
     pytest.importorskip("onnxruntime")
     model = REPOSITORY / "tests/reference/onnx/follow.onnx"
@@ -187,6 +237,22 @@ def test_a_network_drives_as_in_the_language(tmp_path):
     assert [end["outcome"] for end in ours] == [end["outcome"] for end in other]
     for one, two in zip(ours, other):
         assert one["least_gap_m"] == pytest.approx(two["least_gap_m"], abs=0.05)
+
+
+def test_the_constants_of_a_network_may_be_in_a_file_beside_it(tmp_path):
+    networks = REPOSITORY / "tests/reference/onnx"
+    text = Path(__file__).with_name("short.scn").read_text()
+    ends = []
+    for name in ("follow.onnx", "follow_apart.onnx"):
+        (tmp_path / name).write_bytes((networks / name).read_bytes())
+        named = text.replace("episode ten", f'policy net = onnx(model: "{name}")\nepisode ten', 1).replace("[behavior, blind]", "[net]", 1)
+        (tmp_path / "net.scn").write_text(named)
+        if "apart" in name:
+            with pytest.raises(falsify_av.ScenarioError, match="its constants are in `follow_apart.onnx.data`: there is no such file"):
+                falsify_av.make(tmp_path / "net.scn", **{**CHOICE, "policy": "net"})
+            (tmp_path / f"{name}.data").write_bytes((networks / f"{name}.data").read_bytes())
+        ends.append([end["digest"] for end in walk(falsify_av.make(tmp_path / "net.scn", **{**CHOICE, "policy": "net"}), 4)])
+    assert ends[0] == ends[1]
 
 
 def test_a_network_gets_the_car_s_view():
@@ -206,6 +272,55 @@ def test_a_network_gets_the_car_s_view():
     route = driver._input("route", [1, 3, 3], world)
     assert np.allclose(route[0, 0], 0) and np.array_equal(route[0, 1], route[0, 2])
     assert set(driver.drive(world)) in ({"acceleration", "steer"}, {"throttle", "brake", "steer"})
+
+
+def test_a_network_walks_as_a_program_as_it_is_evaluated(program, tmp_path):
+    pytest.importorskip("onnxruntime")
+    onnx = pytest.importorskip("onnx")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    from onnx import TensorProto, helper
+
+    # It gets 32-bit floats or fails: those that do not fit 32 bits would also give other digests.
+    constants = [
+        helper.make_tensor("weights", TensorProto.FLOAT, [4, 2], [0.7, 0.0, 0.01, 0.1, 0.3, 0.2, 0.0, 0.01]),
+        helper.make_tensor("bias", TensorProto.FLOAT, [2], [0.1, 2.0]),
+    ]
+    graph = helper.make_graph(
+        [helper.make_node("Gemm", ["states", "weights", "bias"], ["actions"])],
+        "walker",
+        [helper.make_tensor_value_info("states", TensorProto.FLOAT, ["worlds", 4])],
+        [helper.make_tensor_value_info("actions", TensorProto.FLOAT, ["worlds", 2])],
+        constants,
+    )
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8)
+    onnx.save(model, tmp_path / "walker.onnx")
+    (tmp_path / "network.py").write_text('import falsify_av\nfalsify_av.pedestrians.serve(falsify_av.onnx("walker.onnx"))\n')
+    (tmp_path / "plain.py").write_text(
+        "import falsify_av, numpy as np\n"
+        "def choose(states):\n"
+        "    assert states.dtype == np.float32, states.dtype\n"
+        "    return states[:, :2] * np.float32(0.7) + np.array([0.1, 2.0], np.float32)\n"
+    )
+    (tmp_path / "served.py").write_text("import falsify_av, plain\nfalsify_av.pedestrians.serve(plain.choose)\n")
+    command = f"{sys.executable} NAME.py"
+    (tmp_path / "a.scn").write_text(
+        'edition 1\nimport "std/paper.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
+        f'controller network = external(command: "{command.replace("NAME", "network")}", timeout: 60 s)\n'
+        f'controller plain = external(command: "{command.replace("NAME", "served")}", timeout: 60 s)\n'
+        "episode brief { ticks: 100 }\n"
+        "campaign a { vehicle: model3 adversary: suicidal spawn: ahead episode: brief\n"
+        "evaluate { towns: [harbour] policies: [behavior] pedestrians: [network, plain] episodes: 4 } }\n"
+    )
+    falsify_av.run(tmp_path / "a.scn", out=tmp_path / "out", seed=5, allow_external=True)
+    table = parquet.read_table(tmp_path / "out/a/episodes.parquet").to_pylist()
+    sys.path.insert(0, str(tmp_path))
+    try:
+        import plain
+    finally:
+        sys.path.remove(str(tmp_path))
+    for name, choose in {"network": falsify_av.onnx(tmp_path / "walker.onnx"), "plain": plain.choose}.items():
+        rows = falsify_av.evaluate(choose, tmp_path / "a.scn", episodes=4, seed=5, allow_external=True)
+        assert [row["digest"] for row in rows] == [row["digest"] for row in table if row["controller"] == name], name
 
 
 def test_drivers_and_pedestrians_serve_as_programs(program, tmp_path):

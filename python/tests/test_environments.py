@@ -81,7 +81,7 @@ def test_an_episode_has_the_same_start_whatever_was_run_before(scenario):
     env.reset(seed=4)
     env.step(env.action_space.sample())
     third, info = env.reset(options={"episode": 2})
-    assert info == {"seed": 4, "episode": 2}
+    assert info == {"seed": 4, "episode": 2, "run_up_ticks": 0, "placed": False}
     assert env.reset()[1]["episode"] == 3
     again, _ = falsify_av.make(scenario, seed=4, **CHOICES[0]).reset(options={"episode": 2})
     assert np.array_equal(third, again)

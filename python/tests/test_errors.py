@@ -29,7 +29,7 @@ def test_a_wrong_scenario_is_an_exception_with_the_text_and_the_place(tmp_path):
         ({"campaign": "short", "town": "atlantis"}, "there is no town `atlantis` here; there is harbour, village"),
         ({"campaign": "short", "town": "harbour", "reward": "r2"}, "choose with policy= one of behavior, blind"),
         ({**CHOICE, "seed": -1}, "the seed is -1"),
-        ({**CHOICE, "render_mode": "human"}, "there is no render mode 'human'"),
+        ({**CHOICE, "render_mode": "human"}, "there is no render mode 'human'; there is 'rgb_array', which gymnasium.wrappers.HumanRendering shows"),
         ({**CHOICE, "maps": {"nowhere": "a.xodr"}}, "`nowhere`, which nothing uses"),
     ],
 )
@@ -40,12 +40,16 @@ def test_wrong_names_are_errors_that_list_the_right_ones(scenario, options, text
 
 
 def test_unreadable_files_and_unknown_options(scenario, tmp_path):
-    with pytest.raises(OSError, match="cannot read"):
+    with pytest.raises(FileNotFoundError, match="cannot read .*missing.scn"):
         falsify_av.make(tmp_path / "missing.scn")
     with pytest.raises(OSError, match="cannot read"):
         falsify_av.make(tmp_path)
-    with pytest.raises(TypeError, match="there is no option twon"):
+    with pytest.raises(TypeError, match="there is no option twon; did you mean `town`?"):
         falsify_av.make(scenario, twon="harbour")
+    with pytest.raises(TypeError, match="the scenario is 42; give a file"):
+        falsify_av.make(42)
+    with pytest.raises(TypeError, match="the scenario is 8; give a file or a list of files; the number of worlds is num_envs=8"):
+        falsify_av.make_vec(8)
     with pytest.raises(TypeError, match="list of texts"):
         falsify_av.make(scenario, settings="a=1")
     with pytest.raises(falsify_av.ScenarioError, match="nothing_of_this_name"):

@@ -51,7 +51,7 @@ def test_the_program_runs_campaigns_and_repeats_episodes(program, scenario, tmp_
     rows = reports["walked"].table("episodes")
     assert isinstance(rows, parquet.Table) and rows.num_rows == 24
     name = f"{rows['run_id'][0]}:{rows['episode'][0]}"
-    assert falsify.replay(name, out=tmp_path / "out")["digest"] == rows["digest"][0].as_py()
+    assert falsify.replay(name, report=tmp_path / "out")["digest"] == rows["digest"][0].as_py()
     with pytest.raises(KeyError, match="no table `nothing`; it has"):
         reports["walked"].table("nothing")
 

@@ -140,6 +140,23 @@ def test_bad_recordings_are_errors(change, text):
         falsify_av.judge(**{"ego": ego, "pedestrian": pedestrian, "dt": DT, **change})
 
 
+@pytest.mark.parametrize("speed", [5.0, 10.0, 14.0])
+def test_units_that_do_not_fit_are_errors_that_name_the_unit(speed):
+    ego, pedestrian = crossing(speed, 40.0)
+    assert falsify_av.judge(ego, pedestrian, DT)["verdict"]
+    with pytest.raises(ValueError, match="the car moves 0.28 times as far .* the speeds look like km/h; give m/s"):
+        falsify_av.judge(ego * [1, 1, 1, 3.6], pedestrian, DT)
+    with pytest.raises(ValueError, match="the car moves 10.00 times as far .* an instant would be 0.05 s after the one before"):
+        falsify_av.judge(ego, pedestrian, DT / 10)
+    # A drive to the north: 90 degrees.
+    north, walked = ego[:, [1, 0, 2, 3]] + [0.0, 0.0, 90.0, 0.0], pedestrian[:, [1, 0]]
+    with pytest.raises(ValueError, match="the car moves at .* deg from its heading: the numbers look like degrees where radians are needed"):
+        falsify_av.judge(north, walked, DT)
+    with pytest.raises(ValueError, match="the pedestrian moves .* the speeds look like km/h"):
+        velocity = np.full((len(ego), 2), [math.pi / 2, 1.4 * 3.6])
+        falsify_av.judge(ego, np.concatenate([pedestrian, velocity], axis=1), DT)
+
+
 def test_numbers_at_random_never_end_the_interpreter():
     numbers = np.random.default_rng(11)
     touched = refused = 0
@@ -153,10 +170,16 @@ def test_numbers_at_random_never_end_the_interpreter():
         ego[:, 3] = 10 ** numbers.uniform(-9, 2.2, count)
         walked = ego + numbers.normal(0, 10 ** numbers.uniform(-3, 2), (count, 4))
         walked[:, 3] = 10 ** numbers.uniform(-9, 2, count)
+        dt = float(10 ** numbers.uniform(-3.1, -0.2))
+        if numbers.random() < 0.5:
+            # Velocities that fit the positions.
+            for track in (ego, walked):
+                step = np.gradient(track[:, :2], axis=0) if count > 1 else 0 * track[:, :2]
+                track[:, 2:] = np.stack([np.arctan2(step[:, 1], step[:, 0]), np.hypot(*step.T) / dt], axis=1)
         boxes = numbers.normal(0, scale, (3, 5))
         boxes[:, 3:] = 10 ** numbers.uniform(-6, 4, (3, 2))
         try:
-            found = falsify_av.judge(ego, walked, float(10 ** numbers.uniform(-3.1, -0.2)), width=float(10 ** numbers.uniform(-1.1, 2.1)), boxes=boxes)
+            found = falsify_av.judge(ego, walked, dt, width=float(10 ** numbers.uniform(-1.1, 2.1)), boxes=boxes)
             touched += found["verdict"] != ""
         except ValueError:
             refused += 1
