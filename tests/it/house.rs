@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_000),
     ("src/learn", 6_000),
-    ("src/world", 27_000),
+    ("src/world", 27_100),
     ("src/ported", 6_000),
     ("src/lang", 8_000),
     ("src/compile", 6_150),

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use world::judge::Recording;
 
 use crate::program::{error, falsify};
+use crate::reference;
 
 /// A car that drives east at this speed (m/s), and a pedestrian that walks across its axis at 40 m when the car's middle arrives.
 fn crossing(speed: f64, walking: f64, dt: f64) -> String {
@@ -80,6 +81,8 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
         ),
         (rows[..2].join("\n"), "there are 1 instants of the car and 1 of the pedestrian"),
         (crossing(8.0, 1.4, 1.0), "the time between two instants is 1 s"),
+        (good.replace(",0,0,8,x", ",0,0,28.8,x"), "the car moves 0.28 times as far as its speed"),
+        (good.replace(",0,0,8,x", ",0,0,28.8,x"), "the speeds look like km/h; give m/s"),
     ] {
         std::fs::write(folder.path().join("trace.csv"), text).unwrap();
         let output = falsify(&["judge", "trace.csv"], folder.path());
@@ -95,6 +98,41 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
         output.status.code() == Some(2) && error(&output).contains("`width` is 0; give 0.1 to 100 m"),
         "{output:?}"
     );
+}
+
+/// Recordings of the reference folder are read, and refused with a speed, a time or a heading in another unit.
+#[test]
+fn recordings_of_the_reference_folder_have_units_that_fit() {
+    let folder = reference::folder().join("reference/next");
+    let files = std::fs::read_dir(&folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    let mut read = 0;
+    for file in files.filter(|file| file.extension().is_some_and(|extension| extension == "csv")) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        if !text.lines().next().is_some_and(|header| header.contains("ego_yaw_deg")) {
+            continue;
+        }
+        Recording::from_csv(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let wrong = |column: &str, change: fn(f64) -> f64| {
+            let place =
+                text.lines().next().and_then(|header| header.split(',').position(|name| name == column)).unwrap();
+            let line = |(number, line): (usize, &str)| {
+                let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+                if number > 0 {
+                    fields[place] = change(fields[place].parse().unwrap()).to_string();
+                }
+                fields.join(",")
+            };
+            let changed: Vec<String> = text.lines().enumerate().map(line).collect();
+            Recording::from_csv(&changed.join("\n")).unwrap_err().to_string()
+        };
+        assert!(wrong("ego_speed_mps", |speed| 3.6 * speed).contains("the speeds look like km/h"));
+        assert!(wrong("time_s", |time| time / 10.0).contains("would be 0.05 s after the one before"));
+        assert!(wrong("ego_yaw_deg", |_| 90.0).contains("the car moves at"));
+        read += 1;
+    }
+    if read == 0 {
+        loud!("SKIPPED: no recordings below the reference folder; set FALSIFY_REFERENCE_DIR");
+    }
 }
 
 proptest! {
