@@ -53,7 +53,6 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         verdict,
         false_alarms: None,
         near_miss,
-        lane: None,
         motion: Default::default(),
         weight: 1.0,
     };
