@@ -35,7 +35,7 @@ pub fn judged<'py>(
         None => scenario.obstacles.clone(),
     };
     let cars = ego.rows().into_iter().map(|row| VehicleState {
-        pose: Pose::new(row[0], row[1], row[2]),
+        pose: Pose { x: row[0], y: row[1], yaw: row[2] },
         speed: row[3],
         ..VehicleState::default()
     });
@@ -47,7 +47,7 @@ pub fn judged<'py>(
         _ => pedestrian
             .rows()
             .into_iter()
-            .map(|row| PedestrianState::moving(Pose::new(row[0], row[1], row[2]), row[3]))
+            .map(|row| PedestrianState::moving(Pose { x: row[0], y: row[1], yaw: row[2] }, row[3]))
             .collect(),
     };
     let recording = Recording::new(dt, cars.collect(), walkers).map_err(refused)?;

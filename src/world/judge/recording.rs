@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::recording_units::{Misfit, misfit};
 use super::{NearMiss, Verdict, judge};
 use crate::env::{Driven, Scenario, Trace, VehicleFrame};
-use crate::geometry::{Obstacles, Point, Pose, Vector};
+use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::sim::{Contact, PedestrianState, VehicleState, WalkCommand};
 
 /// A car and a pedestrian that were recorded elsewhere: in another simulator, or on a road. It has no driver, no roads and no other actors.
@@ -102,7 +102,11 @@ impl Recording {
     /// The tracks have not 2 to [`Recording::MOST_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, a
     /// speed is not 0 to 150 m/s, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
     /// are longer or shorter than the speed explains, or are not along the heading.
-    pub fn new(dt: f64, ego: Vec<VehicleState>, pedestrian: Vec<PedestrianState>) -> Result<Self, RecordingError> {
+    pub fn new(
+        dt: f64,
+        mut ego: Vec<VehicleState>,
+        mut pedestrian: Vec<PedestrianState>,
+    ) -> Result<Self, RecordingError> {
         if ego.len() != pedestrian.len() || !(2..=Self::MOST_INSTANTS).contains(&ego.len()) {
             return Err(RecordingError::Instants { ego: ego.len(), pedestrian: pedestrian.len() });
         }
@@ -146,6 +150,11 @@ impl Recording {
                     return Err(RecordingError::Heading { who, degrees, likely });
                 }
             }
+        }
+        // Wrapped only now: degrees that were wrapped as radians are no longer recognised.
+        let poses = ego.iter_mut().map(|state| &mut state.pose);
+        for pose in poses.chain(pedestrian.iter_mut().map(|state| &mut state.pose)) {
+            pose.yaw = wrap_angle(pose.yaw);
         }
         Ok(Self { dt, ego, pedestrian })
     }

@@ -146,7 +146,7 @@ mod tests {
     }
 
     fn headed(track: &[(Pose, f64)], change: impl Fn(f64) -> f64) -> Vec<(Pose, f64)> {
-        changed(track, |pose, speed| (Pose::new(pose.x, pose.y, change(pose.yaw)), speed))
+        changed(track, |pose, speed| (Pose { yaw: change(pose.yaw), ..pose }, speed))
     }
 
     #[test]
