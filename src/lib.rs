@@ -53,8 +53,23 @@
 #![doc = include_str!("ARCHITECTURE.md")]
 #![warn(missing_docs)]
 
+use std::ffi::OsString;
+
 #[doc(inline)]
 pub use program::session;
+
+/// The command line of `falsify` with a language of the caller: what a program with kinds of its own calls in `main`. `arguments` are those of the
+/// process, with the name of the program as the first one; it starts itself with others to try a network, so it hands all of them on.
+pub fn command_line(
+    catalog: fn() -> language::Catalog,
+    arguments: impl IntoIterator<Item = OsString>,
+) -> std::process::ExitCode {
+    program::cli::command_line(catalog, arguments).into()
+}
+
+#[cfg(doctest)]
+#[doc = include_str!("../docs/src/how-to/rust.md")]
+struct RustPage;
 
 /// The scenario language: catalogue, plans and diagnostics.
 pub mod language {
@@ -82,19 +97,25 @@ pub mod driving {
     #[doc(inline)]
     pub use world::av::external::{Link, Opener, Parts, Program};
     #[doc(inline)]
-    pub use world::av::{DrivingMode, DrivingPolicy, Fault, Perception};
+    pub use world::av::{Actor, Cruise, CruiseKeys, DrivingMode, DrivingPolicy, Fault, Light, Perception};
     #[doc(inline)]
-    pub use world::sim::Control;
+    pub use world::geometry::{Obstacles, Vector, wrap_angle};
+    #[doc(inline)]
+    pub use world::sim::{ActorId, Control, LightColour, ThrottleLine, VehicleBlueprint};
 }
 
-/// What a town is made of.
+/// What a town is made of, and what a driver reads of it.
 pub mod towns {
     #[doc(inline)]
     pub use world::geometry::{OrientedBox, Point, Pose};
     #[doc(inline)]
-    pub use world::road::TownParts;
-    #[doc(inline)]
     pub use world::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
+    #[doc(inline)]
+    pub use world::road::{
+        Connection, Cubic, ForkRule, Geometry, Junction, JunctionIndex, Lane, LaneFilter, LaneId, LaneKind,
+        LaneSection, LaneStretch, OpenDriveProblem, OpenDriveWarning, PlanView, Profile, Road, RoadEnd, RoadIndex,
+        RoadLink, RoadOption, RoutePlanner, Shape, SpeedSign, Town, TownParts, TrafficLight, Waypoint,
+    };
 }
 
 /// What a pedestrian that walks gets and returns.

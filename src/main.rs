@@ -1,5 +1,5 @@
 //! The program `falsify`.
 
 fn main() -> std::process::ExitCode {
-    program::cli::main().into()
+    falsify::command_line(falsify::language::Catalog::builtin, std::env::args_os())
 }

@@ -30,7 +30,7 @@ impl Exporter for Carla {
         "not run with a server; CARLA's models have sizes of their own; a world made from OpenDRIVE has no obstacles; places to 1e-4 m"
     }
 
-    fn has_variants(&self) -> bool {
+    fn holds(&self, _: Variant) -> bool {
         true
     }
 

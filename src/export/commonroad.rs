@@ -1,6 +1,9 @@
-//! CommonRoad XML: a lanelet for each driving lane, the actors as dynamic obstacles, and the ego's start as the planning problem.
+//! CommonRoad XML: a lanelet for each driving lane, traffic lights with their cycles, the actors as dynamic obstacles, and the ego's start as
+//! the planning problem.
 //!
-//! Both frames are right-handed, so no sign changes.
+//! Both frames are right-handed, so no sign changes. A planning problem starts where the ego starts, so a file has the one or the other: the
+//! problem without the car, or the recorded car without a problem. The second is for programs that measure a recording; the schema demands a
+//! problem and is broken there.
 //!
 //! # Source
 //! CommonRoad XML 2020a, `XML_commonRoad_XSD.xsd`.
@@ -9,10 +12,12 @@ use std::collections::BTreeMap;
 
 use super::episode::{Actor, Motion, Shape};
 use super::lane_bounds::lane_bounds;
+use super::opendrive::lane_of;
 use super::xml::{Short, Xml};
-use super::{AUTHOR, DATE, Episode, ExportError, ExportFile, Exporter, Variant};
-use world::geometry::{OrientedBox, Point};
-use world::road::{LaneKind, RoadIndex, Town, Waypoint};
+use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
+use world::geometry::{OrientedBox, Point, Pose, wrap_angle};
+use world::road::{LaneKind, RoadIndex, Town, TrafficLight, Waypoint};
+use world::sim::LightColour;
 
 /// The exporter of CommonRoad scenarios.
 #[derive(Debug, Clone, Copy)]
@@ -21,8 +26,12 @@ pub(super) struct CommonRoad;
 const NAME: &str = "commonroad";
 /// The greatest distance between two points of a bound (m).
 const STEP: f64 = 2.0;
-/// Length and width of the goal (m): the place of the ego at the end.
-const GOAL: [f64; 2] = [5.0, 3.5];
+/// The length of the goal, and the distance along the road from the last place of the ego to the middle of the goal (m). A car that has
+/// reached it has passed the place of the touch.
+const GOAL: [f64; 2] = [10.0, 12.0];
+/// The time from the last tick in which the goal can be reached (s): enough to wait for the pedestrian and to set off again. Where lights
+/// work, a cycle is added.
+const AFTERWARDS: f64 = 10.0;
 
 /// The lane of a road's section: road, section, lane.
 type Key = (u32, u32, i32);
@@ -33,24 +42,62 @@ impl Exporter for CommonRoad {
     }
 
     fn about(&self) -> &'static str {
-        "CommonRoad 2020a XML: lanelets, actors, and the ego's start as a planning problem"
+        "CommonRoad 2020a XML: lanelets, lights, the others, and the ego's start as a planning problem"
     }
 
     fn approximates(&self) -> &'static str {
-        "lanes are polylines with a point every 2 m; sidewalks, signs and lights are left out"
+        "lanes are polylines with a point every 2 m; sidewalks and signs are left out; lights change at ticks; with the recorded ego there is no planning problem"
     }
 
-    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        episode.without_lights(NAME)?;
-        let text = document(episode);
+    fn usual_ego(&self) -> EgoDriver {
+        EgoDriver::User
+    }
+
+    fn holds(&self, variant: Variant) -> bool {
+        variant.walking == Walking::Recorded
+    }
+
+    fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
+        if variant.ego == EgoDriver::User {
+            episode.without_friction(NAME)?;
+            start_is_free(episode)?;
+        }
+        let text = document(episode, variant.ego);
         Ok(vec![ExportFile { name: format!("{}.commonroad.xml", episode.stem()), bytes: text.into_bytes() }])
     }
 }
 
-fn document(episode: &Episode) -> String {
+/// Checks that the ego's start is free.
+///
+/// # Errors
+/// An obstacle or an actor there.
+fn start_is_free(episode: &Episode) -> Result<(), ExportError> {
+    let outlines: Vec<OrientedBox> = episode.actors().iter().map(|actor| actor.outline(&actor.track[0])).collect();
+    let others = episode.scenario.town.obstacles.iter().chain(&outlines[1..]);
+    match others.filter(|other| other.overlaps(&outlines[0])).count() {
+        0 => Ok(()),
+        _ => {
+            let what = "a planning problem that starts inside an obstacle".to_owned();
+            Err(ExportError::NotRepresentable { format: NAME, what })
+        }
+    }
+}
+
+/// The name of a scenario of CommonRoad, by which solutions are named: `ZAM_FalsifyRUN-1_NUMBER_T-1`, where the number counts from one. A
+/// recording ends with 2.
+fn benchmark_id(name: &str, ego: EgoDriver) -> String {
+    let (run, episode) = name.split_once(':').unwrap_or((name, ""));
+    let run: String = run.chars().filter(char::is_ascii_alphanumeric).collect();
+    let number = episode.parse::<u64>().map_or(1, |number| number.saturating_add(1));
+    format!("ZAM_Falsify{run}-1_{number}_T-{}", if ego == EgoDriver::User { 1 } else { 2 })
+}
+
+fn document(episode: &Episode, ego: EgoDriver) -> String {
     let town = &episode.scenario.town;
     let lanes = lanes(town);
     let actors = episode.actors();
+    let lights = lights(episode, lanes.len());
+    let id = benchmark_id(episode.name, ego);
     let dt = Short(episode.dt());
     let source = episode.summary();
     Xml::document(
@@ -61,7 +108,7 @@ fn document(episode: &Episode) -> String {
             ("author", &AUTHOR),
             ("affiliation", &"falsify"),
             ("source", &source),
-            ("benchmarkID", &"ZAM_Falsify-1_1_T-1"),
+            ("benchmarkID", &id),
             ("date", &&DATE[..10]),
         ],
         |xml| {
@@ -75,10 +122,13 @@ fn document(episode: &Episode) -> String {
                 xml.empty("simulated", &[]);
             });
             for (key, number) in &lanes {
-                write_lanelet(xml, town, &lanes, *key, *number);
+                write_lanelet(xml, town, &lanes, &lights, *key, *number);
             }
-            // Numbers are unique over lanelets and obstacles.
-            let mut number = lanes.len();
+            for (number, _, light) in &lights {
+                write_light(xml, episode, *number, light);
+            }
+            // Numbers are unique over lanelets, lights and obstacles.
+            let mut number = lanes.len() + lights.len();
             let mut next = || {
                 number += 1;
                 number
@@ -86,14 +136,16 @@ fn document(episode: &Episode) -> String {
             for obstacle in &town.obstacles {
                 write_static(xml, next(), obstacle);
             }
-            for actor in &actors {
+            for actor in &actors[usize::from(ego == EgoDriver::User)..] {
                 write_dynamic(xml, next(), actor);
             }
-            let planning = next();
-            xml.element("planningProblem", &[("id", &planning)], |xml| {
-                write_state(xml, "initialState", 0, &actors[0].track[0], true);
-                write_goal(xml, &actors[0]);
-            });
+            if ego == EgoDriver::User {
+                let planning = next();
+                xml.element("planningProblem", &[("id", &planning)], |xml| {
+                    write_state(xml, "initialState", 0, &actors[0].track[0], true);
+                    write_goal(xml, episode, &actors[0]);
+                });
+            }
         },
     )
 }
@@ -110,11 +162,27 @@ fn lanes(town: &Town) -> BTreeMap<Key, usize> {
     keys.into_iter().zip(1..).collect()
 }
 
+/// The traffic lights that work, with their numbers after those of the lanelets, and their lanes.
+fn lights<'a>(episode: &Episode<'a>, lanelets: usize) -> Vec<(usize, Key, &'a TrafficLight)> {
+    let placed = episode.lights().iter().filter_map(|light| {
+        let lane = lane_of(&episode.scenario.town, &light.stop)?;
+        Some((key(&lane), light))
+    });
+    placed.zip(lanelets + 1..).map(|((lane, light), number)| (number, lane, light)).collect()
+}
+
 fn key(waypoint: &Waypoint) -> Key {
     (waypoint.road.0, waypoint.section, waypoint.lane)
 }
 
-fn write_lanelet(xml: &mut Xml, town: &Town, lanes: &BTreeMap<Key, usize>, (road, section, lane): Key, number: usize) {
+fn write_lanelet(
+    xml: &mut Xml,
+    town: &Town,
+    lanes: &BTreeMap<Key, usize>,
+    lights: &[(usize, Key, &TrafficLight)],
+    (road, section, lane): Key,
+    number: usize,
+) {
     let own = &town.roads[road as usize];
     let range = &own.sections[section as usize];
     let at = |s: f64| Waypoint { road: RoadIndex(road), section, lane, s };
@@ -126,7 +194,7 @@ fn write_lanelet(xml: &mut Xml, town: &Town, lanes: &BTreeMap<Key, usize>, (road
     }
     xml.element("lanelet", &[("id", &number)], |xml| {
         for (name, bound) in ["leftBound", "rightBound"].into_iter().zip(&bounds) {
-            xml.element(name, &[], |xml| bound.iter().for_each(|place| write_point(xml, place)));
+            xml.element(name, &[], |xml| bound.iter().for_each(|place| write_joint(xml, place)));
         }
         let middle = at((range.start + range.end) / 2.0);
         for before in town.predecessors(middle).filter_map(|lane| lanes.get(&key(&lane))) {
@@ -142,7 +210,37 @@ fn write_lanelet(xml: &mut Xml, town: &Town, lanes: &BTreeMap<Key, usize>, (road
             }
         }
         xml.text("laneletType", &"urban");
+        for (light, ..) in lights.iter().filter(|(_, of, _)| *of == (road, section, lane)) {
+            xml.empty("trafficLightRef", &[("ref", light)]);
+        }
     });
+}
+
+/// A light stands at the end of its lanelet, and holds its colours from the first tick on.
+fn write_light(xml: &mut Xml, episode: &Episode, number: usize, light: &TrafficLight) {
+    xml.element("trafficLight", &[("id", &number)], |xml| {
+        xml.element("cycle", &[], |xml| {
+            for (colour, ticks) in episode.phases(light) {
+                xml.element("cycleElement", &[], |xml| {
+                    xml.text("duration", &ticks);
+                    let colour = match colour {
+                        LightColour::Green => "green",
+                        LightColour::Yellow => "yellow",
+                        LightColour::Red => "red",
+                    };
+                    xml.text("color", &colour);
+                });
+            }
+        });
+        xml.element("position", &[], |xml| write_point(xml, &light.stop.position()));
+        xml.text("active", &true);
+    });
+}
+
+/// A point of a bound to 1e-6 m: lanelets that meet have the same points. CommonRoad's checker crashes at points a nanometre apart.
+fn write_joint(xml: &mut Xml, place: &Point) {
+    let round = |number: f64| (number * 1e6).round() / 1e6;
+    write_point(xml, &Point::new(round(place.x), round(place.y)));
 }
 
 fn write_point(xml: &mut Xml, place: &Point) {
@@ -218,24 +316,36 @@ fn write_state(xml: &mut Xml, name: &str, tick: usize, motion: &Motion, first: b
     });
 }
 
-fn write_goal(xml: &mut Xml, ego: &Actor) {
+/// The middle of the goal: ahead of the last place of the ego along its lane, straight on at junctions. Where the road ends, it is that place.
+fn goal(town: &Town, last: &Pose) -> (Pose, f64) {
+    let Some(lane) = lane_of(town, last) else { return (*last, GOAL[0]) };
+    let mut ahead = Vec::new();
+    town.next(lane, GOAL[1], &mut ahead);
+    let bend = |lane: &Waypoint| wrap_angle(town.pose(*lane).yaw - last.yaw).abs();
+    let lane = ahead.into_iter().min_by(|a, b| bend(a).total_cmp(&bend(b))).unwrap_or(lane);
+    (town.pose(lane), town.lane_width(lane))
+}
+
+fn write_goal(xml: &mut Xml, episode: &Episode, ego: &Actor) {
     let Some(last) = ego.track.last() else { return };
-    let [length, width] = GOAL;
+    let (place, width) = goal(&episode.scenario.town, &last.pose);
+    let cycles = episode.lights().iter().filter_map(|light| Some(episode.trace.lights()?.period(light)));
+    let patience = AFTERWARDS + cycles.fold(0.0, f64::max);
     xml.element("goalState", &[], |xml| {
         xml.element("position", &[], |xml| {
             xml.element("rectangle", &[], |xml| {
-                xml.text("length", &Short(length));
+                xml.text("length", &Short(GOAL[0]));
                 xml.text("width", &Short(width));
-                xml.text("orientation", &Short(last.pose.yaw));
+                xml.text("orientation", &Short(place.yaw));
                 xml.element("center", &[], |xml| {
-                    xml.text("x", &Short(last.pose.x));
-                    xml.text("y", &Short(last.pose.y));
+                    xml.text("x", &Short(place.x));
+                    xml.text("y", &Short(place.y));
                 });
             });
         });
         xml.element("time", &[], |xml| {
             xml.text("intervalStart", &0);
-            xml.text("intervalEnd", &(ego.track.len() - 1));
+            xml.text("intervalEnd", &(episode.ticks() + episode.ticks_in(patience)));
         });
     });
 }

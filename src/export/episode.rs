@@ -2,8 +2,8 @@ use super::ExportError;
 use world::env::{Outcome, Scenario, Trace};
 use world::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
 use world::judge::Verdict;
-use world::road::{LaneFilter, Town};
-use world::sim::{ActorId, PedestrianBody, VehicleBlueprint};
+use world::road::{LaneFilter, Town, TrafficLight};
+use world::sim::{ActorId, LightColour, PedestrianBody, VehicleBlueprint};
 
 /// The height of a car (m); the world is flat, so its cars have none.
 ///
@@ -95,14 +95,40 @@ impl<'a> Episode<'a> {
         self.scenario.cast.vehicles().count() + struck
     }
 
-    /// Checks that no traffic light changes, for a format without phases of lights or a driver who would obey them.
+    /// The traffic lights that work.
+    pub(super) fn lights(&self) -> &'a [TrafficLight] {
+        if self.trace.lights().is_some() { &self.scenario.town.traffic_lights } else { &[] }
+    }
+
+    /// The colours of a traffic light from the start of the episode on, each with its number of ticks. They repeat after the last one; a
+    /// period that is no whole number of ticks is rounded to one.
+    pub(super) fn phases(&self, light: &TrafficLight) -> Vec<(LightColour, usize)> {
+        let mut phases: Vec<(LightColour, usize)> = Vec::new();
+        let Some(clock) = self.trace.lights() else { return phases };
+        for tick in 0..self.ticks_in(clock.period(light)) {
+            let colour = clock.after(tick as f64 * self.dt()).colour(light);
+            match phases.last_mut().filter(|(last, _)| *last == colour) {
+                Some((_, ticks)) => *ticks += 1,
+                None => phases.push((colour, 1)),
+            }
+        }
+        phases
+    }
+
+    /// The number of ticks in a time (s), at least one.
+    pub(super) fn ticks_in(&self, time: f64) -> usize {
+        ((time / self.dt()).round() as usize).max(1)
+    }
+
+    /// Checks that no traffic light works, for a format without phases of lights whose driver would obey them.
     ///
     /// # Errors
     /// The lights, by name.
     pub(super) fn without_lights(&self, format: &'static str) -> Result<(), ExportError> {
-        if self.scenario.episode.traffic_lights && !self.scenario.town.traffic_lights.is_empty() {
-            let what = "the phases of the traffic lights, which change by the clock of the simulator".to_owned();
-            return Err(ExportError::NotRepresentable { format, what });
+        if !self.lights().is_empty() {
+            let what =
+                "the phases of the traffic lights, which an ego of the user would obey: use xosc-1.3 or commonroad";
+            return Err(ExportError::NotRepresentable { format, what: what.to_owned() });
         }
         Ok(())
     }

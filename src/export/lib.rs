@@ -51,9 +51,14 @@ pub trait Exporter: Sync {
     /// What differs from the episode in the simulator, in a line.
     fn approximates(&self) -> &'static str;
 
-    /// Whether the options other than the default have an effect.
-    fn has_variants(&self) -> bool {
-        false
+    /// The driver of the ego unless the user chooses one.
+    fn usual_ego(&self) -> EgoDriver {
+        EgoDriver::Recorded
+    }
+
+    /// Whether the format can hold these parts of an episode.
+    fn holds(&self, variant: Variant) -> bool {
+        variant == Variant::default()
     }
 
     /// Makes the files of an episode. The first one is the one to open.
@@ -88,7 +93,8 @@ pub enum Walking {
     /// The recorded one.
     #[default]
     Recorded,
-    /// As soon as the ego is as near as it was when the pedestrian of the verdict set off.
+    /// As soon as the ego is as near as it was when the pedestrian of the verdict set off. A pedestrian that walks from the first tick on
+    /// walks at the recorded times.
     Released,
 }
 
@@ -127,10 +133,12 @@ pub fn export(exporter: &dyn Exporter, episode: &Episode, variant: Variant) -> R
         let what = "an episode without a tick".to_owned();
         return Err(ExportError::NotRepresentable { format: exporter.name(), what });
     }
-    if variant != Variant::default() && !exporter.has_variants() {
-        let what =
-            "an ego that the user drives, or pedestrians that are released: it holds the recorded tracks".to_owned();
-        return Err(ExportError::NotRepresentable { format: exporter.name(), what });
+    if !exporter.holds(variant) {
+        let what = match exporter.holds(Variant { walking: Walking::Recorded, ..variant }) {
+            true => "pedestrians that are released: they walk at the recorded times",
+            false => "an ego that the user drives, or pedestrians that are released: it holds the recorded tracks",
+        };
+        return Err(ExportError::NotRepresentable { format: exporter.name(), what: what.to_owned() });
     }
     exporter.export(episode, variant)
 }

@@ -169,7 +169,7 @@ fn place(town: &Town, point: Point) -> Option<Waypoint> {
 }
 
 /// The driving lane on which a pose lies: the nearest lane that leads in its direction, or else the nearest one.
-fn lane_of(town: &Town, pose: &Pose) -> Option<Waypoint> {
+pub(super) fn lane_of(town: &Town, pose: &Pose) -> Option<Waypoint> {
     let nearest = town.nearest_lane(pose.position(), LaneFilter::Driving)?;
     let same_way = |lane: &Waypoint| wrap_angle(town.pose(*lane).yaw - pose.yaw).abs() < std::f64::consts::FRAC_PI_2;
     let others = [town.left_lane(nearest), town.right_lane(nearest)].into_iter().flatten();
@@ -509,17 +509,13 @@ fn write_sign(xml: &mut Xml, town: &Town, place: Waypoint, number: usize, sign: 
     });
 }
 
-fn light_id(number: usize) -> String {
-    format!("light_{number}")
-}
-
 fn write_light(xml: &mut Xml, town: &Town, road: RoadIndex, place: Waypoint, number: usize) {
     // A light is at the end of its lane.
     let forward = town.roads[road.0 as usize].is_forward(place.lane);
     let section = &town.roads[road.0 as usize].sections[place.section as usize];
     let s = if forward { section.end } else { section.start };
     let signal = Signal {
-        id: light_id(number),
+        id: town.traffic_lights[number].signal.clone(),
         name: "traffic light",
         kind: LIGHT,
         subtype: "-1".to_owned(),
@@ -530,15 +526,15 @@ fn write_light(xml: &mut Xml, town: &Town, road: RoadIndex, place: Waypoint, num
 }
 
 /// The lights of one turn change together: they have one controller.
-fn controllers(lights: &[TrafficLight]) -> BTreeMap<(u32, u32), Vec<usize>> {
-    let mut all: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
-    for (number, light) in lights.iter().enumerate() {
-        all.entry((light.group, light.turn)).or_default().push(number);
+pub(super) fn controllers(lights: &[TrafficLight]) -> BTreeMap<(u32, u32), Vec<&TrafficLight>> {
+    let mut all: BTreeMap<(u32, u32), Vec<&TrafficLight>> = BTreeMap::new();
+    for light in lights {
+        all.entry((light.group, light.turn)).or_default().push(light);
     }
     all
 }
 
-fn controller_id((group, turn): (u32, u32)) -> String {
+pub(super) fn controller_id((group, turn): (u32, u32)) -> String {
     format!("controller_{group}_{turn}")
 }
 
@@ -547,7 +543,7 @@ fn write_controllers(xml: &mut Xml, lights: &[TrafficLight]) {
         let id = controller_id(turn);
         xml.element("controller", &[("id", &id), ("sequence", &turn.1)], |xml| {
             for light in lights {
-                xml.empty("control", &[("signalId", &light_id(light)), ("type", &"0")]);
+                xml.empty("control", &[("signalId", &light.signal), ("type", &"0")]);
             }
         });
     }

@@ -7,11 +7,13 @@
 //! # Source
 //! ASAM OpenSCENARIO XML 1.0 and 1.3.0. ScenarioRunner: `srunner/tools/openscenario_parser.py`.
 
+use std::collections::BTreeSet;
+
 use super::episode::{Actor, Motion, Shape};
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
 use world::geometry::Vector;
-use world::sim::{ActorId, VehicleBlueprint};
+use world::sim::{ActorId, LightColour, VehicleBlueprint};
 
 /// A version of the standard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +63,7 @@ impl Exporter for OpenScenario {
         }
     }
 
-    fn has_variants(&self) -> bool {
+    fn holds(&self, _: Variant) -> bool {
         true
     }
 
@@ -87,13 +89,18 @@ struct Storyboard<'a> {
     box_of_pedestrian: [f64; 2],
     /// The first tick of the pedestrians' trajectories, and the distance of the ego at which they start (m).
     release: Option<(usize, f64)>,
+    /// The lights for an ego of the user: the name of a controller, its signals, its phases in ticks.
+    lights: Vec<(String, BTreeSet<&'a str>, Vec<(LightColour, usize)>)>,
 }
 
 impl<'a> Storyboard<'a> {
     fn new(version: Version, episode: &Episode<'a>, variant: Variant, map: &'a str) -> Result<Self, ExportError> {
         let format = OpenScenario(version).name();
         if variant.ego == EgoDriver::User {
-            episode.without_lights(format)?;
+            if version == Version::V1_0 {
+                // ScenarioRunner reads no phases.
+                episode.without_lights(format)?;
+            }
             episode.without_friction(format)?;
         }
         let pedestrian = episode.main_pedestrian();
@@ -108,7 +115,15 @@ impl<'a> Storyboard<'a> {
             pedestrian,
             box_of_pedestrian: [2.0 * half.x, 2.0 * half.y],
             release: None,
+            lights: Vec::new(),
         };
+        if variant.ego == EgoDriver::User {
+            let all = opendrive::controllers(episode.lights()).into_iter();
+            storyboard.lights.extend(all.map(|(turn, lights)| {
+                let signals = lights.iter().map(|light| light.signal.as_str()).collect();
+                (opendrive::controller_id(turn), signals, episode.phases(lights[0]))
+            }));
+        }
         if version == Version::V1_0 {
             // ScenarioRunner knows the ego by this name.
             "hero".clone_into(&mut storyboard.actors[0].name);
@@ -129,6 +144,7 @@ impl<'a> Storyboard<'a> {
             }
         };
         let release = match self.release {
+            Some((0, _)) => " The pedestrians walk from the start on: released is as recorded.".to_owned(),
             Some((_, distance)) => format!(" The pedestrians start when the ego is within {distance:.2} m."),
             None => String::new(),
         };
@@ -182,7 +198,12 @@ impl<'a> Storyboard<'a> {
             );
             xml.empty("ParameterDeclarations", &[]);
             xml.empty("CatalogLocations", &[]);
-            xml.element("RoadNetwork", &[], |xml| xml.empty("LogicFile", &[("filepath", &self.map)]));
+            xml.element("RoadNetwork", &[], |xml| {
+                xml.empty("LogicFile", &[("filepath", &self.map)]);
+                if !self.lights.is_empty() {
+                    xml.element("TrafficSignals", &[], |xml| self.signals(xml));
+                }
+            });
             xml.element("Entities", &[], |xml| self.actors.iter().for_each(|actor| self.entity(xml, actor)));
             xml.element("Storyboard", &[], |xml| {
                 xml.element("Init", &[], |xml| {
@@ -202,6 +223,29 @@ impl<'a> Storyboard<'a> {
                 xml.element("StopTrigger", &[], |xml| self.stop(xml));
             });
         })
+    }
+
+    /// The controllers of the traffic lights, each of which starts with the colour of the first tick. A colour that is under way then
+    /// is split: its beginning is the last phase.
+    fn signals(&self, xml: &mut Xml) {
+        for (controller, signals, phases) in &self.lights {
+            xml.element("TrafficSignalController", &[("name", controller)], |xml| {
+                for (colour, ticks) in phases {
+                    // The lamps from the top down.
+                    let (name, lamps) = match colour {
+                        LightColour::Red => ("stop", "on;off;off"),
+                        LightColour::Yellow => ("attention", "off;on;off"),
+                        LightColour::Green => ("go", "off;off;on"),
+                    };
+                    let duration = Short(*ticks as f64 * self.dt);
+                    xml.element("Phase", &[("name", &name), ("duration", &duration)], |xml| {
+                        for signal in signals {
+                            xml.empty("TrafficSignalState", &[("trafficSignalId", signal), ("state", &lamps)]);
+                        }
+                    });
+                }
+            });
+        }
     }
 
     fn entity(&self, xml: &mut Xml, actor: &Actor) {

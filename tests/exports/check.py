@@ -180,17 +180,38 @@ def foxglove_schema(name):
 
 
 def commonroad(path):
-    """The schema, and the drivability checker: ego and pedestrian first collide at the last tick."""
+    """The schema and the drivability checker. A planning problem starts in a free place and has a name of its own; in a recording, which has
+    no problem, ego and pedestrian first collide at the last tick."""
     import commonroad
     import xmlschema
     from commonroad.common.file_reader import CommonRoadFileReader
     from commonroad.scenario.obstacle import ObstacleType
-    from commonroad_dc.collision.collision_detection.pycrcc_collision_dispatch import create_collision_object
+    from commonroad.scenario.scenario import ScenarioID
+    from commonroad_dc import pycrcc
+    from commonroad_dc.collision.collision_detection.pycrcc_collision_dispatch import (
+        create_collision_checker,
+        create_collision_object,
+    )
 
     xsd = next(Path(list(commonroad.__path__)[0]).rglob("XML_commonRoad_XSD.xsd"))
     errors = list(xmlschema.XMLSchema(str(xsd)).iter_errors(str(path)))
-    assert not errors, (path, str(errors[0]))
-    scenario, _ = CommonRoadFileReader(str(path)).open()
+    scenario, problems = CommonRoadFileReader(str(path)).open()
+    name = str(scenario.scenario_id)
+    assert ScenarioID.benchmark_id_pattern.fullmatch(name), (path, name)
+    assert NAMES.setdefault(name, path) == path, (path, NAMES[name])
+    lights = scenario.lanelet_network.traffic_lights
+    at_lights = {light for lanelet in scenario.lanelet_network.lanelets for light in lanelet.traffic_lights}
+    assert at_lights == {light.traffic_light_id for light in lights}, path
+    for light in lights:
+        assert {light.get_state_at_time_step(step).value for step in range(2000)} >= {"red", "green"}, path
+    if problems.planning_problem_dict:
+        assert not errors, (path, str(errors[0]))
+        start = next(iter(problems.planning_problem_dict.values())).initial_state
+        checker = create_collision_checker(scenario).time_slice(0)
+        car = pycrcc.RectOBB(2.395, 1.082, start.orientation, *start.position)
+        assert not checker.collide(car), (path, "the problem starts inside an obstacle")
+        return [f"problem {name} with {len(lights)} lights"]
+    assert len(errors) == 1 and "planningProblem" in str(errors[0]), (path, str(errors))
     by_type = lambda kind: [each for each in scenario.dynamic_obstacles if each.obstacle_type == kind]
     car, pedestrian = by_type(ObstacleType.CAR)[0], by_type(ObstacleType.PEDESTRIAN)[0]
     car_track, walk = create_collision_object(car), create_collision_object(pedestrian)
@@ -198,7 +219,7 @@ def commonroad(path):
     at = lambda track, step: track.obstacle_at_time(step)
     steps = [step for step in range(1, last + 1) if at(car_track, step).collide(at(walk, step))]
     assert steps and steps[0] == last, (path, steps[:3], last)
-    return [f"collision at step {last}"]
+    return [f"recording {name}: collision at step {last}"]
 
 
 def gif(path):
@@ -226,6 +247,9 @@ def gif(path):
     assert place == len(data) - 1 and frames > 1, path
     return [f"{frames} frames in {delay / 100} s"]
 
+
+# The names of scenarios of CommonRoad, each with its file.
+NAMES = {}
 
 CHECKS = [
     ("*.xosc", "qc_openscenario", openscenario),

@@ -213,8 +213,11 @@ campaign out {
 
 /// Runs a campaign in a folder; gives the names of its collisions and of one episode without a collision, if there is one.
 pub fn failures(folder: &Path) -> Vec<String> {
-    // Traffic lights are off, since an ego of the user would obey them.
-    std::fs::write(folder.join("out.scn"), SCENARIO).unwrap();
+    failures_of(folder, SCENARIO)
+}
+
+fn failures_of(folder: &Path, scenario: &str) -> Vec<String> {
+    std::fs::write(folder.join("out.scn"), scenario).unwrap();
     let run = falsify(&["run", "out.scn"], folder);
     assert_eq!(run.status.code(), Some(0), "{run:?}");
     let text = std::fs::read_to_string(folder.join("reports/out/episodes.csv")).unwrap();
@@ -278,6 +281,108 @@ fn failures_are_exported_one_by_one_and_as_a_list() {
     let named = |name: &str| read.descendants().filter(|node| node.has_tag_name(name)).count();
     assert_eq!((named("FollowTrajectoryAction"), named("RelativeDistanceCondition")), (1, 1));
     assert!(released.contains("domainAbsoluteRelative=\"relative\""));
+}
+
+/// The failures of towns whose lights work, exported with these options, by name.
+fn exported_with_lights(here: &Path, options: &[&str]) -> Vec<(String, String)> {
+    let names = failures_of(here, &SCENARIO.replace("traffic_lights: false", "traffic_lights: true"));
+    assert!(names.len() >= 4, "{names:?}");
+    let command = ["export"].into_iter().chain(names.iter().map(String::as_str)).chain(options.iter().copied());
+    let done = falsify(&command.collect::<Vec<_>>(), here);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let read = |line: &str| {
+        let (name, files) = line.split_once(' ').unwrap();
+        (name.to_owned(), std::fs::read_to_string(here.join(files.split_whitespace().next().unwrap())).unwrap())
+    };
+    said(&done).lines().map(read).collect()
+}
+
+#[test]
+fn an_ego_of_the_user_gets_the_phases_of_the_lights() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let mut lit = 0;
+    for (name, text) in exported_with_lights(here, &["--as", "xosc-1.3", "--ego", "user"]) {
+        let read = roxmltree::Document::parse(&text).unwrap();
+        let map = read.descendants().find_map(|node| node.attribute("filepath")).unwrap();
+        let map = std::fs::read_to_string(here.join(map)).unwrap();
+        let map = roxmltree::Document::parse(&map).unwrap();
+        let ids = |tag: &str| {
+            let nodes = map.descendants().filter(|node| node.has_tag_name(tag));
+            nodes.filter_map(|node| node.attribute("id")).map(str::to_owned).collect::<BTreeSet<_>>()
+        };
+        let (controllers, signals) = (ids("controller"), ids("signal"));
+        // The names of the colours, tick by tick, of the controllers of each junction.
+        let mut junctions: std::collections::BTreeMap<&str, Vec<Vec<&str>>> = std::collections::BTreeMap::new();
+        for controller in read.descendants().filter(|node| node.has_tag_name("TrafficSignalController")) {
+            let id = controller.attribute("name").unwrap();
+            assert!(controllers.contains(id), "{name}: {id}");
+            let mut colours = Vec::new();
+            for phase in controller.children().filter(|node| node.has_tag_name("Phase")) {
+                let duration = phase.attribute("duration").unwrap().parse::<f64>().unwrap();
+                let ticks = (duration / 0.05).round() as usize;
+                colours.extend(std::iter::repeat_n(phase.attribute("name").unwrap(), ticks));
+                for state in phase.children().filter(|node| node.has_tag_name("TrafficSignalState")) {
+                    assert!(signals.contains(state.attribute("trafficSignalId").unwrap()), "{name}");
+                    let lamps = match phase.attribute("name").unwrap() {
+                        "stop" => "on;off;off",
+                        "attention" => "off;on;off",
+                        _ => "off;off;on",
+                    };
+                    assert_eq!(state.attribute("state"), Some(lamps));
+                }
+            }
+            junctions.entry(id.rsplit_once('_').unwrap().0).or_default().push(colours);
+            lit += 1;
+        }
+        for turns in junctions.values() {
+            let period = 300 * turns.len();
+            for colours in turns {
+                let count = |colour: &str| colours.iter().filter(|own| **own == colour).count();
+                assert_eq!((colours.len(), count("go"), count("attention")), (period, 200, 60), "{name}");
+            }
+            let open = |tick: usize| turns.iter().filter(|colours| colours[tick] != "stop").count();
+            assert!((0..period).all(|tick| open(tick) <= 1), "{name}: two turns are open at once");
+        }
+    }
+    assert!(lit > 4, "{lit} controllers");
+    let name = failures_of(here, &SCENARIO.replace("traffic_lights: false", "traffic_lights: true"));
+    let refused: Vec<_> = name.iter().map(|name| falsify(&["export", name, "--as", "xosc-1.0", "--ego", "user"], here)).collect();
+    let refused = refused.iter().find(|done| !done.status.success()).unwrap();
+    assert!(error(refused).contains("phases of the traffic lights") && error(refused).contains("xosc-1.3"), "{refused:?}");
+}
+
+#[test]
+fn a_planning_problem_has_a_name_of_its_own_and_no_recorded_car() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut names = BTreeSet::new();
+    let mut lights = 0;
+    let exported = exported_with_lights(folder.path(), &["--as", "commonroad"]);
+    for (name, text) in &exported {
+        let read = roxmltree::Document::parse(text).unwrap();
+        let named = |tag: &str| read.descendants().filter(move |node| node.has_tag_name(tag)).collect::<Vec<_>>();
+        names.insert(read.root_element().attribute("benchmarkID").unwrap().to_owned());
+        assert_eq!((named("planningProblem").len(), named("dynamicObstacle").len()), (1, 1), "{name}");
+        assert!(!text.contains("<type>car</type>"), "{name}");
+        let references: Vec<_> = named("trafficLightRef").iter().map(|node| node.attribute("ref")).collect();
+        for light in named("trafficLight") {
+            assert!(references.contains(&light.attribute("id")), "{name}");
+            let durations = light.descendants().filter(|node| node.has_tag_name("duration"));
+            let ticks: usize = durations.map(|node| node.text().unwrap().parse::<usize>().unwrap()).sum();
+            assert_eq!(ticks % 300, 0, "{name}");
+            lights += 1;
+        }
+    }
+    assert_eq!(names.len(), exported.len(), "{names:?}");
+    assert!(lights > 4, "{lights} lights");
+    let (name, _) = &exported[0];
+    let (run, number) = name.split_once(':').unwrap();
+    assert!(names.contains(&format!("ZAM_Falsify{run}-1_{}_T-1", number.parse::<u32>().unwrap() + 1)), "{names:?}");
+    // A recording has the car and no problem.
+    let (_, recording) = &exported_with_lights(folder.path(), &["--as", "commonroad", "--ego", "recorded"])[0];
+    assert!(recording.contains("<type>car</type>") && !recording.contains("planningProblem"));
+    let released = falsify(&["export", name, "--as", "commonroad", "--pedestrians", "released"], folder.path());
+    assert!(error(&released).contains("pedestrians that are released"), "{released:?}");
 }
 
 #[test]

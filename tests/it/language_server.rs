@@ -558,3 +558,133 @@ fn parameters_types_and_imported_names_are_offered() {
         assert!(!labels.iter().any(|label| label == not), "{after:?} has {not}: {labels:?}");
     }
 }
+
+/// A file that declares `mine` and two that import it; only the second is open.
+fn three_files(folder: &Path) -> (impl Fn(&str) -> String, String) {
+    let part = "edition 1\nvehicle mine = generic()\nparam far: length = 30 m\n";
+    std::fs::write(folder.join("part.scn"), part).unwrap();
+    let other = "edition 1\n// mine\nimport mine from \"part.scn\"\npolicy mine = idm()\n";
+    std::fs::write(folder.join("other.scn"), other).unwrap();
+    let text = SCENARIO.replace("vehicle: model3", "vehicle: mine").replace("campaign mine", "campaign everything");
+    let text = text.replace("edition 1\n", "edition 1\nimport \"part.scn\"\n");
+    let root = format!("file://{}", folder.display());
+    (move |name: &str| format!("{root}/{name}"), text)
+}
+
+/// The places of an answer as `file:line:column`.
+fn at_places(answer: &Value) -> Vec<String> {
+    let place = |each: &Value| {
+        let (uri, start) = (each["uri"].as_str().unwrap(), &each["range"]["start"]);
+        format!("{}:{}:{}", uri.rsplit('/').next().unwrap(), start["line"], start["character"])
+    };
+    answer.as_array().unwrap().iter().map(place).collect()
+}
+
+#[test]
+fn all_places_of_a_name_are_found_in_the_files_that_see_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (uri, text) = three_files(folder.path());
+    let mut session = Session::new();
+    session.open(&uri("whole.scn"), &text);
+    let mut ask = |mark: &str, declaration: bool| {
+        let (line, column) = base::diagnostic::Lines::new(&text).utf16(text.find(mark).unwrap());
+        let params = json!({ "textDocument": { "uri": uri("whole.scn") }, "position": { "line": line, "character": column },
+            "context": { "includeDeclaration": declaration } });
+        session.ask("textDocument/references", params)
+    };
+    let (all, uses, own, nothing) =
+        (ask("mine\n", true), ask("mine\n", false), ask("hurried =", true), ask("0.8", true));
+    let answers = session.hold();
+    // A policy of the same name, and a comment, are others.
+    let uses_of_mine = ["other.scn:2:7", "whole.scn:10:11"];
+    assert_eq!(at_places(result(&answers, uses)), uses_of_mine);
+    assert_eq!(at_places(result(&answers, all)), [uses_of_mine[0], "part.scn:1:8", uses_of_mine[1]]);
+    assert_eq!(at_places(result(&answers, own)), ["whole.scn:6:7", "whole.scn:15:39"]);
+    assert_eq!(*result(&answers, nothing), Value::Null);
+}
+
+#[test]
+fn a_new_name_is_written_in_all_files_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (uri, text) = three_files(folder.path());
+    let mut session = Session::new();
+    session.open(&uri("whole.scn"), &text);
+    let mut ask = |mark: &str, new: &str| {
+        let (line, column) = base::diagnostic::Lines::new(&text).utf16(text.find(mark).unwrap());
+        let position = json!({ "line": line, "character": column });
+        let params = json!({ "textDocument": { "uri": uri("whole.scn") }, "position": position, "newName": new });
+        session.ask("textDocument/rename", params)
+    };
+    let good = ask("mine\n", "yours");
+    let refused = [
+        (ask("mine\n", "model3"), "is taken"),
+        (ask("mine\n", "far"), "is taken"),
+        (ask("mine\n", "on"), "is no name"),
+        (ask("mine\n", "a b"), "is no name"),
+        (ask("mine\n", ""), "is no name"),
+        (ask("harbour]", "port"), "standard library"),
+        (ask("0.8", "other"), "no name that a file declares"),
+    ];
+    let answers = session.hold();
+    let changes = &result(&answers, good)["changes"];
+    for (file, line, column) in [("whole.scn", 10, 11), ("part.scn", 1, 8), ("other.scn", 2, 7)] {
+        let edits = changes[uri(file)].as_array().unwrap();
+        assert_eq!((edits.len(), &edits[0]["newText"]), (1, &json!("yours")), "{file}");
+        let start = json!({ "line": line, "character": column });
+        assert_eq!((&edits[0]["range"]["start"], &edits[0]["range"]["end"]["character"]), (&start, &json!(column + 4)));
+    }
+    for (id, reason) in refused {
+        let answer = answers.iter().find(|answer| answer["id"] == id).unwrap();
+        let said = answer["error"]["message"].as_str().unwrap_or_default();
+        assert!(said.contains(reason), "{reason}: {answer}");
+    }
+}
+
+#[test]
+fn words_have_the_roles_that_colours_depend_on() {
+    let text = "edition 1\nimport \"std/drivers.scn\"\n/* 🚗 */ param near: length = 3 m // near\nspawn s { distance: near .. 9 m }\n\
+        reward r { on hit(front) => max(1, v_c in m/s) }\nepisode e { traffic_lights: true }\npolicy p = idm(limit_share: 1)\n";
+    let mut session = Session::new();
+    session.open(FILE, text);
+    let id = session.ask("textDocument/semanticTokens/full", json!({ "textDocument": { "uri": FILE } }));
+    let answers = session.hold();
+    let legend = &result(&answers, 1)["capabilities"]["semanticTokensProvider"]["legend"]["tokenTypes"];
+    let data: Vec<u64> =
+        result(&answers, id)["data"].as_array().unwrap().iter().map(|each| each.as_u64().unwrap()).collect();
+    let (mut line, mut column, mut seen) = (0, 0, Vec::new());
+    for token in data.chunks(5) {
+        (line, column) = (line + token[0], if token[0] == 0 { column + token[1] } else { token[1] });
+        let start = base::diagnostic::Lines::new(text).byte(line as u32, column as u32);
+        let word = &text[start..start + token[2] as usize];
+        let declared = if token[4] == 1 { "!" } else { "" };
+        seen.push(format!("{word} {}{declared}", legend[token[3] as usize].as_str().unwrap()));
+    }
+    let wanted = [
+        "edition keyword",
+        "import keyword",
+        "param keyword",
+        "near parameter!",
+        "length type",
+        "spawn keyword",
+        "s variable!",
+        "distance property",
+        "near parameter",
+        "reward keyword",
+        "r variable!",
+        "on keyword",
+        "hit event",
+        "front enumMember",
+        "max function",
+        "v_c variable",
+        "in keyword",
+        "episode keyword",
+        "e variable!",
+        "traffic_lights property",
+        "true enumMember",
+        "policy keyword",
+        "p variable!",
+        "idm class",
+        "limit_share property",
+    ];
+    assert_eq!(seen, wanted);
+}

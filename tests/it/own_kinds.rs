@@ -10,6 +10,7 @@ use falsify::language::{Catalog, PolicyKind, TakenKind, TownKind, WalkerKind, ke
 use falsify::session::{Input, RunOptions, Session};
 use falsify::towns::{Carriageway, Node, Point, Street, TownDesign, TownParts};
 use falsify::walking::{PedestrianEnv, WalkCommand, WalkPolicy};
+use program::cli::ExitCode;
 
 keys! {
     /// Brakes all the time.
@@ -158,4 +159,41 @@ fn a_kind_that_the_catalogue_lacks_is_an_error_and_so_is_one_that_it_has() {
     assert_eq!(catalog(&made).with_policy(braking(&made)).err(), taken("policy", "braking"));
     assert_eq!(catalog(&made).with_town(TownKind::new(avenue)).err(), taken("town", "avenue"));
     assert_eq!(catalog(&made).with_walker(stroll()).err(), taken("pedestrian", "stroll"));
+}
+
+fn own_language() -> Catalog {
+    catalog(&Made::default())
+}
+
+#[test]
+fn the_command_line_knows_the_kinds_of_the_caller() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+policy soft = braking(force: 0.25)
+campaign own {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour] policies: [soft] pedestrians: [stroll, intercept] episodes: 10 }
+}
+"#;
+    let (file, out) = (folder.path().join("own.scn"), folder.path().join("reports"));
+    std::fs::write(&file, scenario).unwrap();
+    let [file, out] = [file, out].map(|path| path.to_str().unwrap().to_owned());
+    let command = |language, arguments: &[&str]| {
+        let given = std::iter::once("falsify").chain(arguments.iter().copied()).map(Into::into);
+        program::cli::command_line(language, given)
+    };
+    assert_eq!(command(own_language, &["check", &file]), ExitCode::Done);
+    assert_eq!(command(own_language, &["run", &file, "--out", &out]), ExitCode::Done);
+    let table = std::fs::read_to_string(Path::new(&out).join("own/episodes.csv")).unwrap();
+    let row: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let value = |name: &str| row[head.iter().position(|column| *column == name).unwrap()];
+    let name = format!("{}:{}", value("run_id"), value("episode"));
+    assert_eq!(command(own_language, &["replay", &name, "--report", &out]), ExitCode::Done);
+    assert_eq!(command(own_language, &["explain", "policy", "braking"]), ExitCode::Done);
+    assert_eq!(command(Catalog::builtin, &["check", &file]), ExitCode::Scenario);
 }

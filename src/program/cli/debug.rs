@@ -4,10 +4,10 @@ use clap::{Args, ValueEnum};
 
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
-use super::input::{GivenArgs, session};
+use super::input::{GivenArgs, language, session};
 use super::{console, network_trial};
 use base::diagnostic::{Severity, Sources};
-use compile::{Catalog, Plan};
+use compile::Plan;
 use lang::{Checked, outline};
 use world::env::Scenario;
 
@@ -73,7 +73,7 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> Ended {
         let roots = loaded.files.iter().filter(|file| loaded.roots.contains(&file.source));
         roots.for_each(|root| console::say(outline(root).trim_end()));
     } else {
-        let catalog = Catalog::builtin();
+        let catalog = language();
         // A matrix belongs to the files, not to the program of one of its combinations.
         said.extend(lang::matrices(&mut loaded, &catalog.forms, &settings, &sources).1);
         let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &mut Checked::new(&catalog.vocabulary));

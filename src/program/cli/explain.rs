@@ -3,7 +3,7 @@ use clap::Args;
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::misused;
-use compile::Catalog;
+use super::input::language;
 use results::report;
 
 /// Shown after the help.
@@ -28,7 +28,7 @@ pub struct ExplainArgs {
 
 /// `falsify explain`
 pub fn explain(options: &ExplainArgs) -> Ended {
-    let language = Catalog::builtin().explain(&options.words);
+    let language = language().explain(&options.words);
     let word = options.words.join(" ");
     let meaning = meaning(&word);
     let columns = columns(&word);

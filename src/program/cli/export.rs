@@ -44,13 +44,13 @@ pub struct ExportArgs {
     /// List the formats.
     #[arg(long)]
     pub formats: bool,
-    /// The driver of the ego.
-    #[arg(long, default_value = "recorded", value_parser = choice([
+    /// The driver of the ego. `commonroad` has `user` unless you say otherwise, all others have `recorded`.
+    #[arg(long, value_parser = choice([
         ("recorded", EgoDriver::Recorded, "The ego follows its recorded track"),
         ("user", EgoDriver::User, "The ego starts as recorded, and your controller drives it"),
     ]))]
-    pub ego: EgoDriver,
-    /// When the pedestrians walk.
+    pub ego: Option<EgoDriver>,
+    /// When the pedestrians walk. Both are the same for a pedestrian that walks from the first tick on; the file says so.
     #[arg(long, default_value = "recorded", value_parser = choice([
         ("recorded", Walking::Recorded, "Pedestrians walk at the recorded times"),
         ("released", Walking::Released, "Pedestrians start when the ego is as near as it was when they did"),
@@ -109,14 +109,15 @@ pub fn export(options: &ExportArgs) -> Ended {
         return Ok(ExitCode::Done);
     };
     let episodes = resolved(&options.names)?;
-    let variant = Variant { ego: options.ego, walking: options.pedestrians };
+    let variant_of = |ego: EgoDriver| Variant { ego: options.ego.unwrap_or(ego), walking: options.pedestrians };
     let exporter = match format {
         Format::Foreign(exporter) => exporter,
-        Format::Drawing(_) if variant != Variant::default() => {
+        Format::Drawing(_) if variant_of(EgoDriver::Recorded) != Variant::default() => {
             return Err(misused("a picture shows the recorded episode: leave out --ego and --pedestrians"));
         }
         Format::Drawing(drawing) => return Ok(draw(drawing, episodes, options)),
     };
+    let variant = variant_of(exporter.usual_ego());
     let call = session::ExportOptions {
         episodes,
         report: options.report.clone(),

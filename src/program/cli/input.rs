@@ -1,7 +1,7 @@
 //! The input of a command, and the session that reads it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 
 use clap::Args;
 
@@ -28,9 +28,23 @@ impl GivenArgs {
     }
 }
 
+/// Makes the language of the commands in this process.
+static LANGUAGE: RwLock<fn() -> Catalog> = RwLock::new(Catalog::builtin);
+
+/// Sets the language of the commands.
+pub fn speak(language: fn() -> Catalog) {
+    *LANGUAGE.write().unwrap_or_else(PoisonError::into_inner) = language;
+}
+
+/// The language, without programs and without trials of networks.
+pub fn language() -> Catalog {
+    let make = *LANGUAGE.read().unwrap_or_else(PoisonError::into_inner);
+    make()
+}
+
 /// The language of the commands: networks are tried before they are loaded, and programs are started if the user allows it.
 pub fn catalog(allow_external: bool) -> Catalog {
-    let catalog = Catalog::builtin().with_network_trial(network_trial::trial());
+    let catalog = language().with_network_trial(network_trial::trial());
     if allow_external { catalog.with_opener(Arc::new(ProcessOpener::default())) } else { catalog }
 }
 

@@ -53,12 +53,18 @@ pub use exit_code::ExitCode;
 pub use settings::is_read as settings_are_read;
 pub use settings::settings;
 
+use std::ffi::OsString;
+
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 
-/// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
-pub fn main() -> ExitCode {
+use compile::Catalog;
+
+/// Runs the program with this language. The first argument is the name of the program. A bug ends in [`ExitCode::Internal`].
+pub fn command_line(language: fn() -> Catalog, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     crash::listen();
-    let code = std::panic::catch_unwind(|| run_command().unwrap_or_else(|code| code)).unwrap_or_else(|_| {
+    input::speak(language);
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let code = std::panic::catch_unwind(|| run_command(&arguments).unwrap_or_else(|code| code)).unwrap_or_else(|_| {
         console::fail("this is a bug in falsify; what was finished before is not lost");
         ExitCode::Internal
     });
@@ -69,15 +75,15 @@ pub fn main() -> ExitCode {
     code
 }
 
-fn run_command() -> Ended {
+fn run_command(given: &[OsString]) -> Ended {
     let mut known = args::command();
-    let (mut arguments, mut matches) = parse(&mut known)?;
+    let (mut arguments, mut matches) = parse(&mut known, given)?;
     arguments.color.apply();
     let mut settings = None;
     if matches.subcommand_name().is_some_and(|name| settings::concern(&known, name)) {
         settings = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder))?;
         if let Some(settings) = &settings {
-            (arguments, matches) = parse(&mut settings::apply(args::command(), settings))?;
+            (arguments, matches) = parse(&mut settings::apply(args::command(), settings), given)?;
         }
     }
     // Frees the memory of the known options, which is needed soon.
@@ -125,14 +131,12 @@ fn run_command() -> Ended {
     }
 }
 
-/// Reads the arguments of the process; the error is the exit code, after the reason has been printed.
-fn parse(command: &mut Command) -> Result<(Arguments, ArgMatches), ExitCode> {
-    let parsed = command.try_get_matches_from_mut(std::env::args_os());
+/// Reads arguments; the error is the exit code, after the reason has been printed.
+fn parse(command: &mut Command, given: &[OsString]) -> Result<(Arguments, ArgMatches), ExitCode> {
+    let parsed = command.try_get_matches_from_mut(given);
     let parsed = parsed.and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
     parsed.map_err(|error| {
-        if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
-            && std::env::args_os().len() < 2
-        {
+        if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand && given.len() < 2 {
             console::note(welcome::WELCOME);
             return ExitCode::Usage;
         }

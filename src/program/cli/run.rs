@@ -209,7 +209,11 @@ impl Observer for RunReporter {
             Event::ShardEnded(report) => {
                 if self.output == Output::Human {
                     let ShardReport { shard: Shard { index, count }, name, finished, all } = report;
-                    console::say(&format!("{name}, shard {index} of {count}: {finished} of {all} tasks are there"));
+                    let said = match all {
+                        0 => "it has no task, since the campaign has fewer tasks than shards".to_owned(),
+                        _ => format!("{finished} of {all} tasks are there"),
+                    };
+                    console::say(&format!("{name}, shard {index} of {count}: {said}"));
                 }
             }
             Event::Ended(CampaignOutcome::Empty { .. }) => console::fail("nothing was finished, so there is no report"),

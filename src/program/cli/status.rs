@@ -108,7 +108,14 @@ fn tell(campaign: &CampaignProgress) {
         (None, None) => console::say("  too little is done to say how long the rest will take"),
     }
     if campaign.state == CampaignState::Stopped && !campaign.command.is_empty() {
-        console::say(&format!("  go on with: {}", campaign.command));
+        // A shard makes a part of the tasks, and other shards may write elsewhere.
+        let of_shard = campaign.command.split(' ').any(|word| word.starts_with("--shard"));
+        let advice = if of_shard {
+            "`falsify merge` names the shards that are missing; the last one here was"
+        } else {
+            "go on with"
+        };
+        console::say(&format!("  {advice}: {}", campaign.command));
     }
 }
 

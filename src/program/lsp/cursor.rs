@@ -1,5 +1,7 @@
 //! The context of the cursor, read from the text before it, which need not be a complete file.
 
+use std::ops::Range;
+
 use super::visible::dimension as measured;
 use base::signature::{Param, Signature};
 use base::units::Dimension;
@@ -131,19 +133,47 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
         take(&mut frames, Token { text, kind, end, first }, catalog);
         first = false;
     }
-    let top = frames.len() == 1;
+    let place = role(&frames, text, start..end, catalog);
     let frame = frames.last().expect("the file is never closed");
-    let is_key = text[end..].trim_start_matches([' ', '\t']).starts_with(':');
-    let place = match statement(frame, &text[..start], &text[end..]).filter(|_| top) {
-        Some(place) => place,
-        None => place(frame, top, is_key, &text[..start], catalog),
-    };
     // A unit may continue after its first word: `m/s^2`.
     let rest = match place {
         Place::Unit(_) => text[end..].bytes().take_while(|b| is_word(*b) || matches!(b, b'/' | b'*' | b'^')).count(),
         _ => 0,
     };
     Cursor { word: &text[start..end + rest], place, signature: frame.signature }
+}
+
+/// The words of a text that are not in a comment or in quotes, each with its role.
+pub fn places<'a>(text: &'a str, catalog: &'a Catalog) -> Vec<(Range<usize>, Place<'a>)> {
+    let mut frames = vec![Frame { keys: true, ..Frame::default() }];
+    let (mut all, mut first) = (Vec::new(), true);
+    for token in tokens(text) {
+        if token.kind == TokenKind::Blank {
+            first |= token.text(text).contains('\n');
+            continue;
+        }
+        if token.kind.is_trivia() || token.kind == TokenKind::Doc {
+            continue;
+        }
+        if matches!(token.kind, TokenKind::Name | TokenKind::Keyword) {
+            all.push((token.range(), role(&frames, text, token.range(), catalog)));
+        }
+        take(&mut frames, Token { text: token.text(text), kind: token.kind, end: token.end, first }, catalog);
+        first = false;
+    }
+    all
+}
+
+/// The role of a word that follows what has been read.
+fn role<'a>(frames: &[Frame<'a>], text: &'a str, word: Range<usize>, catalog: &Catalog) -> Place<'a> {
+    let top = frames.len() == 1;
+    let frame = frames.last().expect("the file is never closed");
+    let (before, behind) = (&text[..word.start], &text[word.end..]);
+    let is_key = behind.trim_start_matches([' ', '\t']).starts_with(':');
+    match statement(frame, before, behind).filter(|_| top) {
+        Some(place) => place,
+        None => place(frame, top, is_key, before, catalog),
+    }
 }
 
 /// The role of a word of an `import` or a `param`; none in other statements.

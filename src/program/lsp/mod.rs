@@ -11,6 +11,8 @@ mod visible;
 mod complete;
 mod hover;
 mod navigate;
+mod references;
+mod semantic;
 mod server;
 
 pub use server::{Ending, serve};

@@ -19,24 +19,29 @@ pub fn definition(
     sources: &Sources,
     documents: &Documents,
 ) -> Option<Location> {
+    let target = target(cursor, byte, loaded, sources)?;
+    let source = sources.get(target.source);
+    Some(Location { uri: documents.uri_to_show(&source.path)?, range: range(&Lines::new(&source.text), target) })
+}
+
+/// The name in the declaration that the word at a byte refers to, or the start of the file that an import names.
+pub fn target(cursor: &Cursor, byte: usize, loaded: &Loaded, sources: &Sources) -> Option<Span> {
     let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
     let import = root.imports.iter().find(|import| (import.span.start..=import.span.end).contains(&byte));
     let visible = Visible { loaded, sources };
     let word = cursor.word;
     let declared = |form: Option<&str>| Some(visible.declaration(form, word)?.name.as_ref()?.span);
     let param = || Some(visible.param(word)?.name.span);
-    let target = match (import, cursor.place) {
-        (Some(import), _) => Span { source: import.source?, start: 0, end: 0 },
+    match (import, cursor.place) {
+        (Some(import), _) => Some(Span { source: import.source?, start: 0, end: 0 }),
         (None, Place::Value(wanted)) => match referred(&wanted.ty) {
             Some(form) => declared(Some(form)).or_else(param),
             None => param(),
-        }?,
-        (None, Place::Imported(_) | Place::ParamValue { .. } | Place::AxisValue(_)) => declared(None).or_else(param)?,
-        (None, Place::Formula | Place::Param | Place::Axis) => param()?,
-        _ => return None,
-    };
-    let source = sources.get(target.source);
-    Some(Location { uri: documents.uri_to_show(&source.path)?, range: range(&Lines::new(&source.text), target) })
+        },
+        (None, Place::Imported(_) | Place::ParamValue { .. } | Place::AxisValue(_)) => declared(None).or_else(param),
+        (None, Place::Formula | Place::Param | Place::Axis) => param(),
+        _ => None,
+    }
 }
 
 /// The declarations and parameters of a file, in order.

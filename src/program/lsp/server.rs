@@ -8,24 +8,26 @@ use lsp_types::notification::{
 };
 use lsp_types::request::{
     CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, Initialize,
-    Request as _, Shutdown,
+    References, Rename, Request as _, SemanticTokensFullRequest, Shutdown,
 };
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CodeActionProviderCapability, CompletionOptions,
     CompletionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
     DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse, GotoDefinitionParams, HoverParams,
     HoverProviderCapability, InitializeResult, Location, OneOf, Position, PublishDiagnosticsParams, Range,
-    ServerCapabilities, ServerInfo, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind,
-    TextEdit, Uri, WorkspaceEdit,
+    ReferenceParams, RenameParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend,
+    SemanticTokensOptions, SemanticTokensParams, ServerCapabilities, ServerInfo, TextDocumentIdentifier,
+    TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri, WorkspaceEdit,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::cursor::{Place, cursor};
 use super::documents::{Documents, path, position, range};
+use super::references::{self, Places};
 use super::visible::Visible;
 use super::wire::{self, WireError};
-use super::{complete, hover, navigate};
+use super::{complete, hover, navigate, semantic};
 use base::contained::contained;
 use base::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use compile::{Catalog, compile};
@@ -153,13 +155,26 @@ impl<W: Write> Server<W> {
                 });
                 json(&found)
             }
+            References::METHOD => {
+                let params: ReferenceParams = read(params)?;
+                let found = self.places_of(&params.text_document_position);
+                json(&found.map(|found| self.locations(&found, params.context.include_declaration)))
+            }
+            Rename::METHOD => {
+                let RenameParams { text_document_position, new_name, .. } = read(params)?;
+                json(&self.rename(&text_document_position, &new_name)?)
+            }
+            SemanticTokensFullRequest::METHOD => {
+                let params: SemanticTokensParams = read(params)?;
+                json(&self.at(&start_of(params.text_document), |text, _, loaded, sources| {
+                    let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
+                    let data = semantic::semantic_tokens(root, text, Visible { loaded, sources }, &self.catalog);
+                    Some(SemanticTokens { result_id: None, data })
+                }))
+            }
             DocumentSymbolRequest::METHOD => {
                 let params: DocumentSymbolParams = read(params)?;
-                let at = TextDocumentPositionParams {
-                    text_document: params.text_document,
-                    position: Position { line: 0, character: 0 },
-                };
-                json(&self.at(&at, |text, _, loaded, _| {
+                json(&self.at(&start_of(params.text_document), |text, _, loaded, _| {
                     let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
                     Some(DocumentSymbolResponse::Nested(navigate::symbols(root, text)))
                 }))
@@ -220,6 +235,39 @@ impl<W: Write> Server<W> {
             loaded = lang::load(std::slice::from_ref(&root), &read, &mut sources).ok()?;
         }
         ask(text, byte, &loaded, &sources)
+    }
+
+    /// All places of the name at a place.
+    fn places_of(&self, at: &TextDocumentPositionParams) -> Option<Places> {
+        self.at(at, |text, byte, loaded, sources| {
+            let here = cursor(text, byte, &self.catalog);
+            references::places_of(&here, byte, loaded, sources, &self.documents, &self.catalog)
+        })
+    }
+
+    /// The places of a name as an editor shows them, perhaps with that of its declaration.
+    fn locations(&self, found: &Places, with_declaration: bool) -> Vec<Location> {
+        let (home, start) = &found.declared;
+        let mut all = Vec::new();
+        for (path, (text, spans)) in &found.files {
+            let (lines, Some(uri)) = (Lines::new(text), self.documents.uri_to_show(path)) else { continue };
+            let shown = spans.iter().filter(|span| with_declaration || (path, span.start) != (home, *start));
+            all.extend(shown.map(|span| Location { uri: uri.clone(), range: range(&lines, *span) }));
+        }
+        all
+    }
+
+    /// Gives the name at a place a new one in all files that see it.
+    fn rename(&self, at: &TextDocumentPositionParams, new: &str) -> Result<WorkspaceEdit, Refusal> {
+        let refused = |reason: String| Refusal(ErrorCode::RequestFailed, reason);
+        let found = self.places_of(at).ok_or_else(|| refused("here is no name that a file declares".into()))?;
+        found.check_new_name(new, &self.documents, &self.catalog).map_err(refused)?;
+        let edits =
+            self.locations(&found, true).into_iter().fold(BTreeMap::new(), |mut all, Location { uri, range }| {
+                all.entry(uri).or_insert_with(Vec::new).push(TextEdit { range, new_text: new.to_owned() });
+                all
+            });
+        Ok(WorkspaceEdit { changes: Some(edits.into_iter().collect()), ..WorkspaceEdit::default() })
     }
 
     /// The names that an imported file offers; the import statement itself may not be readable yet.
@@ -344,6 +392,11 @@ fn shown(each: &Diagnostic, lines: &Lines) -> lsp_types::Diagnostic {
     }
 }
 
+/// The first place of a document.
+fn start_of(text_document: TextDocumentIdentifier) -> TextDocumentPositionParams {
+    TextDocumentPositionParams { text_document, position: Position { line: 0, character: 0 } }
+}
+
 fn capabilities() -> InitializeResult {
     let triggers = [":", "=", "(", "[", ",", " ", "\"", "/"].map(String::from).to_vec();
     InitializeResult {
@@ -356,6 +409,19 @@ fn capabilities() -> InitializeResult {
             }),
             definition_provider: Some(OneOf::Left(true)),
             document_symbol_provider: Some(OneOf::Left(true)),
+            references_provider: Some(OneOf::Left(true)),
+            rename_provider: Some(OneOf::Left(true)),
+            semantic_tokens_provider: Some(
+                SemanticTokensOptions {
+                    legend: SemanticTokensLegend {
+                        token_types: semantic::TYPES.to_vec(),
+                        token_modifiers: semantic::MODIFIERS.to_vec(),
+                    },
+                    full: Some(SemanticTokensFullOptions::Bool(true)),
+                    ..SemanticTokensOptions::default()
+                }
+                .into(),
+            ),
             document_formatting_provider: Some(OneOf::Left(true)),
             code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
             ..ServerCapabilities::default()

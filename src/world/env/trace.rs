@@ -1,6 +1,6 @@
 use super::{Pair, PedestrianEnv, Scenario};
 use crate::av::DrivingMode;
-use crate::sim::{Contact, Control, PedestrianState, VehicleState, WalkCommand, World};
+use crate::sim::{Contact, Control, LightClock, PedestrianState, VehicleState, WalkCommand, World};
 use learn::Step;
 
 /// The action of a driver in a tick.
@@ -28,6 +28,7 @@ pub struct Trace {
     vehicles: Vec<Vec<VehicleFrame>>,
     pedestrians: Vec<PedestrianTrack>,
     contact: Option<Contact>,
+    lights: Option<LightClock>,
     on_map: bool,
 }
 
@@ -54,6 +55,7 @@ impl Trace {
             vehicles: scenario.cast.vehicles().map(|_| Vec::with_capacity(frames)).collect(),
             pedestrians: scenario.cast.pedestrians().map(track).collect(),
             contact: None,
+            lights: None,
             on_map: true,
         }
     }
@@ -70,6 +72,7 @@ impl Trace {
             vehicles: vec![driving],
             pedestrians: vec![PedestrianTrack { states: walking, decisions }],
             contact,
+            lights: None,
             on_map: false,
         }
     }
@@ -77,6 +80,11 @@ impl Trace {
     /// Whether the episode took place on the scenario's map. A recording from elsewhere did not.
     pub fn is_on_map(&self) -> bool {
         self.on_map
+    }
+
+    /// The clock of the traffic lights at the start; none where they are switched off, and in a recording from elsewhere.
+    pub fn lights(&self) -> Option<LightClock> {
+        self.lights
     }
 
     pub fn vehicle_count(&self) -> usize {
@@ -90,6 +98,7 @@ impl Trace {
             track.states.clear();
             track.decisions.clear();
         }
+        self.lights = world.light_clock();
         self.watch(world, None, |_| Driven::default());
     }
 

@@ -21,6 +21,8 @@ pub struct SpeedSign {
 /// length 1.5 m, half width a quarter of the lane's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrafficLight {
+    /// The id of its signal in the map. A signal for several lanes has a light on each of them.
+    pub signal: String,
     /// Lights of one group follow one cycle.
     pub group: u32,
     /// Its turn within the group: 0, 1, ….

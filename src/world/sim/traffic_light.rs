@@ -57,6 +57,16 @@ pub struct LightClock {
 }
 
 impl LightClock {
+    /// The clock this time (s) later.
+    pub fn after(&self, time: f64) -> Self {
+        self.cycle.clock(self.time + time)
+    }
+
+    /// The time after which a light shows the same colours again (s).
+    pub fn period(&self, light: &TrafficLight) -> f64 {
+        self.cycle.turn() * f64::from(light.turns.max(1))
+    }
+
     pub fn colour(&self, light: &TrafficLight) -> LightColour {
         let turns = light.turns.max(1) as usize;
         let turn = self.cycle.turn();
@@ -84,6 +94,7 @@ mod tests {
     #[test]
     fn lights_of_a_group_take_turns() {
         let light = |turn| TrafficLight {
+            signal: String::new(),
             group: 0,
             turn,
             turns: 3,

@@ -50,6 +50,7 @@ pub(super) fn traffic_lights(design: &TownDesign, layout: &Layout, network: &Net
             for lane in (1..=approach.inward).map(|place| approach.inward_lane(place)) {
                 let stop = lane_pose(network, road, lane, end, STOP_DISTANCE);
                 lights.push(TrafficLight {
+                    signal: format!("light_{}", lights.len()),
                     group: network.junctions[junction.0 as usize].id,
                     turn,
                     turns: count,

@@ -53,7 +53,7 @@ pub(super) fn read<'a, 'x: 'a>(
     group(root, &approaches, junctions)
         .into_iter()
         .zip(&approaches)
-        .map(|(place, approach)| light(roads, network, place, approach.slot))
+        .map(|(place, approach)| light(roads, network, place, approach))
         .collect()
 }
 
@@ -96,14 +96,14 @@ fn group(root: Node, approaches: &[Approach], junctions: &Junctions) -> Vec<Plac
     places.into_iter().map(|(group, turn)| (group as u32, turn as u32, turns[group].len() as u32)).collect()
 }
 
-fn light(roads: &Roads, network: &LaneNetwork, (group, turn, turns): Place, slot: LaneSlot) -> TrafficLight {
-    let lane = network.lane(slot);
+fn light(roads: &Roads, network: &LaneNetwork, (group, turn, turns): Place, approach: &Approach) -> TrafficLight {
+    let lane = network.lane(approach.slot);
     let (_, end) = lane.driving_ends();
     let s = if lane.forward() { end - BEFORE_END } else { end + BEFORE_END };
     let s = s.max(lane.start).min(lane.end);
     let stop = network.pose(&roads.roads, lane, s);
     let trigger = OrientedBox::new(stop, HALF_LENGTH, HALF_WIDTH * network.width(lane, s).max(0.0));
-    TrafficLight { group, turn, turns, road: lane.road, stop, trigger }
+    TrafficLight { signal: approach.signal.to_owned(), group, turn, turns, road: lane.road, stop, trigger }
 }
 
 /// The lanes outside junctions that lead to a lane; the lane itself if it is outside.
