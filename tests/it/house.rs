@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_000),
     ("src/learn", 6_000),
-    ("src/world", 27_100),
+    ("src/world", 28_500),
     ("src/ported", 6_000),
     ("src/lang", 8_000),
-    ("src/compile", 6_150),
+    ("src/compile", 6_500),
     ("src/process", 1_000),
     ("src/export", 4_000),
-    ("src/results", 25_500),
-    ("src/program", 11_500),
-    ("tests/it", 17_000),
+    ("src/results", 26_000),
+    ("src/program", 12_500),
+    ("tests/it", 17_500),
 ];
 
 /// Crates that only some places may name.
