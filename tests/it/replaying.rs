@@ -115,12 +115,17 @@ fn differences_are_found(here: &Path, report: &Path, name: &str) {
     assert_eq!(falsify(&["replay", name], here).status.code(), Some(0));
 
     let pedestrian = report.join("pedestrians/r1-harbour-near-0.safetensors");
-    let mut bytes = std::fs::read(&pedestrian).unwrap();
+    let whole = std::fs::read(&pedestrian).unwrap();
+    let mut bytes = whole.clone();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(&pedestrian, bytes).unwrap();
     let verify = falsify(&["verify", "--sample", "0", "--trainings", "reports/again"], here);
     assert_eq!(verify.status.code(), Some(8), "{verify:?}");
+    let refused = falsify(&["replay", name], here);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    assert!(said(&refused).contains("near-0.safetensors` is not as it was written"), "{}", said(&refused));
+    std::fs::write(&pedestrian, whole).unwrap();
 
     let file = here.join("again.scn");
     let text = std::fs::read_to_string(&file).unwrap();
