@@ -8,8 +8,9 @@ use crate::geometry::{Pose, Vector, wrap_angle};
 const STRETCH: f64 = 2.0;
 const MOVING: f64 = 0.5;
 /// The least number of stretches that say something.
-const FEWEST: usize = 2;
-/// What the length of the median stretch may be, as a multiple of what the speed explains. Miles per hour give 0.45.
+const FEWEST: usize = 4;
+/// What the length of a stretch may be, as a multiple of what the speed explains: of the longest at least the first number, since an actor that turns round
+/// comes back, and of the median at most the second. Miles per hour give 0.45.
 const EXPLAINED: (f64, f64) = (0.6, 1.7);
 /// Units of speed: their names, and what the stretches then are.
 const SPEEDS: [(&str, f64); 2] = [("km/h", 1.0 / 3.6), ("mph", 0.44704)];
@@ -57,7 +58,8 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64) -> Option<Misfit> {
         return None;
     }
     let ratio = median(stretches.iter().map(Stretch::ratio));
-    if !(EXPLAINED.0..=EXPLAINED.1).contains(&ratio) {
+    let longest = stretches.iter().map(Stretch::ratio).fold(0.0, f64::max);
+    if longest < EXPLAINED.0 || ratio > EXPLAINED.1 {
         return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) });
     }
     let backwards = |angle: f64| FRAC_PI_2 - (angle.abs() - FRAC_PI_2).abs();

@@ -27,7 +27,7 @@ const OF: [RateOf; 3] = [|cell| cell.collision, |cell| cell.preventable, |cell| 
 pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<CellKey, RunRates>) -> Markup {
     let empty = RunRates::default();
     let scale = Scale::new(contents.drivers, contents.cells);
-    let axes = [0, 1, 2, 3].map(|number| Axis::new(contents, cells, rates, number));
+    let axes = [0, 1, 2].map(|number| Axis::new(contents, cells, rates, number));
     html! {
         div.wide {
             table.results {
@@ -46,7 +46,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                 }
                 @for (place, members) in places(cells) {
                     tbody {
-                        tr { th colspan="8" scope="rowgroup" { (place) } }
+                        tr { th colspan="7" scope="rowgroup" { (place) } }
                         @for named in members { (row(contents, named, rates.get(&named.cell.key).unwrap_or(&empty), (&axes, scale))) }
                     }
                 }
