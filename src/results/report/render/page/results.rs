@@ -78,7 +78,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
     }
 }
 
-fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates, (axes, scale): (&[Axis; 4], Scale<'_>)) -> Markup {
+fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates, (axes, scale): (&[Axis; 3], Scale<'_>)) -> Markup {
     let cell = named.cell;
     let published = |column: &str| {
         let same = |beside: &&PublishedComparison<'_>| beside.published.column == column && beside.key == cell.key;
