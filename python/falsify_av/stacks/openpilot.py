@@ -102,7 +102,9 @@ class Plan:
             self.solver.set(node, "x", np.zeros(3))
             count = len(WEIGHTS) if node < NODES else len(WEIGHTS) - 1
             self.solver.cost_set(node, "yref", np.zeros(count))
-        self.state[:], self.former[:] = 0.0, 0.0
+        self.state[:] = 0.0
+        # After a solver has failed, a plan is to stand.
+        self.former, self.speeds, self.accelerations = np.zeros(NODES + 1), np.zeros(NODES + 1), np.zeros(NODES + 1)
         self.smooth: bool | None = None
         self.weigh(True)
 
