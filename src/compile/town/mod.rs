@@ -14,7 +14,7 @@ use lang::{Reader, diagnostics};
 use map::OpenDriveKeys;
 use objects::{CrosswalkKeys, SpeedSignKeys};
 use world::geometry::{OrientedBox, Pose, Vector};
-use world::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk};
+use world::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
 
 /// Half size of the box in which a speed sign takes effect (m): 0.35 of CARLA's lanes.
 const SIGN_HALF_SIZE: f64 = 1.4;
@@ -132,7 +132,7 @@ pub fn lower(
     // A real map has signs of its own.
     for (_, SpeedSignKeys { at, limit }) in block.inside().filter(|_| map.is_none()) {
         let trigger = OrientedBox::new(at.into(), SIGN_HALF_SIZE, SIGN_HALF_SIZE);
-        parts.speed_signs.push(SpeedSign { limit, trigger });
+        opendrive::add_speed_sign(&mut parts, SpeedSign { limit, trigger });
     }
     if map.is_some() {
         // An obstacle beside the outline of a street may reach into the street of the map.

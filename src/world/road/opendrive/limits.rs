@@ -4,8 +4,9 @@ use roxmltree::Node;
 
 use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
+use crate::road::lane_index::{LaneFilter, LaneIndex, Lanes};
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
-use crate::road::{LaneSection, Road};
+use crate::road::{LaneSection, Road, SpeedSign, TownParts};
 
 /// What stands for "no limit" (m/s): 130 km/h, the speed that is recommended on German motorways without a limit.
 const NO_LIMIT: f64 = 130.0 / 3.6;
@@ -80,6 +81,16 @@ fn limit(context: &mut Context, speed: Node) -> Option<f64> {
         context.bad(speed, "max", text);
     }
     usable.then_some(limit)
+}
+
+/// Adds a speed sign to a town. Where its map has limits of lanes or road types, it overrules those of the lane beside it, as the signs of the map do.
+pub fn add_speed_sign(parts: &mut TownParts, sign: SpeedSign) {
+    let network = LaneNetwork::new(&parts.roads, &parts.junctions);
+    let lanes = Lanes { roads: &parts.roads, network: &network };
+    let beside = LaneIndex::default().nearest(lanes, sign.trigger.pose.position(), LaneFilter::Driving);
+    let place = beside.and_then(|lane| Some((sign.limit, network.slot(lane)?, lane.s)));
+    follow_signs(&mut parts.roads, &network, place.into_iter().collect());
+    parts.speed_signs.push(sign);
 }
 
 /// Lets speed signs overrule the limits of their lanes: from the sign to the end of its road, or to the next sign. A sign is a limit (m/s), a lane

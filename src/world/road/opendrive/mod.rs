@@ -27,6 +27,7 @@ mod insertion;
 pub use error::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use file::read;
 pub use insertion::{Addition, insert};
+pub use limits::add_speed_sign;
 pub use obstacles::{OBSTACLE, TRIGGER};
 
 #[cfg(test)]
