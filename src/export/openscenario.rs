@@ -75,6 +75,14 @@ impl Exporter for OpenScenario {
     }
 }
 
+/// Traffic lights that change together.
+struct Controller<'a> {
+    name: String,
+    signals: BTreeSet<&'a str>,
+    /// Colours with their numbers of ticks, from the first tick on.
+    phases: Vec<(LightColour, usize)>,
+}
+
 /// What a file holds.
 struct Storyboard<'a> {
     version: Version,
@@ -89,8 +97,8 @@ struct Storyboard<'a> {
     box_of_pedestrian: [f64; 2],
     /// The first tick of the pedestrians' trajectories, and the distance of the ego at which they start (m).
     release: Option<(usize, f64)>,
-    /// The lights for an ego of the user: the name of a controller, its signals, its phases in ticks.
-    lights: Vec<(String, BTreeSet<&'a str>, Vec<(LightColour, usize)>)>,
+    /// The lights for an ego of the user.
+    lights: Vec<Controller<'a>>,
 }
 
 impl<'a> Storyboard<'a> {
@@ -121,7 +129,7 @@ impl<'a> Storyboard<'a> {
             let all = opendrive::controllers(episode.lights()).into_iter();
             storyboard.lights.extend(all.map(|(turn, lights)| {
                 let signals = lights.iter().map(|light| light.signal.as_str()).collect();
-                (opendrive::controller_id(turn), signals, episode.phases(lights[0]))
+                Controller { name: opendrive::controller_id(turn), signals, phases: episode.phases(lights[0]) }
             }));
         }
         if version == Version::V1_0 {
@@ -228,8 +236,8 @@ impl<'a> Storyboard<'a> {
     /// The controllers of the traffic lights, each of which starts with the colour of the first tick. A colour that is under way then
     /// is split: its beginning is the last phase.
     fn signals(&self, xml: &mut Xml) {
-        for (controller, signals, phases) in &self.lights {
-            xml.element("TrafficSignalController", &[("name", controller)], |xml| {
+        for Controller { name, signals, phases } in &self.lights {
+            xml.element("TrafficSignalController", &[("name", name)], |xml| {
                 for (colour, ticks) in phases {
                     // The lamps from the top down.
                     let (name, lamps) = match colour {

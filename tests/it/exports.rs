@@ -347,9 +347,13 @@ fn an_ego_of_the_user_gets_the_phases_of_the_lights() {
     }
     assert!(lit > 4, "{lit} controllers");
     let name = failures_of(here, &SCENARIO.replace("traffic_lights: false", "traffic_lights: true"));
-    let refused: Vec<_> = name.iter().map(|name| falsify(&["export", name, "--as", "xosc-1.0", "--ego", "user"], here)).collect();
+    let refused: Vec<_> =
+        name.iter().map(|name| falsify(&["export", name, "--as", "xosc-1.0", "--ego", "user"], here)).collect();
     let refused = refused.iter().find(|done| !done.status.success()).unwrap();
-    assert!(error(refused).contains("phases of the traffic lights") && error(refused).contains("xosc-1.3"), "{refused:?}");
+    assert!(
+        error(refused).contains("phases of the traffic lights") && error(refused).contains("xosc-1.3"),
+        "{refused:?}"
+    );
 }
 
 #[test]

@@ -7,6 +7,7 @@ use lsp_types::{DocumentSymbol, Location, SymbolKind};
 use super::cursor::{Cursor, Place};
 use super::documents::{Documents, range};
 use super::hover::referred;
+use super::references::declared_names;
 use super::visible::Visible;
 use base::diagnostic::{Lines, Sources, Span};
 use lang::{Loaded, ast};
@@ -38,7 +39,16 @@ pub fn target(cursor: &Cursor, byte: usize, loaded: &Loaded, sources: &Sources) 
             Some(form) => declared(Some(form)).or_else(param),
             None => param(),
         },
-        (None, Place::Imported(_) | Place::ParamValue { .. } | Place::AxisValue(_)) => declared(None).or_else(param),
+        (None, Place::Imported(_)) => {
+            // The file may have a name of its own that is the same.
+            let at_byte = |name: &ast::Name| (name.span.start..=name.span.end).contains(&byte);
+            let source =
+                root.imports.iter().find(|import| import.names.iter().any(at_byte)).and_then(|import| import.source);
+            let file = loaded.files.iter().find(|file| Some(file.source) == source);
+            let mut names = file.into_iter().flat_map(declared_names).map(|(name, _)| name);
+            names.find(|name| name.text == word).map(|name| name.span).or_else(|| declared(None)).or_else(param)
+        }
+        (None, Place::ParamValue { .. } | Place::AxisValue(_)) => declared(None).or_else(param),
         (None, Place::Formula | Place::Param | Place::Axis) => param(),
         _ => None,
     }
