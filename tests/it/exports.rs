@@ -347,8 +347,10 @@ fn an_ego_of_the_user_gets_the_phases_of_the_lights() {
     }
     assert!(lit > 4, "{lit} controllers");
     let name = failures_of(here, &SCENARIO.replace("traffic_lights: false", "traffic_lights: true"));
-    let refused: Vec<_> =
-        name.iter().map(|name| falsify(&["export", name, "--as", "xosc-1.0", "--ego", "user"], here)).collect();
+    let refused: Vec<_> = name
+        .iter()
+        .map(|name| falsify(&["export", name, "--as", "xosc-1.0", "--ego", "user", "--out", "old"], here))
+        .collect();
     let refused = refused.iter().find(|done| !done.status.success()).unwrap();
     assert!(
         error(refused).contains("phases of the traffic lights") && error(refused).contains("xosc-1.3"),
@@ -383,7 +385,8 @@ fn a_planning_problem_has_a_name_of_its_own_and_no_recorded_car() {
     let (run, number) = name.split_once(':').unwrap();
     assert!(names.contains(&format!("ZAM_Falsify{run}-1_{}_T-1", number.parse::<u32>().unwrap() + 1)), "{names:?}");
     // A recording has the car and no problem.
-    let (_, recording) = &exported_with_lights(folder.path(), &["--as", "commonroad", "--ego", "recorded"])[0];
+    let (_, recording) =
+        &exported_with_lights(folder.path(), &["--as", "commonroad", "--ego", "recorded", "--out", "recorded"])[0];
     assert!(recording.contains("<type>car</type>") && !recording.contains("planningProblem"));
     let released = falsify(&["export", name, "--as", "commonroad", "--pedestrians", "released"], folder.path());
     assert!(error(&released).contains("pedestrians that are released"), "{released:?}");
