@@ -318,7 +318,11 @@ impl<'f> Checker<'_, '_, 'f> {
                         true => matches!(param.ty, Type::Text | Type::Path),
                         false => of_kind.is_none_or(|kind| measures(&param.ty, kind)),
                     };
-                    let fitting: Vec<&str> = signature.params.iter().filter(fits).map(|param| param.name).collect();
+                    // Keys that must be given come before those with a default.
+                    let fitting = || signature.params.iter().filter(fits);
+                    let needed: Vec<&str> =
+                        fitting().filter(|param| param.default.is_none()).map(|param| param.name).collect();
+                    let fitting = if needed.is_empty() { fitting().map(|param| param.name).collect() } else { needed };
                     self.diagnostics.push(diagnostics::bare_argument(expression.span, text, &fitting));
                 }
                 Entry::Unread(words) => {

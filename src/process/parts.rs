@@ -41,6 +41,8 @@ pub(super) fn parts(program: &Program) -> Parts {
         named.filter(|path| is_script(path)).filter_map(|path| path.parent().map(Path::to_path_buf)).collect();
     folders.extend(module(program).and_then(|(_, path)| path).map(|_| program.folder.clone()));
     folders.iter().for_each(|folder| sources.collect(folder, &is_code));
+    // Of a declared folder all files count, not the code alone.
+    sources.folders.clear();
     for path in program.files.iter().map(|file| program.folder.join(file)) {
         if path.is_dir() {
             sources.collect(&path, &|_| true);

@@ -69,7 +69,7 @@ fn a_recording_repeats_its_episode_bit_by_bit() {
         }
         assert_eq!(env.outcome(), Some(&outcome));
         assert_eq!(trace.main_pair(&scenario).len(), outcome.ticks as usize + 1);
-        assert_eq!(trace.contact().is_some(), outcome.is_collision());
+        assert_eq!(trace.contact().is_some(), outcome.is_touch());
     }
 }
 
@@ -89,7 +89,7 @@ fn a_recording_of_an_episode_has_its_verdict() {
         for (outcome, trace) in episodes(&scenario, 100) {
             let pair = trace.main_pair(&scenario);
             let found = recorded(&scenario, &trace).judged(&scenario, scenario.obstacles.clone());
-            assert_eq!(found.touch.is_some(), outcome.is_collision());
+            assert_eq!(found.touch.is_some(), outcome.is_touch());
             let (Some(touch), Some(verdict), Some(wanted)) = (found.touch, found.verdict, judge(&pair)) else {
                 continue;
             };
@@ -141,7 +141,7 @@ fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
     let mut labels = Vec::new();
     for (outcome, trace) in episodes(&scenario, 200) {
         let verdict = judge(&trace.main_pair(&scenario));
-        assert_eq!(verdict.is_some(), outcome.is_collision());
+        assert_eq!(verdict.is_some(), outcome.is_touch());
         let Some(verdict) = verdict else { continue };
         let Ending::Touch { impact_speed, .. } = outcome.ending else { unreachable!("it is a collision") };
         assert_eq!(verdict.label == Label::Bump, impact_speed <= 0.1);
@@ -246,7 +246,7 @@ fn false_alarms_are_those_of_episodes_that_end_well() {
     let (mut looked_at, mut stops) = (0, [0; Reference::COUNT]);
     for (outcome, trace) in episodes(&scenario, 200) {
         let alarms = FalseAlarms::new(&trace.main_pair(&scenario));
-        assert_eq!(alarms.is_none(), outcome.is_collision());
+        assert_eq!(alarms.is_none(), outcome.is_touch());
         let Some(alarms) = alarms else { continue };
         looked_at += 1;
         for (count, reference) in stops.iter_mut().zip(Reference::ALL) {

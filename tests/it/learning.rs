@@ -35,7 +35,7 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let rate = |walker: &mut dyn WalkPolicy| {
         let (episodes, own) = (Seed::root(4), Seed::root(5));
         let outcomes = evaluate(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));
-        outcomes.iter().filter(|outcome: &&Outcome| outcome.is_collision()).count()
+        outcomes.iter().filter(|outcome: &&Outcome| outcome.is_touch()).count()
     };
     let obs_dim = evaluation.scenario.cast.obs_dim();
     let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, obs_dim, ActionMode::Deterministic));

@@ -56,7 +56,7 @@ fn a_full_output_is_an_error_of_every_command_that_prints() {
         &["compare", "out/cut", "out/cut", "--format", "json"],
         &["replay", &name, "--report", "out/cut"],
         &["replay", &name, "--report", "out/cut", "--json"],
-        &["status", "out"],
+        &["status", "--out", "out"],
         &["export", "--formats"],
         &["explain", "state"],
         &["completions", "bash"],

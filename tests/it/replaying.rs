@@ -59,7 +59,10 @@ fn a_report_can_be_replayed_drawn_and_verified() {
     assert_eq!(all.len(), 48);
     let hit = all.iter().find(|row| row[2] == "collision" && row[6] == "intercept").expect("it hits somebody");
     let name = format!("{}:{}", hit[0], hit[1]);
-    assert!(!hit[4].is_empty() && all.iter().all(|row| row[4].is_empty() != (row[2] == "collision")));
+    assert!(
+        !hit[4].is_empty()
+            && all.iter().all(|row| row[4].is_empty() != ["collision", "bump"].contains(&row[2].as_str()))
+    );
 
     // From another working folder, the files are found in their original folder.
     let elsewhere = tempfile::tempdir().unwrap();

@@ -77,14 +77,15 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
 #[test]
 fn ticks_are_those_of_all_episodes_up_to_the_failure() {
     let results = run(&obvious("home, cross, pair", 20_001, 1));
-    // Every homing episode fails here, so only the failures are counted.
     let home = &results[0].spent;
-    assert_eq!(home.failures.len() as u64, home.episodes);
     let mut used = 0;
     for failure in &home.failures {
+        // Bumps lie between the failures.
         used += u64::from(failure.outcome.ticks);
-        assert_eq!(failure.ticks, used);
+        assert!(failure.ticks >= used, "{} of {used}", failure.ticks);
+        used = failure.ticks;
     }
+    assert!(home.failures.iter().any(|failure| failure.start > 0) && home.episodes > home.failures.len() as u64);
     for result in &results {
         let failed: u64 = result.spent.failures.iter().map(|failure| u64::from(failure.outcome.ticks)).sum();
         assert!(failed <= result.spent.ticks);

@@ -259,7 +259,7 @@ impl<'a> EpisodeTable<'a> {
         let avoids = AVOIDS.read(reference.name(), self.table).ok();
         let table = *self;
         let avoided = move |row: &usize| avoids.and_then(|avoids| avoids.get(*row)) == Some(true);
-        self.rows().filter(move |row| table.is_collision(*row) && avoided(row))
+        self.rows().filter(move |row| table.counts(*row) && table.is_collision(*row) && avoided(row))
     }
 
     /// The start.
