@@ -83,7 +83,7 @@ fn columns<const N: usize>(report: &CampaignReport, table: &str, names: [&str; N
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = lines.next().unwrap();
     let places = names.map(|name| head.iter().position(|column| *column == name).unwrap());
-    lines.map(|row| places.map(|place| row[place].to_string())).collect()
+    lines.map(|row| places.map(|place| row[place].trim_matches('"').to_string())).collect()
 }
 
 #[test]
