@@ -35,7 +35,7 @@ fn remove_abandoned(folder: &Path) {
         let name = name.to_string_lossy();
         let is_draft = name.starts_with(NAME.0) && name.ends_with(NAME.1);
         if is_draft
-            && entry.file_type().is_ok_and(|kind| kind.is_file())
+            && entry.metadata().is_ok_and(|known| known.is_file())
             && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok())
         {
             let _ = fs::remove_file(entry.path());

@@ -153,6 +153,9 @@ impl<'a> Overview<'a> {
     }
 }
 
+/// A rate of a cell with its interval.
+type Estimate = fn(&Cell) -> (Spread, (f64, f64));
+
 /// The columns of an overview, without those of the parameters.
 fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     type Row<'a> = OverviewRow<'a>;
@@ -186,7 +189,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         Found::Evaluated(cell) => u64::from(cell.runs),
         Found::Searched(cell) => cell.runs as u64,
     }));
-    let rates: [([&'static str; 4], fn(&Cell) -> (Spread, (f64, f64))); 3] = [
+    let rates: [([&'static str; 4], Estimate); 3] = [
         (["fault_rate", "fault_rate_sd", "fault_rate_wilson_low", "fault_rate_wilson_high"], |cell| {
             (cell.fault, cell.fault_interval)
         }),

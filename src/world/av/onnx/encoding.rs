@@ -10,11 +10,14 @@ pub enum Content<'a> {
     Bytes(&'a [u8]),
 }
 
+/// A field: its number, its content, and its bytes as they stand.
+pub type Field<'a> = (u32, Content<'a>, &'a [u8]);
+
 /// Takes the next field of a message: its number, its content, and its bytes as they stand; none at the end.
 ///
 /// # Errors
 /// The bytes are no field.
-pub fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u32, Content<'a>, &'a [u8])>, Refusal> {
+pub fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<Field<'a>>, Refusal> {
     let short = || "it ends in the middle of a value".to_owned();
     let whole = *bytes;
     if whole.is_empty() {

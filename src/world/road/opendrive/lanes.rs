@@ -56,7 +56,8 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
         let edge = &mut edges[usize::from(id > 0)];
         let width = if id == 0 { Profile::constant(0.0) } else { width(context, node, id, edge, start, end) };
         let most = width.greatest(start, end);
-        if !(most <= WIDEST) && context.refused.is_none() {
+        // A width that is not a number is no width, either.
+        if (most.is_nan() || most > WIDEST) && context.refused.is_none() {
             let (line, road) = (context.line(node), context.road.clone().unwrap_or_default());
             context.refused = Some(OpenDriveError::TooWide { line, road, lane: id, width: most, most: WIDEST });
         }
