@@ -106,7 +106,13 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 fn same(found: &BTreeMap<String, Vec<u8>>, wanted: &BTreeMap<String, Vec<u8>>, what: &str) {
     assert_eq!(found.keys().collect::<Vec<_>>(), wanted.keys().collect::<Vec<_>>(), "{what}");
     for (name, bytes) in wanted {
-        assert!(found[name] == *bytes, "{what}: {name} differs");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let differs = || {
+            let (found, wanted) = (text(&found[name]), text(bytes));
+            let line = found.lines().zip(wanted.lines()).find(|(found, wanted)| found != wanted);
+            format!("{what}: {name} differs, first in {line:?}")
+        };
+        assert!(found[name] == *bytes, "{}", differs());
     }
 }
 

@@ -20,7 +20,7 @@ impl SpawnRule {
     /// Whether no pedestrian of this greatest speed (m/s) can meet the car within a time (s), as far as drawn starts tell.
     ///
     /// A start is within reach where the pedestrian can get to a driving lane, and together with a car of 20 m/s, or
-    /// of twice the highest speed sign, can cover the distance between them. A rule that states the pedestrian's walk is always within reach.
+    /// of twice the highest speed limit, can cover the distance between them. A rule that states the pedestrian's walk is always within reach.
     pub fn is_out_of_reach(
         &self,
         town: &Town,
@@ -33,7 +33,10 @@ impl SpawnRule {
             return false;
         }
         let drawn = if let EgoSpeed::Drawn(speed) = &self.ego_speed { speed.support().1 } else { 0.0 };
-        let driven = town.speed_signs.iter().map(|sign| BEYOND_LIMIT * sign.limit).fold(LEAST_SPEED, f64::max);
+        let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| &section.lanes);
+        let of_lanes = lanes.flat_map(|lane| &lane.limits).filter_map(|(_, limit)| *limit);
+        let limits = town.speed_signs.iter().map(|sign| sign.limit).chain(of_lanes);
+        let driven = limits.map(|limit| BEYOND_LIMIT * limit).fold(LEAST_SPEED, f64::max);
         let driven = driven.max(drawn).max(self.test_speed.unwrap_or(0.0));
         let walked = walking * time + BODIES;
         let lane_in_reach = |place: Point| {
