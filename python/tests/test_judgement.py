@@ -164,7 +164,7 @@ def test_numbers_at_random_never_end_the_interpreter():
         count = int(numbers.integers(1, 60))
         scale = float(10 ** numbers.uniform(-3, 6))
         ego = numbers.normal(0, scale, (count, 4))
-        if numbers.random() < 0.5:
+        if numbers.random() < 0.7:
             # A drive whose steps are those of its speed: others are mostly refused.
             ego[:, :2] = np.cumsum(numbers.normal(0, 0.3, (count, 2)), axis=0)
         ego[:, 3] = 10 ** numbers.uniform(-9, 2.2, count)
@@ -183,5 +183,4 @@ def test_numbers_at_random_never_end_the_interpreter():
             touched += found["verdict"] != ""
         except ValueError:
             refused += 1
-    # Many of these have speeds that do not explain their steps.
-    assert touched > 50 and 10 < refused < 320, (touched, refused)
+    assert touched > 50 and 10 < refused < 300, (touched, refused)

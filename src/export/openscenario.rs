@@ -234,7 +234,7 @@ impl<'a> Storyboard<'a> {
     }
 
     /// The controllers of the traffic lights, each of which starts with the colour of the first tick. A colour that is under way then
-    /// is split: its beginning is the last phase.
+    /// is split: its start is the last phase.
     fn signals(&self, xml: &mut Xml) {
         for Controller { name, signals, phases } in &self.lights {
             xml.element("TrafficSignalController", &[("name", name)], |xml| {

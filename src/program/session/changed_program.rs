@@ -36,7 +36,7 @@ impl fmt::Display for ChangedProgram {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, files, is_unknown } = self;
         match files.as_slice() {
-            [] if *is_unknown => write!(f, "nobody knows whether the program of `{name}` has changed"),
+            [] if *is_unknown => write!(f, "it is not known whether the program of `{name}` has changed"),
             [] => write!(f, "the program of `{name}` has changed"),
             [file] => write!(f, "`{file}` of `{name}` has changed"),
             _ => {
