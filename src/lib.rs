@@ -60,6 +60,7 @@ pub use program::session;
 
 /// The command line of `falsify` with a language of the caller: what a program with kinds of its own calls in `main`. `arguments` are those of the
 /// process, with the name of the program as the first one; it starts itself with others to try a network, so it hands all of them on.
+/// It takes over the process: Ctrl-C asks for a clean end, and a panic of any thread ends the process with a message.
 pub fn command_line(
     catalog: fn() -> language::Catalog,
     arguments: impl IntoIterator<Item = OsString>,

@@ -23,12 +23,12 @@ fn write_campaign(folder: &Path) {
     std::fs::write(folder.join("parts.scn"), text).unwrap();
 }
 
-/// The one task file in a folder that contains this description.
-fn cell_file(out: &Path, what: &str) -> PathBuf {
+/// The task file in a folder that contains this description.
+fn cell_file(out: &Path, what: &str) -> Option<PathBuf> {
     let folders = std::fs::read_dir(out.join(".falsify/tasks")).unwrap();
     let files = folders.flat_map(|folder| std::fs::read_dir(folder.unwrap().path()).unwrap());
     let told = |path: &PathBuf| String::from_utf8_lossy(&std::fs::read(path).unwrap()).contains(what);
-    files.map(|file| file.unwrap().path()).find(told).unwrap_or_else(|| panic!("no task is told `{what}`"))
+    files.map(|file| file.unwrap().path()).find(told)
 }
 
 #[test]
@@ -61,11 +61,7 @@ fn shards_make_the_report_of_one_machine_and_whatever_is_missing_or_wrong_is_nam
 
     // A task whose copies are all damaged is missing. A task with two different results is accepted from neither folder.
     let search = "search walk in harbour against blind, run 1";
-    let owner = ["a", "b", "c"].into_iter().find(|out| {
-        let found = std::panic::catch_unwind(|| cell_file(&here.join(out), search));
-        found.is_ok()
-    });
-    let file = cell_file(&here.join(owner.expect("one of them made it")), search);
+    let file = ["a", "b", "c"].iter().find_map(|out| cell_file(&here.join(out), search)).expect("one of them made it");
     let mut bytes = std::fs::read(&file).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
