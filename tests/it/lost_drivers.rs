@@ -55,7 +55,7 @@ struct Heard(Mutex<Vec<String>>);
 
 impl Observer for Heard {
     fn event(&self, event: &Event<'_>) {
-        if let Event::Notice(notice @ Notice::LostDriver { .. }) = event {
+        if let Event::Notice(notice @ Notice::Caution { .. }) = event {
             self.0.lock().unwrap().push(notice.to_string());
         }
     }
@@ -63,11 +63,16 @@ impl Observer for Heard {
 
 /// Runs the scenario with further keys of its episode, and looks at the report.
 fn run(keys: &'static str, look: impl FnOnce(&CampaignReport, &[String])) {
+    run_text(SCENARIO.replace("KEYS", keys), look);
+}
+
+/// Runs a scenario with the driver that circles, and looks at the report.
+fn run_text(text: String, look: impl FnOnce(&CampaignReport, &[String])) {
     let catalog = Catalog::builtin().with_policy(PolicyKind::new(|CirclingKeys { steer }| Circling { steer })).unwrap();
     let heard = Arc::new(Heard::default());
     let session =
         Session::new(catalog).with_observer(heard.clone()).with_reader(move |path: &Path| match path.to_str() {
-            Some("lost.scn") => Ok(SCENARIO.replace("KEYS", keys)),
+            Some("lost.scn") => Ok(text.clone()),
             _ => Err(io::Error::from(io::ErrorKind::NotFound)),
         });
     let out = tempfile::tempdir().unwrap();
@@ -124,5 +129,32 @@ fn a_scenario_can_count_the_episodes_of_a_lost_driver() {
         assert_eq!((lost.all, lost.left_out, lost.placed, lost.episodes), (20, 0, 20, 20));
         assert!(lost.collision.mean.is_some() && lost.left_road > 0);
         assert!(warnings.iter().any(|warning| warning.ends_with("its figures there say little")), "{warnings:?}");
+    });
+}
+
+#[test]
+fn what_happens_past_the_end_of_a_map_counts_for_nothing() {
+    let short = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+policy straight = circling(steer: 0)
+town strip { street only { through: [(0 m, 0 m), (90 m, 0 m)] } }
+episode brief { ticks: 400 traffic_lights: false }
+campaign lost {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: brief
+  evaluate { towns: [strip]  policies: [straight, blind]  pedestrians: [homing]  episodes: 40 }
+}
+"#;
+    run_text(short.to_owned(), |report, warnings| {
+        let rows = columns(report, "episodes.csv", ["policy", "left_out", "fault", "left_road"]);
+        let past = rows.iter().filter(|row| row[1] == "road_end").count();
+        assert!(past >= 10, "{past} of {}", rows.len());
+        assert!(rows.iter().all(|row| row[0] == "straight" || row[1].is_empty()), "our own drivers stop at the end");
+        let straight = report.cells.iter().find(|cell| cell.key.policy == "straight").unwrap();
+        assert_eq!((straight.road_end as usize, straight.left_out as usize), (past, past));
+        let [warning] = warnings else { panic!("{warnings:?}") };
+        assert!(warning.starts_with("`straight` in strip drove past the end of the road in"), "{warning}");
+        assert!(warning.contains("make the road longer"), "{warning}");
     });
 }

@@ -101,7 +101,7 @@ fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
     let wanted = VerifyOptions {
         report: report.folder.clone(),
         episodes: Vec::new(),
-        sample: 7,
+        sample: std::num::NonZero::new(7),
         all: false,
         trainings: false,
         seed: 1,

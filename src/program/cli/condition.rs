@@ -87,6 +87,15 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
                 console::fail(&format!("--fail-if {text}: {} in {title}", report::shown(values)));
             }
             Judged::TooFewRuns(few) => console::fail(&format!("--fail-if {text}: {few}, in {title}")),
+            Judged::MissingEverywhere(column) => console::fail(&format!(
+                "--fail-if {text}: there is no {column} in {title}, nor in any other row, so nothing was judged"
+            )),
+            Judged::TooFewStarts(starts) => console::fail(&format!(
+                "--fail-if {text}: {starts} common starts are too few in {title}: even a failure in each of them would not make it true; run more episodes"
+            )),
+            Judged::NothingEvaluated => {
+                console::fail(&format!("--fail-if {text}: nothing was evaluated in {title}, so nothing can be judged"))
+            }
             Judged::Missing(column) => {
                 console::warn(&format!("--fail-if {text}: there is no {column} in {title}"));
             }

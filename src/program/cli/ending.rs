@@ -25,6 +25,7 @@ pub fn show(report: &CampaignReport) {
     }
     match report::worst_failure(drivers) {
         Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
+        None if drivers.iter().all(|driver| driver.episodes == 0) => console::say("nothing was evaluated"),
         None => console::say("no collision was found"),
     }
     console::say(&folder.join("report.html").display().to_string());

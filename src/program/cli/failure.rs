@@ -87,6 +87,7 @@ fn code(error: &Error) -> ExitCode {
         | Error::Recording { .. }
         | Error::Gate(_)
         | Error::UnknownCampaign { .. }
+        | Error::UnknownFilter { .. }
         | Error::Threads { .. }
         | Error::Read(_)
         | Error::NoFolder { .. }
@@ -129,11 +130,12 @@ pub fn notice(notice: &Notice) {
         Notice::ProgramsNotAllowed => {
             console::warn("scenarios might start programs in that run; give --allow-external if they may again");
         }
+        Notice::UnfinishedReports { .. } => console::note(&format!("{notice}; name one to list it")),
         Notice::Setting(_) => console::note(&notice.to_string()),
         Notice::Store { .. }
         | Notice::LearningCurve { .. }
         | Notice::DoubtfulTraining { .. }
-        | Notice::LostDriver { .. }
+        | Notice::Caution { .. }
         | Notice::UnreadableReport(_)
         | Notice::OtherVersion { .. }
         | Notice::Changed(_)

@@ -88,6 +88,9 @@ impl GateArgs {
 /// Reports which conditions are true of which cells of a campaign, and which cannot be judged.
 pub fn show(report: &CampaignReport) {
     let campaign = &report.manifest.campaign;
+    if report.manifest.smoke && !report.gates.is_empty() {
+        console::warn("--fail-if was judged on a smoke run, which is too short to show anything about a driver");
+    }
     for (gate, judged) in &report.gates {
         let names: Vec<String> = if gate.is_about_searches() {
             report.searches.iter().map(SearchCell::in_full).collect()

@@ -228,7 +228,7 @@ impl RunReporter {
         if let Notice::Unpaid { campaign, .. }
         | Notice::EpisodesInError { campaign, .. }
         | Notice::DoubtfulTraining { campaign, .. }
-        | Notice::LostDriver { campaign, .. } = notice
+        | Notice::Caution { campaign, .. } = notice
             && self.output == Output::Json
         {
             EventLine::Warning { campaign, message: &notice.to_string() }.tell();

@@ -98,7 +98,10 @@ fn tell(verified: &VerifyReport) -> ExitCode {
     } else {
         console::warn("the manifest lists no files of the report: it was cut, or is of an earlier version");
     }
-    console::say(&format!("episodes and failures of searches: {repeated} repeated, {equal} equal"));
+    console::say(&match repeated {
+        0 => "episodes and failures of searches: there are none to repeat".to_string(),
+        _ => format!("episodes and failures of searches: {repeated} repeated, {equal} equal"),
+    });
     if let Some(trainings) = &verified.trainings {
         for key in &trainings.different {
             console::fail(&format!("the training of {key} differs from the report"));

@@ -95,6 +95,15 @@ pub enum Error {
         /// The cache that was named.
         cache: Option<PathBuf>,
     },
+    /// A filter names what no report has.
+    #[error("no report has a {what} `{word}`; there are {known}")]
+    UnknownFilter {
+        /// What it is the name of.
+        what: &'static str,
+        word: String,
+        /// The words that they have.
+        known: String,
+    },
     /// A folder holds no report.
     #[error("there is no report in `{folder}`", folder = folder.display())]
     NoReport { folder: PathBuf },

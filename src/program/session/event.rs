@@ -5,7 +5,7 @@ use super::{CampaignOutcome, Change, ChangedProgram, Incomplete, Session, ShardR
 use base::diagnostic::{Diagnostic, Sources};
 use compile::{Campaign, OutsideSetting};
 use results::campaign::{self, Task};
-use results::report::{Doubt, LostDriver, ReadError};
+use results::report::{Caution, Doubt, ReadError};
 
 /// What happens during a call of a session.
 pub enum Event<'a> {
@@ -105,12 +105,12 @@ pub enum Notice {
         /// The reason, and what to try.
         doubt: Box<Doubt>,
     },
-    /// A driver often does not reach the starts of its episodes, or leaves the road.
-    #[error("{driver}")]
-    LostDriver {
+    /// What a reader must know before the figures of a campaign.
+    #[error("{caution}")]
+    Caution {
         /// The name of the report.
         campaign: String,
-        driver: Box<LostDriver>,
+        caution: Box<Caution>,
     },
     /// A folder to merge from holds no tasks.
     #[error("there are no tasks in `{folder}`", folder = folder.display())]
@@ -121,6 +121,9 @@ pub enum Notice {
     /// One of several reports cannot be read.
     #[error(transparent)]
     UnreadableReport(ReadError),
+    /// Reports of smoke runs and partial reports are left out, since others are whole.
+    #[error("left out, since they are of smoke runs or not complete: {}", reports.iter().map(|each| each.display().to_string()).collect::<Vec<_>>().join(", "))]
+    UnfinishedReports { reports: Vec<PathBuf> },
     /// A report is of another version of the program.
     #[error("the report is of version {version}, this is {}; episodes may come out differently", env!("CARGO_PKG_VERSION"))]
     OtherVersion {

@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::{Error, Session};
-use results::report::{FailureFilter, FailureOrder, ListedFailure};
+use results::report::{FailureFilter, FailureOrder, ListedFailure, StoredReport};
 
 /// Options of [`Session::failures`].
 #[derive(Debug, Clone, Default)]
@@ -25,19 +25,69 @@ pub struct FoundFailure {
     pub failure: ListedFailure,
 }
 
+/// The words that reports have for a filter.
+#[derive(Debug, Default)]
+struct FilterWords {
+    drivers: BTreeSet<String>,
+    controllers: BTreeSet<String>,
+    kinds: BTreeSet<String>,
+}
+
+impl FilterWords {
+    /// Adds those of a report.
+    fn add(&mut self, report: &StoredReport) -> Result<(), Error> {
+        for run in report.run_rows()? {
+            self.drivers.insert(run.key.cell.policy);
+            self.controllers.insert(run.key.cell.controller);
+        }
+        for search in report.searches()? {
+            self.drivers.insert(search.policy);
+            self.controllers.insert(search.falsifier);
+        }
+        let every = FailureFilter {
+            verdicts: FailureFilter::verdict_names().map(Into::into).collect(),
+            ..FailureFilter::default()
+        };
+        for failure in report.failures(&every)? {
+            self.kinds.extend(failure.kind().split(", ").map(|word| word.replace(' ', "_")));
+        }
+        Ok(())
+    }
+
+    /// The first word of a filter that no report has: what it should be, the word, and the known ones.
+    fn unknown(&self, filter: &FailureFilter) -> Option<(&'static str, String, String)> {
+        let parts = [
+            ("driver", &filter.drivers, &self.drivers),
+            ("controller or falsifier", &filter.controllers, &self.controllers),
+            ("word of a kind", &filter.kind, &self.kinds),
+        ];
+        parts.into_iter().filter(|(.., known)| !known.is_empty()).find_map(|(what, words, known)| {
+            let word = words.iter().find(|word| !known.contains(&word.replace(' ', "_")))?;
+            Some((what, word.clone(), known.iter().cloned().collect::<Vec<_>>().join(", ")))
+        })
+    }
+}
+
 impl Session {
     /// Lists the failures of reports, of evaluations and searches alike.
     ///
     /// # Errors
-    /// No report is there, or a table is damaged.
+    /// No report is there, a table is damaged, or the filter names a driver, a controller or a kind that no report has.
     pub fn failures(&self, options: &FailuresOptions) -> Result<Vec<FoundFailure>, Error> {
         let mut found: Vec<FoundFailure> = Vec::new();
+        let mut known = FilterWords::default();
         for folder in &options.reports {
-            for report in self.open_all(folder)? {
+            for report in self.open_whole(folder)? {
                 report.check_tables()?;
+                known.add(&report)?;
                 let failures = report.failures(&options.filter)?.into_iter();
                 found.extend(failures.map(|failure| FoundFailure { report: report.folder().to_path_buf(), failure }));
             }
+        }
+        if found.is_empty()
+            && let Some((what, word, words)) = known.unknown(&options.filter)
+        {
+            return Err(Error::UnknownFilter { what, word, known: words });
         }
         found.sort_by(|a, b| options.order.compare(&a.failure, &b.failure));
         if options.distinct {

@@ -229,9 +229,9 @@ impl<'a> CampaignRun<'a> {
         self.notice_errors(&gathered);
         let failed = |source| self.options.keep(WriteError::Table { name: "metrics".into(), source });
         let found = Findings::new(campaign, finished, gathered, modes, self.options.smoke).map_err(failed)?;
-        for driver in &found.lost {
-            let driver = Box::new(driver.clone());
-            self.session.notice(&Notice::LostDriver { campaign: self.name.clone(), driver });
+        for caution in &found.cautions {
+            let caution = Box::new(caution.clone());
+            self.session.notice(&Notice::Caution { campaign: self.name.clone(), caution });
         }
         for doubt in &found.doubts {
             let doubt = Box::new(doubt.clone());

@@ -1,6 +1,6 @@
 //! Finds and reads a report, and compiles its campaign again.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -61,6 +61,28 @@ impl Session {
             }
         }
         Ok(reports)
+    }
+
+    /// Opens reports as [`Session::open_all`] does. Of a folder with several, those of smoke runs and the partial ones beside a complete one of the
+    /// same campaign are noticed and left out.
+    pub(super) fn open_whole(&self, folder: &Path) -> Result<Vec<StoredReport>, Error> {
+        let reports = self.open_all(folder)?;
+        let is_whole = |report: &StoredReport| !report.manifest().smoke && report.manifest().complete;
+        let whole: BTreeSet<String> =
+            reports.iter().filter(|report| is_whole(report)).map(|report| report.manifest().campaign.clone()).collect();
+        if whole.is_empty() {
+            return Ok(reports);
+        }
+        let keeps = |report: &StoredReport| {
+            let Manifest { smoke, campaign, .. } = report.manifest();
+            is_whole(report) || !smoke && !whole.contains(campaign)
+        };
+        let (kept, left): (Vec<_>, Vec<_>) = reports.into_iter().partition(keeps);
+        if !left.is_empty() {
+            let reports = left.iter().map(|report| report.folder().to_path_buf()).collect();
+            self.notice(&Notice::UnfinishedReports { reports });
+        }
+        Ok(kept)
     }
 
     /// Compiles the campaign of a report again, from the files that it holds and the settings of its manifest.

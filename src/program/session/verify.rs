@@ -1,4 +1,5 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -12,6 +13,9 @@ use compile::{Campaign, Training, TrainingKey};
 use results::campaign::{self, InMemory, Silent};
 use results::report::StoredReport;
 
+/// The number of episodes and failures of searches that are repeated where nothing else is said.
+const SAMPLE: usize = 100;
+
 /// Options of [`Session::verify`].
 #[derive(Debug, Clone, Default, Args)]
 pub struct VerifyOptions {
@@ -21,9 +25,9 @@ pub struct VerifyOptions {
     /// The episodes to repeat; a sample without any.
     #[arg(skip)]
     pub episodes: Vec<EpisodeName>,
-    /// Number of episodes and failures of searches to repeat.
-    #[arg(long, default_value_t = 100, value_name = "N")]
-    pub sample: usize,
+    /// Number of episodes and failures of searches to repeat, 100 without it.
+    #[arg(long, value_name = "N")]
+    pub sample: Option<NonZeroUsize>,
     /// Repeat all of them.
     #[arg(long, conflicts_with = "sample")]
     pub all: bool,
@@ -96,7 +100,7 @@ impl Session {
 fn chosen(source: &Source, options: &VerifyOptions) -> Result<Vec<EpisodeName>, Error> {
     let mut all = source.report.index()?;
     all.extend(source.report.search_failures()?);
-    let places: BTreeSet<usize> = match options.sample {
+    let places: BTreeSet<usize> = match options.sample.map_or(SAMPLE, NonZeroUsize::get) {
         size if options.all || size >= all.len() => (0..all.len()).collect(),
         size => {
             let mut stream = Seed::root(options.seed).child("verify").stream();

@@ -51,8 +51,8 @@ pub const COLLISION: Column<bool> =
 pub const LEFT_OUT: Column<String> = Column::new(
     "left_out",
     "",
-    "why the row is in no rate, comparison, gate or list of failures: `run_up` (the driver did not reach its start in the run-up) or `off_road` \
-     (the car left the road before it could see a pedestrian); empty for a row that counts",
+    "why the row is in no rate, comparison, gate or list of failures: `run_up` (the driver did not reach its start in the run-up), `off_road` \
+     (the car left the road before it could see a pedestrian) or `road_end` (the car drove past the end of a lane that leads nowhere); empty for a row that counts",
 );
 pub const FRONT: Column<bool> =
     Column::new("front", "", "whether they touched within the front sector, by the bearing from the car's middle");

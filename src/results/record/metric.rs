@@ -4,6 +4,7 @@ use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32C
 
 use super::episodes::named;
 use super::{Column, ColumnReference, Family, Kind, columns};
+use world::env::LeftOut;
 use world::judge::{Class, Label, Reference};
 
 /// A number that is calculated from the episodes of a run and from the runs of a cell. It is a column of the table of runs.
@@ -60,7 +61,7 @@ pub fn metrics() -> Vec<Metric> {
     all.extend([Class::Flank, Class::Slow, Class::Narrow].map(|class| Count(counting(class))));
     all.push(Mean(AVOIDABLE_INJURY));
     all.extend(FAULTS_IF.map(Count));
-    all.extend([Count(ALL_EPISODES), Count(LEFT_OUT_EPISODES), Rate(LEFT_OUT_RATE)]);
+    all.extend([Count(ALL_EPISODES), Count(LEFT_OUT_EPISODES), Rate(LEFT_OUT_RATE), Count(ROAD_END_EPISODES)]);
     all.extend([Count(LEFT_ROAD_EPISODES), Rate(LEFT_ROAD_RATE), Mean(LEFT_LANE)]);
     all
 }
@@ -82,6 +83,8 @@ pub enum Which {
     Valid,
     InError,
     LeftOut,
+    /// Those that are left out for this reason.
+    LeftOutFor(LeftOut),
     /// Those without error, also where they are left out.
     All,
     /// Those for which a column is true.
@@ -202,6 +205,15 @@ impl Metric {
         }
     }
 
+    /// Whether it has no value where there was no touch, or no episode without one.
+    pub fn is_of_collisions(&self) -> bool {
+        match self {
+            Self::Count(_) => false,
+            Self::Mean(mean) => matches!(mean.over, Over::Present | Over::Collisions),
+            Self::Rate(rate) => !matches!(rate.whole.which, Which::Valid | Which::All),
+        }
+    }
+
     /// Whether a cell has its mean and standard deviation over the runs.
     pub fn is_averaged(&self) -> bool {
         match self {
@@ -283,7 +295,13 @@ pub const ALL_EPISODES: Count = Count::new(
 pub const LEFT_OUT_EPISODES: Count = Count::new(
     "left_out_episodes",
     Which::LeftOut,
-    "number of episodes that are left out: the driver did not reach its start, or its car left the road before it could see a pedestrian",
+    "number of episodes that are left out: the driver did not reach its start, its car left the road before it could see a pedestrian, or it drove past \
+     the end of the road",
+);
+pub const ROAD_END_EPISODES: Count = Count::new(
+    "road_end_episodes",
+    Which::LeftOutFor(LeftOut::RoadEnd),
+    "number of episodes that are left out since the car drove past the end of the road",
 );
 pub const LEFT_ROAD_EPISODES: Count = Count::new(
     "left_road_episodes",

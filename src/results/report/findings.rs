@@ -1,8 +1,8 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::aggregate::run_columns;
+use super::caution::{Caution, cautions};
 use super::failure_modes::CellModes;
-use super::lost::{LostDriver, lost};
 use super::metric_table::metric_table;
 use super::{
     Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
@@ -39,8 +39,8 @@ pub struct Findings<'a> {
     pub search_kinds: Vec<SearchKind>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
     pub doubts: Vec<Doubt>,
-    /// The drivers that often do not reach their starts, or leave the road.
-    pub lost: Vec<LostDriver>,
+    /// What a reader must know first.
+    pub cautions: Vec<Caution>,
 }
 
 impl<'a> Findings<'a> {
@@ -59,6 +59,7 @@ impl<'a> Findings<'a> {
         let cells = metrics.cells()?;
         let evidence = &gathered.evidence.cells;
         let cell_table = evident_cells(&metrics.cells, evidence)?;
+        let searches = search_cells(&finished.searches);
         Ok(Self {
             runs: metrics.runs.select(run_columns())?,
             metrics: metric_table(&cell_table, &cells, evidence)?,
@@ -67,9 +68,9 @@ impl<'a> Findings<'a> {
             modes: modes.finish(),
             published: beside(&campaign.published, &cells, evidence),
             layers: layer_cells(campaign, &finished.searches),
-            searches: search_cells(&finished.searches),
             search_kinds: search_kinds(&finished.searches),
-            lost: lost(&cells, &finished.searches),
+            cautions: cautions(&cells, &finished.searches, &searches),
+            searches,
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,
             finished,

@@ -18,6 +18,8 @@ pub struct LostDriver {
     pub placed: u64,
     /// The number of these in which its car left the road.
     pub left_road: u64,
+    /// The number of these in which its car drove past the end of the road.
+    pub road_end: u64,
     /// The number of these that are in no rate.
     pub left_out: u64,
     /// The same of the episodes of searches, and the number of all of these.
@@ -34,13 +36,16 @@ impl LostDriver {
 
 impl fmt::Display for LostDriver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { policy, town, episodes, placed, left_road, left_out, searched } = self;
+        let Self { policy, town, episodes, placed, left_road, road_end, left_out, searched } = self;
         let mut what = Vec::new();
         if *placed > 0 {
             what.push(format!("did not reach its start in {placed} of {episodes} run-ups"));
         }
-        if *left_road > 0 {
-            what.push(format!("left the road in {left_road} of {episodes} episodes"));
+        if left_road > road_end {
+            what.push(format!("left the road in {} of {episodes} episodes", left_road - road_end));
+        }
+        if *road_end > 0 {
+            what.push(format!("drove past the end of the road in {road_end} of {episodes} episodes"));
         }
         if searched.0 > 0 {
             what.push(format!(
@@ -48,7 +53,12 @@ impl fmt::Display for LostDriver {
                 searched.0, searched.1
             ));
         }
-        write!(f, "`{policy}` in {town} {}: see whether it follows its route", what.join(" and "))?;
+        let advice = if 2 * road_end > *left_road {
+            "make the road longer, or start farther from its end"
+        } else {
+            "see whether it follows its route"
+        };
+        write!(f, "`{policy}` in {town} {}: {advice}", what.join(" and "))?;
         match (left_out, episodes - left_out) {
             (0, _) => write!(f, "; its figures there say little"),
             (_, 0) => write!(f, "; none of its episodes counts, so it has no rates there"),
@@ -67,6 +77,7 @@ pub fn lost(cells: &[Cell], searches: &[SearchResult]) -> Vec<LostDriver> {
             episodes: 0,
             placed: 0,
             left_road: 0,
+            road_end: 0,
             left_out: 0,
             searched: (0, 0),
         };
@@ -77,6 +88,7 @@ pub fn lost(cells: &[Cell], searches: &[SearchResult]) -> Vec<LostDriver> {
             driver.episodes += u64::from(cell.all);
             driver.placed += u64::from(cell.placed);
             driver.left_road += u64::from(cell.left_road);
+            driver.road_end += u64::from(cell.road_end);
             driver.left_out += u64::from(cell.left_out);
         });
     }
@@ -115,11 +127,14 @@ mod tests {
             cell("lost", "homing", 90, 6),
             cell("good", "random", 5, 5),
             cell("stray", "random", 0, 6),
+            Cell { road_end: 9, left_out: 9, episodes: 91, ..cell("far", "random", 0, 10) },
         ];
         let found: Vec<String> = lost(&cells, &[]).iter().map(ToString::to_string).collect();
         assert_eq!(
             found,
             [
+                "`far` in a left the road in 1 of 100 episodes and drove past the end of the road in 9 of 100 episodes: make the road longer, or start \
+                 farther from its end; its rates there are those of the 91 episodes that count",
                 "`lost` in a did not reach its start in 190 of 200 run-ups and left the road in 6 of 200 episodes: see whether it follows its \
                  route; its rates there are those of the 10 episodes that count",
                 "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; its figures there say little",

@@ -11,6 +11,7 @@ mod failure_modes;
 mod render;
 mod read;
 mod catalogue;
+mod caution;
 mod waypoints;
 mod manifest;
 mod scenario_files;
@@ -35,6 +36,7 @@ pub use aggregate::{
     search_kinds, searches, ticks, worst_failure, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
+pub use caution::Caution;
 pub use compare::{
     Caveat, Changed, ComparedCell, ComparedSearch, FailureChange, Incomparable, ReportComparison, Side, SideEpisode,
     StartChange, compare_reports, compared_cells, compared_search_reference, compared_search_table,

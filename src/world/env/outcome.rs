@@ -5,13 +5,16 @@ use crate::av::{DrivingMode, Fault};
 use base::choice;
 
 choice! {
-    /// Why an episode is in no rate, comparison, gate, search or list of failures: the driver was lost before a pedestrian had any part in it.
+    /// Why an episode is in no rate, comparison, gate, search or list of failures: the driver was lost before a pedestrian had any part in it, or the
+    /// map was at its end.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum LeftOut {
         /// The driver did not reach its start in the run-up.
         RunUp = "run_up",
         /// The centre of the car was outside all driving lanes before, or at the tick in which, a pedestrian came into sight for the first time.
         OffRoad = "off_road",
+        /// The centre of the car was past the end of a lane that leads nowhere.
+        RoadEnd = "road_end",
     }
 }
 

@@ -114,7 +114,7 @@ struct Episode {
     left_out: Option<LeftOut>,
     /// Whether no pedestrian has been in sight yet, and the road is watched.
     alone: bool,
-    /// Where the car was when the road was last looked at, and how far it can go from there without leaving it (m).
+    /// Where the car was when the road was last looked at, and how far it can go from there without crossing its edge (m).
     on_road: (Point, f64),
     /// The environment's width when it started.
     width: f64,
@@ -377,6 +377,8 @@ impl PedestrianEnv {
         self.record();
         if self.episode.alone {
             self.watch_road();
+        } else {
+            self.watch_end();
         }
         if let Some(mut trace) = self.trace.take() {
             trace.watch(&self.world, contact.as_ref(), |vehicle| self.driven(vehicle));

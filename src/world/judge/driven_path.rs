@@ -46,7 +46,17 @@ impl DrivenPath {
 
     /// The pose at a length along the path (m).
     pub fn pose(&self, along: f64) -> Pose {
-        let next = self.vertices.partition_point(|(at, _)| *at <= along);
+        self.pose_before(self.vertices.partition_point(|(at, _)| *at <= along), along)
+    }
+
+    /// The same for a car that drives on: `passed` is the number of vertices that it has passed, 0 at first.
+    pub fn pose_onwards(&self, along: f64, passed: &mut usize) -> Pose {
+        *passed += self.vertices[*passed..].iter().take_while(|(at, _)| *at <= along).count();
+        self.pose_before(*passed, along)
+    }
+
+    /// The pose at a length, before which there are `next` vertices.
+    fn pose_before(&self, next: usize, along: f64) -> Pose {
         let (before, pose) = self.vertices[next.max(1) - 1];
         let past = (along - before).max(0.0);
         let Some((after, end)) = self.vertices.get(next.max(1)) else {

@@ -186,7 +186,8 @@ impl Trial {
         let (tick, part) = (encounter.dt, 1.0 / f64::from(STEPS));
         let dt = tick * part;
         let mut car = Car::new(&encounter.car(first, 0.0));
-        let mut outline = encounter.outline(car.way);
+        let mut passed = 0;
+        let mut outline = encounter.outline_beside(car.way, car.speed, &Aside::default(), &mut passed);
         let (half, radius) = (encounter.half, encounter.radius);
         let gap = |outline: &OrientedBox, place| (outline.distance_to(place) - radius).max(0.0);
         let far = half.norm() + radius;
@@ -220,7 +221,7 @@ impl Trial {
                 }
                 let before = outline;
                 let aside = driver.aside();
-                outline = encounter.outline_beside(car.way, car.speed, &aside);
+                outline = encounter.outline_beside(car.way, car.speed, &aside, &mut passed);
                 let (start, end) = (from + chord * share, from + chord * (share + part));
                 // The distance of the centres bounds the gap from below; most steps need no more.
                 let moved = (own.speed + aside.speed.abs()) * dt + chord.norm() * part + TURNING;

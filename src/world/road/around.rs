@@ -37,6 +37,14 @@ impl Town {
         })
     }
 
+    /// Whether a point is past the end of the map: outside all driving lanes, ahead of the end of one that leads nowhere.
+    pub fn is_past_end(&self, point: Point) -> bool {
+        let Some(lane) = self.lane_around(point).filter(|lane| lane.inside < 0.0) else { return false };
+        let past = point - self.pose(lane.place).position();
+        // From a place within a lane the nearest point outside lies at its side.
+        self.successors(lane.place).next().is_none() && past.dot(&lane.direction) > past.norm() / 2.0
+    }
+
     /// How far a point is inside a lane or one of those that lead on from it through a junction, as [`LaneAround::inside`] counts; the lane that
     /// holds it best.
     pub fn inside_way_on(&self, from: Waypoint, point: Point) -> f64 {
@@ -102,6 +110,16 @@ mod tests {
         assert!((own.inside - 2.1).abs() < 1e-6 && own.direction.x > 0.99 && !own.is_junction, "{own:?}");
         assert!((at(-4.05).inside - 0.05).abs() < 1e-6 && (at(-4.5).inside + 0.4).abs() < 1e-6);
         assert!(at(1.75).direction.x < -0.99, "the other lane leads back");
+    }
+
+    #[test]
+    fn past_the_end_is_ahead_of_a_lane_that_leads_nowhere() {
+        let town = crossing();
+        let past = |x: f64, y: f64| town.is_past_end(Point::new(x, y));
+        assert!(past(84.0, -2.0) && past(-84.0, 2.0) && past(90.0, -4.0), "ahead of the end of its own lane");
+        assert!(!past(79.0, -2.0) && !past(81.0, -2.0), "on the road, and up to half a width past its end");
+        assert!(!past(79.0, -9.0) && !past(0.0, 0.0), "beside the road is not past its end");
+        assert!(!past(-90.0, -2.0), "behind the start of a lane");
     }
 
     #[test]

@@ -56,6 +56,7 @@ pub struct Town {
     /// The text of the map that the town was read from; none for a town that was designed.
     pub map: Option<Arc<str>>,
     has_limits: bool,
+    has_ends: bool,
     pub(super) network: LaneNetwork,
     pub(super) index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
@@ -72,6 +73,8 @@ impl Town {
             length: (lane.end - lane.start).max(0.0),
         };
         let driving_lanes = driving.map(stretch).collect();
+        let has_ends =
+            network.lanes().iter().any(|lane| lane.kind == LaneKind::Driving && network.next(lane).is_empty());
         let has_limits = parts.roads.iter().flat_map(|road| &road.sections).any(LaneSection::has_limits);
         let TownParts {
             name,
@@ -97,6 +100,7 @@ impl Town {
             warnings,
             map,
             has_limits,
+            has_ends,
             network,
             index: LaneIndex::default(),
             driving_lanes,
@@ -138,6 +142,11 @@ impl Town {
     /// Whether the map has speed limits of lanes or road types.
     pub fn has_limits(&self) -> bool {
         self.has_limits
+    }
+
+    /// Whether a driving lane leads nowhere.
+    pub fn has_ends(&self) -> bool {
+        self.has_ends
     }
 
     /// The limit that the map gives the lane at a waypoint (m/s): its own, that of the road's type, or that of a sign on its road before it; none

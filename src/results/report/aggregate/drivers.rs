@@ -23,9 +23,9 @@ pub struct SearchFailures {
 }
 
 impl SearchFailures {
-    /// The avoidable injury of a thousand episodes; 0 without any.
-    pub fn injury_per_thousand(&self) -> f64 {
-        self.injury * 1000.0 / self.episodes.max(1) as f64
+    /// The avoidable injury of a thousand episodes; none without any.
+    pub fn injury_per_thousand(&self) -> Option<f64> {
+        (self.episodes > 0).then(|| self.injury * 1000.0 / self.episodes as f64)
     }
 }
 
@@ -39,6 +39,19 @@ pub struct DriverResult {
     pub cell: Option<usize>,
     /// The failures that searches found; none without a search.
     pub searched: Option<SearchFailures>,
+    /// Its episodes that count, of evaluations and of searches.
+    pub episodes: u64,
+}
+
+impl DriverResult {
+    /// Its worst failure in words, or why there is none.
+    pub fn worst_in_words(&self) -> String {
+        match &self.worst {
+            Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
+            None if self.episodes == 0 => "no episode".into(),
+            None => "no collision".into(),
+        }
+    }
 }
 
 /// The results of the drivers: the worst first, by the avoidable injury and the rates in the worst cell, then by what searches found. Drivers that see no
@@ -49,11 +62,17 @@ pub fn driver_results(
     failures: &Failures,
     searches: &[SearchResult],
 ) -> Vec<DriverResult> {
-    let result = |driver: &Driver| DriverResult {
-        driver: driver.clone(),
-        worst: failures.of(&driver.name).first().cloned(),
-        cell: worst_cell(cells, &driver.name),
-        searched: searched(searches, &driver.name),
+    let result = |driver: &Driver| {
+        let own = cells.iter().filter(|cell| cell.key.policy == driver.name);
+        let searched = searched(searches, &driver.name);
+        DriverResult {
+            driver: driver.clone(),
+            worst: failures.of(&driver.name).first().cloned(),
+            cell: worst_cell(cells, &driver.name),
+            episodes: own.map(|cell| u64::from(cell.episodes)).sum::<u64>()
+                + searched.map_or(0, |found| found.episodes),
+            searched,
+        }
     };
     let mut results: Vec<DriverResult> = drivers.iter().map(result).collect();
     results.retain(|result| result.cell.is_some() || result.searched.is_some());
@@ -67,7 +86,8 @@ pub fn driver_results(
             (Some(first), Some(second)) => first.worse_first(second),
             (first, second) => second.is_some().cmp(&first.is_some()),
         };
-        let searched = |result: &DriverResult| result.searched.map_or(0.0, |found| found.injury_per_thousand());
+        let searched =
+            |result: &DriverResult| result.searched.and_then(|found| found.injury_per_thousand()).unwrap_or(0.0);
         let blindness = a.driver.sees_no_pedestrians().cmp(&b.driver.sees_no_pedestrians());
         blindness.then(rates).then_with(|| searched(b).total_cmp(&searched(a))).then_with(failures)
     });

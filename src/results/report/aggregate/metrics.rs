@@ -83,6 +83,8 @@ pub struct Cell {
     pub all: u32,
     /// The number of these that are left out.
     pub left_out: u32,
+    /// The number of these in which the car drove past the end of the road.
+    pub road_end: u32,
     /// The number of these whose start the driver did not reach.
     pub placed: u32,
     /// The number of these in which the car left the road.
@@ -243,6 +245,7 @@ impl Metrics {
                 faults_if,
                 all: count(metric::ALL_EPISODES, row)?,
                 left_out: count(metric::LEFT_OUT_EPISODES, row)?,
+                road_end: count(metric::ROAD_END_EPISODES, row)?,
                 placed: count(metric::PLACED_STARTS, row)?,
                 left_road: count(metric::LEFT_ROAD_EPISODES, row)?,
                 passed: count(metric::PASSED, row)?,

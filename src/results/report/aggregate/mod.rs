@@ -36,9 +36,10 @@ pub use search_comparisons::{
 };
 pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
-    Average, BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_FAILURE, FIRST_START, FOUND_AFTER, SEARCH_BLOCK,
-    SEARCH_RUN, SEARCHES, START, SearchCell, TRIED, failure_table, search_cell_columns, search_cell_table,
-    search_cells, search_failure, search_failures, search_key, search_references, search_table, searches,
+    Average, BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_FAILURE, FIRST_FAULT, FIRST_START, FOUND_AFTER,
+    SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, SearchCell, TRIED, failure_table, search_cell_columns,
+    search_cell_table, search_cells, search_failure, search_failures, search_key, search_references, search_table,
+    searches,
 };
 pub use survival::MedianTime;
 pub use tick_file::{Wanted, write_ticks};

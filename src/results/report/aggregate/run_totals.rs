@@ -153,6 +153,10 @@ impl Parts {
             Which::Valid => self.valid.len(),
             Which::InError => self.in_error,
             Which::LeftOut => self.all.len() - self.valid.len(),
+            Which::LeftOutFor(reason) => {
+                let left_out = columns::LEFT_OUT.read(episodes)?;
+                self.all.iter().filter(|row| left_out.get(**row) == Some(reason.name())).count()
+            }
             Which::All => self.all.len(),
             Which::True(column) => {
                 let flags = episodes.column(column)?.bool()?;

@@ -179,6 +179,11 @@ pub struct SearchCell {
 }
 
 impl SearchCell {
+    /// Whether no run tried a start, so that nothing is known.
+    pub fn is_empty(&self) -> bool {
+        self.starts.mean == Some(0.0)
+    }
+
     /// Its name, for people.
     pub fn in_full(&self) -> String {
         let key = &self.key;
@@ -318,7 +323,8 @@ const PREVENTABLE: &str = "preventable_failures";
 const FAULT: &str = "faults";
 const FAULT_RATE: &str = "fault_rate";
 const FAULT_START_RATE: &str = "fault_start_rate";
-const FIRST_FAULT: &str = "first_fault_ticks";
+/// Ticks to the first fault.
+pub const FIRST_FAULT: &str = "first_fault_ticks";
 const INJURY: &str = "avoidable_injury_per_thousand";
 /// What would be a fault but for one thing, with the names of the numbers.
 const TOUCHES: [Class; 3] = [Class::Flank, Class::Slow, Class::Narrow];
@@ -514,6 +520,7 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
         Interval::new(FIRST_FAILURE, "", time)
             .of_ends(|cell: &SearchCell| cell.first_failure.low, |cell: &SearchCell| cell.first_failure.high),
     )
+    .columns(averaged(STARTS.name, |cell| &cell.starts))
     .columns(averaged(FAILURE_RATE, |cell| &cell.failure_rate))
     .columns(averaged(FAILURE_COUNT, |cell| &cell.failures))
     .columns(averaged(FAILED_STARTS, |cell| &cell.failed_starts))

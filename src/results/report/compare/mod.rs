@@ -13,4 +13,4 @@ pub use caveat::Caveat;
 pub use comparison::{Changed, ComparedCell, FailureChange, ReportComparison, SideEpisode, compare_reports};
 pub use matching::{Incomparable, Side};
 pub use searches::{ComparedSearch, StartChange, compared_search_reference, compared_search_table};
-pub use table::{compared_cells, comparison_reference};
+pub use table::{COMMON_STARTS, compared_cells, comparison_reference};

@@ -26,6 +26,9 @@ const FIXED: Family<u64> = Family::new("_fixed", "", "common starts with such a 
 const NEW: Family<u64> = Family::new("_new", "", "common starts with such a collision on the second side only");
 const SAME: Family<u64> = Family::new("_same", "", "common starts with such a collision on both sides");
 
+/// The number of starts that both sides have.
+pub const COMMON_STARTS: Column<u64> = Column::new("common_starts", "", "pairs of episodes with equal starts");
+
 /// The cells of a comparison as a table, one row each.
 pub fn compared_cells(cells: &[ComparedCell]) -> DataFrame {
     table().frame(cells)
@@ -54,9 +57,7 @@ fn table() -> Table<'static, ComparedCell> {
         .column(ADVERSARY.of(|row: &Row| row.keys[0].adversary.clone()))
         .column(BLOCK.of(|row: &Row| row.keys[0].block))
         .column(Column::<u64>::new("runs", "", "matched runs").of(|row: &Row| row.runs))
-        .column(
-            Column::<u64>::new("common_starts", "", "pairs of episodes with equal starts").of(|row: &Row| row.starts),
-        );
+        .column(COMMON_STARTS.of(|row: &Row| row.starts));
     for figure in Figure::COMPARED {
         let name = figure.name();
         let of = move |value: fn(&Comparison) -> Option<f64>| move |row: &Row| row.figure(figure).and_then(value);

@@ -1,11 +1,12 @@
 use polars::prelude::{AnyValue, DataFrame};
 
 use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
-use crate::record::metric::MEAN;
-use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key, metrics};
-use crate::report::aggregate::{FIRST_FAILURE, references, search_cell_columns, search_key};
+use crate::record::metric::{EPISODES, MEAN};
+use crate::record::{CellKey, ColumnReference, Metric, Table, TableReference, cell_key, metrics};
+use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT, STARTS, references, search_cell_columns, search_key};
+use crate::report::compare::COMMON_STARTS;
 use crate::report::infer::cell_table;
-use base::statistics::LEAST_RUNS;
+use base::statistics::{LEAST_RUNS, mcnemar};
 use compile::{Campaign, SearchKey};
 
 /// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about `search_cells`
@@ -67,10 +68,17 @@ pub enum Judged {
     Passed,
     /// The condition is true; the columns that it used, with their values.
     Broken(Vec<(String, String)>),
-    /// A column has no value there, so the condition cannot be evaluated.
+    /// A column has no value there, so the condition cannot be evaluated. Other rows have one, or it is missing without a collision.
     Missing(String),
+    /// No row has a value in this column. The gate judged nothing, so it fails.
+    MissingEverywhere(String),
+    /// No episode or start of the row was evaluated, so nothing is known there, and the gate fails.
+    NothingEvaluated,
     /// The condition is about an interval over fewer runs than any interval needs. It could never be true, so the gate fails.
     TooFewRuns(TooFewRuns),
+    /// The condition is about a probability that this number of common starts could not give, whatever happens in them. It could never be true, so
+    /// the gate fails.
+    TooFewStarts(u64),
     /// The gate is about other cells.
     Elsewhere,
 }
@@ -78,7 +86,7 @@ pub enum Judged {
 impl Judged {
     /// Whether the run fails by it.
     pub fn fails(&self) -> bool {
-        matches!(self, Self::Broken(_) | Self::TooFewRuns(_))
+        !matches!(self, Self::Passed | Self::Missing(_) | Self::Elsewhere)
     }
 }
 
@@ -120,6 +128,8 @@ struct Condition {
     bound: Bound,
     /// Whether it chooses cells by a word of their key, instead of judging a result.
     chooses: bool,
+    /// Whether the column has no value where nothing collided, which is no reason to fail.
+    is_of_collisions: bool,
 }
 
 /// Which controller of a place.
@@ -268,6 +278,20 @@ impl Gate {
 
     /// Judges every cell of the table that it is about, in its order.
     pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
+        let mut judged = self.judge_rows(cells);
+        let is_missing = |each: &Judged| matches!(each, Judged::Missing(_) | Judged::Elsewhere);
+        let may_be = self.conditions.iter().all(|condition| !condition.is_of_collisions);
+        if may_be && judged.iter().all(is_missing) {
+            for each in &mut judged {
+                if let Judged::Missing(column) = each {
+                    *each = Judged::MissingEverywhere(std::mem::take(column));
+                }
+            }
+        }
+        judged
+    }
+
+    fn judge_rows(&self, cells: &DataFrame) -> Vec<Judged> {
         let rows = || (0..cells.height()).filter(|row| self.is_about(cells, *row));
         let mut judged = vec![Judged::Elsewhere; cells.height()];
         let Some((over, column)) = self.conditions.iter().find_map(|each| Some((each.over?, &each.column))) else {
@@ -294,6 +318,7 @@ impl Gate {
             match extreme {
                 _ if few.is_some() => few.into_iter().for_each(|(row, few)| judged[row] = Judged::TooFewRuns(few)),
                 Some((_, row)) => judged[row] = self.judge_cell(cells, row),
+                None if nothing_evaluated(cells, members[0]) => judged[members[0]] = Judged::NothingEvaluated,
                 None => judged[members[0]] = absent(cells, column, members[0]),
             }
         }
@@ -309,6 +334,22 @@ impl Gate {
             },
             Bound::Number(_) => true,
         })
+    }
+
+    /// The number of common starts of a row, if even a failure in each of them on one side only would leave a `…_p_holm` of a single run above what a
+    /// condition asks for.
+    fn too_few_starts(&self, cells: &DataFrame, row: usize) -> Option<u64> {
+        let starts = |row| number(&value(cells, COMMON_STARTS.name, row)).map(|starts| starts as u64);
+        let own = starts(row).filter(|_| number(&value(cells, RUNS, row)) == Some(1.0))?;
+        let most = (0..cells.height()).filter_map(starts).max()?;
+        let is_p = |name: &str| name.ends_with(P_HOLM);
+        let columns = cells.columns().iter().filter(|column| is_p(column.name()));
+        let tests: usize = columns.map(|column| column.len() - column.null_count()).sum();
+        let below = |condition: &&Condition| matches!(condition.comparison, Comparison::Less | Comparison::AtMost);
+        let mut bounds = self.conditions.iter().filter(below).filter(|each| is_p(&each.column));
+        let is_out_of_reach = |bound: f64| mcnemar(0, own) >= bound || tests as f64 * mcnemar(0, most) >= bound;
+        let found = bounds.find(|each| matches!(each.bound, Bound::Number(bound) if is_out_of_reach(bound)));
+        found.map(|_| own)
     }
 
     fn judge_cell(&self, cells: &DataFrame, row: usize) -> Judged {
@@ -335,9 +376,11 @@ impl Gate {
             looked_at.push((condition.column.clone(), text));
         }
         match missing {
-            _ if !holds => Judged::Passed,
-            Some(judged) => judged,
-            None => Judged::Broken(looked_at),
+            None if holds => Judged::Broken(looked_at),
+            _ if nothing_evaluated(cells, row) => Judged::NothingEvaluated,
+            _ if let Some(starts) = self.too_few_starts(cells, row) => Judged::TooFewStarts(starts),
+            Some(judged) if holds => judged,
+            _ => Judged::Passed,
         }
     }
 }
@@ -345,8 +388,17 @@ impl Gate {
 /// The columns that name a place: its controllers have the same starts.
 const PLACE: [&str; 5] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, BLOCK.name];
 
+/// The end of the columns of adjusted probabilities.
+const P_HOLM: &str = "_p_holm";
+
 /// The column of the number of runs, in each table that has gates.
 const RUNS: &str = "runs";
+
+/// Whether a row is about no episode and no start.
+fn nothing_evaluated(cells: &DataFrame, row: usize) -> bool {
+    let counts = [EPISODES.name(), MEAN.name(STARTS.name), STARTS.name.into(), COMMON_STARTS.name.into()];
+    counts.iter().any(|count| number(&value(cells, count, row)) == Some(0.0))
+}
 
 /// The judgement of a row that has no value in a column.
 fn absent(cells: &DataFrame, column: &str, row: usize) -> Judged {
@@ -397,8 +449,18 @@ impl Condition {
         };
         let is_result = || cell_table().reference().columns.iter().any(|result| result.name == column.name);
         let chooses = matches!(bound, Bound::Word(_)) && !is_result();
-        Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses })
+        let is_of_collisions = is_of_collisions(&column.name);
+        Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses, is_of_collisions })
     }
+}
+
+/// Whether a column of a table of cells or searches has no value where there was no collision.
+fn is_of_collisions(column: &str) -> bool {
+    let metrics = metrics();
+    let of_metrics = metrics.iter().filter(|metric| metric.is_of_collisions()).map(Metric::name);
+    let all = of_metrics.chain([FIRST_FAILURE, FIRST_FAULT].map(String::from));
+    let mut rests = all.filter_map(|name| Some(column.strip_prefix(name.as_str())?.to_string()));
+    rests.any(|rest| rest.is_empty() || rest.starts_with('_'))
 }
 
 fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
@@ -451,6 +513,9 @@ mod tests {
             Judged::Broken(_) => 'b',
             Judged::Missing(_) => 'm',
             Judged::TooFewRuns(_) => 'f',
+            Judged::MissingEverywhere(_) => 'M',
+            Judged::NothingEvaluated => 'n',
+            Judged::TooFewStarts(_) => 's',
             Judged::Elsewhere => 'e',
         };
         let said = |column: &Column| ColumnReference {
@@ -545,6 +610,52 @@ mod tests {
             "there is no `fault_rate_student_low`, since fewer than 4 runs have no interval; write `fault_rate_wilson_low`, or give more `runs`"
         );
         assert!(said(2).contains("write `fault_rate_mean`"), "{}", said(2));
+    }
+
+    #[test]
+    fn a_gate_that_judges_nothing_fails() {
+        let columns: Vec<Column> = vec![
+            Series::new("town".into(), ["harbour", "village"]).into(),
+            Series::new("episodes".into(), [10_u32, 0]).into(),
+            Series::new("errors".into(), [0_u32, 3]).into(),
+            Series::new("fault_rate_mean".into(), [Some(0.02), None]).into(),
+            Series::new("front_rate_mean".into(), [None::<f64>, None]).into(),
+            Series::new("learning_gain".into(), [None::<f64>, None]).into(),
+        ];
+        let cells = DataFrame::new(2, columns).unwrap();
+        assert_eq!(letters(&cells, "fault_rate > 0.05"), "pn", "all episodes were left out");
+        assert_eq!(letters(&cells, "max over controllers fault_rate > 0.05"), "pn");
+        assert_eq!(letters(&cells, "errors > 5"), "pn");
+        assert_eq!(letters(&cells, "errors > 0"), "pb", "what is broken is said");
+        assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "pe");
+        assert_eq!(letters(&cells.head(Some(1)), "learning_gain > 0"), "M", "no row has it");
+        assert_eq!(letters(&cells.head(Some(1)), "front_rate > 0.5"), "m", "nothing was touched");
+        let columns: Vec<Column> = vec![
+            Series::new("starts_mean".into(), [0.0, 1.5]).into(),
+            Series::new("faults_mean".into(), [0.0, 0.0]).into(),
+        ];
+        let searches = DataFrame::new(2, columns).unwrap();
+        assert_eq!(letters(&searches, "faults > 0"), "np", "its budget holds no start");
+    }
+
+    #[test]
+    fn a_gate_on_a_probability_fails_where_no_number_of_failures_could_break_it() {
+        let columns = |starts: [u32; 2], runs: [u32; 2]| -> Vec<Column> {
+            vec![
+                Series::new("runs".into(), runs).into(),
+                Series::new("common_starts".into(), starts).into(),
+                Series::new("fault_rate_difference".into(), [0.5, 0.0]).into(),
+                Series::new("fault_rate_p_holm".into(), [Some(0.25), Some(1.0)]).into(),
+            ]
+        };
+        let gate = "fault_rate_p_holm < 0.05 and fault_rate_difference > 0";
+        let judged = |starts, runs| letters(&DataFrame::new(2, columns(starts, runs)).unwrap(), gate);
+        assert_eq!(judged([5, 5], [1, 1]), "ss", "5 of 5 starts worse have p = 0.06");
+        assert_eq!(judged([6, 6], [1, 1]), "ss", "6 of 6 have p = 0.03, and 0.06 in one of two rows");
+        assert_eq!(judged([7, 7], [1, 1]), "pp");
+        assert_eq!(judged([7, 5], [1, 1]), "ps");
+        assert_eq!(judged([5, 5], [4, 4]), "pp", "Student's test over runs has other limits");
+        assert_eq!(judged([0, 7], [1, 1]), "np");
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::comparison_text::{changes, counts, headline, list, rates, searches, start_changes, start_list, title};
+use super::comparison_text::{
+    changes, counts, headline, list, power, rates, searches, start_changes, start_list, title,
+};
 use super::page::{OWN_SCRIPTS, Replay, badge, head, json};
 use crate::report::{FailureChange, ReportComparison};
 
@@ -33,6 +35,7 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
                     p.kind { "falsify · comparison" }
                     h1 { "What changed" }
                     p.lead { (headline(comparison)) }
+                    @if let Some(power) = power(comparison) { p { (power) } }
                     p.meta { "before " code { (before) } " · after " code { (after) } }
                     @for caveat in &comparison.caveats { p.warn { (with_code(&caveat.to_string())) } }
                     button #theme type="button" hidden { "Dark" }

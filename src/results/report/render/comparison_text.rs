@@ -5,6 +5,7 @@ use crate::report::{
     Changed, ComparedCell, ComparedSearch, FailureChange, FailureOrder, Figure, ListedFailure, ReportComparison,
     StartChange,
 };
+use base::statistics::mcnemar;
 
 /// Most kinds that a terminal shows.
 const KINDS: usize = 12;
@@ -21,6 +22,9 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
         }
     }
     text.push_str(&format!("\n{}\n", headline(comparison)));
+    if let Some(power) = power(comparison) {
+        text.push_str(&format!("{power}\n"));
+    }
     if !comparison.changes.is_empty() {
         text.push_str(&counts(comparison, "verdict", usize::MAX).to_terminal(width));
         text.push_str(&counts(comparison, "kind", KINDS).to_terminal(width));
@@ -70,6 +74,16 @@ pub fn headline(comparison: &ReportComparison) -> String {
         format!("{} new, {} fixed, {} same", sum(|all| all.new), sum(|all| all.fixed), sum(|all| all.same))
     };
     format!("Failures: {}; fault: {}", part(|cell| cell.collisions), part(|cell| cell.fault))
+}
+
+/// How many starts must differ for a difference of single runs to show; none without one.
+pub fn power(comparison: &ReportComparison) -> Option<String> {
+    let single = || comparison.cells.iter().filter(|cell| cell.runs == 1 && cell.starts > 0);
+    let tests = comparison.cells.iter().flat_map(|cell| &cell.figures).filter(|figure| figure.holm.is_some()).count();
+    let least = single().map(|cell| cell.starts).min().filter(|_| tests > 0)?;
+    let needed = (1..).find(|starts| tests as f64 * mcnemar(0, *starts) < 0.05)?;
+    let few = if least < needed { format!("; with {least} common starts none can show") } else { String::new() };
+    Some(format!("A difference shows (p below 0.05) from {needed} starts on that fail on one side only{few}."))
 }
 
 /// The rates of a cell on both sides.

@@ -130,6 +130,9 @@ fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
     let message = match judged {
         Judged::Broken(values) => shown(values),
         Judged::TooFewRuns(few) => few.to_string(),
+        Judged::MissingEverywhere(column) => format!("no row has {column}, so nothing was judged"),
+        Judged::TooFewStarts(starts) => format!("{starts} common starts are too few for it ever to be true"),
+        Judged::NothingEvaluated => "nothing was evaluated".to_string(),
         _ => return None,
     };
     Some(("failure", "fail-if", format!("{gate}: {message}")))

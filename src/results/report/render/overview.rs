@@ -105,10 +105,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     let row = |(variant, result): (&Variant<'_>, &DriverResult)| {
         let mut values = first(variant, &overview.values(variant));
         values.push(Value::from(&result.driver.name));
-        values.push(Value::Text(match &result.worst {
-            Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
-            None => "no collision".into(),
-        }));
+        values.push(Value::Text(result.worst_in_words()));
         values
     };
     tables.push(Table { head, rows: results.map(row).collect(), ..Table::default() });

@@ -29,8 +29,8 @@ pub fn summary(found: &Findings<'_>, manifest: &Manifest, sections: &[Section]) 
     if !manifest.complete {
         let _ = writeln!(page, "**{INCOMPLETE}**\n");
     }
-    for lost in &found.lost {
-        let _ = writeln!(page, "**{lost}.**\n");
+    for caution in &found.cautions {
+        let _ = writeln!(page, "**{caution}.**\n");
     }
     if !doubts.is_empty() {
         let _ = writeln!(page, "**{DOUBTFUL}**\n");

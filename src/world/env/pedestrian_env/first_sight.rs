@@ -21,7 +21,8 @@ impl PedestrianEnv {
         if (here - from).norm_squared() >= room * room {
             let inside = self.world.town.lane_around(here).map_or(f64::INFINITY, |lane| lane.inside);
             if inside < 0.0 {
-                self.episode.left_out = Some(LeftOut::OffRoad);
+                let past_end = self.world.town.is_past_end(here);
+                self.episode.left_out = Some(if past_end { LeftOut::RoadEnd } else { LeftOut::OffRoad });
                 self.episode.alone = false;
                 return;
             }
@@ -35,5 +36,23 @@ impl PedestrianEnv {
             !obstacles.blocks_sight(here, place) || obstacles.shows(eye, place, pedestrian.body.radius)
         });
         self.episode.alone = !is_seen;
+    }
+
+    /// Looks for the end of the map once a pedestrian is in sight: a car that drives past it is where the scenario has no road, and no verdict
+    /// about it means anything. Only our own drivers stop there.
+    pub(super) fn watch_end(&mut self) {
+        if self.episode.left_out.is_some() || self.scenario.episode.count_all || !self.world.town.has_ends() {
+            return;
+        }
+        let here = self.world.ego().state.pose.position();
+        let (from, room) = self.episode.on_road;
+        if (here - from).norm_squared() < room * room {
+            return;
+        }
+        let inside = self.world.town.lane_around(here).map_or(f64::INFINITY, |lane| lane.inside);
+        if inside < 0.0 && self.world.town.is_past_end(here) {
+            self.episode.left_out = Some(LeftOut::RoadEnd);
+        }
+        self.episode.on_road = (here, inside.abs());
     }
 }

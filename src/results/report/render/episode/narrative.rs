@@ -52,6 +52,7 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
         let why = match reason {
             LeftOut::RunUp => "the driver did not reach its start in the run-up",
             LeftOut::OffRoad => "the car left the road before its driver could see a pedestrian",
+            LeftOut::RoadEnd => "the car drove past the end of the road",
         };
         events.push((outcome.duration, format!("the episode is in no rate, since {why}")));
     }

@@ -3,7 +3,7 @@ use polars::prelude::DataFrame;
 use super::{ModeCard, Players, Tally};
 use crate::campaign::TrainingResult;
 use crate::report::render::table::Section;
-use crate::report::{Cell, Doubt, DriverResult, Failures, LostDriver, Manifest, PublishedComparison};
+use crate::report::{Caution, Cell, Doubt, DriverResult, Failures, Manifest, PublishedComparison};
 use compile::Campaign;
 
 /// The data of a page.
@@ -29,8 +29,8 @@ pub struct Contents<'a> {
     pub modes: &'a [ModeCard],
     /// Tables that the summary has, too, each a section.
     pub sections: &'a [Section],
-    /// The drivers that often do not reach their starts.
-    pub lost: &'a [LostDriver],
+    /// What a reader must know first.
+    pub cautions: &'a [Caution],
     /// The doubts about the trainings.
     pub doubts: &'a [Doubt],
     /// The comparison with published figures, which the summary has, too.

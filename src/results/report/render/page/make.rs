@@ -171,7 +171,7 @@ fn head(contents: &Contents<'_>) -> Markup {
             @else { p.lead { (grid(campaign)) } }
             @if manifest.smoke { p.warn { (SMOKE) } }
             @if !manifest.complete { p.warn { (INCOMPLETE) } }
-            @for lost in contents.lost { p.warn { (prose(&format!("{lost}."))) } }
+            @for caution in contents.cautions { p.warn { (prose(&format!("{caution}."))) } }
             @for doubt in contents.doubts.iter().take(DOUBTS) { p.warn { (prose(&format!("{doubt}."))) } }
             @if contents.doubts.len() > DOUBTS {
                 p.warn { a href="#learnt" { (contents.doubts.len() - DOUBTS) " more doubts about trainings" } }

@@ -86,7 +86,7 @@ pub fn write_page(
         published,
         published_section: published_section(published),
         sections: &sections,
-        lost: &found.lost,
+        cautions: &found.cautions,
         doubts,
         files: &folder.names()?,
     })

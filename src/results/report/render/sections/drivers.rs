@@ -62,7 +62,7 @@ fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
 pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     match result.cell {
         Some(cell) => cells[cell].injury.mean.map(|injury| injury * 1000.0),
-        None => result.searched.map(|found| found.injury_per_thousand()),
+        None => result.searched.and_then(|found| found.injury_per_thousand()),
     }
 }
 
@@ -111,8 +111,11 @@ fn table(
         [Value::Number(own, 2)].into_iter().chain(share)
     };
     let row = |result: &&DriverResult| {
-        let mut row =
-            vec![Value::from(&result.driver.name), worst(result).into(), episode(result.worst.as_ref(), link)];
+        let mut row = vec![
+            Value::from(&result.driver.name),
+            result.worst_in_words().into(),
+            episode(result.worst.as_ref(), link),
+        ];
         let cell = result.cell.map(|cell| &cells[cell]);
         if evaluated {
             row.extend([
@@ -133,6 +136,7 @@ fn table(
                 row.extend(of_injury(result));
             }
             row.push(match result.searched {
+                Some(found) if found.episodes == 0 => "nothing: not one episode".into(),
                 Some(found) => {
                     let (fault, preventable) = (found.fault, found.preventable);
                     format!("{} failures: {preventable} preventable, {fault} faults", found.all).into()
@@ -153,14 +157,6 @@ fn rate(cell: Option<&Cell>, of: RateOf) -> Value {
     let Some(cell) = cell else { return Value::Estimate(None, None, 2) };
     let (rate, interval, count) = of(cell);
     Value::or_count(Value::Estimate(rate.mean, Some(interval), 2), rate.mean, count, cell.episodes)
-}
-
-/// The worst failure in words.
-fn worst(result: &DriverResult) -> String {
-    match &result.worst {
-        None => "no collision".into(),
-        Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
-    }
 }
 
 fn episode(worst: Option<&ListedFailure>, link: &impl Fn(&ListedFailure) -> Option<String>) -> Value {

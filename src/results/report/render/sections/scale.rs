@@ -86,6 +86,7 @@ mod tests {
             worst: None,
             cell: Some(cell),
             searched: None,
+            episodes: 100,
         };
         let results = [result("good", "idm", 0), result("blind", "cruise", 2)];
         let scale = Scale::new(&results, &cells);
