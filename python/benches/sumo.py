@@ -18,7 +18,7 @@ ACTORS, POINTS, TICK, TICKS = 8, 40, 0.05, 240
 def main(worlds: int, model: str) -> None:
     vehicle = {"length": 4.79, "width": 2.16, "wheelbase": 3.0, "greatest_wheel_angle": 0.86}
     sumo = Sumo({"vehicle": vehicle, "tick_s": TICK, "worlds": worlds}, model)
-    numbers = np.zeros((worlds, 12 + 8 * ACTORS + 3 * POINTS))
+    numbers = np.zeros((worlds, 14 + 8 * ACTORS + 3 * POINTS))
     numbers[:, 0] = np.arange(worlds)
     fastest = 0.0
     for _ in range(5):
@@ -27,10 +27,10 @@ def main(worlds: int, model: str) -> None:
         for tick in range(TICKS):
             numbers[:, 1], numbers[:, 2] = tick, 7.0 if tick == 0 else -1.0
             numbers[:, 3], numbers[:, 6], numbers[:, 7] = x, speed, 13.9
-            numbers[:, 10], numbers[:, 11] = 1, POINTS
-            numbers[:, 12:20] = [1.0, 40.0, 0.0, 1.6, 0.0, 1.4, 0.5, 0.5]
-            numbers[:, 14] = start + 1.4 * TICK * tick
-            numbers[:, 76::3] = x[:, None] + 2.0 * np.arange(POINTS)
+            numbers[:, 12], numbers[:, 13] = 1, POINTS
+            numbers[:, 14:22] = [1.0, 40.0, 0.0, 1.6, 0.0, 1.4, 0.5, 0.5]
+            numbers[:, 16] = start + 1.4 * TICK * tick
+            numbers[:, 78::3] = x[:, None] + 2.0 * np.arange(POINTS)
             frame = Frame(np.frombuffer(numbers.tobytes()).reshape(numbers.shape), ACTORS, POINTS)
             acceleration, steer = sumo.decide(frame)
             np.column_stack([frame.ids, acceleration, np.zeros(worlds), steer]).tobytes()

@@ -1,7 +1,7 @@
 """Drivers under test that are Python objects: a class of your own, or a network in an ONNX file.
 
 A driver has one method ``drive(world)``. It gets what a driver in a separate program gets (``scenarios/external/README.md``): ``ego``,
-``speed_limit``, ``light``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
+``speed_limit``, ``light``, ``sign``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
 ``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left). Steer along ``route``: it leads to the start of the episode, and a driver
 that does not get there starts at rest. A method ``reset(hello, seed)`` is called before each episode, if there is
 one: ``hello`` describes the car, and ``seed`` is the only source of random numbers. A class with ``revision = 2`` also gets ``lanes``, and the ids
@@ -29,6 +29,7 @@ _GREETING = {"protocol": "falsify-av/1", "name": "falsify_av"}
 _LIGHTS = {"green": 1.0, "yellow": 2.0, "red": 3.0}
 _PEDALS = ("throttle", "brake")
 _CONTROLS = (*_PEDALS, "acceleration", "steer", "mode")
+_MODES = ("cruise", "turn", "follow", "yield", "emergency_stop", "red_light", "give_way", "arrived", "unknown")
 
 
 class Driver(Protocol):
@@ -90,6 +91,8 @@ def _checked(control: Mapping[str, Any]) -> dict[str, Any]:
         if (key == "mode") != isinstance(value, str):
             wanted = "a text" if key == "mode" else "a number"
             raise TypeError(f"the driver gave a wrong answer: `{key}` is {value!r}, which is not {wanted}")
+        if key == "mode" and value not in _MODES:
+            raise ValueError(f"the driver gave a wrong answer: there is no mode `{value}`; {suggested(value, _MODES)}")
         if key != "mode":
             try:
                 value = float(value)

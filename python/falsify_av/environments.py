@@ -10,7 +10,7 @@ the left) and ``speed`` (m/s). It is kept for the ticks that the scenario's ``ho
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
@@ -49,7 +49,7 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
         RunUpWarning: The driver did not reach more than a twentieth of its starts; ``placed`` of the info is then true.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 1}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 1}
 
     def __init__(
         self,
@@ -118,7 +118,7 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
             ``AutoresetMode.DISABLED`` (``reset(options={"reset_mask": mask})`` starts the next episodes).
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 1}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 1}
 
     def __init__(
         self,
@@ -131,13 +131,10 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
         render_mode: str | None = None,
         **options: Unpack[Options],
     ) -> None:
-        self._autoreset = {
-            AutoresetMode.NEXT_STEP: "next_step",
-            AutoresetMode.SAME_STEP: "same_step",
-            AutoresetMode.DISABLED: "never",
-        }.get(autoreset_mode)
-        if self._autoreset is None:
+        kinds = {AutoresetMode.NEXT_STEP: "next_step", AutoresetMode.SAME_STEP: "same_step", AutoresetMode.DISABLED: "never"}
+        if autoreset_mode not in kinds:
             raise ValueError(f"there is no autoreset mode {autoreset_mode!r}; give a gymnasium.vector.AutoresetMode")
+        self._autoreset = kinds[autoreset_mode]
         self._make(num_envs, scenario, campaign, seed, render_mode, options)
         self.num_envs = num_envs
         self.single_observation_space = observation_space(self.core, self.core.pedestrians)

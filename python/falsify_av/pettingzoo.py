@@ -60,7 +60,7 @@ class PedestriansEnv(Closable, ParallelEnv):
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, dict[str, Any]]]:
         """Start an episode. Of the options only ``episode`` has a meaning; PettingZoo's own test passes others."""
-        core, episode = self._open(), episode_option({name: options[name] for name in options or {} if name == "episode"})
+        core, episode = self._open(), episode_option({name: value for name, value in (options or {}).items() if name == "episode"})
         if seed is not None:
             core.reseed(np.array([checked_seed(seed)], np.int64))
         states = core.reset(np.ones(1, np.bool_), np.array([episode], np.int64))
@@ -68,7 +68,9 @@ class PedestriansEnv(Closable, ParallelEnv):
         self._began()
         return self._observations(states[0]), {agent: started(core, 0) for agent in self.agents}
 
-    def step(self, actions: dict[str, np.ndarray]) -> tuple[dict, dict, dict, dict, dict]:
+    def step(
+        self, actions: dict[str, np.ndarray]
+    ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """Take one decision for each agent."""
         core = self._open()
         if not self.agents:

@@ -65,7 +65,7 @@ def call(*arguments: str | os.PathLike[str], show: bool = False, each_line: Call
     Raises:
         ProgramError: It ended with an error.
     """
-    command = [find(), *map(os.fspath, arguments)]
+    command = [find(), *(os.fspath(each) for each in arguments)]
     with tempfile.TemporaryFile("w+", encoding="utf-8") as messages:
         stderr = sys.__stderr__ if show else messages
         # A session of its own: a Ctrl-C on the terminal reaches Python alone, which passes on one.
@@ -177,7 +177,7 @@ def run(
         progress: ``True`` for a bar, or a function that is called with the finished tasks and all tasks of the campaigns begun.
     """
     named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    command = ["run", *map(os.fspath, named), "--out", os.fspath(out), "--seed", str(seed)]
+    command = ["run", *(os.fspath(each) for each in named), "--out", os.fspath(out), "--seed", str(seed)]
     for name, value in (settings or {}).items():
         command += ["--set", f"{name}={value}"]
     if allow_external:
@@ -226,7 +226,8 @@ def compare(
         command += ["--drivers", *drivers]
     if page is not None:
         command += ["--page", os.fspath(page)]
-    return json.loads(call(*command, "--format", "json", *arguments))
+    found: dict[str, Any] = json.loads(call(*command, "--format", "json", *arguments))
+    return found
 
 
 def export(
@@ -258,4 +259,5 @@ def export(
 
 def replay(name: str, *, report: str | os.PathLike[str] = "reports", arguments: Sequence[str] = ()) -> dict[str, Any]:
     """Repeat an episode ``RUN:EPISODE`` of a report and compare it with the report."""
-    return json.loads(call("replay", name, "--report", os.fspath(report), "--json", *arguments))
+    found: dict[str, Any] = json.loads(call("replay", name, "--report", os.fspath(report), "--json", *arguments))
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from gymnasium import spaces
@@ -48,19 +48,20 @@ def failed_run_ups(failed: int, all_of_them: int) -> str:
     )
 
 
-def observation_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
+def observation_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Space[NDArray[np.float32]]:
     """The states of some pedestrians, one after another."""
     high = np.array([np.pi, _FARTHEST, np.pi, _FASTEST], np.float32)
     if worlds.scaled[0]:
         high = (high / np.array([np.pi, 30.0, np.pi, 8.0])).astype(np.float32)
     low = high * np.array([-1, 0, -1, 0], np.float32)
-    return spaces.Box(np.tile(low, pedestrians), np.tile(high, pedestrians), dtype=np.float32)
+    box = spaces.Box(np.tile(low, pedestrians), np.tile(high, pedestrians), dtype=np.float32)
+    return cast("spaces.Space[NDArray[np.float32]]", box)
 
 
-def action_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
+def action_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Space[NDArray[np.float32]]:
     """The actions of some pedestrians, one after another."""
     bounds = np.array(worlds.action_bounds()[: 2 * pedestrians], np.float32)
-    return spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
+    return cast("spaces.Space[NDArray[np.float32]]", spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32))
 
 
 def make_worlds(count: int, scenario: Files | None, seed: int, options: Mapping[str, Any]) -> _core.Worlds:
@@ -73,10 +74,10 @@ def make_worlds(count: int, scenario: Files | None, seed: int, options: Mapping[
 
 def checked_seed(seed: Any) -> int:
     """A seed from 0 to 2^63 - 1."""
-    seed = int(seed)
-    if not 0 <= seed < 2**63:
-        raise ValueError(f"the seed is {seed}; give one from 0 to 2^63 - 1")
-    return seed
+    number = int(seed)
+    if not 0 <= number < 2**63:
+        raise ValueError(f"the seed is {number}; give one from 0 to 2^63 - 1")
+    return number
 
 
 def episode_option(options: Mapping[str, Any] | None) -> int:
@@ -92,7 +93,7 @@ def episode_option(options: Mapping[str, Any] | None) -> int:
     return episode
 
 
-def numbers_of(action: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+def numbers_of(action: Any, shape: tuple[int, ...] | None) -> NDArray[Any]:
     """An action as an array of 32 or 64 bits a number."""
     try:
         numbers = np.asarray(action)

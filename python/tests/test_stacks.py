@@ -29,12 +29,12 @@ def needs(stack: str) -> None:
 
 def frame(worlds: int, speed: float, people: dict[int, tuple[float, float]], start: bool = False, light: tuple[float, float] = (0.0, 0.0)) -> Frame:
     """Straight roads to the east with a person at x, y (m) in some worlds."""
-    numbers = np.zeros((worlds, 12 + 8 * ACTORS + 3 * POINTS))
+    numbers = np.zeros((worlds, 14 + 8 * ACTORS + 3 * POINTS))
     numbers[:, 0], numbers[:, 2] = np.arange(worlds), 5.0 if start else -1.0
-    numbers[:, 6], numbers[:, 7], numbers[:, 8:10], numbers[:, 11] = speed, 13.9, light, POINTS
-    numbers[:, 12 + 8 * ACTORS :: 3] = 2.0 * np.arange(POINTS)
+    numbers[:, 6], numbers[:, 7], numbers[:, 8:10], numbers[:, 13] = speed, 13.9, light, POINTS
+    numbers[:, 14 + 8 * ACTORS :: 3] = 2.0 * np.arange(POINTS)
     for world, (x, y) in people.items():
-        numbers[world, 10], numbers[world, 12:20] = 1, [1.0, x, y, 1.57, 0.0, 0.0, 0.5, 0.5]
+        numbers[world, 12], numbers[world, 14:22] = 1, [1.0, x, y, 1.57, 0.0, 0.0, 0.5, 0.5]
     return Frame(numbers, ACTORS, POINTS)
 
 
@@ -64,8 +64,8 @@ def test_the_front_of_a_car_swings_out_in_a_bend() -> None:
     radius, angles = 10.0, 0.2 * np.arange(POINTS)
     arc = np.column_stack([radius * np.sin(angles), radius * (1.0 - np.cos(angles)), angles])
     there = arc[5, :2] + np.array([[2.0, -2.0]]).T * [-math.sin(1.0), math.cos(1.0)]
-    numbers = np.zeros((2, 12 + 8 * ACTORS + 3 * POINTS))
-    numbers[:, 11], numbers[:, 12], numbers[:, 13:15], numbers[:, 12 + 8 * ACTORS :] = POINTS, 1.0, there, arc.ravel()
+    numbers = np.zeros((2, 14 + 8 * ACTORS + 3 * POINTS))
+    numbers[:, 13], numbers[:, 14], numbers[:, 15:17], numbers[:, 14 + 8 * ACTORS :] = POINTS, 1.0, there, arc.ravel()
     _, left, _ = Frame(numbers, ACTORS, POINTS).along(VEHICLE)
     assert left == pytest.approx([2.0 - 0.11, -2.0 + 0.65], abs=0.05), "inside, and outside"
     assert seen.along(VEHICLE)[1] == pytest.approx([0.0, 0.0])

@@ -14,7 +14,7 @@ int main() {
   for (int c; (c = std::getchar()) != '\n' && c != EOF;) hello += char(c);
   std::puts("{\"protocol\":\"falsify-av/1\",\"encoding\":\"binary\",\"control\":\"acceleration\"}");
   std::fflush(stdout);
-  const size_t actors = setting("actors"), points = setting("route_points"), size = 12 + 8 * actors + 3 * points;
+  const size_t actors = setting("actors"), points = setting("route_points"), size = 14 + 8 * actors + 3 * points;
   std::vector<double> in, out;
   for (uint32_t bytes; std::fread(&bytes, 4, 1, stdin) == 1; out.clear()) {
     in.resize(bytes / 8);
@@ -24,12 +24,12 @@ int main() {
       double wanted = 0.9 * limit, steer = 0;
       auto give_way = [&](double gap) { wanted = std::min(wanted, std::max(0.0, gap - 2) / 2); };
       if (w[8] == 3) give_way(w[9]);  // red
-      for (const double* a = w + 12; a != w + 12 + 8 * int(w[10]); a += 8) {
+      for (const double* a = w + 14; a != w + 14 + 8 * int(w[12]); a += 8) {
         const double ahead = c * (a[1] - x) + s * (a[2] - y), left = c * (a[2] - y) - s * (a[1] - x);
         if (ahead > 0 && std::abs(left) < 2) give_way(ahead - 2.5);
       }
-      const double* route = w + 12 + 8 * actors;
-      for (const double* p = route; p != route + 3 * int(w[11]); p += 3) {
+      const double* route = w + 14 + 8 * actors;
+      for (const double* p = route; p != route + 3 * int(w[13]); p += 3) {
         const double ahead = c * (p[0] - x) + s * (p[1] - y), left = c * (p[1] - y) - s * (p[0] - x);
         if (std::hypot(ahead, left) > 3.5 + 0.6 * speed) { steer = 2 * std::atan2(left, ahead); break; }
       }

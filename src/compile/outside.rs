@@ -51,8 +51,13 @@ impl Lowering<'_> {
         let place = declaration.block.place("model");
         let file = self.beside(declaration, path);
         let read = |file: &Path| self.read.bytes(file).map_err(|error| reason(&error));
-        let bytes = read(&file)
-            .and_then(|bytes| with_external_data(bytes, &mut |constants| read(&file.with_file_name(constants))));
+        let mut is_missing = false;
+        let model = self.read.bytes(&file).map_err(|error| {
+            is_missing = error.kind() == std::io::ErrorKind::NotFound;
+            reason(&error)
+        });
+        let bytes =
+            model.and_then(|bytes| with_external_data(bytes, &mut |constants| read(&file.with_file_name(constants))));
         if let (Ok(bytes), Some(trial)) = (&bytes, &self.catalog.network_trial)
             && let Err(reason) = trial(bytes)
         {
@@ -60,7 +65,7 @@ impl Lowering<'_> {
             return None;
         }
         let loaded = bytes.and_then(load);
-        loaded.map_err(|reason| self.said.push(diagnostics::unusable_model(place, path, &reason))).ok()
+        loaded.map_err(|reason| self.said.push(diagnostics::unusable_model(place, path, &reason, is_missing))).ok()
     }
 }
 

@@ -118,13 +118,18 @@ pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
 pub fn initial(declaration: &Declaration, config: &PpoConfig, lowering: &mut Lowering<'_>) -> Option<Arc<ActorCritic>> {
     let block = &declaration.block;
     let path = block.keys::<PpoKeys>().from?;
-    let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| reason(&error));
+    let mut is_missing = false;
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, &path)).map_err(|error| {
+        is_missing = error.kind() == std::io::ErrorKind::NotFound;
+        reason(&error)
+    });
     let read = bytes.and_then(|bytes| ActorCritic::from_safetensors(&bytes).map_err(|error| error.to_string()));
     let fitting = read.and_then(|(networks, _)| {
         config.accepts(&networks, 4, 2).map_err(|error| error.to_string())?;
         Ok(Arc::new(networks))
     });
-    fitting.map_err(|reason| lowering.said.push(diagnostics::unusable_model(block.place("from"), &path, &reason))).ok()
+    let unusable = |reason: String| diagnostics::unusable_model(block.place("from"), &path, &reason, is_missing);
+    fitting.map_err(|reason| lowering.said.push(unusable(reason))).ok()
 }
 
 #[cfg(test)]

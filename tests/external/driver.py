@@ -65,7 +65,7 @@ if binary:
 say(json.dumps(answer).encode() + b"\n")
 
 if binary:
-    size = 12 + 8 * hello["actors"] + 3 * hello["route_points"]
+    size = 14 + 8 * hello["actors"] + 3 * hello["route_points"]
     while head := sys.stdin.buffer.read(4):
         numbers = sys.stdin.buffer.read(struct.unpack("<I", head)[0])
         answer = b""

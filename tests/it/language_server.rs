@@ -13,20 +13,25 @@ use serde_json::{Value, json};
 use crate::program::command;
 
 /// The folder for the copy of the standard library that an editor opens.
-fn shelf() -> PathBuf {
+pub fn shelf() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("shelf")
 }
 
 /// A session whose messages are all collected first and sent afterwards.
-struct Session {
-    input: Vec<u8>,
-    next: u64,
+pub struct Session {
+    pub input: Vec<u8>,
+    pub next: u64,
 }
 
 impl Session {
-    fn new() -> Self {
+    pub fn new() -> Self {
+        Self::with(&json!({ "capabilities": {} }))
+    }
+
+    /// One of an editor that says this of itself.
+    pub fn with(editor: &Value) -> Self {
         let mut session = Self { input: Vec::new(), next: 0 };
-        session.ask("initialize", json!({ "capabilities": {} }));
+        session.ask("initialize", editor.clone());
         session.tell("initialized", json!({}));
         session
     }
@@ -36,23 +41,23 @@ impl Session {
     }
 
     /// Adds a request and returns its number.
-    fn ask(&mut self, method: &str, params: Value) -> u64 {
+    pub fn ask(&mut self, method: &str, params: Value) -> u64 {
         self.next += 1;
         self.raw(&json!({ "jsonrpc": "2.0", "id": self.next, "method": method, "params": params }).to_string());
         self.next
     }
 
-    fn tell(&mut self, method: &str, params: Value) {
+    pub fn tell(&mut self, method: &str, params: Value) {
         self.raw(&json!({ "jsonrpc": "2.0", "method": method, "params": params }).to_string());
     }
 
-    fn open(&mut self, uri: &str, text: &str) {
+    pub fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "falsify", "version": 1, "text": text });
         self.tell("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
     /// Sends a request about the position of a mark in a text.
-    fn ask_at(&mut self, method: &str, uri: &str, text: &str, mark: &str) -> u64 {
+    pub fn ask_at(&mut self, method: &str, uri: &str, text: &str, mark: &str) -> u64 {
         let at = text.find(mark).unwrap_or_else(|| panic!("{mark}"));
         let (line, column) = base::diagnostic::Lines::new(text).utf16(at);
         let position = json!({ "line": line, "character": column });
@@ -60,7 +65,7 @@ impl Session {
     }
 
     /// Ends the session and returns all answers.
-    fn hold(mut self) -> Vec<Value> {
+    pub fn hold(mut self) -> Vec<Value> {
         self.ask("shutdown", Value::Null);
         self.tell("exit", Value::Null);
         let mut output = Vec::new();
@@ -70,7 +75,7 @@ impl Session {
     }
 }
 
-fn messages(mut output: &[u8]) -> Vec<Value> {
+pub fn messages(mut output: &[u8]) -> Vec<Value> {
     let mut all = Vec::new();
     while !output.is_empty() {
         let end = output.windows(4).position(|window| window == b"\r\n\r\n").unwrap();
@@ -82,12 +87,12 @@ fn messages(mut output: &[u8]) -> Vec<Value> {
     all
 }
 
-fn result(messages: &[Value], id: u64) -> &Value {
+pub fn result(messages: &[Value], id: u64) -> &Value {
     let found = messages.iter().find(|message| message["id"] == id && message.get("method").is_none());
     &found.unwrap_or_else(|| panic!("no answer to {id}"))["result"]
 }
 
-fn labels(messages: &[Value], id: u64) -> Vec<String> {
+pub fn labels(messages: &[Value], id: u64) -> Vec<String> {
     let items = result(messages, id).as_array().unwrap();
     items.iter().map(|item| item["label"].as_str().unwrap().to_string()).collect()
 }
@@ -572,7 +577,7 @@ fn three_files(folder: &Path) -> (impl Fn(&str) -> String, String) {
 }
 
 /// The places of an answer as `file:line:column`.
-fn at_places(answer: &Value) -> Vec<String> {
+pub fn at_places(answer: &Value) -> Vec<String> {
     let place = |each: &Value| {
         let (uri, start) = (each["uri"].as_str().unwrap(), &each["range"]["start"]);
         format!("{}:{}:{}", uri.rsplit('/').next().unwrap(), start["line"], start["character"])

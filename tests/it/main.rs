@@ -33,6 +33,7 @@ mod judge;
 mod lav_reference;
 mod doubts;
 mod drivers;
+mod editor_folders;
 mod editors;
 mod explanations;
 mod every_key;

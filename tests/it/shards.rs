@@ -86,7 +86,8 @@ fn shards_of_one_folder_need_nothing_but_the_folder() {
     assert_eq!(status.status.code(), Some(9), "{text}");
     assert!(text.contains("parts: stopped") && text.contains("trainings   3 of 4 tasks, 75 %"), "{text}");
     assert!(text.contains("`falsify merge` names the shards that are missing"), "{text}");
-    assert!(text.contains("falsify run parts.scn --shard 0/2 --tasks trainings"), "{text}");
+    let finished = "the shard of `falsify run parts.scn --shard 0/2 --tasks trainings` is finished";
+    assert!(text.contains(finished) && !text.contains("go on with"), "{text}");
     let left = "left for one thread, and the evaluations and searches, of which none is done yet";
     assert!(text.contains(left), "{text}");
     for shard in ["0/2", "1/2"] {

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_HEAD, _ACTOR, _POINT = 12, 8, 3
+_HEAD, _ACTOR, _POINT = 14, 8, 3
 PEDESTRIAN, VEHICLE = 1.0, 2.0
 GREEN, YELLOW, RED = 1.0, 2.0, 3.0
+STOP, YIELD = 1.0, 2.0
 
 #: m and s: the place on the route that a driver steers to is this far ahead, plus this long at its speed.
 AHEAD = 2.0, 0.4
@@ -37,7 +38,8 @@ class Frame:
         self.ego = numbers[:, 3:6]
         self.speed, self.limit = numbers[:, 6], numbers[:, 7]
         self.light, self.light_distance = numbers[:, 8], numbers[:, 9]
-        self.points = numbers[:, 11].astype(np.int64)
+        self.sign, self.sign_distance = numbers[:, 10], numbers[:, 11]
+        self.points = numbers[:, 13].astype(np.int64)
         self.route = numbers[:, _HEAD + _ACTOR * actors :].reshape(-1, points, _POINT)
         everybody = numbers[:, _HEAD : _HEAD + _ACTOR * actors].reshape(-1, actors, _ACTOR)
         # One row for each road user in sight: of which world it is, and the protocol's eight numbers.

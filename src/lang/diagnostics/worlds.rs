@@ -118,10 +118,10 @@ pub fn unusable_command(span: Span, command: &str, reason: &str) -> Diagnostic {
         .help("the command is split at blanks; single quotes keep blanks together; no shell runs it")
 }
 
-/// A model of a learnt driver cannot be used.
-pub fn unusable_model(span: Span, path: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"))
-        .help("paths are relative to the folder of the file that names them")
+/// A model of a learnt driver cannot be used. Without a file, the help says where it is looked for.
+pub fn unusable_model(span: Span, path: &str, reason: &str, is_missing: bool) -> Diagnostic {
+    let unusable = Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"));
+    if is_missing { unusable.help("paths are relative to the folder of the file that names them") } else { unusable }
 }
 
 /// A network takes too much memory or time.

@@ -15,6 +15,7 @@ pub(super) const RANGE: &str = "a range is written `low .. high`";
 const CLAUSE: &str = "a clause starts with `on`";
 const EVENT_WORD: &str = "the word of an event needs parentheses";
 const NAME: &str = "the name follows the form directly";
+const UNCLOSED: &str = "this text is not closed on its line";
 /// The message for a conditional, once per value.
 pub(super) const NO_IF: &str =
     "there is no `if`: use `min` and `max` in a formula, and `and`, `or`, `not` in a condition";
@@ -56,6 +57,7 @@ fn words(rule: Rule, text: &str) -> Words {
         (Rule::on_like, _) => instead(CLAUSE, "on"),
         (Rule::several, _) => ("every event has an `on event => formula` of its own", None),
         (Rule::import_like, _) => instead("write `import \"path\"`", "import"),
+        (Rule::bare_path, text) if is_unclosed(text) => (UNCLOSED, Some(format!("{text}\""))),
         (Rule::bare_path, _) => {
             ("a text needs quotes", Some(format!("\"{}\"", text.trim_matches(['"', '\'', '“', '”']))))
         }
@@ -74,6 +76,11 @@ fn words(rule: Rule, text: &str) -> Words {
         (Rule::stray_equals, _) => instead("a block follows the name directly", ""),
         (other, _) => unreachable!("{other:?} is no error production"),
     }
+}
+
+/// Whether the path of an import has its opening quote and no closing one.
+pub(super) fn is_unclosed(path: &str) -> bool {
+    path.starts_with('"') && !path.ends_with(['"', '”', '\''])
 }
 
 /// Characters that the language does not have: the message, and the text to write instead.
@@ -191,7 +198,7 @@ impl Reader {
             let line = || rest.find(['\n', '\r']).unwrap_or(rest.len());
             if token.kind == TokenKind::OpenText {
                 let instead = format!("{}\"", rest[..line()].trim_end());
-                self.report(place(line()), "this text is not closed on its line", Some(&instead));
+                self.report(place(line()), UNCLOSED, Some(&instead));
             }
             if token.kind == TokenKind::Foreign {
                 let first = rest.chars().next().unwrap_or_default();
@@ -210,6 +217,7 @@ impl Reader {
                         (sign.len(), *said, instead.map(|instead| format!("{blank}{instead}")))
                     }),
                 };
+                let found = found.or_else(|| unknown_characters(rest));
                 if let Some((length, said, instead)) = found {
                     self.report(place(length), said, instead.as_deref());
                     done = token.start + length;
@@ -268,6 +276,17 @@ fn plain_digits(source: &str, value: &Expression) -> bool {
     matches!(value.kind, ExpressionKind::Number { .. })
         && source[..value.span.start].ends_with(',')
         && source[value.span.start..].starts_with(|first: char| first.is_ascii_digit())
+}
+
+/// Characters beyond ASCII that no table lists, such as an emoji: their length, and the message.
+fn unknown_characters(rest: &str) -> Option<(usize, &'static str, Option<String>)> {
+    let length = rest.find(|c: char| c.is_ascii()).unwrap_or(rest.len());
+    let said = match rest.chars().next()? {
+        first if first.is_ascii() => return None,
+        first if first.is_alphabetic() => "names are letters of a to z and A to Z, digits and `_`",
+        _ => "the language does not have this character; only comments and texts can hold it",
+    };
+    Some((length, said, None))
 }
 
 /// A text in other quotes: its length, the message, and the text in the quotes of the language.

@@ -2,6 +2,7 @@
 
 use pest::iterators::Pair;
 
+use super::mistakes::is_unclosed;
 use super::rules::Rule;
 use super::{Reader, inner_text, names_of, read_number, words_of};
 use crate::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Known, Name, Param, Property};
@@ -83,6 +84,11 @@ impl Reader {
                 Rule::text => inner_text(&part),
                 Rule::bare_path => {
                     self.mistake(&part);
+                    // The path may not be complete yet; then there is no file to look for, and its names are not known.
+                    if is_unclosed(part.as_str()) && !part.as_str().ends_with(".scn") {
+                        file.torn = true;
+                        return;
+                    }
                     part.as_str().trim_matches(['"', '\'', '“', '”']).to_string()
                 }
                 _ => continue,

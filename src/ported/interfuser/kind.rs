@@ -20,7 +20,7 @@ keys! {
     }
     .made_for(0.05)
     .surrogate(
-        "Exact: its published tracker, forecast, planner and controller, slips included. Assumed: its network, which is not run; \
+        "Exact: its published tracker, forecast, planner and controller, mistakes included. Assumed: its network, which is not run; \
          the object map that it is trained to give is drawn from what is perceived. So its rates show the limits of the planner \
          and not the mistakes of the network.",
     )

@@ -20,9 +20,9 @@ pub enum ExitCode {
     WriteFailed = 6,
     /// A condition of `--fail-if` is true, or needs an interval over more runs.
     GateFailed = 7,
-    /// A repetition differs from its report.
+    /// A repetition differs from its report, or a file of the report was changed.
     Differs = 8,
-    /// Tasks to merge are missing.
+    /// Tasks to merge are missing, or those of a campaign that no process works on.
     Incomplete = 9,
     /// The user stopped it.
     Interrupted = 130,
@@ -60,8 +60,12 @@ impl ExitCode {
             Self::RunFailed => "a training failed, a driver failed as a program, or a reward was not a number",
             Self::WriteFailed => "a file cannot be written",
             Self::GateFailed => "a `--fail-if` condition is true, or needs an interval that too few runs have",
-            Self::Differs => "a repeated episode or training came out differently",
-            Self::Incomplete => "work to merge is missing",
+            Self::Differs => {
+                "a repeated episode or training came out differently, or a file of a report was changed (`verify`, `replay`, `export`)"
+            }
+            Self::Incomplete => {
+                "work is missing: a shard to merge (`merge`), or a part of a campaign on which no process works (`status`)"
+            }
             Self::Interrupted => "interrupted by Ctrl-C or SIGTERM",
         }
     }

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -108,6 +108,12 @@ pub fn export(options: &ExportArgs) -> Ended {
         list();
         return Ok(ExitCode::Done);
     };
+    if is_named_like_a_file(&options.out) {
+        let out = options.out.display();
+        return Err(misused(format!(
+            "--out names a folder, and `{out}` is named like a file: give a folder; the files in it are called RUN-EPISODE and the ending of the format"
+        )));
+    }
     let episodes = resolved(&options.names)?;
     let variant_of = |ego: EgoDriver| Variant { ego: options.ego.unwrap_or(ego), walking: options.pedestrians };
     let exporter = match format {
@@ -135,6 +141,16 @@ pub fn export(options: &ExportArgs) -> Ended {
         Err(error) => code = code.or(failed(error)),
     });
     Ok(code)
+}
+
+/// The endings of the files that exports write.
+const ENDINGS: [&str; 14] =
+    ["svg", "html", "xosc", "xodr", "osi", "mcap", "gif", "mp4", "png", "py", "xml", "json", "csv", "parquet"];
+
+/// Whether there is no folder of this name, and it ends as a file of an export does.
+fn is_named_like_a_file(out: &Path) -> bool {
+    let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    !out.is_dir() && ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
 }
 
 /// Lists the formats.

@@ -1,3 +1,5 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
 use clap::Args;
 use serde_json::json;
 
@@ -7,8 +9,9 @@ use super::console;
 use super::episode::RepeatArgs;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::failed;
-use super::input::session;
-use crate::session;
+use super::input::{Reporter, session};
+use super::progress::{Counting, Showing};
+use crate::session::{self, Event, Observer, RecheckStage};
 use results::report::{self, Encounter, Met, Recheck};
 
 /// The number of encounters in each list for people.
@@ -38,6 +41,9 @@ pub struct RecheckArgs {
     /// Form of the output; `json` is one object.
     #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
     pub format: Form,
+    /// Form of the progress on the error stream.
+    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
+    pub progress: Showing,
     /// Fail (exit code 7) when this is true of failures that were met again, as 'still_faults > 0', or of the fixed list in a town, as
     /// 'faults_new > 0'; may be given several times.
     #[arg(long, value_name = "CONDITION")]
@@ -52,7 +58,11 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_reference(), report::crossed_reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
     let wanted = session::RecheckOptions { repeat: options.repeat.repeat.clone(), ..options.recheck.clone() };
-    let recheck = session(options.repeat.allow_external).recheck(&wanted).map_err(failed)?;
+    let reporter = Arc::new(RecheckReporter { showing: options.progress, stage: Mutex::new(None) });
+    let session = session(options.repeat.allow_external).with_observer(reporter.clone());
+    let recheck = session.recheck(&wanted).map_err(failed);
+    reporter.end();
+    let recheck = recheck?;
     match options.format {
         Form::Text => console::say(report::recheck_for_terminal(&recheck, SHOWN, console::width()).trim_end()),
         Form::Json => console::say(&as_json(&recheck).to_string()),
@@ -67,6 +77,36 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
         return Err(ExitCode::RunFailed);
     }
     Ok(code)
+}
+
+/// Shows the progress of a recheck, and its problems.
+struct RecheckReporter {
+    showing: Showing,
+    /// The stage that is under way, with its progress.
+    stage: Mutex<Option<(RecheckStage, Counting)>>,
+}
+
+impl RecheckReporter {
+    /// Removes what is shown.
+    fn end(&self) {
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+}
+
+impl Observer for RecheckReporter {
+    fn event(&self, event: &Event<'_>) {
+        let Event::Rechecked { stage, done, all } = *event else { return Reporter.event(event) };
+        let doing = match stage {
+            RecheckStage::Failures => "failures met again",
+            RecheckStage::Crossings => "episodes of the fixed list",
+        };
+        let mut shown = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.as_ref().is_none_or(|(known, _)| *known != stage) {
+            *shown = None;
+            *shown = Some((stage, Counting::new(doing, all, self.showing)));
+        }
+        shown.iter_mut().for_each(|(_, counting)| counting.reach(done));
+    }
 }
 
 /// Judges a recheck and reports which conditions are true.

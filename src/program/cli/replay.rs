@@ -111,7 +111,8 @@ fn tell(replay: &Replay, narrative: &Narrative) {
             "where it starts to differ is not known; `falsify run --ticks failures` stores the ticks that show it",
         ),
     }
-    reasons(report, programs).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
+    let edited = report.changed_files().unwrap_or_default();
+    reasons(report, programs, &edited).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
 }
 
 /// Makes an object of the result, for programs.

@@ -110,12 +110,16 @@ fn tell(campaign: &CampaignProgress) {
     if campaign.state == CampaignState::Stopped && !campaign.command.is_empty() {
         // A shard makes a part of the tasks, and other shards may write elsewhere.
         let of_shard = campaign.command.split(' ').any(|word| word.starts_with("--shard"));
-        let advice = if of_shard {
-            "`falsify merge` names the shards that are missing; the last one here was"
-        } else {
-            "go on with"
-        };
-        console::say(&format!("  {advice}: {}", campaign.command));
+        let command = &campaign.command;
+        console::say(&match (of_shard, campaign.is_command_done) {
+            (true, true) => {
+                format!("  the shard of `{command}` is finished; `falsify merge` names the shards that are missing")
+            }
+            (true, false) => {
+                format!("  go on with this shard: {command}; `falsify merge` names the shards that are missing")
+            }
+            (false, _) => format!("  go on with: {command}"),
+        });
     }
 }
 

@@ -7,7 +7,7 @@ use super::episode::{Named, RepeatArgs, resolved};
 use super::exit_code::{Ended, ExitCode};
 use super::failure::{failed, misused};
 use super::input::session;
-use crate::session::{self, EpisodeName, EpisodePath, Repeated, VerifyReport, reasons};
+use crate::session::{self, EpisodeName, EpisodePath, Reason, Repeated, VerifyReport, reasons};
 
 /// The most differences that are shown.
 const SHOWN: usize = 10;
@@ -112,9 +112,11 @@ fn tell(verified: &VerifyReport) -> ExitCode {
     if verified.is_equal() {
         return ExitCode::Done;
     }
-    reasons(&verified.report, &verified.programs)
-        .iter()
-        .for_each(|reason| console::say(&format!("possible reason: {reason}")));
+    // If only files differ, the program and the processor have nothing to do with it.
+    let only_files = different.is_empty() && verified.trainings.as_ref().is_none_or(|again| again.different.is_empty());
+    let all = reasons(&verified.report, &verified.programs, &verified.changed_files);
+    let told = all.iter().filter(|reason| !only_files || matches!(reason, Reason::Edited { .. }));
+    told.for_each(|reason| console::say(&format!("possible reason: {reason}")));
     ExitCode::Differs
 }
 

@@ -1,15 +1,18 @@
+use std::path::Path;
+
 use lsp_types::{CompletionItem, CompletionItemKind, Documentation, InsertTextFormat};
 
 use super::cursor::{Cursor, Place};
 use super::hover::{one_line, referred};
 use super::visible::{Visible, dimension as measured, fits};
+use super::workspace::beside;
 use base::signature::{Param, Signature, Type};
 use base::units::{Dimension, UNIT_NAMES};
 use compile::Catalog;
 use lang::{DIMENSIONS, OTHER_TYPES, ast, distributions, functions, library};
 
-/// The possible completions at the cursor.
-pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<CompletionItem> {
+/// The possible completions at the cursor of a file.
+pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible, file: &Path) -> Vec<CompletionItem> {
     match cursor.place {
         Place::Form => {
             let forms = catalog.forms.iter().map(|form| {
@@ -58,8 +61,13 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<Com
             let words = catalog.vocabulary.events.iter().filter(|each| each.name == event).flat_map(|each| each.words);
             words.map(|word| item(word, CompletionItemKind::ENUM_MEMBER, "")).collect()
         }
-        Place::Import => {
-            library::names().map(|name| item(&format!("std/{name}"), CompletionItemKind::FILE, "")).collect()
+        Place::Import(typed) => {
+            let library = library::names().map(|name| item(&format!("std/{name}"), CompletionItemKind::FILE, ""));
+            let beside = beside(file, typed).into_iter().map(|path| {
+                let kind = if path.ends_with('/') { CompletionItemKind::FOLDER } else { CompletionItemKind::FILE };
+                item(&path, kind, "")
+            });
+            library.chain(beside).collect()
         }
         Place::Param | Place::Nothing => Vec::new(),
     }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::hover::referred;
 use super::visible::dimension as measured;
 use base::signature::{Param, Signature};
 use base::units::Dimension;
@@ -36,8 +37,8 @@ pub enum Place<'a> {
     Event,
     /// The word in the parentheses of this event.
     EventWord(&'a str),
-    /// The path of an import.
-    Import,
+    /// The path of an import, up to the cursor.
+    Import(&'a str),
     /// A name that is imported from this path.
     Imported(&'a str),
     /// The name of a parameter, where it is declared.
@@ -65,6 +66,8 @@ struct Token<'a> {
     end: usize,
     /// Whether it is the first on its line.
     first: bool,
+    /// Whether it starts its line, without a blank before it.
+    at_margin: bool,
 }
 
 impl Token<'_> {
@@ -114,7 +117,7 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
             let last = frames.last().and_then(|frame| frame.tokens.last());
             let is_text = matches!(token.kind, TokenKind::Text | TokenKind::OpenText);
             let import = is_text && last.is_some_and(|last| matches!(last.text, "import" | "from"));
-            let place = if import { Place::Import } else { Place::Nothing };
+            let place = if import { Place::Import(&text[(token.start + 1).min(byte)..byte]) } else { Place::Nothing };
             return Cursor { word: &text[start..end], place, signature: None };
         }
         if token.kind == TokenKind::Blank {
@@ -129,8 +132,9 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
             start = if token.kind == TokenKind::Unit { token.start } else { start };
             break;
         }
+        let at_margin = is_at_margin(text, token.start);
         let (text, kind, end) = (token.text(text), token.kind, token.end);
-        take(&mut frames, Token { text, kind, end, first }, catalog);
+        take(&mut frames, Token { text, kind, end, first, at_margin }, catalog);
         first = false;
     }
     let place = role(&frames, text, start..end, catalog);
@@ -158,10 +162,21 @@ pub fn places<'a>(text: &'a str, catalog: &'a Catalog) -> Vec<(Range<usize>, Pla
         if matches!(token.kind, TokenKind::Name | TokenKind::Keyword) {
             all.push((token.range(), role(&frames, text, token.range(), catalog)));
         }
-        take(&mut frames, Token { text: token.text(text), kind: token.kind, end: token.end, first }, catalog);
+        let token = Token {
+            text: token.text(text),
+            kind: token.kind,
+            end: token.end,
+            first,
+            at_margin: is_at_margin(text, token.start),
+        };
+        take(&mut frames, token, catalog);
         first = false;
     }
     all
+}
+
+fn is_at_margin(text: &str, byte: usize) -> bool {
+    text[..byte].bytes().next_back().is_none_or(|before| matches!(before, b'\n' | b'\r'))
 }
 
 /// The role of a word that follows what has been read.
@@ -241,16 +256,19 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: 
 
 /// Reads one more token.
 fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog) {
+    let opens = |form: &base::signature::Form| form.name == token.text;
+    let starts = || matches!(token.text, "edition" | "import" | "param") || catalog.forms.iter().any(opens);
+    // A bracket that is still open ends where the next statement starts at the margin: it is being typed, and what follows is not inside.
+    if token.at_margin && frames.len() > 1 && token.is_word() && starts() {
+        frames.truncate(1);
+    }
     let top = frames.len() == 1;
     let frame = frames.last_mut().expect("the file is never closed");
     if token.text != "{" {
         frame.closed = None;
     }
-    if top && token.first {
-        let opens = |form: &base::signature::Form| form.name == token.text;
-        if matches!(token.text, "edition" | "import" | "param") || catalog.forms.iter().any(opens) {
-            *frame = Frame { keys: true, ..Frame::default() };
-        }
+    if top && token.first && starts() {
+        *frame = Frame { keys: true, ..Frame::default() };
     }
     match token.text {
         "{" => {
@@ -334,6 +352,13 @@ fn bracket<'a>(frame: &Frame<'a>, token: Token<'a>, catalog: &'a Catalog) -> Fra
     if token.text == "(" && behind(2) == Some("=") {
         let signature = behind(4).zip(behind(1)).and_then(|(form, word)| kind(form, word, catalog));
         return Frame { signature, keys: true, ..Frame::default() };
+    }
+    // A kind in place of a name: `falsifiers: [archive(`.
+    let inline = || kind(referred(&frame.param?.ty)?, behind(1)?, catalog);
+    if token.text == "("
+        && let Some(signature) = inline()
+    {
+        return Frame { signature: Some(signature), keys: true, ..Frame::default() };
     }
     let event = if token.text == "(" && behind(2) == Some("on") { behind(1) } else { None };
     let Frame { signature, param, formula, matrix, axis, .. } = *frame;

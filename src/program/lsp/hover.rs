@@ -1,19 +1,35 @@
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
 use super::cursor::{Cursor, Place};
+use super::references::own_name;
 use super::visible::Visible;
 use base::signature::{Param, Type, bounds};
 use base::units::parse_unit;
 use compile::Catalog;
 use lang::{DIMENSIONS, ast, functions};
 
-/// The hover text of the word at the cursor.
-pub fn hover(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Hover> {
-    let text = describe(cursor, catalog, visible)?;
+/// The hover text of the word at the cursor; of the name of a declaration it is the same as where the name is used.
+pub fn hover(cursor: &Cursor, byte: usize, catalog: &Catalog, visible: Visible) -> Option<Hover> {
+    let text = own(byte, visible).or_else(|| describe(cursor, catalog, visible))?;
     Some(Hover {
         contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: text }),
         range: None,
     })
+}
+
+/// The declaration of the file whose name is at a byte.
+fn own(byte: usize, visible: Visible) -> Option<String> {
+    let root = visible.loaded.files.iter().find(|file| visible.loaded.roots.contains(&file.source))?;
+    let span = own_name(root, byte)?;
+    let named = |name: &ast::Name| name.span == span;
+    let declared = root.declarations.iter().find(|each| each.name.as_ref().is_some_and(named));
+    let param = || root.params.iter().find(|param| named(&param.name)).map(|found| param_text(found, visible));
+    declared.map(|found| declaration(found)).or_else(param)
+}
+
+/// A parameter as declared, with its documentation.
+fn param_text(found: &ast::Param, visible: Visible) -> String {
+    format!("```scn\n{}\n```\n\n{}", visible.declared(found), found.docs.join("\n"))
 }
 
 fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<String> {
@@ -22,10 +38,7 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
         return None;
     }
     let declared = |form: Option<&str>| visible.declaration(form, word).map(declaration);
-    let param = || {
-        let found = visible.param(word)?;
-        Some(format!("```scn\n{}\n```\n\n{}", visible.declared(found), found.docs.join("\n")))
-    };
+    let param = || visible.param(word).map(|found| param_text(found, visible));
     match cursor.place {
         Place::Form => {
             let form = catalog.forms.iter().find(|form| form.name == word)?;
@@ -76,7 +89,7 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
             let words: Vec<String> = event.words.iter().map(|word| format!("`{word}`")).collect();
             Some(format!("**{}({word})** {}\n\nIn the parentheses: {}", event.name, event.doc, words.join(", ")))
         }
-        Place::Import | Place::Nothing => None,
+        Place::Import(_) | Place::Nothing => None,
     }
 }
 

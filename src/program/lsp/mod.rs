@@ -5,7 +5,9 @@
 //! (`cursor`), not from the tree: a file that is being written seldom has one.
 
 mod wire;
+mod client;
 mod documents;
+mod workspace;
 mod cursor;
 mod visible;
 mod complete;
@@ -13,6 +15,8 @@ mod hover;
 mod navigate;
 mod references;
 mod semantic;
+mod folding;
+mod signature_help;
 mod server;
 
 pub use server::{Ending, serve};

@@ -7,12 +7,12 @@ use lsp_types::{DocumentSymbol, Location, SymbolKind};
 use super::cursor::{Cursor, Place};
 use super::documents::{Documents, range};
 use super::hover::referred;
-use super::references::declared_names;
+use super::references::{declared_names, own_name};
 use super::visible::Visible;
 use base::diagnostic::{Lines, Sources, Span};
 use lang::{Loaded, ast};
 
-/// Where the word at a byte is declared, or the file that an import names.
+/// Where the word at a byte is declared, or the file that an import names. The name of a declaration is declared where it stands.
 pub fn definition(
     cursor: &Cursor,
     byte: usize,
@@ -20,7 +20,9 @@ pub fn definition(
     sources: &Sources,
     documents: &Documents,
 ) -> Option<Location> {
-    let target = target(cursor, byte, loaded, sources)?;
+    let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source));
+    let own = root.and_then(|root| own_name(root, byte));
+    let target = own.or_else(|| target(cursor, byte, loaded, sources))?;
     let source = sources.get(target.source);
     Some(Location { uri: documents.uri_to_show(&source.path)?, range: range(&Lines::new(&source.text), target) })
 }

@@ -7,6 +7,7 @@ use super::cursor::{Cursor, places};
 use super::documents::{Documents, plain};
 use super::navigate::target;
 use super::visible::Visible;
+use super::workspace::{MOST_FILES, Scenarios, scenarios};
 use base::diagnostic::{Severity, Sources, Span};
 use compile::{Catalog, compile};
 use lang::tokens::{TokenKind, tokens};
@@ -21,6 +22,8 @@ pub struct Places {
     pub declared: (PathBuf, usize),
     /// The files that see the declaration: their texts and the places, in order.
     pub files: BTreeMap<PathBuf, (String, Vec<Span>)>,
+    /// Whether the folders of the editor have more scenarios than are looked at.
+    is_cut: bool,
 }
 
 /// The names that a file declares, with the forms of declarations.
@@ -30,22 +33,27 @@ pub fn declared_names(file: &ast::File) -> impl Iterator<Item = (&ast::Name, Opt
     names.chain(file.params.iter().map(|param| (&param.name, None)))
 }
 
+/// The name at a byte that a file declares there.
+pub fn own_name(file: &ast::File, byte: usize) -> Option<Span> {
+    let mut own = declared_names(file).map(|(name, _)| name.span);
+    own.find(|span| (span.start..=span.end).contains(&byte))
+}
+
 /// The place of the name in its declaration, for a word of a file: the declaration itself, or what refers to it.
 fn declaration(cursor: &Cursor, byte: usize, loaded: &Loaded, sources: &Sources) -> Option<Span> {
     let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
-    let own = declared_names(root).map(|(name, _)| name.span);
-    let mut own = own.filter(|span| (span.start..=span.end).contains(&byte));
-    own.next().or_else(|| target(cursor, byte, loaded, sources)).filter(|span| span.start < span.end)
+    own_name(root, byte).or_else(|| target(cursor, byte, loaded, sources)).filter(|span| span.start < span.end)
 }
 
-/// All places of the name at a byte of an open document: in its file, in the files that it imports, in open documents, and in the scenarios
-/// beside the declaration.
+/// All places of the name at a byte of an open document: in its file, in the files that it imports, in open documents, in the scenarios
+/// beside the declaration, and in those below the folders that the editor has open.
 pub fn places_of(
     cursor: &Cursor,
     byte: usize,
     loaded: &Loaded,
     sources: &Sources,
     documents: &Documents,
+    folders: &[PathBuf],
     catalog: &Catalog,
 ) -> Option<Places> {
     let span = declaration(cursor, byte, loaded, sources)?;
@@ -55,11 +63,15 @@ pub fn places_of(
     let mut files: BTreeSet<PathBuf> = documents.paths().into_iter().collect();
     files.extend(sources.iter().map(|(_, source)| plain(&source.path)));
     files.extend(beside(&home));
+    // Names of the standard library stay, and have uses everywhere.
+    let below = if library::holds(&home) { Scenarios::default() } else { scenarios(folders) };
+    files.extend(below.paths);
     let mut found = Places {
         name: name.text.clone(),
         form: form.map(|form| form.text.clone()),
         declared: (home, span.start),
         files: BTreeMap::new(),
+        is_cut: below.is_cut,
     };
     for path in files {
         if let Some(places) = found.in_file(&path, documents, catalog) {
@@ -110,15 +122,30 @@ impl Places {
         self.files.iter().map(|(path, file)| (path.clone(), renamed(file))).collect()
     }
 
+    /// Checks that this name can be given up for another.
+    ///
+    /// # Errors
+    /// Why it cannot, as a sentence.
+    pub fn check_old_name(&self) -> Result<(), String> {
+        let old = &self.name;
+        if library::holds(&self.declared.0) || !self.files.contains_key(&self.declared.0) {
+            return Err(format!("`{old}` is declared in the standard library: declare one of your own"));
+        }
+        if self.is_cut {
+            return Err(format!(
+                "the open folder has more than {MOST_FILES} scenarios, and some that use `{old}` might be missed: open a smaller folder"
+            ));
+        }
+        Ok(())
+    }
+
     /// Checks that a new name can take the place of this one.
     ///
     /// # Errors
     /// Why it cannot, as a sentence.
     pub fn check_new_name(&self, new: &str, documents: &Documents, catalog: &Catalog) -> Result<(), String> {
         let old = &self.name;
-        if library::holds(&self.declared.0) || !self.files.contains_key(&self.declared.0) {
-            return Err(format!("`{old}` is declared in the standard library: declare one of your own"));
-        }
+        self.check_old_name()?;
         let mut words = tokens(new);
         if !matches!((words.next(), words.next()), (Some(only), None) if only.kind == TokenKind::Name) {
             return Err(format!(

@@ -4,27 +4,34 @@ use std::path::{Path, PathBuf};
 
 use lsp_server::{ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
-    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Notification as _, PublishDiagnostics,
+    DidChangeTextDocument, DidChangeWatchedFiles, DidCloseTextDocument, DidOpenTextDocument, Initialized,
+    Notification as _, PublishDiagnostics,
 };
 use lsp_types::request::{
-    CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, Initialize,
-    References, Rename, Request as _, SemanticTokensFullRequest, Shutdown,
+    CodeActionRequest, Completion, DocumentSymbolRequest, FoldingRangeRequest, Formatting, GotoDefinition,
+    HoverRequest, Initialize, PrepareRenameRequest, References, Rename, Request as _, SemanticTokensFullRequest,
+    Shutdown, SignatureHelpRequest,
 };
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CodeActionProviderCapability, CompletionOptions,
     CompletionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
-    DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse, GotoDefinitionParams, HoverParams,
-    HoverProviderCapability, InitializeResult, Location, OneOf, Position, PublishDiagnosticsParams, Range,
-    ReferenceParams, RenameParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend,
-    SemanticTokensOptions, SemanticTokensParams, ServerCapabilities, ServerInfo, TextDocumentIdentifier,
-    TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri, WorkspaceEdit,
+    DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse, FoldingRangeParams,
+    FoldingRangeProviderCapability, GotoDefinitionParams, HoverParams, HoverProviderCapability, InitializeResult,
+    Location, OneOf, Position, PrepareRenameResponse, PublishDiagnosticsParams, Range, ReferenceParams, RenameOptions,
+    RenameParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend, SemanticTokensOptions,
+    SemanticTokensParams, ServerCapabilities, ServerInfo, SignatureHelpOptions, SignatureHelpParams,
+    TextDocumentIdentifier, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit,
+    Uri, WorkDoneProgressOptions, WorkspaceEdit,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::client::Client;
 use super::cursor::{Place, cursor};
 use super::documents::{Documents, path, position, range};
+use super::folding::folding_ranges;
 use super::references::{self, Places};
+use super::signature_help::signature_help;
 use super::visible::Visible;
 use super::wire::{self, WireError};
 use super::{complete, hover, navigate, semantic};
@@ -59,7 +66,8 @@ pub fn serve(
     output: impl Write,
     shelf: PathBuf,
 ) -> Result<Ending, WireError> {
-    let mut server = Server { catalog, documents: Documents::new(shelf), shown: BTreeSet::new(), output };
+    let mut server =
+        Server { catalog, client: Client::default(), documents: Documents::new(shelf), shown: BTreeSet::new(), output };
     let mut stopping = false;
     loop {
         match wire::read(&mut input) {
@@ -81,6 +89,7 @@ pub fn serve(
 
 struct Server<W> {
     catalog: Catalog,
+    client: Client,
     documents: Documents,
     /// Files that the editor shows diagnostics for.
     shown: BTreeSet<Uri>,
@@ -110,6 +119,9 @@ impl<W: Write> Server<W> {
 
     fn request(&mut self, request: Request) -> Result<(), WireError> {
         let id = request.id.clone();
+        if request.method == Initialize::METHOD {
+            self.client = Client::read(&request.params);
+        }
         // A bug answers one request with an error and does not end the server.
         let answer = contained(|| self.answer(request));
         let answer = answer.unwrap_or_else(|_| Err(Refusal(ErrorCode::InternalError, "a bug in falsify".into())));
@@ -123,27 +135,38 @@ impl<W: Write> Server<W> {
     fn answer(&self, request: Request) -> Result<serde_json::Value, Refusal> {
         let Request { method, params, .. } = request;
         match method.as_str() {
-            Initialize::METHOD => json(&capabilities()),
+            Initialize::METHOD => json(&capabilities(&self.client)),
             Shutdown::METHOD => Ok(serde_json::Value::Null),
             HoverRequest::METHOD => {
                 let params: HoverParams = read(params)?;
                 let at = params.text_document_position_params;
                 json(&self.at(&at, |text, byte, loaded, sources| {
                     let here = cursor(text, byte, &self.catalog);
-                    hover::hover(&here, &self.catalog, Visible { loaded, sources })
+                    hover::hover(&here, byte, &self.catalog, Visible { loaded, sources })
                 }))
             }
             Completion::METHOD => {
                 let params: CompletionParams = read(params)?;
                 let at = params.text_document_position;
+                let file = path(&at.text_document.uri);
                 json(&self.at(&at, |text, byte, loaded, sources| {
                     let here = cursor(text, byte, &self.catalog);
                     if let Place::Imported(import) = here.place {
                         let (loaded, sources) = self.imported(&at.text_document.uri, import)?;
                         let visible = Visible { loaded: &loaded, sources: &sources };
-                        return Some(complete::complete(&here, &self.catalog, visible));
+                        return Some(complete::complete(&here, &self.catalog, visible, &file));
                     }
-                    Some(complete::complete(&here, &self.catalog, Visible { loaded, sources }))
+                    let mut items = complete::complete(&here, &self.catalog, Visible { loaded, sources }, &file);
+                    if let Place::Import(typed) = here.place {
+                        // A path is no word for editors, so each item says what it replaces.
+                        let lines = Lines::new(text);
+                        let range = Range { start: position(&lines, byte - typed.len()), end: position(&lines, byte) };
+                        items.iter_mut().for_each(|item| {
+                            let edit = TextEdit { range, new_text: item.label.clone() };
+                            item.text_edit = Some(edit.into());
+                        });
+                    }
+                    Some(items)
                 }))
             }
             GotoDefinition::METHOD => {
@@ -163,6 +186,20 @@ impl<W: Write> Server<W> {
             Rename::METHOD => {
                 let RenameParams { text_document_position, new_name, .. } = read(params)?;
                 json(&self.rename(&text_document_position, &new_name)?)
+            }
+            PrepareRenameRequest::METHOD => {
+                let at: TextDocumentPositionParams = read(params)?;
+                json(&self.prepare_rename(&at)?)
+            }
+            SignatureHelpRequest::METHOD => {
+                let params: SignatureHelpParams = read(params)?;
+                json(&self.at(&params.text_document_position_params, |text, byte, _, _| {
+                    signature_help(&cursor(text, byte, &self.catalog), &self.catalog)
+                }))
+            }
+            FoldingRangeRequest::METHOD => {
+                let params: FoldingRangeParams = read(params)?;
+                json(&self.documents.text(&params.text_document.uri).map(folding_ranges))
             }
             SemanticTokensFullRequest::METHOD => {
                 let params: SemanticTokensParams = read(params)?;
@@ -208,6 +245,9 @@ impl<W: Write> Server<W> {
                 let Ok(params) = serde_json::from_value::<DidCloseTextDocumentParams>(params) else { return Ok(()) };
                 self.documents.close(&params.text_document.uri);
             }
+            // An import, a map or a network may have changed, so all open files are checked again.
+            DidChangeWatchedFiles::METHOD => {}
+            Initialized::METHOD => return self.client.watch().map_or(Ok(()), |request| self.send(request)),
             _ => return Ok(()),
         }
         self.publish()
@@ -241,7 +281,8 @@ impl<W: Write> Server<W> {
     fn places_of(&self, at: &TextDocumentPositionParams) -> Option<Places> {
         self.at(at, |text, byte, loaded, sources| {
             let here = cursor(text, byte, &self.catalog);
-            references::places_of(&here, byte, loaded, sources, &self.documents, &self.catalog)
+            let folders = &self.client.folders;
+            references::places_of(&here, byte, loaded, sources, &self.documents, folders, &self.catalog)
         })
     }
 
@@ -255,6 +296,20 @@ impl<W: Write> Server<W> {
             all.extend(shown.map(|span| Location { uri: uri.clone(), range: range(&lines, *span) }));
         }
         all
+    }
+
+    /// The word at a place that can get a new name; none where there is no name.
+    fn prepare_rename(&self, at: &TextDocumentPositionParams) -> Result<Option<PrepareRenameResponse>, Refusal> {
+        let Some(found) = self.places_of(at) else { return Ok(None) };
+        found.check_old_name().map_err(|reason| Refusal(ErrorCode::RequestFailed, reason))?;
+        let Some((text, spans)) = found.files.get(&path(&at.text_document.uri)) else { return Ok(None) };
+        let lines = Lines::new(text);
+        let byte = lines.byte(at.position.line, at.position.character);
+        let here = spans.iter().find(|span| (span.start..=span.end).contains(&byte));
+        Ok(here.map(|span| PrepareRenameResponse::RangeWithPlaceholder {
+            range: range(&lines, *span),
+            placeholder: found.name.clone(),
+        }))
     }
 
     /// Gives the name at a place a new one in all files that see it.
@@ -397,7 +452,9 @@ fn start_of(text_document: TextDocumentIdentifier) -> TextDocumentPositionParams
     TextDocumentPositionParams { text_document, position: Position { line: 0, character: 0 } }
 }
 
-fn capabilities() -> InitializeResult {
+fn capabilities(client: &Client) -> InitializeResult {
+    let rename =
+        RenameOptions { prepare_provider: Some(true), work_done_progress_options: WorkDoneProgressOptions::default() };
     let triggers = [":", "=", "(", "[", ",", " ", "\"", "/"].map(String::from).to_vec();
     InitializeResult {
         capabilities: ServerCapabilities {
@@ -410,7 +467,12 @@ fn capabilities() -> InitializeResult {
             definition_provider: Some(OneOf::Left(true)),
             document_symbol_provider: Some(OneOf::Left(true)),
             references_provider: Some(OneOf::Left(true)),
-            rename_provider: Some(OneOf::Left(true)),
+            rename_provider: Some(if client.prepares_names { OneOf::Right(rename) } else { OneOf::Left(true) }),
+            folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
+            signature_help_provider: Some(SignatureHelpOptions {
+                trigger_characters: Some(["(", ","].map(String::from).to_vec()),
+                ..SignatureHelpOptions::default()
+            }),
             semantic_tokens_provider: Some(
                 SemanticTokensOptions {
                     legend: SemanticTokensLegend {

@@ -125,19 +125,24 @@ fn met_again(
     met
 }
 
-/// Both drivers in all of these crossings from the first starts; without `before` the new driver alone.
+/// Both drivers in all of these crossings from the first starts; without `before` the new driver alone. `played` is called after each episode.
 pub(super) fn cross(
     goals: &[Goal],
     before: Option<&Arc<Scenario>>,
     after: &Arc<Scenario>,
     starts: u32,
     seed: Seed,
+    played: &(dyn Fn() + Sync),
 ) -> Vec<Encounter> {
     let parts = starts.min(rayon::current_num_threads() as u32);
     let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, Met)> {
         // Products of starts and parts may exceed 32 bits.
         let edge = |part: u32| (u64::from(part) * u64::from(starts) / u64::from(parts)) as u32;
-        let note = &mut |outcome: &Outcome, trace: &Trace| (outcome.start, end(scenario, outcome, trace));
+        let note = &mut |outcome: &Outcome, trace: &Trace| {
+            let noted = (outcome.start, end(scenario, outcome, trace));
+            played();
+            noted
+        };
         let ends = evaluate_crossings(goals, scenario, edge(part)..edge(part + 1), seed, note);
         ends.into_iter().map(|end| end.unwrap_or((0, Met::error()))).collect()
     };

@@ -54,7 +54,7 @@ pub use disk::Disk;
 pub use driver_pairs::DriverPair;
 pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
 pub use error::{Change, Error, KeepError};
-pub use event::{Event, Notice, Observer, Silent};
+pub use event::{Event, Notice, Observer, RecheckStage, Silent};
 pub use export::{Drawing, Export, Picture, TickTable};
 pub use export_files::{ExportOptions, Exported};
 pub use failures::{FailuresOptions, FoundFailure};

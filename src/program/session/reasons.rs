@@ -30,17 +30,32 @@ pub enum Reason {
     /// The version is the same, but the code is different.
     #[error("the program was built from other sources")]
     Sources,
+    /// Files of the report were changed, and nothing else explains the rest.
+    #[error(
+        "files of the report were edited or replaced after the run: {files}; `falsify run` of its scenario writes them again"
+    )]
+    Edited {
+        /// Their paths in the report.
+        files: String,
+    },
     /// None of the others.
     #[error("this is a bug; the files, the program and the processor are the same")]
     Bug,
 }
 
-/// All possible reasons for differences from a report with these changed programs; at least one.
-pub fn reasons(report: &StoredReport, programs: &[ChangedProgram]) -> Vec<Reason> {
+/// All possible reasons for differences from a report with these changed programs and these changed files; at least one.
+pub fn reasons(report: &StoredReport, programs: &[ChangedProgram], files: &[String]) -> Vec<Reason> {
+    /// The most files that are named.
+    const NAMED: usize = 4;
     let manifest = report.manifest();
     let folder = report.folder().display();
     let changed = |program: &ChangedProgram| Reason::Program { program: program.clone(), report: folder.to_string() };
     let mut reasons = Vec::new();
+    if !files.is_empty() {
+        let named: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
+        let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
+        reasons.push(Reason::Edited { files: format!("{}{more}", named.join(", ")) });
+    }
     if manifest.version != env!("CARGO_PKG_VERSION") {
         reasons.push(Reason::Version { then: manifest.version.clone() });
     }

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::{Args, value_parser};
 use rayon::prelude::*;
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 use super::driver_pairs::{driver_pairs, new_role, with_driver};
 use super::encounters::{MetAgain, cross};
 use super::stored::Source;
-use super::{DriverPair, EpisodeName, Error, Input, RepeatOptions, Session};
+use super::{DriverPair, EpisodeName, Error, Event, Input, RecheckStage, RepeatOptions, Session};
 use compile::{Campaign, RunId};
 use results::report::{
     CrossedStarts, Encounter, FailureFilter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures,
@@ -68,8 +69,8 @@ impl Session {
         notes.extend(
             changed.map(|program| RecheckNote::OldDriverGone { reason: format!("{program} since the report") }),
         );
-        let failures = sides.meet_failures(&pairs, &mut notes)?;
-        let crossings = sides.cross_all(&pairs, options.starts, &mut notes);
+        let failures = sides.meet_failures(&pairs, self, &mut notes)?;
+        let crossings = sides.cross_all(&pairs, options.starts, self, &mut notes);
         let report = options.report.clone();
         let files = options.files.clone();
         let mut recheck = Recheck { report, files, notes, failures, crossings };
@@ -117,6 +118,26 @@ impl Session {
     }
 }
 
+/// Counts the episodes of a stage, and reports each to the observer of a session.
+struct Tally<'a> {
+    session: &'a Session,
+    stage: RecheckStage,
+    done: AtomicU64,
+    all: u64,
+}
+
+impl<'a> Tally<'a> {
+    fn new(session: &'a Session, stage: RecheckStage, all: u64) -> Self {
+        session.tell(Event::Rechecked { stage, done: 0, all });
+        Self { session, stage, done: AtomicU64::new(0), all }
+    }
+
+    fn add(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.session.tell(Event::Rechecked { stage: self.stage, done, all: self.all });
+    }
+}
+
 /// A setup in which a report has a driver.
 struct Setup<'a> {
     town: &'a str,
@@ -137,21 +158,28 @@ impl Sides {
     fn meet_failures(
         &self,
         pairs: &[DriverPair],
+        session: &Session,
         notes: &mut Vec<RecheckNote>,
     ) -> Result<Vec<RecheckedFailures>, Error> {
         let mut rows = Vec::new();
         let [mut other_now, mut other_start, mut damaged, mut commands_alone] = [0; 4];
+        let mut found: Vec<(&DriverPair, BTreeMap<RunId, Vec<ListedFailure>>)> = Vec::new();
         for pair in pairs {
-            let mut sets = Sets::new();
             let filter = FailureFilter { drivers: vec![pair.before.clone()], ..FailureFilter::default() };
             let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
             for failure in self.old.report.failures(&filter)? {
                 let name = EpisodeName::of_table(failure.name())?;
                 runs.entry(name.run).or_default().push(failure);
             }
+            found.push((pair, runs));
+        }
+        let all = found.iter().flat_map(|(_, runs)| runs.values()).map(Vec::len).sum::<usize>();
+        let tally = Tally::new(session, RecheckStage::Failures, all as u64);
+        for (pair, runs) in found {
+            let mut sets = Sets::new();
             for (run, failures) in runs {
                 let found_in = if failures[0].searched { FoundIn::Search } else { FoundIn::Evaluation };
-                for (failure, met) in failures.iter().zip(self.meet_run(run, &failures, pair)?) {
+                for (failure, met) in failures.iter().zip(self.meet_run(run, &failures, pair, &tally)?) {
                     other_now += u64::from(met.is_other_now);
                     other_start += u64::from(met.has_other_start);
                     damaged += u64::from(met.is_damaged);
@@ -181,7 +209,13 @@ impl Sides {
     }
 
     /// Meets failures of a run or a search again.
-    fn meet_run(&self, run: RunId, failures: &[ListedFailure], pair: &DriverPair) -> Result<Vec<MetAgain>, Error> {
+    fn meet_run(
+        &self,
+        run: RunId,
+        failures: &[ListedFailure],
+        pair: &DriverPair,
+        tally: &Tally<'_>,
+    ) -> Result<Vec<MetAgain>, Error> {
         let run = EpisodeName { run, number: failures.first().map_or(0, |failure| failure.number as u32) };
         let gone = || Error::RunGone { campaign: self.old.campaign.name.clone(), name: run };
         let is_old_there = self.is_there(&pair.before);
@@ -190,27 +224,48 @@ impl Sides {
             let role =
                 new_role(&self.new, &pair.after, &evaluation.town, Some(&evaluation.vehicle)).ok_or_else(gone)?;
             let of_run = (evaluation, trained.as_ref());
-            let meet = |failure: &ListedFailure| self.old.meet_episode(failure, of_run, role, is_old_there);
+            let meet = |failure: &ListedFailure| {
+                let met = self.old.meet_episode(failure, of_run, role, is_old_there);
+                tally.add();
+                met
+            };
             return Ok(failures.par_iter().map(meet).collect());
         }
         let search = self.old.search(run).ok_or_else(gone)?;
         let role = new_role(&self.new, &pair.after, &search.key.town, None).ok_or_else(gone)?;
-        failures.par_iter().map(|failure| self.old.meet_failure(failure, search, role, is_old_there)).collect()
+        let meet = |failure: &ListedFailure| {
+            let met = self.old.meet_failure(failure, search, role, is_old_there);
+            tally.add();
+            met
+        };
+        failures.par_iter().map(meet).collect()
     }
 
-    fn cross_all(&self, pairs: &[DriverPair], starts: u32, notes: &mut Vec<RecheckNote>) -> Vec<CrossedStarts> {
+    fn cross_all(
+        &self,
+        pairs: &[DriverPair],
+        starts: u32,
+        session: &Session,
+        notes: &mut Vec<RecheckNote>,
+    ) -> Vec<CrossedStarts> {
         if starts == 0 {
             return Vec::new();
         }
         let goals = crossings(LEVELS);
         let mut rows = Vec::new();
         let mut other_start = 0;
-        for pair in pairs {
-            for setup in self.setups(&pair.before) {
-                let row = self.cross(pair, &setup, &goals, starts);
-                other_start += u64::from(starts) * goals.len() as u64 - row.encounters.len() as u64;
-                rows.push(row);
-            }
+        let of_setup = u64::from(starts) * goals.len() as u64;
+        let setups: Vec<(&DriverPair, Setup<'_>)> = pairs
+            .iter()
+            .flat_map(|pair| self.setups(&pair.before).into_iter().map(move |setup| (pair, setup)))
+            .collect();
+        let drivers = |pair: &DriverPair| 1 + u64::from(self.is_there(&pair.before));
+        let all = setups.iter().map(|(pair, _)| drivers(pair) * of_setup).sum();
+        let tally = Tally::new(session, RecheckStage::Crossings, all);
+        for (pair, setup) in setups {
+            let row = self.cross(pair, &setup, &goals, starts, &tally);
+            other_start += of_setup - row.encounters.len() as u64;
+            rows.push(row);
         }
         if other_start > 0 {
             notes.push(RecheckNote::OtherStart { encounters: other_start });
@@ -218,7 +273,14 @@ impl Sides {
         rows
     }
 
-    fn cross(&self, pair: &DriverPair, setup: &Setup<'_>, goals: &[Goal], starts: u32) -> CrossedStarts {
+    fn cross(
+        &self,
+        pair: &DriverPair,
+        setup: &Setup<'_>,
+        goals: &[Goal],
+        starts: u32,
+        tally: &Tally<'_>,
+    ) -> CrossedStarts {
         let Setup { town, number, scenario } = setup;
         let role = new_role(&self.new, &pair.after, town, None).expect("the new driver is in a campaign");
         let before = self.is_there(&pair.before).then_some(scenario);
@@ -228,7 +290,7 @@ impl Sides {
             town: (*town).to_owned(),
             setup: *number,
             crossings: goals.len() as u64,
-            encounters: cross(goals, before, &with_driver(scenario, role), starts, seed),
+            encounters: cross(goals, before, &with_driver(scenario, role), starts, seed, &|| tally.add()),
             holm: None,
         }
     }

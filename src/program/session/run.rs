@@ -115,7 +115,7 @@ impl<'a> CampaignRun<'a> {
     fn carry_out(&self) -> Result<CampaignOutcome, Error> {
         let draft = self.begin_report()?;
         let began = Instant::now();
-        let mut index = self.begin_index()?;
+        let mut index = self.begin_index(&[])?;
         let results = self.results(&index);
         let finished = self.finish_tasks(&mut index, &results)?;
         let Some(found) = self.find(&draft, &results, &finished)? else {
@@ -147,13 +147,15 @@ impl<'a> CampaignRun<'a> {
         Ok(folder.in_formats(self.options.formats()))
     }
 
-    /// Records in the store what the campaign wants, and forgets what is to be done again.
-    pub fn begin_index(&self) -> Result<Index, Error> {
+    /// Records in the store what the campaign wants, and forgets what is to be done again. `own` are the tasks of a shard; all without any.
+    pub fn begin_index(&self, own: &[Task]) -> Result<Index, Error> {
         let Self { options, store, campaign, .. } = self;
         let begun = || {
             let mut index = Index::read(store, &self.name)?;
             if self.work == Work::All {
+                let ids = Ids::new(campaign, options.seed);
                 index.command.clone_from(&options.command);
+                index.own = own.iter().map(|task| ids.get(*task).to_string()).collect();
             }
             if options.fresh {
                 store.forget(&Ids::new(campaign, options.seed), campaign)?;

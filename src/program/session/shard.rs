@@ -49,7 +49,7 @@ impl Session {
 impl CampaignRun<'_> {
     fn carry_out_shard(self, part: &ShardOptions) -> Result<ShardReport, Error> {
         let tasks = part.tasks(self.campaign);
-        let results = self.results(&self.begin_index()?);
+        let results = self.results(&self.begin_index(&tasks)?);
         self.run_tasks(&tasks, &results);
         self.check(&results)?;
         let ids = Ids::new(self.campaign, self.options.seed);

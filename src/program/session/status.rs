@@ -52,6 +52,8 @@ pub struct CampaignProgress {
     pub last_error: Option<String>,
     /// The command that it was last run with; empty when it is not known.
     pub command: String,
+    /// Whether that command has nothing left to do, though the campaign may have: a finished shard.
+    pub is_command_done: bool,
     /// The tasks under way, as the store has them.
     #[serde(skip)]
     pub under_way: Vec<TaskStatus>,
@@ -108,7 +110,7 @@ impl Session {
 }
 
 fn progress(campaign: CampaignStatus, processes: usize, curves: &Path) -> CampaignProgress {
-    let CampaignStatus { name, command, tasks } = campaign;
+    let CampaignStatus { name, command, is_command_done, tasks } = campaign;
     let state = match tasks.iter().all(TaskStatus::is_finished) {
         true => CampaignState::Finished,
         false if processes > 0 => CampaignState::Running,
@@ -138,6 +140,7 @@ fn progress(campaign: CampaignStatus, processes: usize, curves: &Path) -> Campai
         in_hand: under_way.iter().map(|task| task.what.clone()).collect(),
         last_error: last.map(|(_, error)| error),
         command,
+        is_command_done,
         under_way,
     }
 }

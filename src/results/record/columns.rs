@@ -143,8 +143,8 @@ pub const FORESEEABLE: Column<bool> = Column::new(
 pub const FAULT: Column<bool> = Column::new(
     "fault",
     "",
-    "whether it counts against the driver: both careful humans avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car hit \
-     it with the front or drove into it at 1 m/s or more",
+    "whether it counts against the driver: both careful humans avoid it with 0.1 m to spare, the pedestrian moved as people do, and the car drove \
+     at 1 m/s or more, whichever side it hit with, and was not walked into at the flank or rear after the front had passed",
 );
 pub const COUNTS_AS: Column<String> = Column::new(
     "counts_as",

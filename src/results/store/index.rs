@@ -20,6 +20,9 @@ pub struct Index {
     /// The command that it was last run with.
     #[serde(default)]
     pub command: String,
+    /// The names of the tasks that this command was to make: those of its shard; all without any.
+    #[serde(default)]
+    pub own: BTreeSet<String>,
     /// The folder for reports that it was last run for, for people.
     #[serde(default)]
     pub out: String,

@@ -12,6 +12,8 @@ pub struct CampaignStatus {
     pub name: String,
     /// The command that it was last run with; empty when unknown.
     pub command: String,
+    /// Whether that command has nothing left to do: a shard may be finished where the campaign is not.
+    pub is_command_done: bool,
     pub tasks: Vec<TaskStatus>,
 }
 
@@ -60,8 +62,11 @@ impl Store {
             let header = self.head_of(&path).and_then(Result::ok);
             TaskStatus { what: what.clone(), amount: *amount, header, written, is_in_hand: self.is_in_hand(id) }
         };
-        let tasks = index.plan.iter().map(task).collect();
-        Ok(CampaignStatus { name: name.to_string(), command: index.command, tasks })
+        let is_own = |id: &String| index.own.is_empty() || index.own.contains(id);
+        let all: Vec<(bool, TaskStatus)> = index.plan.iter().map(|entry| (is_own(entry.0), task(entry))).collect();
+        let is_command_done = all.iter().all(|(own, task)| !own || task.is_finished());
+        let tasks = all.into_iter().map(|(_, task)| task).collect();
+        Ok(CampaignStatus { name: name.to_string(), command: index.command, is_command_done, tasks })
     }
 
     /// The number of processes that work on the folder for reports.

@@ -8,7 +8,7 @@ use crate::road::{GiveWay, GiveWaySign};
 ///
 /// # Source
 /// German road traffic regulations (StVO), section 8 (2): who gives way shows by a moderate speed that they will wait. The figure is ours: the
-/// walking speed of German courts, 4 to 7 km/h. The only other road users are pedestrians, so there is nobody to wait for.
+/// walking speed of German courts, 4 to 7 km/h. The only other road users are pedestrians, so there is no car to wait for.
 const WALKING: f64 = 7.0 / 3.6;
 /// How far before the line the front stops (m) (assumed).
 const BEFORE_LINE: f64 = 0.5;
@@ -18,6 +18,25 @@ const STANDING: (f64, f64) = (0.1, 2.5);
 const FAR: f64 = 90.0;
 /// Spacing of the points of a path along its lanes (m), and a little more.
 const SPACING: f64 = 1.1;
+
+/// The next stop or yield sign along a path that counts, with the way from the middle of the ego to its line (m, more than 0).
+pub(super) fn next_sign(perception: &Perception<'_>, path: &Path) -> Option<(GiveWay, f64)> {
+    let ahead = signs(perception, path).filter(|(_, _, along)| *along > 0.0);
+    ahead.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(_, sign, along)| (sign.kind, along))
+}
+
+/// The signs along a path that count, each with its number and the way from the middle of the ego to its line (m).
+fn signs<'a>(
+    perception: &'a Perception<'_>,
+    path: &'a Path,
+) -> impl Iterator<Item = (usize, &'a GiveWaySign, f64)> + 'a {
+    let here = perception.ego.pose.position();
+    perception.town.give_way_signs.iter().enumerate().filter_map(move |(index, sign)| {
+        let works = sign.has_light && !perception.lights.is_empty();
+        let far = (perception.town.pose(sign.line).position() - here).norm_squared() > FAR * FAR;
+        if works || far { None } else { Some((index, sign, along(perception, path, sign)?)) }
+    })
+}
 
 /// Heeds the next sign along a path. At a stop sign the car stops with its front before the line, and goes on once it has stood.
 ///
@@ -33,18 +52,12 @@ impl GiveWayMemory {
     /// What the next sign ahead demands; none where there is no sign or the driver has done what it demands.
     pub fn next(&mut self, perception: &Perception<'_>, path: &Path) -> Option<Demand> {
         let ego = &perception.ego;
-        let here = ego.pose.position();
         let (mut first, mut stopped) = (None, None);
-        for (index, sign) in perception.town.give_way_signs.iter().enumerate() {
-            let works = sign.has_light && !perception.lights.is_empty();
-            let far = (perception.town.pose(sign.line).position() - here).norm_squared() > FAR * FAR;
-            if works || far {
+        for (index, sign, along) in signs(perception, path) {
+            let ahead = along - ego.half.x;
+            if ahead <= 0.0 {
                 continue;
             }
-            let Some(ahead) = along(perception, path, sign).map(|along| along - ego.half.x).filter(|gap| *gap > 0.0)
-            else {
-                continue;
-            };
             let gap = (ahead - BEFORE_LINE).max(0.0);
             let stands = ego.speed() < STANDING.0 && gap < STANDING.1;
             if sign.kind == GiveWay::Stop && (self.stopped == Some(index) || stands) {

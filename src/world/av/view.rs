@@ -1,7 +1,8 @@
+use super::give_way::next_sign;
 use super::lane_keeping::limit_here;
 use super::{Path, Perception};
 use crate::geometry::{Pose, Vector};
-use crate::road::{LaneKind, RoutePoint, Town, Waypoint};
+use crate::road::{GiveWay, LaneKind, RoutePoint, Town, Waypoint};
 use crate::sim::{ActorId, LightColour};
 
 /// The area in which a light is looked for: distance ahead (m) and beside the ego's axis (m).
@@ -41,6 +42,14 @@ pub struct LightAhead {
     pub distance: f64,
 }
 
+/// The next stop or yield sign on the way of the ego.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SignAhead {
+    pub kind: GiveWay,
+    /// The way along the path from the middle of the ego to the line before which its front must stop or slow down (m).
+    pub distance: f64,
+}
+
 /// The lane at a point of the route.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaneAhead {
@@ -67,6 +76,8 @@ pub struct View {
     pub speed_limit: f64,
     /// The next light.
     pub light: Option<LightAhead>,
+    /// The next stop or yield sign on the path, within 90 m; none while a traffic light takes precedence over it.
+    pub sign: Option<SignAhead>,
     /// The road users in sight; those hidden by a building are left out.
     pub actors: Vec<Seen>,
     /// The route ahead in the world, points 2 m apart, the first one abeam the ego; shorter where the road ends.
@@ -83,6 +94,7 @@ impl View {
         self.speed = ego.speed();
         self.speed_limit = limit_here(path, perception);
         self.light = light_ahead(perception);
+        self.sign = next_sign(perception, path).map(|(kind, distance)| SignAhead { kind, distance });
         self.actors.clear();
         let pedestrians = perception.pedestrians.iter().map(|actor| (Kind::Pedestrian, actor));
         let vehicles = perception.vehicles.iter().map(|actor| (Kind::Vehicle, actor));

@@ -270,11 +270,6 @@ impl<'a> Encounter<'a> {
         let Some(ground) = &self.ground else { return false };
         outlines.iter().all(|(tick, outline)| ground.pair.is_free(ground.first + tick, outline))
     }
-
-    /// The box of a car that is `way` (m) along the path.
-    pub fn outline(&self, way: f64) -> OrientedBox {
-        OrientedBox { pose: self.path.pose(way), half: self.half }
-    }
 }
 
 fn step(path: &DrivenPath, walker: &PedestrianState, start: f64) -> Step {

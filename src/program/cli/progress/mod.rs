@@ -7,7 +7,9 @@ mod board;
 mod bars;
 mod event_line;
 mod follow;
+mod counting;
 
+pub use counting::Counting;
 pub use event_line::EventLine;
 pub use follow::Progress;
 pub use learnt::Learnt;

@@ -90,12 +90,29 @@ pub struct SideEpisode {
 }
 
 impl FailureChange {
-    /// `fixed`, `new` or `same`.
+    /// The words of changes: those that count against the second side first.
+    ///
+    /// `new` and `fixed` are collisions of one side. `worse` and `better` are collisions of both sides that are a fault on one.
+    pub const WORDS: [&'static str; 5] = ["new", "worse", "fixed", "better", "same"];
+
+    /// One of [`FailureChange::WORDS`].
     pub fn word(&self) -> &'static str {
         match [&self.sides[0].failure, &self.sides[1].failure] {
             [Some(_), None] => "fixed",
             [None, Some(_)] => "new",
+            [Some(before), Some(after)] if after.fault && !before.fault => "worse",
+            [Some(before), Some(after)] if before.fault && !after.fault => "better",
             _ => "same",
+        }
+    }
+
+    /// The verdict, or both if they differ: `unpreventable → fault`.
+    pub fn verdict(&self) -> String {
+        match [&self.sides[0].failure, &self.sides[1].failure] {
+            [Some(before), Some(after)] if before.word() != after.word() => {
+                format!("{} → {}", before.word(), after.word())
+            }
+            _ => self.failure().word().to_owned(),
         }
     }
 

@@ -464,10 +464,10 @@ fn is_of_collisions(column: &str) -> bool {
 }
 
 fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
-    let columns = columns.iter().map(|column| column.name.to_string());
+    // A mean has the name of its metric, too.
     let suffix = MEAN.name("");
-    let bare = |column: &str| column.strip_suffix(&suffix).unwrap_or(column).to_string();
-    let distance = |column: &String| strsim::damerau_levenshtein(name, &bare(column));
+    let columns = columns.iter().map(|column| column.name.strip_suffix(&*suffix).unwrap_or(&column.name).to_string());
+    let distance = |column: &String| strsim::damerau_levenshtein(name, column);
     let near = columns.clone().min_by_key(distance).filter(|column| distance(column) <= name.len().div_ceil(3));
     let nearest = near.or_else(|| columns.clone().find(|column| !name.is_empty() && column.starts_with(name)));
     GateError::Column { name: name.to_string(), nearest }
@@ -685,7 +685,9 @@ mod tests {
         let said = |text: &str| Gate::parse(text).unwrap_err().to_string();
         assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
         assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().conditions[0].column, "preventable_rate_mean");
-        assert!(said("preventible_rate > 0.05").contains("did you mean `preventable_rate_mean`?"));
+        for typo in ["preventible_rate", "preventable_rat"] {
+            assert!(said(&format!("{typo} > 0.05")).contains("did you mean `preventable_rate`?"), "{typo}");
+        }
         assert!(said("xyz > 1").contains("reports/README.md lists the metrics"));
         for text in ["", "preventable_rate", "preventable_rate = 1", "> 1", "preventable_rate >", "a > 1 and "] {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. } | GateError::Column { .. })), "{text}");

@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::comparison_text::{
-    changes, counts, headline, list, power, rates, searches, start_changes, start_list, title,
+    change_title, changes, counts, headline, list, power, rates, searches, start_changes, start_list, title,
 };
 use super::page::{OWN_SCRIPTS, Replay, badge, head, json};
 use crate::report::{FailureChange, ReportComparison};
@@ -73,18 +73,18 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
                     }
                     section #played {
                         h2 { "Side by side" }
-                        @if pairs.is_empty() { p { "No start ends in a collision on one side alone." } }
+                        @if pairs.is_empty() { p { "No start ends in a collision, or in a fault, on one side alone." } }
                         @for (number, pair) in pairs.iter().enumerate() { (card(number, pair, comparison)) }
                     }
                     section #failures {
                         h2 { "Failures" }
                         div.wide { (counts(comparison, "verdict", usize::MAX).to_html()) }
                         div.wide { (counts(comparison, "kind", usize::MAX).to_html()) }
-                        @for word in ["new", "fixed", "same"] {
+                        @for word in FailureChange::WORDS {
                             @let all = changes(comparison, word);
                             @if !all.is_empty() {
                                 details.all {
-                                    summary { (word) ": " (all.len()) ", the worst first" }
+                                    summary { (change_title(word)) ": " (all.len()) ", the worst first" }
                                     div.wide { (list(&all[..all.len().min(LISTED)]).to_html()) }
                                 }
                             }
@@ -113,7 +113,7 @@ fn card(number: usize, pair: &PlayedPair, comparison: &ReportComparison) -> Mark
         article.card {
             header {
                 h3 { (change.word()) ": " (failure.kind()) }
-                (badge(failure.class(), failure.word()))
+                (badge(failure.class(), &pair.change.verdict()))
             }
             p.where { (title(&comparison.cells[change.cell])) }
             div.pair {

@@ -29,12 +29,12 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
         text.push_str(&counts(comparison, "verdict", usize::MAX).to_terminal(width));
         text.push_str(&counts(comparison, "kind", KINDS).to_terminal(width));
     }
-    for word in ["new", "fixed", "same"] {
+    for word in FailureChange::WORDS {
         let all = changes(comparison, word);
         if all.is_empty() {
             continue;
         }
-        text.push_str(&format!("\n{word}: {}, the worst first\n", all.len()));
+        text.push_str(&format!("\n{}: {}, the worst first\n", change_title(word), all.len()));
         text.push_str(&list(&all[..all.len().min(shown)]).to_terminal(width));
     }
     if !comparison.searches.is_empty() {
@@ -48,7 +48,7 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
             text.push_str(&start_list(&all[..all.len().min(shown)]).to_terminal(width));
         }
     }
-    if let Some(worst) = changes(comparison, "new").first() {
+    if let Some(worst) = worst_changes(comparison, 1).first() {
         let [one, other] = &worst.sides;
         text.push_str(&format!(
             "\nfalsify export --as animation {} {}\n",
@@ -57,6 +57,15 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
         ));
     }
     text
+}
+
+/// A word of a change, explained where it does not explain itself.
+pub fn change_title(word: &str) -> String {
+    match word {
+        "worse" => "worse, a collision on both sides that is a fault only after".into(),
+        "better" => "better, a collision on both sides that was a fault only before".into(),
+        word => word.into(),
+    }
 }
 
 /// The place, the controller and the drivers of a cell.
@@ -214,9 +223,11 @@ pub fn start_list(changes: &[(&ComparedSearch, &StartChange)]) -> Table {
     Table { head, rows: changes.iter().filter_map(row).collect(), ..Table::default() }
 }
 
-/// The worst new changes, then the worst fixed ones, at most this number; new ones take at least half if there are that many.
+/// The worst new and worse changes, then the worst fixed and better ones, at most this number; those against the second side take at least half if
+/// there are that many.
 pub fn worst_changes(comparison: &ReportComparison, most: usize) -> Vec<&FailureChange> {
-    let (new, fixed) = (changes(comparison, "new"), changes(comparison, "fixed"));
+    let of = |words: [&str; 2]| words.into_iter().flat_map(|word| changes(comparison, word)).collect::<Vec<_>>();
+    let (new, fixed) = (of(["new", "worse"]), of(["fixed", "better"]));
     let of_fixed = fixed.len().min(most / 2).max(most.saturating_sub(new.len()).min(fixed.len()));
     new.into_iter().take(most - of_fixed).chain(fixed.into_iter().take(of_fixed)).collect()
 }
@@ -230,7 +241,7 @@ pub fn list(changes: &[&FailureChange]) -> Table {
         vec![
             Value::Code(after.name.clone()),
             Value::Code(before.name.clone()),
-            failure.word().into(),
+            change.verdict().into(),
             Value::Number(Some(failure.impact_speed), 1),
             failure.policy.clone().into(),
             failure.kind().into(),

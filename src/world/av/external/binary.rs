@@ -4,6 +4,7 @@ use super::message::{Choice, Decision, Pedals};
 use crate::av::view::{Kind, View};
 use crate::av::{DrivingMode, Fault};
 use crate::geometry::Pose;
+use crate::road::GiveWay;
 use crate::sim::LightColour;
 
 /// Numbers of an action: id, throttle or acceleration, brake, steer.
@@ -27,11 +28,18 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
         };
         (colour, light.distance)
     });
+    let (sign, line) = view.sign.map_or((0.0, 0.0), |sign| {
+        let kind = match sign.kind {
+            GiveWay::Stop => 1.0,
+            GiveWay::Yield => 2.0,
+        };
+        (kind, sign.distance)
+    });
     put(f64::from(id));
     put(f64::from(tick));
     put(seed.map_or(-1.0, |seed| seed as f64));
     let Pose { x, y, yaw } = view.ego;
-    [x, y, yaw, view.speed, view.speed_limit, light, distance].into_iter().for_each(&mut put);
+    [x, y, yaw, view.speed, view.speed_limit, light, distance, sign, line].into_iter().for_each(&mut put);
     put(view.actors.len() as f64);
     put(view.route.len() as f64);
     for place in 0..room.actors {

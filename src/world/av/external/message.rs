@@ -124,6 +124,12 @@ struct Light {
 }
 
 #[derive(Serialize)]
+struct Sign {
+    kind: &'static str,
+    distance: f64,
+}
+
+#[derive(Serialize)]
 struct Actor {
     #[serde(skip_serializing_if = "Option::is_none")]
     id: Option<u32>,
@@ -155,6 +161,7 @@ struct World<'a> {
     ego: Body,
     speed_limit: f64,
     light: Option<Light>,
+    sign: Option<Sign>,
     actors: Each<'a, Seen, Actor>,
     route: Each<'a, crate::geometry::Pose, [f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -209,6 +216,7 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
             },
             distance: light.distance,
         }),
+        sign: view.sign.map(|sign| Sign { kind: sign.kind.name(), distance: sign.distance }),
         actors: match is_second {
             true => Each(&view.actors, |seen| Actor { id: Some(seen.id), ..actor(seen) }),
             false => Each(&view.actors, actor),
@@ -265,6 +273,10 @@ struct Answers {
 /// The keys of an action.
 const ACTION: [&str; 6] = ["id", "throttle", "brake", "acceleration", "steer", "mode"];
 
+/// What is said of a mode that is none of [`DrivingMode`].
+const UNKNOWN_MODE: &str =
+    "a mode other than cruise, turn, follow, yield, emergency_stop, red_light, give_way, arrived, unknown";
+
 /// Keys are those of the revision that the driver speaks: an unknown one is a typo.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -275,8 +287,7 @@ struct Action {
     acceleration: Option<f64>,
     #[serde(default)]
     steer: f64,
-    #[serde(default)]
-    mode: String,
+    mode: Option<String>,
 }
 
 /// Why a line is no answer.
@@ -315,7 +326,10 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
             }
             _ => return Err(Fault::Answer("an action with both acceleration and pedals")),
         };
-        let mode = DrivingMode::named(&action.mode).unwrap_or(DrivingMode::Unknown);
+        let mode = match action.mode.as_deref() {
+            None => DrivingMode::Unknown,
+            Some(mode) => DrivingMode::named(mode).ok_or(Fault::Answer(UNKNOWN_MODE))?,
+        };
         decisions.push(Decision { pedals, steer: action.steer, mode }.finite()?);
     }
     Ok(())
@@ -324,8 +338,9 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::av::view::LightAhead;
+    use crate::av::view::{LightAhead, SignAhead};
     use crate::geometry::{Pose, Vector};
+    use crate::road::GiveWay;
 
     /// A change of this text is a change of the protocol and needs a new version or description.
     #[test]
@@ -342,6 +357,7 @@ mod tests {
             speed: 8.0,
             speed_limit: 10.0,
             light: Some(LightAhead { colour: LightColour::Red, distance: 30.0 }),
+            sign: Some(SignAhead { kind: GiveWay::Stop, distance: 12.5 }),
             actors: vec![seen],
             route: vec![Pose::new(3.0, 4.0, 0.25)],
             lanes: vec![LaneAhead { width: 3.5, left: 1, right: 0, is_junction: false, speed_limit: 8.5 }],
@@ -359,10 +375,22 @@ mod tests {
             text(Revision::First),
             concat!(
                 r#"{"id":7,"tick":0,"seed":99,"ego":{"x":1.0,"y":2.0,"yaw":0.5,"speed":8.0},"speed_limit":10.0,"#,
-                r#""light":{"colour":"red","distance":30.0},"actors":[{"kind":"pedestrian","x":12.0,"y":1.5,"yaw":-1.5,"#,
+                r#""light":{"colour":"red","distance":30.0},"sign":{"kind":"stop","distance":12.5},"#,
+                r#""actors":[{"kind":"pedestrian","x":12.0,"y":1.5,"yaw":-1.5,"#,
                 r#""vx":0.0,"vy":-1.25,"length":0.5,"width":0.5}],"route":[[3.0,4.0,0.25]]}"#
             )
         );
+    }
+
+    #[test]
+    fn every_mode_may_be_reported_and_the_message_names_all_of_them() {
+        for mode in DrivingMode::ALL {
+            let line = format!(r#"{{"actions":[{{"id":3,"brake":1,"mode":"{}"}}]}}"#, mode.name());
+            let mut decisions = Vec::new();
+            assert_eq!(read_decisions(line.as_bytes(), &[3], &mut decisions), Ok(()), "{mode:?}");
+            assert_eq!(decisions[0].mode, mode);
+            assert!(UNKNOWN_MODE.split([' ', ',']).any(|word| word == mode.name()), "{mode:?}");
+        }
     }
 
     #[test]
@@ -385,6 +413,7 @@ mod tests {
             (r#"{"actions":[{"id":3,"brake":NaN},{"id":5,"brake":1}]}"#, "not the JSON of an answer"),
             (r#"{"actions":[{"id":3,"brake":1}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"brake":1},{"id":3,"brake":1}]}"#, "not one action for each world"),
+            (r#"{"actions":[{"id":3,"brake":1,"mode":"cruize"},{"id":5,"brake":1}]}"#, UNKNOWN_MODE),
             (r#"{"actions":[{"id":3,"brake":1},{"id":5}]}"#, "an action without throttle, brake or acceleration"),
             (
                 r#"{"actions":[{"id":3,"brake":1},{"id":5,"brake":1,"acceleration":0}]}"#,

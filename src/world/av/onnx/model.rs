@@ -227,6 +227,7 @@ mod tests {
             speed: 8.0,
             speed_limit: 10.0,
             light: Some(LightAhead { colour: LightColour::Yellow, distance: 30.0 }),
+            sign: None,
             actors: vec![Seen {
                 id: 0,
                 kind: Kind::Pedestrian,

@@ -6,8 +6,8 @@ use crate::report::{Cell, DriverResult, ListedFailure, Spread};
 const READING: [&str; 2] = [
     "Drivers are in the order of their *avoidable injury*: the risk of a severe injury in their faults, which a careful human would have spared, for \
      1,000 episodes. The worst failure is the one that counts most against the driver: a *fault* if there is any, else a *preventable* one; of these \
-     the one with the fastest car. A fault is a collision that careful humans avoid clearly, with a pedestrian that moves as people do and is hit by \
-     the front, or driven into, at 1 m/s or more.",
+     the one with the fastest car. A fault is a collision that careful humans avoid clearly, with a pedestrian that moves as people do, and a car \
+     that drives at 1 m/s or more and is not walked into at its flank.",
     "The rates are those of the controller and town named beside them, where the avoidable injury is highest, then the fault rate, then the \
      preventable rate. They are shares of its n episodes. The intervals are Wilson's 95 % over these episodes. The highest of several rates is chosen after \
      the fact, so it is a little too high; compare drivers by their common starts.",

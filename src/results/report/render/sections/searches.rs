@@ -8,12 +8,12 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
     // Estimates are left-aligned, so that their numbers are below each other.
     head.extend([
         Column::number("runs × ticks").detail(),
-        Column::number("found in"),
+        Column::number("runs with a failure"),
         Column::text("ticks to first failure"),
         Column::text("failures of episodes").detail(),
         Column::text("failed starts"),
         Column::text("kinds of failures").page_only(),
-        Column::text("faults"),
+        Column::text("faults found"),
         Column::text("starts with one").page_only(),
         Column::text("kinds of these per million ticks").detail(),
         Column::text("evaluated afterwards").page_only(),
