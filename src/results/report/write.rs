@@ -72,7 +72,7 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
     if !gathered.protocol.is_empty() || !found.layers.is_empty() {
         let all: Vec<_> = gathered.protocol.iter().chain(&found.layers).cloned().collect();
         folder.table(PROTOCOL, &protocol_table(&all))?;
-        sections.extend(protocol(&gathered.protocol, &found.layers));
+        sections.extend(protocol(&gathered.protocol, &found.layers, &|_| None));
     }
     sections.extend(modes_sections);
     if !finished.searches.is_empty() {

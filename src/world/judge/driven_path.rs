@@ -44,19 +44,11 @@ impl DrivenPath {
         Self { vertices }
     }
 
-    /// The pose at a length along the path (m).
-    pub fn pose(&self, along: f64) -> Pose {
-        self.pose_before(self.vertices.partition_point(|(at, _)| *at <= along), along)
-    }
-
-    /// The same for a car that drives on: `passed` is the number of vertices that it has passed, 0 at first.
-    pub fn pose_onwards(&self, along: f64, passed: &mut usize) -> Pose {
+    /// The pose of a car at a length along the path (m), which drives on from one call to the next: `passed` is the number of vertices that it has
+    /// passed, 0 at first.
+    pub fn pose(&self, along: f64, passed: &mut usize) -> Pose {
         *passed += self.vertices[*passed..].iter().take_while(|(at, _)| *at <= along).count();
-        self.pose_before(*passed, along)
-    }
-
-    /// The pose at a length, before which there are `next` vertices.
-    fn pose_before(&self, next: usize, along: f64) -> Pose {
+        let next = *passed;
         let (before, pose) = self.vertices[next.max(1) - 1];
         let past = (along - before).max(0.0);
         let Some((after, end)) = self.vertices.get(next.max(1)) else {
@@ -134,7 +126,7 @@ mod tests {
         let path = bend();
         assert!((length(&path) - 10.0 * std::f64::consts::PI).abs() < 1e-3);
         for along in [0.0, 3.3, 15.0, 31.0, 40.0] {
-            let pose = path.pose(along);
+            let pose = path.pose(along, &mut 0);
             for aside in [-4.0, 0.0, 3.0] {
                 let place = path.place(pose.to_world(Vector::new(0.0, aside)), 0.0);
                 assert!((place.along - along).abs() < 0.05 && (place.aside - aside).abs() < 0.01, "{along} {place:?}");
@@ -160,7 +152,7 @@ mod tests {
     fn a_car_that_stood_has_a_straight_path() {
         let path = DrivenPath::new([Pose::new(1.0, 2.0, FRAC_PI_2); 3]);
         assert_eq!(length(&path), 0.0);
-        assert!((path.pose(5.0).y - 7.0).abs() < 1e-12);
+        assert!((path.pose(5.0, &mut 0).y - 7.0).abs() < 1e-12);
         assert!((path.place(Point::new(0.0, 6.0), 0.0).aside - 1.0).abs() < 1e-12);
         assert!((path.place(Point::new(0.0, -1.0), 0.0).along + 3.0).abs() < 1e-12, "behind");
     }

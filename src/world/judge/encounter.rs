@@ -249,9 +249,9 @@ impl<'a> Encounter<'a> {
     }
 
     /// The box of a car that is `way` (m) along the path and beside it, at this speed (m/s). It drives on: `passed` is that of
-    /// [`DrivenPath::pose_onwards`].
+    /// [`DrivenPath::pose`].
     pub(super) fn outline_beside(&self, way: f64, speed: f64, aside: &Aside, passed: &mut usize) -> OrientedBox {
-        let mut outline = OrientedBox { pose: self.path.pose_onwards(way, passed), half: self.half };
+        let mut outline = OrientedBox { pose: self.path.pose(way, passed), half: self.half };
         if *aside != Aside::default() {
             let left = outline.pose.left() * aside.offset;
             (outline.pose.x, outline.pose.y) = (outline.pose.x + left.x, outline.pose.y + left.y);

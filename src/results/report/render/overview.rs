@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::page::{document, paragraph, percent};
-use super::sections::{average, failed_starts};
+use super::sections::{average, failed_starts, injury, injury_scale};
 use super::svg::{Chart, Curve, Figure, Panel, SERIES, short};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
@@ -100,12 +100,18 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     }
     let mut head = head(overview);
     head.extend(["driver", "worst failure"].map(Column::text));
+    head.push(Column::number("avoidable injury / 1,000"));
+    head.push(Column::text("of the scale").page_only());
     let results =
         overview.variants.iter().flat_map(|variant| variant.drivers.iter().map(move |result| (variant, result)));
     let row = |(variant, result): (&Variant<'_>, &DriverResult)| {
         let mut values = first(variant, &overview.values(variant));
         values.push(Value::from(&result.driver.name));
-        values.push(Value::Text(result.worst_in_words()));
+        let own = injury(result, variant.cells);
+        values.extend([Value::Text(result.worst_in_words()), Value::Number(own, 2)]);
+        // The baseline of each report is its own.
+        let scale = injury_scale(variant.drivers, variant.cells).zip(own);
+        values.push(scale.map_or_else(|| "–".into(), |((of, whole), own)| format!("{:.2} {of}", own / whole).into()));
         values
     };
     tables.push(Table { head, rows: results.map(row).collect(), ..Table::default() });

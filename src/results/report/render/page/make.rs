@@ -64,7 +64,7 @@ impl Part {
 pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let cells = named(contents.cells);
     let rates = run_rates(contents.runs)?;
-    // The results of a protocol's tests are what its campaign is run for.
+    // The results of a protocol's tests are what its campaign is run for: they follow what is wrong with the drivers.
     let (leading, others): (Vec<_>, Vec<_>) = contents.sections.iter().partition(|section| section.id == PROTOCOL);
     let mut parts: Vec<Part> = Vec::new();
     let very_worst = worst_failure(contents.drivers).into_iter();
@@ -103,13 +103,13 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
         a.skip href="#main" { "Skip to the results" }
         (head(contents))
         nav aria-label="Sections" {
-            @for section in &leading { a href={ "#" (section.id) } { (section.name) } }
             @if !contents.drivers.is_empty() { a href="#drivers" { "Drivers" } }
+            @for section in &leading { a href={ "#" (section.id) } { (section.name) } }
             @for part in &parts { a href={ "#" (part.id) } { (part.name) } }
         }
         main #main {
-            @for section in leading { section id=(section.id) { h2 { (section.title) } (section.to_html()) } }
             @if !contents.drivers.is_empty() { (first(contents)) }
+            @for section in leading { (Part::of(section).to_html()) }
             @for part in &parts { (part.to_html()) }
         }
     };

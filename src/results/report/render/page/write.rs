@@ -27,6 +27,16 @@ pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
     worst.chain(cards(found).into_iter().map(|card| card.example)).for_each(|name| add(&mut names, name, CARDS));
     let is_external =
         |name: &str| found.drivers.iter().any(|each| each.driver.name == name && each.driver.is_external());
+    let of_cells = found
+        .gathered
+        .protocol
+        .iter()
+        .chain(&found.layers)
+        .filter_map(|cell| cell.worst.clone().map(|name| (cell, name)));
+    let of_cells = of_cells.filter(|(cell, _)| {
+        !found.drivers.iter().any(|each| each.driver.name == cell.policy && each.driver.is_external())
+    });
+    of_cells.for_each(|(_, name)| add(&mut names, name, PLAYED));
     let of_list = listed(&found.drivers, &found.gathered.failures).into_iter();
     of_list.filter(|failure| !is_external(&failure.policy)).for_each(|failure| add(&mut names, failure.name(), PLAYED));
     names
@@ -63,7 +73,7 @@ pub fn write_page(
     let players = Players::new(played, manifest.call.replay_options());
     let searches = (!found.searches.is_empty()).then(|| search_section(&found.searches));
     let sections: Vec<_> = [
-        protocol(&gathered.protocol, &found.layers),
+        protocol(&gathered.protocol, &found.layers, &|name| players.link(name)),
         searches,
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),

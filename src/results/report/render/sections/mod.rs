@@ -50,7 +50,7 @@ pub fn drivers_for_terminal(results: &[DriverResult], cells: &[Cell], width: u16
 
 /// The results in the tests of a protocol as text for a terminal of this width (columns); empty without a test.
 pub fn protocol_for_terminal(cells: &[ProtocolCell], layers: &[ProtocolCell], width: u16) -> String {
-    let tables = protocol(cells, layers).map_or_else(Vec::new, |section| section.tables);
+    let tables = protocol(cells, layers, &|_| None).map_or_else(Vec::new, |section| section.tables);
     tables.iter().map(|table| format!("{}\n{}", table.title, table.to_terminal(width))).collect()
 }
 

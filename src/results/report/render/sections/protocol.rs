@@ -22,12 +22,16 @@ const LIMITS: &str = "**This is no rating.** The tests repeat the speeds, places
      tolerances of test tracks, turning and reversing tests. The target is a disc of its width in the world; its box only states the impact \
      point. Euro NCAP's colours are published for 60 km/h, and the same shares are taken at other speeds.";
 
-/// The results of drivers in the tests of a protocol, and the worst ones within its layers; none without a test.
-pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Section> {
+/// Gives the place of the player of a failure, if it has one.
+type PlayerOf<'a> = &'a dyn Fn(&str) -> Option<String>;
+
+/// The results of drivers in the tests of a protocol, and the worst ones within its layers; none without a test. `link` gives the place of a
+/// failure's player, if it has one.
+pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell], link: PlayerOf<'_>) -> Option<Section> {
     if cells.is_empty() && layers.is_empty() {
         return None;
     }
-    let mut tables = if layers.is_empty() { Vec::new() } else { of_layers(cells, layers) };
+    let mut tables = if layers.is_empty() { Vec::new() } else { of_layers(cells, layers, link) };
     let mut tests: BTreeMap<usize, Vec<&ProtocolCell>> = BTreeMap::new();
     let mut names: Vec<&str> = Vec::new();
     for cell in cells {
@@ -37,7 +41,7 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
         });
         tests.entry(number).or_default().push(cell);
     }
-    tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
+    tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells, link)));
     let is_coloured = cells.iter().chain(layers).any(|cell| cell.criterion == TestCriterion::EuroNcap);
     if let Some(first) = tables.first_mut().filter(|_| is_coloured) {
         first.notes.push(JUDGES.into());
@@ -53,7 +57,7 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
 }
 
 /// Rows of drivers and overlaps, columns of test speeds.
-fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
+fn of_test(test: &str, cells: &[&ProtocolCell], link: PlayerOf<'_>) -> Table {
     let mut speeds: Vec<f64> = cells.iter().map(|cell| cell.test_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
@@ -79,7 +83,7 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
         let mut row = vec![Value::Code((*policy).into()), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().find(|cell| cell.test_speed == *speed);
-            cell.map_or_else(|| "–".into(), |cell| shown(cell))
+            cell.map_or_else(|| "–".into(), |cell| played(cell, link))
         }));
         let passed = of.iter().filter(|cell| cell.passes() == Some(true)).count() as u64;
         row.extend(coloured.then(|| Value::Number(score(of.iter().map(|cell| **cell)), 2)));
@@ -140,17 +144,18 @@ impl<'a> Layered<'a> {
         self.nominal.is_some_and(|nominal| rank(self.worst()) > rank(nominal))
     }
 
-    fn value(&self) -> Value {
+    fn value(&self, link: PlayerOf<'_>) -> Value {
+        let worst = || played(self.worst(), link);
         match self.nominal {
-            Some(nominal) if self.is_worse() => Value::Change(Box::new(shown(nominal)), Box::new(shown(self.worst()))),
-            Some(nominal) => shown(nominal),
-            None => shown(self.worst()),
+            Some(nominal) if self.is_worse() => Value::Change(Box::new(played(nominal, link)), Box::new(worst())),
+            Some(nominal) => played(nominal, link),
+            None => worst(),
         }
     }
 }
 
 /// The tables of the layers: one row for each driver, the cells of each driver, the searches, and the cells that got worse.
-fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Vec<Table> {
+fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell], link: PlayerOf<'_>) -> Vec<Table> {
     let all = Layered::all(cells, layers);
     let mut drivers: Vec<&str> = Vec::new();
     for each in &all {
@@ -160,9 +165,9 @@ fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Vec<Table> {
     }
     let of = |driver: &str| all.iter().filter(|each| each.key().policy == driver).collect::<Vec<_>>();
     let mut tables = vec![robustness(&drivers, of)];
-    tables.extend(drivers.iter().map(|driver| of_driver(driver, &of(driver))));
+    tables.extend(drivers.iter().map(|driver| of_driver(driver, &of(driver), link)));
     tables.push(of_searches(&all));
-    tables.extend(changes(&all));
+    tables.extend(changes(&all, link));
     tables
 }
 
@@ -213,7 +218,7 @@ fn headline<'a>(drivers: &[&'a str], of: &impl Fn(&str) -> Vec<&'a Layered<'a>>)
 }
 
 /// The nominal colour of each cell of a driver, and the worst one within the layers where that is worse.
-fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
+fn of_driver(driver: &str, of: &[&Layered<'_>], link: PlayerOf<'_>) -> Table {
     let mut speeds: Vec<f64> = of.iter().map(|each| each.key().test_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
@@ -232,7 +237,7 @@ fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
         let mut row = vec![Value::Code(name.into()), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().filter(here).find(|each| each.key().test_speed == *speed);
-            cell.map_or_else(|| "–".into(), |each| each.value())
+            cell.map_or_else(|| "–".into(), |each| each.value(link))
         }));
         row
     };
@@ -270,7 +275,7 @@ fn of_searches(all: &[Layered<'_>]) -> Table {
 }
 
 /// The cells that got worse, with the names of their collisions; none when no cell did.
-fn changes(all: &[Layered<'_>]) -> Option<Table> {
+fn changes(all: &[Layered<'_>], link: PlayerOf<'_>) -> Option<Table> {
     let numbers = ["overlap", "test speed (km/h)"].map(Column::number);
     let words = |names: [&'static str; 4]| names.map(Column::text);
     let head = ["driver", "test"].map(Column::text).into_iter().chain(numbers);
@@ -283,7 +288,7 @@ fn changes(all: &[Layered<'_>]) -> Option<Table> {
             Value::Percent(worst.overlap),
             Value::Number(Some(worst.test_speed * 3.6), 0),
             each.nominal.map_or_else(|| "–".into(), shown),
-            shown(worst),
+            played(worst, link),
             Value::Code(worst.falsifier.clone().unwrap_or_default()),
             Value::Code(worst.worst.clone().unwrap_or_default()),
         ]
@@ -292,6 +297,14 @@ fn changes(all: &[Layered<'_>]) -> Option<Table> {
     let note = "`falsify replay NAME --report FOLDER` shows a collision.";
     let title = "Cells that are worse within the layers".into();
     (!rows.is_empty()).then(|| Table { title, head, rows, notes: vec![note.into()] })
+}
+
+/// The result of a cell, with a link to the player of its failure.
+fn played(cell: &ProtocolCell, link: PlayerOf<'_>) -> Value {
+    match cell.worst.as_deref().and_then(link) {
+        Some(place) => Value::Played(Box::new(shown(cell)), place),
+        None => shown(cell),
+    }
 }
 
 /// `0 green`, `23.4 red !`, `5.0 fails`.

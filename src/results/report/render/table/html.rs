@@ -79,6 +79,7 @@ fn value(value: &Value) -> Markup {
             Value::Link(text, file) => a href=(file) { (text) },
             Value::Warning(text) => span.warn { (text) },
             Value::Toned(text, tone) => span.tone.(tone) { (text) },
+            Value::Played(value, place) => a href=(place) title="play it" { (self::value(value)) },
             Value::Count(number) => (count(*number)),
             Value::Times(runs, each) => { (runs) " × " (count(*each)) },
             Value::Percent(share) => (percent(*share)),

@@ -32,6 +32,8 @@ pub enum Value {
     Warning(String),
     /// Words on a colour of the page's style sheet: `green`, `yellow`, `orange`, `brown` or `red`.
     Toned(String, &'static str),
+    /// A value that a failure made, and the place of its player on the page.
+    Played(Box<Self>, String),
     /// A value, and what it became.
     Change(Box<Value>, Box<Value>),
     /// Several values below each other.
@@ -65,6 +67,7 @@ impl fmt::Display for Value {
             Self::Text(text) | Self::Code(text) | Self::Link(text, _) | Self::Warning(text) | Self::Toned(text, _) => {
                 f.write_str(text)
             }
+            Self::Played(value, _) => value.fmt(f),
             Self::Count(count) => write!(f, "{count}"),
             Self::Of(part, whole) => write!(f, "{part} of {whole}"),
             Self::Times(runs, each) => write!(f, "{runs} × {each}"),
