@@ -181,6 +181,7 @@ def test_exceptions_of_a_driver_are_its_own(scenario):
         ({"throtle": 1.0}, ValueError, "no key `throtle`; did you mean `throttle`?"),
         ({"throttle": 0.3, "steering": 0.1}, ValueError, "no key `steering`; did you mean `steer`?"),
         ({"brake": 1.0, "horn": 1}, ValueError, "no key `horn`; there is throttle, brake, acceleration, steer, mode"),
+        ({"brake": 1.0, "mode": "cruize"}, ValueError, "there is no mode `cruize`; did you mean `cruise`?"),
         ({}, ValueError, "neither throttle, brake nor acceleration"),
         ({"steer": 0.1}, ValueError, "neither throttle, brake nor acceleration"),
         ({"brake": 1.0, "acceleration": 1.0}, ValueError, "both acceleration and pedals"),

@@ -34,6 +34,11 @@ pub const WORDS: &[Word] = &[
         example: "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\nparam far: length = 30 m\nspawn here { distance: 7 m .. far }\ncampaign distances {\n  vehicle: model3  adversary: suicidal  spawn: here  episode: thirty_seconds  training: ppo_paper\n  matrix { far: [20 m, 30 m] }\n  train { towns: [harbour]  policies: [behavior]  rewards: [r1]  runs: 1 }\n}\n",
     },
     Word {
+        name: "set",
+        text: "No word of files: `--set NAME=VALUE` on the command line gives a parameter, or a key of a declaration, another value for one run. For several values, one run after another, write a `matrix` block; a parameter that is set keeps the one value.",
+        example: "edition 1\n// falsify run --set 'far=20 m' --set 'near.distance=9 m' my.scn\nparam far: length = 30 m\nspawn near { distance: 7 m .. far }\n",
+    },
+    Word {
         name: "on",
         text: "A clause of a reward: what an event is worth, as a formula of a plain number. `falsify explain events` lists the events and what formulas may name at each.",
         example: "edition 1\nreward r {\n  on hit(front) => max(3, 1.5 * v_c in m/s)\n  on hit => 1\n}\n",

@@ -59,6 +59,24 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
+fn a_folder_for_exports_that_is_named_like_a_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for out in ["mine.svg", "deep/mine.XOSC"] {
+        let output = falsify(&["export", "1a2b3c4d:17", "--as", "svg", "--out", out], folder.path());
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(
+            error(&output).contains(&format!("--out names a folder, and `{out}` is named like a file")),
+            "{output:?}"
+        );
+        assert!(!folder.path().join(out).exists());
+    }
+    // A folder that is there may have any name.
+    std::fs::create_dir(folder.path().join("mine.svg")).unwrap();
+    let output = falsify(&["export", "1a2b3c4d:17", "--as", "svg", "--out", "mine.svg"], folder.path());
+    assert!(!error(&output).contains("--out"), "{output:?}");
+}
+
+#[test]
 fn errors_in_a_scenario_are_all_shown_and_nothing_runs() {
     let folder = tempfile::tempdir().unwrap();
     let text = campaign().replace("runs: 2", "rnus: 2").replace("episodes: 10", "episodes: 10 s");

@@ -275,3 +275,56 @@ fn a_driver_of_others_that_is_not_there_is_reported_with_what_installs_it() {
     let both = falsify(&["check", "--driver", "sumo", "--", "python3", "my_av.py"], place.path());
     assert_eq!(both.status.code(), Some(2), "{}", said(&both));
 }
+
+/// Drives straight on and writes down where it is and which sign it is shown.
+const WRITING: &str = r#"
+import json, sys
+with open("signs.txt", "w") as signs:
+    for line in sys.stdin:
+        message = json.loads(line)
+        if message["type"] == "hello":
+            print(json.dumps({"protocol": "falsify-av/1"}), flush=True)
+            continue
+        for world in message["worlds"]:
+            print(world["ego"]["x"], json.dumps(world["sign"]), sep="\t", file=signs, flush=True)
+        actions = [{"id": world["id"], "acceleration": 2 * (12 - world["ego"]["speed"])} for world in message["worlds"]]
+        print(json.dumps({"actions": actions}), flush=True)
+"#;
+
+#[test]
+fn stop_and_yield_signs_on_the_way_are_in_the_messages() {
+    if python().is_none() {
+        return;
+    }
+    for (kind, named) in [(206, "stop"), (205, "yield")] {
+        let place = tempfile::tempdir().unwrap();
+        let here = place.path();
+        let sign = format!(r#"<signal id="7" s="300" t="-4" type="{kind}" orientation="+"/>"#);
+        std::fs::write(here.join("real.xodr"), crate::map_facts::map("", &sign)).unwrap();
+        std::fs::write(here.join("writing.py"), WRITING).unwrap();
+        let scenario = "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\ntown real = opendrive(file: \"real.xodr\")\n\
+            policy mine = external(command: \"python3 writing.py\", worlds: 1, timeout: 60 s)\n\
+            spawn here { ego_poses: [(150 m, -1.75 m, 0 deg)]  bearing: 180 deg  distance: 60 m }\n\
+            episode brief { ticks: 400  hold: 10 }\n\
+            campaign c { vehicle: model3  adversary: suicidal  spawn: here  episode: brief\n\
+            evaluate { towns: [real]  policies: [mine]  pedestrians: [intercept]  episodes: 1 } }\n";
+        std::fs::write(here.join("signs.scn"), scenario).unwrap();
+        let output = falsify(&["run", "--allow-external", "signs.scn"], here);
+        assert!(output.status.success(), "{}", said(&output));
+        let text = std::fs::read_to_string(here.join("signs.txt")).unwrap();
+        let seen: Vec<(f64, serde_json::Value)> = text
+            .lines()
+            .map(|line| {
+                let (x, sign) = line.split_once('\t').unwrap();
+                (x.parse().unwrap(), serde_json::from_str(sign).unwrap())
+            })
+            .collect();
+        let shown = |from: f64, to: f64| seen.iter().filter(move |(x, _)| (from..to).contains(x));
+        assert!(shown(220.0, 295.0).count() > 10 && shown(301.0, 320.0).count() > 3, "{text}");
+        for (x, sign) in shown(220.0, 295.0) {
+            let distance = sign["distance"].as_f64().unwrap();
+            assert!(sign["kind"] == named && (x + distance - 300.0).abs() < 1.0, "at {x} m: {sign}");
+        }
+        assert!(shown(0.0, 205.0).chain(shown(301.0, 400.0)).all(|(_, sign)| sign.is_null()), "{text}");
+    }
+}

@@ -431,8 +431,8 @@ fn every_place_of_a_file_can_be_asked_about() {
     for line in 0..12 {
         for character in (0..60).step_by(3) {
             let at = json!({ "textDocument": { "uri": FILE }, "position": { "line": line, "character": character } });
-            for method in ["textDocument/hover", "textDocument/completion", "textDocument/definition"] {
-                session.ask(method, at.clone());
+            for method in ["hover", "completion", "definition", "signatureHelp"] {
+                session.ask(&format!("textDocument/{method}"), at.clone());
             }
         }
     }

@@ -14,7 +14,7 @@ const HEEDING: [&str; 6] = ["idm", "aeb", "rss", "predictive", "oracle", "carefu
 const MIDDLE: f64 = 300.0;
 
 /// A straight road of 700 m to the east with these types and signals.
-fn map(types: &str, signals: &str) -> String {
+pub fn map(types: &str, signals: &str) -> String {
     let lane = |id: i32| format!(r#"<lane id="{id}" type="driving"><width a="3.5"/></lane>"#);
     let (left, right) = (lane(1), lane(-1));
     format!(

@@ -32,6 +32,12 @@ const TRAPS: &[(&str, &str)] = &[
     ("two dimensions in one formula", "edition 1\nreward r { on hit => max(3, 1.5 * v_c) }\n"),
     ("a map that is not there", "edition 1\ntown t = opendrive(file: \"Town99.xodr\")\n"),
     ("an equals sign for a colon", "edition 1\nepisode e { ticks = 600 }\n"),
+    ("an emoji in a formula", "edition 1\nreward r { on hit => 1 🚗🚗 }\n"),
+    ("a name with a letter beyond a to z", "edition 1\npolicy größe = idm()\n"),
+    ("an import that is being typed", "edition 1\nimport \"lib/\nreward r { on hit => 1 }\n"),
+    ("an import without its closing quote", "edition 1\nimport \"std/rewards.scn\n"),
+    ("a model that is no network", "edition 1\npolicy p = onnx(model: \"odd.xodr\")\n"),
+    ("a model that is not there", "edition 1\npolicy p = onnx(model: \"nowhere.onnx\")\n"),
     (
         "several mistakes at once",
         "edition 1\nrewrd r {}\nepisode e { tiks: 1.5  hold: 0 }\nspawn s { clearance: 2 s }\n",

@@ -116,6 +116,13 @@ fn a_worse_driver_has_more_faults() {
     let pair = recheck(here, &["--driver", "mine=other", "--starts", "2"]);
     assert!(rows(&pair, "crossings").iter().all(|row| row["policy"] == "mine" && row["other_policy"] == "other"));
     let shown = falsify(&["recheck", "reports/versions", "--set", "delay=0.3 s", "--starts", "2"], here);
+    let progress = error(&shown);
+    for (stage, all) in [("failures met again: ", ""), ("episodes of the fixed list: ", "960 of 960 (")] {
+        let line = progress.lines().find_map(|line| line.strip_prefix(stage)).unwrap_or_else(|| panic!("{progress}"));
+        assert!(line.starts_with(all) && line.ends_with(" s)"), "{line}");
+    }
+    let quiet = ["recheck", "reports/versions", "--set", "delay=0.3 s", "--starts", "2", "--progress", "none"];
+    assert!(!error(&falsify(&quiet, here)).contains("of the fixed list"));
     let text = String::from_utf8_lossy(&shown.stdout).into_owned();
     for part in ["met again by the new driver", "starts with a fault", "faults weigh "] {
         assert!(text.contains(part), "{part}: {text}");

@@ -57,7 +57,7 @@ fn words(rule: Rule, text: &str) -> Words {
         (Rule::on_like, _) => instead(CLAUSE, "on"),
         (Rule::several, _) => ("every event has an `on event => formula` of its own", None),
         (Rule::import_like, _) => instead("write `import \"path\"`", "import"),
-        (Rule::bare_path, text) if is_unclosed(text) => (UNCLOSED, Some(format!("{text}\""))),
+        (Rule::bare_path, text) if is_unclosed(text) => (UNCLOSED, text.ends_with(".scn").then(|| format!("{text}\""))),
         (Rule::bare_path, _) => {
             ("a text needs quotes", Some(format!("\"{}\"", text.trim_matches(['"', '\'', '“', '”']))))
         }

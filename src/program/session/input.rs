@@ -13,7 +13,8 @@ pub struct Input {
     /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
     #[arg(id = "map", long = "map", value_name = "TOWN=FILE", value_parser = town_and_file, help_heading = "Scenario")]
     pub maps: Vec<(String, PathBuf)>,
-    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`.
+    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`. For several values of
+    /// a parameter, write a `matrix` block in the campaign.
     #[arg(id = "set", long = "set", value_name = "NAME=VALUE", help_heading = "Scenario")]
     pub settings: Vec<String>,
 }

@@ -268,3 +268,32 @@ fn episodes(rows: &DataFrame) -> PolarsResult<Vec<u32>> {
     let table = EpisodeTable::new(rows)?;
     Ok(table.rows().map(|row| table.episode(row)).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::listed_failure::tests::failure;
+
+    fn side(what: Option<(Label, bool)>) -> SideEpisode {
+        let failure = what.map(|(verdict, fault)| failure(Some(verdict), fault, 1.0));
+        SideEpisode { name: "1a2b3c4d:0".into(), failure }
+    }
+
+    #[test]
+    fn a_collision_of_both_sides_that_is_a_fault_on_one_is_not_the_same() {
+        let (fault, spared) = (Some((Label::Preventable, true)), Some((Label::Unpreventable, false)));
+        let narrow = Some((Label::Preventable, false));
+        for (before, after, word, verdict) in [
+            (None, fault, "new", "fault"),
+            (spared, None, "fixed", "unpreventable"),
+            (spared, fault, "worse", "unpreventable → fault"),
+            (fault, narrow, "better", "fault → preventable"),
+            (spared, narrow, "same", "unpreventable → preventable"),
+            (fault, fault, "same", "fault"),
+        ] {
+            let change = FailureChange { cell: 0, sides: [side(before), side(after)] };
+            assert_eq!((change.word(), change.verdict().as_str()), (word, verdict));
+            assert!(FailureChange::WORDS.contains(&word));
+        }
+    }
+}
