@@ -22,6 +22,9 @@ keys! {
         spawn: DeclarationId as Reference("spawn"),
         /// How long they last.
         episode: DeclarationId as Reference("episode"),
+        /// What is required of episodes beside no collision: each has a rate, and its violations are failures. Without the key a collision is the only
+        /// failure.
+        requirements: Option<Vec<DeclarationId>> as Reference("requirement"),
         /// How pedestrians are trained, where any are.
         training: Option<DeclarationId> as Reference("training"),
         /// Published figures to stand beside those of this campaign.

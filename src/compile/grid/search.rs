@@ -44,9 +44,9 @@ impl Lowering<'_> {
         }
         note_towns(&mut campaign.towns, &ground.towns);
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
-            let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
+            let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1, &usual.requirements.all);
             let ground = place.declarations(&usual.car, adversary, &usual.rule);
-            let parts = [ground.as_slice(), &rival.declarations].concat();
+            let parts = [ground.as_slice(), &usual.requirements.ids, &rival.declarations].concat();
             let (fingerprint, programs) = (self.fingerprint(&parts), self.programs(&parts));
             campaign.searches.extend((0..keys.runs).map(|run| Search {
                 key: SearchKey {
