@@ -100,6 +100,9 @@ keys! {
         falsifiers: Vec<DeclarationId> as Reference("falsifier"),
         /// Simulator ticks that each may use.
         budget: u64 as ticks(1, 1_000_000_000_000) = "1_000_000",
+        /// The requirement that the searches try to violate, instead of a collision. It takes the place of their rewards: an episode earns more the
+        /// less robust it is, and more than 1 for a violation.
+        goal: Option<DeclarationId> as Reference("requirement"),
         /// Searches of each, with different seeds and starts.
         runs: u32 as whole(1, 10_000) = "10",
         /// Episodes in which the pedestrian that a falsifier returns is evaluated afterwards, outside the budget.

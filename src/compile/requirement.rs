@@ -29,10 +29,11 @@ pub fn form() -> Form {
 }
 
 impl Lowering<'_> {
-    /// The requirements of a campaign, after checks that need its episode.
+    /// The requirements that a key of a block names, after checks that need the episode.
     pub(super) fn requirements(
         &mut self,
-        campaign: &Block,
+        block: &Block,
+        key: &str,
         ids: &[DeclarationId],
         rule: &EpisodeRule,
     ) -> Vec<NamedRequirement> {
@@ -42,8 +43,8 @@ impl Lowering<'_> {
             NamedRequirement { name: declaration.name.as_str().into(), priority, requirement }
         };
         let all: Vec<NamedRequirement> = ids.iter().map(lower).collect();
-        let places = campaign.members("requirements");
-        let place = |index: usize| places.get(index).copied().unwrap_or_else(|| campaign.place("requirements"));
+        let places = block.members(key);
+        let place = |index: usize| places.get(index).copied().unwrap_or_else(|| block.place(key));
         for (index, (each, id)) in all.iter().zip(ids).enumerate() {
             let formula = self.program.get(*id).block.place("formula");
             self.compare_bounds(place(index), formula, each, rule);

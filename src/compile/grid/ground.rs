@@ -68,6 +68,7 @@ impl Place<'_> {
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
             episode: rule.clone(),
             requirements: requirements.clone(),
+            goal: None,
         })
     }
 

@@ -27,7 +27,7 @@ impl Lowering<'_> {
         let keys: CampaignKeys = block.keys();
         let rule = self.episode(keys.episode);
         let ids = keys.requirements.unwrap_or_default();
-        let all = self.requirements(block, &ids, &rule.value).into();
+        let all = self.requirements(block, "requirements", &ids, &rule.value).into();
         let usual = Usual {
             car: self.vehicle(keys.vehicle),
             walker: self.adversary(keys.adversary),

@@ -1,5 +1,5 @@
 mod first_sight;
-mod requirements;
+pub(super) mod requirements;
 mod settle;
 mod start;
 
@@ -22,6 +22,7 @@ use crate::requirement::Monitor;
 use crate::sim::{ActorStart, Contact, Control, PedestrianState, WalkCommand, World};
 use base::seed::Seed;
 use learn::{Env, Step};
+use requirements::Moment;
 
 /// A runnable logical scenario: it draws concrete episodes, one after another.
 ///
@@ -84,6 +85,8 @@ pub struct PedestrianEnv {
     signals: Option<SignalMeter>,
     /// The requirements of the scenario; none without any.
     monitor: Option<Monitor>,
+    /// The moment of each sample; empty without a goal.
+    moments: Vec<Moment>,
 }
 
 /// Number of episodes in a row that a driver may fail; then it is not asked again.
@@ -198,6 +201,7 @@ impl PedestrianEnv {
                 SignalMeter::new(wanted, rule.moving_above, &world, rule.ticks.min(MOST_ROOM) as usize + 1)
             }),
             monitor,
+            moments: Vec::new(),
             trace: scenario.oracle.is_some().then(|| Trace::new(&scenario)),
             motions,
             bounds: cast.action_bounds(),
@@ -486,6 +490,7 @@ impl PedestrianEnv {
             trace: self.trace.clone(),
             signals: self.signals.clone(),
             monitor: self.monitor.clone(),
+            moments: self.moments.clone(),
             motions: self.motions.clone(),
             ..*self
         })
@@ -653,9 +658,9 @@ impl Env for PedestrianEnv {
         step
     }
 
-    /// Whether the pedestrian was hit.
+    /// Whether the episode ended in a failure of the driver.
     fn is_success(&self) -> bool {
-        self.outcome().is_some_and(Outcome::is_collision)
+        self.is_failure()
     }
 
     fn potential(&self) -> f64 {

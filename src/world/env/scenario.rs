@@ -53,6 +53,9 @@ pub struct Scenario {
     pub episode: EpisodeRule,
     /// The requirements that are watched, in the order of the campaign.
     pub requirements: Arc<[NamedRequirement]>,
+    /// The requirement whose violation is the goal of the pedestrian, by its place among them. It takes the place of the reward: an episode earns
+    /// 1 − ρ / (1 + |ρ|) at its end for the robustness ρ, so more than 1 for a violation and less otherwise.
+    pub goal: Option<usize>,
 }
 
 impl Scenario {

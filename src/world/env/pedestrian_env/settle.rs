@@ -40,6 +40,13 @@ impl PedestrianEnv {
             }
             (None, None) => (worth(reward.step.as_ref()), None),
         };
+        // A goal takes the place of the reward.
+        let earned = match (self.scenario.goal, ending) {
+            (None, _) => earned,
+            (Some(_), None) => 0.0,
+            (Some(_), Some(_)) if self.episode.left_out.is_some() => 0.0,
+            (Some(_), Some(_)) => self.goal_reward().unwrap_or(0.0),
+        };
         self.episode.reward += earned;
         if let Some(ending) = ending {
             self.finish(ending, contact.as_ref());
