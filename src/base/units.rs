@@ -25,6 +25,7 @@ pub mod dimensions {
     pub const ANGLE: Dimension = Dimension::ANGLE;
     pub const SPEED: Dimension = Dimension::SPEED;
     pub const ACCELERATION: Dimension = Dimension::ACCELERATION;
+    pub const JERK: Dimension = Dimension::JERK;
     pub const FREQUENCY: Dimension = Dimension::FREQUENCY;
     pub const TURN_RATE: Dimension = Dimension::TURN_RATE;
 }
@@ -48,6 +49,8 @@ impl Dimension {
     pub const SPEED: Self = Self::new(1, -1, 0, 0);
     /// Metres per second squared.
     pub const ACCELERATION: Self = Self::new(1, -2, 0, 0);
+    /// Metres per second cubed.
+    pub const JERK: Self = Self::new(1, -3, 0, 0);
     /// Per second.
     pub const FREQUENCY: Self = Self::new(0, -1, 0, 0);
     /// Radians per second.
@@ -98,6 +101,7 @@ impl Dimension {
             Self::MASS => &["kg"],
             Self::SPEED => &["m/s", "km/h"],
             Self::ACCELERATION => &["m/s^2"],
+            Self::JERK => &["m/s^3"],
             Self::FREQUENCY => &["Hz"],
             Self::TURN_RATE => &["deg/s", "rad/s"],
             _ => &[],
@@ -116,6 +120,7 @@ impl fmt::Display for Dimension {
             Self::MASS => "mass",
             Self::SPEED => "speed",
             Self::ACCELERATION => "acceleration",
+            Self::JERK => "jerk",
             Self::FREQUENCY => "frequency",
             Self::TURN_RATE => "turn rate",
             _ => {

@@ -22,6 +22,9 @@ keys! {
         spawn: DeclarationId as Reference("spawn"),
         /// How long they last.
         episode: DeclarationId as Reference("episode"),
+        /// What is required of episodes beside no collision: each has a rate, and its violations are failures. Without the key a collision is the only
+        /// failure.
+        requirements: Option<Vec<DeclarationId>> as Reference("requirement"),
         /// How pedestrians are trained, where any are.
         training: Option<DeclarationId> as Reference("training"),
         /// Published figures to stand beside those of this campaign.
@@ -97,6 +100,9 @@ keys! {
         falsifiers: Vec<DeclarationId> as Reference("falsifier"),
         /// Simulator ticks that each may use.
         budget: u64 as ticks(1, 1_000_000_000_000) = "1_000_000",
+        /// The requirement that the searches try to violate, instead of a collision. It takes the place of their rewards: an episode earns more the
+        /// less robust it is, and more than 1 for a violation.
+        goal: Option<DeclarationId> as Reference("requirement"),
         /// Searches of each, with different seeds and starts.
         runs: u32 as whole(1, 10_000) = "10",
         /// Episodes in which the pedestrian that a falsifier returns is evaluated afterwards, outside the budget.

@@ -6,8 +6,8 @@ use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
 use super::walker::WalkerKind;
 use super::{
-    adversary, campaign, controller, episode, falsifier, policy, published, reward, sensors, spawn, town, training,
-    vehicle, walker,
+    adversary, campaign, controller, episode, falsifier, policy, published, requirement, reward, sensors, spawn, town,
+    training, vehicle, walker,
 };
 use base::signature::{Form, Signature, Type, Vocabulary};
 use world::av::external::Opener;
@@ -48,6 +48,7 @@ impl Catalog {
             adversary::form(),
             spawn::form(),
             reward::form(),
+            requirement::form(),
             episode::form(),
             training::form(),
             controller::form(),

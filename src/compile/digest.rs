@@ -124,6 +124,11 @@ impl Lowering<'_> {
                 tag(out, 13);
                 formula(out, condition);
             }
+            // The whole of it, down to the scale of each comparison.
+            Value::Requirement(requirement) => {
+                tag(out, 14);
+                text(out, &format!("{requirement:?}"));
+            }
         }
     }
 }

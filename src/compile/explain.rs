@@ -6,7 +6,7 @@ use base::units::{Dimension, UNIT_NAMES, parse_unit};
 use lang::error_index::{Mistake, mistakes};
 use lang::keywords::{WORDS, Word};
 use lang::nearest;
-use lang::{DIMENSIONS, functions, library};
+use lang::{DIMENSIONS, functions, library, temporal_operators};
 
 impl Catalog {
     /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), a word of the
@@ -73,7 +73,7 @@ impl Catalog {
         }
         let mut known: Vec<&str> = mistakes.iter().map(|mistake| mistake.code).collect();
         known.extend(["events", "variables", "functions", "units", "state", "action"]);
-        known.extend(functions().map(|(name, _)| name));
+        known.extend(functions().chain(temporal_operators()).map(|(name, _)| name));
         known.extend(WORDS.iter().map(|word| word.name));
         known.extend(self.vocabulary.events.iter().map(|event| event.name));
         known.extend(self.vocabulary.variables.iter().map(|variable| variable.name));
@@ -269,12 +269,15 @@ fn dimension(word: &str) -> Option<String> {
 
 /// The value of a function.
 fn function(word: &str) -> Option<String> {
-    functions().find(|(name, _)| *name == word).map(|(name, doc)| format!("{name}(…)\n    {doc}\n"))
+    functions()
+        .chain(temporal_operators())
+        .find(|(name, _)| *name == word)
+        .map(|(name, doc)| format!("{name}(…)\n    {doc}\n"))
 }
 
 fn all_functions() -> String {
     std::iter::once("Functions of formulas.\n\n".to_string())
-        .chain(functions().filter_map(|(name, _)| function(name)))
+        .chain(functions().chain(temporal_operators()).filter_map(|(name, _)| function(name)))
         .collect()
 }
 

@@ -22,6 +22,7 @@ mod target_walk;
 mod given_path;
 mod sector;
 mod reward;
+mod requirement;
 mod episode;
 mod training;
 mod walker;

@@ -12,6 +12,7 @@ use world::av::external::ExternalKeys;
 use world::av::sensors::SensorModel;
 use world::env::Scenario;
 use world::falsifier::{Controller, Falsifier};
+use world::requirement::NamedRequirement;
 use world::road::Town;
 
 /// Everything that is run.
@@ -116,6 +117,8 @@ pub struct Campaign {
     pub settings: Vec<String>,
     /// The documented declarations that it uses, in the order of the files.
     pub words: Vec<Documented>,
+    /// What it requires of episodes beside no collision, in the order of the file.
+    pub requirements: Arc<[NamedRequirement]>,
     /// The towns that it uses, each once.
     pub towns: Vec<NamedTown>,
     /// The drivers that it uses, each once.

@@ -3,6 +3,7 @@
 use super::ast::{Expression, ExpressionKind, Known, Name};
 use super::diagnostics;
 use super::names::Names;
+use super::requirement::is_temporal;
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::{BinaryOperator, Bounds, Formula, Function, VariableId, Vocabulary};
 use base::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
@@ -235,7 +236,9 @@ impl Checker<'_> {
             }
             Some(index) => {
                 let variable = &scope.vocabulary.variables[index];
-                let (formula, sort) = (Formula::Variable(VariableId(index)), Sort::Quantity(variable.dimension));
+                let quantity = Sort::Quantity(variable.dimension);
+                let sort = if variable.is_condition { Sort::Truth } else { quantity };
+                let formula = Formula::Variable(VariableId(index));
                 Some(Part { formula, sort, bounds: variable.bounds })
             }
         }
@@ -248,13 +251,15 @@ impl Checker<'_> {
     }
 
     fn binary(&mut self, operator: BinaryOperator, left: &Expression, right: &Expression, span: Span) -> Option<Part> {
-        use BinaryOperator::{Add, And, Divide, Greater, GreaterEqual, Less, LessEqual, Multiply, Or, Subtract};
-        if matches!(operator, And | Or) {
+        use BinaryOperator::{
+            Add, And, Divide, Greater, GreaterEqual, Implies, Less, LessEqual, Multiply, Or, Subtract,
+        };
+        if matches!(operator, And | Or | Implies) {
             let (a, b) = (self.truth(left), self.truth(right));
             let formula = Formula::Binary(operator, a?.formula.into(), b?.formula.into());
             return Some(Part { formula, sort: Sort::Truth, bounds: (0.0, 1.0) });
         }
-        let compares = |operator| matches!(operator, Less | LessEqual | Greater | GreaterEqual);
+        let compares = BinaryOperator::compares;
         if let ExpressionKind::Binary { operator: before, right: middle, .. } = &left.kind
             && compares(operator)
             && compares(*before)
@@ -295,7 +300,7 @@ impl Checker<'_> {
             }
             Add | Subtract => Sort::Quantity(a.dimension),
             Less | LessEqual | Greater | GreaterEqual => Sort::Truth,
-            And | Or => unreachable!("handled above"),
+            And | Or | Implies => unreachable!("handled above"),
         };
         if operator == Divide {
             self.away_from_zero(right.span, &b)?;
@@ -344,6 +349,9 @@ impl Checker<'_> {
     }
 
     fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<Part> {
+        if is_temporal(&name.text) {
+            return self.say(diagnostics::temporal_in_formula(name.span, &name.text));
+        }
         let known: Vec<&str> = FUNCTIONS.iter().map(|(name, ..)| *name).collect();
         let Some((_, function, _)) = FUNCTIONS.iter().find(|(known, ..)| *known == name.text) else {
             return self.say(diagnostics::unknown_function(name.span, &name.text, &known));

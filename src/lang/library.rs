@@ -18,6 +18,7 @@ const FILES: &[(&str, &str)] = &[
     ("paper_tables.scn", include_str!("library/paper_tables.scn")),
     ("pedestrians.scn", include_str!("library/pedestrians.scn")),
     ("r152.scn", include_str!("library/r152.scn")),
+    ("requirements.scn", include_str!("library/requirements.scn")),
     ("rewards.scn", include_str!("library/rewards.scn")),
     ("sensors.scn", include_str!("library/sensors.scn")),
     ("towns.scn", include_str!("library/towns.scn")),

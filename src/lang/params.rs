@@ -20,6 +20,7 @@ pub const DIMENSIONS: &[(&str, Dimension)] = &[
     ("time", Dimension::TIME),
     ("speed", Dimension::SPEED),
     ("acceleration", Dimension::ACCELERATION),
+    ("jerk", Dimension::JERK),
     ("angle", Dimension::ANGLE),
     ("frequency", Dimension::FREQUENCY),
     ("turn_rate", Dimension::TURN_RATE),

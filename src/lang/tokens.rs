@@ -75,7 +75,7 @@ impl Token {
 }
 
 /// The words that are not names.
-pub const KEYWORDS: [&str; 7] = ["on", "in", "and", "or", "not", "edition", "import"];
+pub const KEYWORDS: [&str; 8] = ["on", "in", "and", "or", "not", "implies", "edition", "import"];
 
 /// Operators and separators, the longer ones first.
 const SIGNS: [&str; 14] = ["=>", "..", "<=", ">=", "<", ">", "+", "-", "*", "/", "=", ":", ",", ";"];
@@ -152,7 +152,7 @@ fn next(text: &str, before: Before) -> Option<(TokenKind, usize)> {
         },
         first if first.is_ascii_digit() => (TokenKind::Number, number(bytes)),
         first if is_word(first) => match unit(bytes).filter(|_| first != b'_' && before != Before::Other) {
-            Some(length) if before == Before::In || !names_what_follows(&text[length..]) => (TokenKind::Unit, length),
+            Some(length) if before == Before::In || !names_what_follows(text, length) => (TokenKind::Unit, length),
             _ => word(text),
         },
         b'(' | b'[' | b'{' => (TokenKind::Open, 1),
@@ -206,9 +206,14 @@ fn unit(bytes: &[u8]) -> Option<usize> {
     Some(length)
 }
 
-/// Whether the word before this text is a key or block that the text belongs to.
-fn names_what_follows(text: &str) -> bool {
-    text.trim_start_matches([' ', '\t']).starts_with([':', '{'])
+/// Units that may come before the block of a requirement; no block has the name of one.
+const BEFORE_BLOCK: [&str; 12] = ["m/s^3", "m/s^2", "m/s", "km/h", "mph", "km", "cm", "ms", "m", "s", "deg", "rad"];
+
+/// Whether the word of this length at the start of a text is a key or block that the rest belongs to.
+fn names_what_follows(text: &str, length: usize) -> bool {
+    let (word, rest) = text.split_at(length);
+    let rest = rest.trim_start_matches([' ', '\t']);
+    rest.starts_with(':') || rest.starts_with('{') && !BEFORE_BLOCK.contains(&word)
 }
 
 fn count(bytes: &[u8], such: impl Fn(u8) -> bool) -> usize {

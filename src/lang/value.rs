@@ -11,6 +11,7 @@ use super::diagnostics;
 use super::formula::{Scope, Sort, formula};
 use super::library;
 use super::names::Names;
+use super::requirement::requirement;
 use base::diagnostic::{Diagnostic, Sources, Span};
 use base::signature::{Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
 use base::units::Dimension;
@@ -238,6 +239,10 @@ pub(super) fn value(
         }
         (Type::Formula(event), _) => {
             plain_number(expression, &scope_of(event, true, context), diagnostics).map(Value::Formula)
+        }
+        (Type::Requirement(event), _) => {
+            let scope = scope_of(event, true, context);
+            requirement(expression, &scope, context.sources, diagnostics).map(Value::Requirement)
         }
         (Type::Condition(event), _) => {
             let scope = scope_of(event, false, context);

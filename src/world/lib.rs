@@ -4,6 +4,7 @@ pub mod geometry;
 pub mod road;
 pub mod sim;
 pub mod av;
+pub mod requirement;
 pub mod env;
 pub mod judge;
 pub mod falsifier;

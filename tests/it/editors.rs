@@ -4,8 +4,8 @@ use std::path::Path;
 
 use base::units::UNIT_NAMES;
 use compile::Catalog;
-use lang::functions;
 use lang::tokens::{KEYWORDS, TokenKind, tokens};
+use lang::{functions, temporal_operators};
 use regex::Regex;
 use serde_json::Value;
 
@@ -36,7 +36,7 @@ fn the_words_are_the_languages() {
     let catalog = Catalog::builtin();
     assert_eq!(words("form"), sorted(catalog.forms.iter().map(|form| form.name)));
     assert_eq!(words("kind"), sorted(catalog.forms.iter().flat_map(|form| &form.kinds).map(|kind| kind.name)));
-    assert_eq!(words("function"), sorted(functions().map(|(name, _)| name)));
+    assert_eq!(words("function"), sorted(functions().chain(temporal_operators()).map(|(name, _)| name)));
     assert_eq!(words("variable"), sorted(catalog.vocabulary.variables.iter().map(|variable| variable.name)));
     assert_eq!(words("event"), sorted(catalog.vocabulary.events.iter().map(|event| event.name)));
     let units = words("unit");

@@ -311,7 +311,13 @@ fn values(ty: &Type, present: Option<&str>) -> Vec<String> {
             words.iter().map(|word| format!("\"{word}\"")).chain([format!("other_{form}")]).collect()
         }
         Type::List(item) => values(item, None).into_iter().map(|value| format!("[{value}]")).collect(),
-        Type::Text | Type::Path | Type::Point | Type::Pose | Type::Condition(_) | Type::Formula(_) => Vec::new(),
+        Type::Text
+        | Type::Path
+        | Type::Point
+        | Type::Pose
+        | Type::Condition(_)
+        | Type::Formula(_)
+        | Type::Requirement(_) => Vec::new(),
     }
 }
 
@@ -358,6 +364,7 @@ fn results(campaign: &Campaign) -> String {
     }
     for row in store.into_rows() {
         text.push_str(&shown(&row.outcome, row.verdict.as_ref()));
+        row.degrees.iter().for_each(|degree| text.push_str(&format!("{degree:?}\n")));
     }
     for search in &finished.searches {
         let _ = writeln!(text, "{} episodes from {} starts", search.spent.episodes, search.spent.starts);
@@ -386,7 +393,7 @@ fn tables(text: &str) -> String {
     let report = session.run(&options).unwrap();
     let place = report.reports().next().expect("a report was written").folder.clone();
     let read = |name: &str| std::fs::read_to_string(place.join(name)).unwrap_or_default();
-    ["published.csv", "protocol.csv"].map(read).concat()
+    ["published.csv", "protocol.csv", "requirements.csv"].map(read).concat()
 }
 
 /// What comes of a scenario: the tables of its report, or its episodes.
@@ -485,6 +492,7 @@ forms! {
     keys_of_trainings_change_outcomes: "training",
     keys_of_controllers_change_outcomes: "controller",
     keys_of_falsifiers_change_outcomes: "falsifier",
+    keys_of_requirements_change_outcomes: "requirement",
     keys_of_published_figures_change_tables: "published",
     keys_of_campaigns_change_outcomes: "campaign",
 }

@@ -54,6 +54,7 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         false_alarms: None,
         near_miss,
         motion: Default::default(),
+        degrees: Vec::new(),
         weight: 1.0,
     };
     (0..).zip(noted).map(row).collect()

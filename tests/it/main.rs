@@ -71,6 +71,7 @@ mod recorded_update;
 mod recordings;
 mod reference;
 mod release;
+mod requirements;
 mod replaying;
 mod resuming;
 mod road_reference;

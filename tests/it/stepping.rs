@@ -92,6 +92,7 @@ fn value(param: &Param, a: u16, b: u16) -> Option<String> {
             Type::List(item) if matches!(**item, Type::Condition(_)) => (*pick(REQUIRED, a)).to_string(),
             Type::List(item) => format!("[{}]", of(item, a, b)?),
             Type::Formula(_) => (*pick(PAID, a)).to_string(),
+            Type::Requirement(_) => (*pick(&["always(gap > 1 m)", "eventually(in_sight, [0 s, 1 s])"], a)).to_string(),
             Type::Condition(_) => (*pick(&["distance > 60 m", "elapsed > 0.4 s", "ahead < 0 m"], a)).to_string(),
             Type::Text | Type::Path | Type::Point | Type::Pose | Type::Reference(_) => return None,
         })

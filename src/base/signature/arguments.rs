@@ -1,4 +1,6 @@
-use super::{Distribution, Formula, Held};
+use std::sync::Arc;
+
+use super::{Distribution, Formula, Held, Requirement};
 
 /// Names a declaration of a checked program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -31,6 +33,8 @@ pub enum Value {
     List(Vec<Value>),
     /// A condition.
     Formula(Formula),
+    /// A requirement in temporal logic.
+    Requirement(Arc<Requirement>),
 }
 
 /// The checked values of a declaration, one for every key of its signature.

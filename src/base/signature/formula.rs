@@ -27,6 +27,8 @@ pub enum BinaryOperator {
     And,
     /// `or`
     Or,
+    /// `implies`
+    Implies,
 }
 
 /// A function of formulas.
@@ -84,6 +86,7 @@ impl Formula {
                     BinaryOperator::GreaterEqual => truth(a >= b),
                     BinaryOperator::And => truth(a != 0.0 && b != 0.0),
                     BinaryOperator::Or => truth(a != 0.0 || b != 0.0),
+                    BinaryOperator::Implies => truth(a == 0.0 || b != 0.0),
                 }
             }
             Formula::Call(function, arguments) => {
@@ -139,6 +142,11 @@ fn truth(always: bool, never: bool) -> Bounds {
 }
 
 impl BinaryOperator {
+    /// Whether it is `<`, `<=`, `>` or `>=`.
+    pub fn compares(self) -> bool {
+        matches!(self, Self::Less | Self::LessEqual | Self::Greater | Self::GreaterEqual)
+    }
+
     /// Bounds of the result for two values within bounds.
     pub fn bounds(self, (a, b): Bounds, (c, d): Bounds) -> Bounds {
         let found = match self {
@@ -153,6 +161,9 @@ impl BinaryOperator {
             BinaryOperator::GreaterEqual => truth(a >= d, b < c),
             BinaryOperator::And => truth(a > 0.0 && c > 0.0, (a == 0.0 && b == 0.0) || (c == 0.0 && d == 0.0)),
             BinaryOperator::Or => truth(a > 0.0 || c > 0.0, a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0),
+            BinaryOperator::Implies => {
+                BinaryOperator::Or.bounds(truth(a == 0.0 && b == 0.0, a > 0.0 || b < 0.0), (c, d))
+            }
         };
         if found.0.is_nan() || found.1.is_nan() { ANY } else { found }
     }
@@ -323,6 +334,7 @@ mod tests {
                 GreaterEqual,
                 BinaryOperator::And,
                 Or,
+                BinaryOperator::Implies,
             ]);
             let operator_of_same = prop::sample::select(vec![Multiply, Divide, Subtract, Less]);
             let function = prop::sample::select(vec![

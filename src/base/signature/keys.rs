@@ -1,6 +1,8 @@
 //! Keys as the fields of a struct, and words as the variants of an enum: declared once, checked, documented and read from there.
 
-use super::{Arguments, DeclarationId, Distribution, Formula, Param, Signature, Type, Value};
+use std::sync::Arc;
+
+use super::{Arguments, DeclarationId, Distribution, Formula, Param, Requirement, Signature, Type, Value};
 
 /// What a kind takes: its signature, and the struct that its checked values are read into. [`keys!`](crate::keys) declares both.
 pub trait Keys: Sized {
@@ -143,6 +145,7 @@ held! {
     Value::Range(low, high) => Some((*low, *high)), (f64, f64);
     Value::Distribution(distribution) => Some(distribution.clone()), Distribution;
     Value::Formula(formula) => Some(formula.clone()), Formula;
+    Value::Requirement(requirement) => Some(requirement.clone()), Arc<Requirement>;
     Value::Reference(id) => Some(*id), DeclarationId;
     Value::Boolean(truth) => Some(*truth), bool, Type::Boolean;
     Value::Text(text) => Some(text.clone()), String, Type::Text;

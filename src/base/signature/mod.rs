@@ -9,6 +9,7 @@ mod distribution;
 mod formula;
 mod keys;
 mod param;
+mod requirement;
 mod shape;
 
 pub use arguments::{Arguments, DeclarationId, Value};
@@ -16,4 +17,5 @@ pub use distribution::Distribution;
 pub use formula::{BinaryOperator, Bounds, Formula, Function, VariableId};
 pub use keys::{Choice, Field, Held, Keys, Plain};
 pub use param::{LEAST, MOST, Param, Type, bounds, short};
+pub use requirement::{Comparison, Requirement, Temporal, Within};
 pub use shape::{Event, Form, Signature, Variable, Vocabulary};

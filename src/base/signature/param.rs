@@ -73,6 +73,8 @@ pub enum Type {
     Condition(&'static str),
     /// A plain number over the variables that have a value at this event of the vocabulary.
     Formula(&'static str),
+    /// A requirement in temporal logic over the variables that have a value at this event of the vocabulary.
+    Requirement(&'static str),
 }
 
 impl Type {
@@ -180,6 +182,7 @@ impl Type {
             Type::List(item) => format!("list, each {}", item.describe()),
             Type::Condition(_) => "condition".into(),
             Type::Formula(_) => "formula of a plain number".into(),
+            Type::Requirement(_) => "condition in temporal logic".into(),
         }
     }
 }

@@ -112,6 +112,10 @@ pub struct Variable {
     pub dimension: Dimension,
     /// The bounds of its value in all situations, in SI.
     pub bounds: (f64, f64),
+    /// The difference of it (SI) that counts as 1 where a requirement compares quantities of different dimensions.
+    pub scale: f64,
+    /// Whether it is a condition, such as `in_sight`: 1 if it is true and 0 if not.
+    pub is_condition: bool,
     /// One sentence for the reference.
     pub doc: &'static str,
 }

@@ -8,6 +8,7 @@ use base::signature::DeclarationId;
 use lang::diagnostics;
 use learn::PpoConfig;
 use world::env::{EpisodeRule, PedestrianRole, PolicyMaker, RewardRule, SpawnRule};
+use world::requirement::NamedRequirement;
 use world::sim::VehicleBlueprint;
 
 /// The greatest number of decisions between two updates, over all environments.
@@ -31,6 +32,13 @@ pub(super) struct Usual {
     pub walker: Axis<PedestrianRole>,
     pub rule: Axis<EpisodeRule>,
     pub training: Option<Axis<(PpoConfig, usize)>>,
+    pub requirements: Required,
+}
+
+/// The requirements of a campaign.
+pub(super) struct Required {
+    pub ids: Vec<DeclarationId>,
+    pub all: Arc<[NamedRequirement]>,
 }
 
 impl Lowering<'_> {

@@ -57,9 +57,10 @@ impl Lowering<'_> {
         }
         note_towns(&mut campaign.towns, &ground.towns);
         for (place, (car, walker)) in ground.places().flat_map(|place| bodies().map(move |body| (place, body))) {
-            let ground = place.declarations(car, walker, &usual.rule);
+            let ground = [place.declarations(car, walker, &usual.rule).as_slice(), &usual.requirements.ids].concat();
             let mut scenario = |rule: &RewardRule, declared: &[DeclarationId]| {
-                let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, rule);
+                let scenario =
+                    place.scenario(&car.value, &walker.value, &usual.rule.value, rule, &usual.requirements.all);
                 let parts = [ground.as_slice(), declared].concat();
                 (scenario, self.fingerprint(&parts), self.programs(&parts))
             };

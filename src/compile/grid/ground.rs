@@ -18,6 +18,7 @@ use world::env::{
     VehicleRole,
 };
 use world::judge::ReferenceOracle;
+use world::requirement::NamedRequirement;
 use world::sim::VehicleBlueprint;
 
 /// The acceleration of free fall (m/s²).
@@ -47,13 +48,14 @@ pub(super) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// The scenario with these bodies, rules and rewards.
+    /// The scenario with these bodies, rules, rewards and requirements.
     pub fn scenario(
         &self,
         car: &VehicleBlueprint,
         walker: &PedestrianRole,
         rule: &EpisodeRule,
         reward: &RewardRule,
+        requirements: &Arc<[NamedRequirement]>,
     ) -> Arc<Scenario> {
         let grip = rule.friction.map_or(car.grip, |friction| friction * GRAVITY);
         let blueprint = VehicleBlueprint { grip, ..car.clone() };
@@ -65,6 +67,8 @@ impl Place<'_> {
             reward: reward.clone(),
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
             episode: rule.clone(),
+            requirements: requirements.clone(),
+            goal: None,
         })
     }
 

@@ -12,7 +12,7 @@ use super::campaign::{CampaignKeys, PlaceKeys};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
 use super::{policy, published};
-use axis::Usual;
+use axis::{Required, Usual};
 use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
@@ -25,10 +25,14 @@ impl Lowering<'_> {
     pub fn campaign(&mut self, declaration: &Declaration) -> Campaign {
         let block = &declaration.block;
         let keys: CampaignKeys = block.keys();
+        let rule = self.episode(keys.episode);
+        let ids = keys.requirements.unwrap_or_default();
+        let all = self.requirements(block, "requirements", &ids, &rule.value).into();
         let usual = Usual {
             car: self.vehicle(keys.vehicle),
             walker: self.adversary(keys.adversary),
-            rule: self.episode(keys.episode),
+            rule,
+            requirements: Required { ids, all },
             training: keys.training.map(|id| self.training(id)),
         };
         let mut campaign = Campaign {
@@ -36,6 +40,7 @@ impl Lowering<'_> {
             docs: declaration.docs.clone(),
             settings: Vec::new(),
             words: Vec::new(),
+            requirements: usual.requirements.all.clone(),
             towns: Vec::new(),
             drivers: self.drivers(block),
             trainings: Vec::new(),

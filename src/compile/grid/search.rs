@@ -10,8 +10,9 @@ use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::Block;
 use learn::PpoConfig;
-use world::env::RewardRule;
+use world::env::{RewardRule, Scenario};
 use world::falsifier::Falsifier;
+use world::requirement::NamedRequirement;
 
 /// A falsifier of a `search` block.
 struct Rival {
@@ -21,6 +22,15 @@ struct Rival {
     /// It, and the training of its pedestrians if it does not name one itself.
     declarations: Vec<DeclarationId>,
     falsifier: Arc<dyn Falsifier>,
+}
+
+/// The goal of a `search` block.
+struct SearchGoal {
+    /// The requirements of the campaign, and the goal if it is none of them.
+    requirements: Arc<[NamedRequirement]>,
+    place: Option<usize>,
+    /// The declaration of the goal, for the fingerprint: once after the requirements of the campaign, and once more if it is none of them.
+    declared: Vec<DeclarationId>,
 }
 
 impl Lowering<'_> {
@@ -43,10 +53,15 @@ impl Lowering<'_> {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
+        let goal = self.goal(block, keys.goal, usual);
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
-            let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
+            let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1, &goal.requirements);
+            let scenario = match goal.place {
+                Some(_) => Arc::new(Scenario { goal: goal.place, ..Scenario::clone(&scenario) }),
+                None => scenario,
+            };
             let ground = place.declarations(&usual.car, adversary, &usual.rule);
-            let parts = [ground.as_slice(), &rival.declarations].concat();
+            let parts = [ground.as_slice(), &usual.requirements.ids, &goal.declared, &rival.declarations].concat();
             let (fingerprint, programs) = (self.fingerprint(&parts), self.programs(&parts));
             campaign.searches.extend((0..keys.runs).map(|run| Search {
                 key: SearchKey {
@@ -66,6 +81,24 @@ impl Lowering<'_> {
                 fingerprint,
                 programs: programs.clone(),
             }));
+        }
+    }
+
+    fn goal(&mut self, block: &Block, goal: Option<DeclarationId>, usual: &Usual) -> SearchGoal {
+        let own = &usual.requirements;
+        let Some(id) = goal else {
+            return SearchGoal { requirements: own.all.clone(), place: None, declared: Vec::new() };
+        };
+        let known = own.ids.iter().position(|other| *other == id);
+        let mut requirements = own.all.to_vec();
+        let place = known.unwrap_or_else(|| {
+            requirements.extend(self.requirements(block, "goal", &[id], &usual.rule.value));
+            requirements.len() - 1
+        });
+        SearchGoal {
+            requirements: requirements.into(),
+            place: Some(place),
+            declared: vec![id; 1 + usize::from(known.is_none())],
         }
     }
 

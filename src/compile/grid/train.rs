@@ -35,7 +35,8 @@ impl Lowering<'_> {
         let (config, environments) = &training.value;
         for places in groups(ground.places().collect(), together) {
             for reward in &paid {
-                let scenario_of = |place: &Place<'_>| place.scenario(car, walker, &usual.rule.value, &reward.value);
+                let scenario_of =
+                    |place: &Place<'_>| place.scenario(car, walker, &usual.rule.value, &reward.value, &[].into());
                 let scenarios: Vec<_> =
                     places.iter().map(|place| (place.town.name.to_string(), scenario_of(place))).collect();
                 let ground: Vec<DeclarationId> = places

@@ -405,6 +405,32 @@ pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -
     )
 }
 
+/// A temporal operator stands inside a formula of quantities.
+pub fn temporal_in_formula(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, format!("`{word}` belongs in a requirement, around conditions"))
+        .help("declare one: `requirement name = always(gap > 0.5 m)`; a campaign names it in `requirements`")
+}
+
+/// A bound has not two ends.
+pub fn wrong_bound(span: Span, found: usize) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, format!("a bound has two times, found {found}"))
+        .help("from and to, both included, after the present sample: `[0 s, 2 s]`")
+}
+
+/// A comparison has the same result for all values of its variables.
+pub fn foregone(span: Span, truth: bool) -> Diagnostic {
+    Diagnostic::error("foregone", span, format!("this comparison is always {truth}"))
+        .here("so it is for all values within the bounds of what it names")
+        .help("`falsify explain NAME` gives the bounds of a variable")
+}
+
+/// A requirement without a temporal operator.
+pub fn only_at_start(span: Span, written: &str) -> Diagnostic {
+    Diagnostic::warning("start-only", span, "this requirement is about the start of an episode only")
+        .here("without `always`, `eventually` or `until` only the first sample counts")
+        .fix(format!("always({written})"))
+}
+
 /// Two clauses name the same event.
 pub fn duplicate_clause(span: Span, first: Span) -> Diagnostic {
     Diagnostic::error("duplicate-clause", span, "this event already has a clause").label(first, "the first is here")

@@ -70,6 +70,30 @@ pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
         .help("`falsify check --sample 1000` shows what each constraint leaves")
 }
 
+/// A bound of a requirement reaches beyond the end of the longest episode (s).
+pub fn bound_too_long(span: Span, formula: Span, name: &str, end: f64, length: f64) -> Diagnostic {
+    contradiction(
+        span,
+        format!("a bound of `{name}` ends {} s after the start, and the episode lasts {} s", short(end), short(length)),
+    )
+    .label(formula, "the formula is here")
+    .help("samples after the end do not exist: shorten the bound, or give the `episode` more `ticks`")
+}
+
+/// No tick lies in a bound of a requirement.
+pub fn bound_between_ticks(span: Span, formula: Span, name: &str, bound: &str, tick: f64) -> Diagnostic {
+    contradiction(span, format!("no tick lies in the bound `{bound}` of `{name}`"))
+        .label(formula, "the formula is here")
+        .help(format!("ticks are {} s apart; the present sample is at 0 s", short(tick)))
+}
+
+/// Two requirements demand values of one quantity that exclude each other.
+pub fn requirements_clash(span: Span, other: Span, names: (&str, &str), texts: (&str, &str)) -> Diagnostic {
+    contradiction(span, format!("no episode satisfies both `{}` and `{}`", names.0, names.1))
+        .here(format!("demands `{}`", texts.1))
+        .label(other, format!("demands `{}`", texts.0))
+}
+
 /// Few starts satisfy all constraints.
 pub fn rare_starts(span: Span, town: &str, found: &str) -> Diagnostic {
     Diagnostic::warning("rare-starts", span, format!("few starts in `{town}` satisfy all constraints: {found}"))

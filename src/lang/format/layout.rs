@@ -222,7 +222,7 @@ fn bracket<'a>(open: &Token<'a>, members: &[Member<'a>], close: &'a str) -> Doc<
 }
 
 fn is_operator(node: &Node) -> bool {
-    const OPERATORS: [&str; 10] = ["+", "-", "*", "/", "<", "<=", ">", ">=", "and", "or"];
+    const OPERATORS: [&str; 11] = ["+", "-", "*", "/", "<", "<=", ">", ">=", "and", "or", "implies"];
     let Node::Token(token) = node else { return false };
     matches!(token.kind, TokenKind::Sign | TokenKind::Keyword) && !token.prefix && OPERATORS.contains(&token.text)
 }

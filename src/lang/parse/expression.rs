@@ -9,6 +9,7 @@ use super::{Reader, inner_text, read_number};
 use crate::ast::{Entry, Expression, ExpressionKind, Name, Operator};
 use crate::diagnostics;
 use crate::formula::is_function;
+use crate::requirement::is_temporal;
 use crate::value::distributions;
 use base::diagnostic::Span;
 use base::signature::short;
@@ -71,7 +72,8 @@ impl Reader {
             if joined {
                 self.diagnostics.push(diagnostics::tolerance(left.span.to(right.span), around(&left, &right)));
             }
-            let right = self.operations(right, pairs, tightness + 1);
+            let groups_right = tightness == IMPLIES;
+            let right = self.operations(right, pairs, if groups_right { tightness } else { tightness + 1 });
             let span = left.span.to(right.span);
             let kind = ExpressionKind::Binary { operator, left: left.into(), right: right.into() };
             left = Expression { kind, span };
@@ -163,7 +165,9 @@ impl Reader {
                     self.ask_about_commas(text, &arguments);
                 }
                 // Kinds have keys; they may be in place of a name.
-                let is_function = is_function(&function.text) || distributions().any(|name| name == function.text);
+                let is_function = is_function(&function.text)
+                    || is_temporal(&function.text)
+                    || distributions().any(|name| name == function.text);
                 if !named.is_empty() && is_function {
                     let written = |value: &Expression| &text[value.span.start..value.span.end];
                     let values: Vec<&str> = arguments.iter().map(written).collect();
@@ -252,7 +256,9 @@ fn around(middle: &Expression, less: &Expression) -> Option<String> {
 }
 
 /// The precedence of comparisons: below that of their operands, above that of `and` and `or`.
-const COMPARISON: u8 = 2;
+const COMPARISON: u8 = 3;
+/// That of `implies`, which groups to the right: `a implies b implies c` is `a implies (b implies c)`.
+const IMPLIES: u8 = 0;
 
 /// An operator and its precedence; none for another pair.
 fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
@@ -260,21 +266,22 @@ fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
         return None;
     }
     Some(match pair.as_str() {
-        "AND" => (Operator::And, 1),
+        "AND" => (Operator::And, 2),
         "gt" | "above" | "exceeds" | "ge" | "gte" | "==" => (Operator::Greater, COMPARISON),
         "lt" | "below" | "le" | "lte" | "=<" => (Operator::Less, COMPARISON),
-        "^" | "**" => (Operator::Multiply, 4),
-        "OR" | "if" | "elif" | "else" | "then" => (Operator::Or, 0),
-        "or" => (Operator::Or, 0),
-        "and" => (Operator::And, 1),
+        "^" | "**" => (Operator::Multiply, 5),
+        "OR" | "if" | "elif" | "else" | "then" => (Operator::Or, 1),
+        "implies" | "->" => (Operator::Implies, IMPLIES),
+        "or" => (Operator::Or, 1),
+        "and" => (Operator::And, 2),
         "<" => (Operator::Less, COMPARISON),
         "<=" => (Operator::LessEqual, COMPARISON),
         ">" => (Operator::Greater, COMPARISON),
         ">=" => (Operator::GreaterEqual, COMPARISON),
-        "+" => (Operator::Add, 3),
-        "-" => (Operator::Subtract, 3),
-        "*" => (Operator::Multiply, 4),
-        "/" => (Operator::Divide, 4),
+        "+" => (Operator::Add, 4),
+        "-" => (Operator::Subtract, 4),
+        "*" => (Operator::Multiply, 5),
+        "/" => (Operator::Divide, 5),
         other => unreachable!("`{other}` is no operator"),
     })
 }

@@ -40,6 +40,7 @@ fn words(rule: Rule, text: &str) -> Words {
             ("measured quantities are never exactly equal: use `<=` and `>=`, or give a range", None)
         }
         (Rule::wrong_infix, "**" | "^") => ("there are no powers: multiply, as in `v_c * v_c`", None),
+        (Rule::wrong_infix, "->") => instead("write `implies`", "implies"),
         (Rule::wrong_infix, _) => (NO_IF, None),
         (Rule::wrong_prefix, "+") => instead("a number needs no `+`", ""),
         (Rule::wrong_prefix, _) => ("write both ends: `-60 deg .. 60 deg`", None),

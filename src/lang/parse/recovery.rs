@@ -195,7 +195,7 @@ fn open_end(source: &str, start: usize, text: &str) -> Option<Range<usize>> {
     const MOST: usize = 4096;
     let open = |token: &Token, text: &str| match token.kind {
         TokenKind::Sign => !matches!(token.text(text), "," | ";" | "="),
-        TokenKind::Keyword => matches!(token.text(text), "and" | "or" | "not"),
+        TokenKind::Keyword => matches!(token.text(text), "and" | "or" | "not" | "implies"),
         _ => false,
     };
     if text.starts_with(':') {
@@ -238,6 +238,9 @@ fn describe(rule: Rule) -> Option<&'static str> {
         Rule::conversion => "`in`",
         Rule::EOI | Rule::whole_item | Rule::whole_entry | Rule::whole_value => "the end of the statement",
         Rule::b
+        | Rule::stated
+        | Rule::before_block
+        | Rule::requirement_word
         | Rule::COMMENT
         | Rule::doc
         | Rule::docs

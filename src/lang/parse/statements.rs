@@ -12,6 +12,8 @@ use base::diagnostic::Span;
 
 /// The form whose values are lists of alternatives.
 const MATRIX: &str = "matrix";
+/// The key that `requirement name = value` gives.
+const STATED: &str = "formula";
 
 impl Reader {
     pub(super) fn item(&mut self, pair: Pair<Rule>, file: &mut File) {
@@ -168,7 +170,11 @@ impl Reader {
         for part in pair.into_inner() {
             match part.as_rule() {
                 Rule::doc => docs.push(part.as_str()[3..].trim().to_string()),
-                Rule::name => names.push(self.name(part)),
+                Rule::name | Rule::requirement_word => names.push(self.name(part)),
+                Rule::value => {
+                    let key = Name { text: STATED.into(), span: self.span(&part) };
+                    entries.push(Entry::Property(Property { key, value: self.whole_value(part) }));
+                }
                 Rule::odd_name => {
                     self.mistake(&part);
                     let text = part.as_str().trim_matches('"').replace(|c: char| !c.is_ascii_alphanumeric(), "_");

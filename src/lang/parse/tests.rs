@@ -80,7 +80,7 @@ fn leaves(text: &str) -> Option<Vec<(TokenKind, usize, usize)>> {
 fn as_leaves(text: &str) -> Vec<(TokenKind, usize, usize)> {
     use TokenKind::{Doc, Keyword, Name, Number, Text, Unit};
     let is_leaf = |token: &tokens::Token| match token.kind {
-        Keyword => !["in", "and", "or", "not"].contains(&token.text(text)),
+        Keyword => !["in", "and", "or", "not", "implies"].contains(&token.text(text)),
         kind => matches!(kind, Doc | Name | Number | Text | Unit),
     };
     tokens::tokens(text).filter(is_leaf).map(|token| (token.kind, token.start, token.end)).collect()

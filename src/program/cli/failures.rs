@@ -48,6 +48,9 @@ pub struct FailuresArgs {
     /// Only failures whose kind has all of these words, as front,occluded,cruise.
     #[arg(long, value_delimiter = ',', value_name = "WORDS")]
     pub kind: Vec<String>,
+    /// Only violations of these requirements of the campaign.
+    #[arg(long, value_delimiter = ',', value_name = "NAME")]
+    pub requirement: Vec<String>,
     /// Only failures in which the car was at least this fast at the touch (m/s).
     #[arg(long, default_value_t = 0.0, value_name = "SPEED")]
     pub min_speed: f64,
@@ -99,6 +102,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
             drivers: options.driver.clone(),
             controllers: options.controller.clone(),
             kind: options.kind.clone(),
+            requirements: options.requirement.clone(),
             min_speed: options.min_speed,
         },
         distinct: options.distinct,

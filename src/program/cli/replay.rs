@@ -123,6 +123,22 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     let differences = repeated.differences.iter().map(
         |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
     );
+    let scenario = &repeated.scenario;
+    let degrees = scenario.requirements.iter().zip(repeated.trace.degrees());
+    let requirements: Vec<_> = degrees
+        .map(|(named, degree)| {
+            let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
+            json!({
+                "requirement": &*named.name,
+                "violated": degree.is_violated(),
+                "robustness": degree.robustness,
+                "unit": report::unit_of(named),
+                "scaled": named.requirement.is_scaled(),
+                "instant_s": (f64::from(degree.sample) * scenario.episode.tick).min(outcome.duration),
+                "part": part.map(|part| &part.text),
+            })
+        })
+        .collect();
     let commands = repeated.trace.decisions(0).iter();
     let commands = commands.map(|command| json!({ "heading_rad": command.heading, "speed_mps": command.speed }));
     json!({
@@ -142,6 +158,7 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
         "verdict": repeated.verdict.map(|verdict| verdict.label.name()),
         "fault": repeated.verdict.map(|verdict| verdict.is_fault()),
         "warning_s": repeated.verdict.map(|verdict| verdict.warning),
+        "requirements": requirements,
         "digest": format!("{:016x}", outcome.digest),
         "events": events.collect::<Vec<_>>(),
         "commands": commands.collect::<Vec<_>>(),

@@ -9,7 +9,7 @@ use super::workspace::beside;
 use base::signature::{Param, Signature, Type};
 use base::units::{Dimension, UNIT_NAMES};
 use compile::Catalog;
-use lang::{DIMENSIONS, OTHER_TYPES, ast, distributions, functions, library};
+use lang::{DIMENSIONS, OTHER_TYPES, ast, distributions, functions, library, temporal_operators};
 
 /// The possible completions at the cursor of a file.
 pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible, file: &Path) -> Vec<CompletionItem> {
@@ -137,6 +137,10 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
             words(choices).into_iter().chain(declared).collect()
         }
         Type::Condition(event) | Type::Formula(event) => formula(catalog, Some(event)),
+        Type::Requirement(event) => {
+            let operators = temporal_operators().map(|(name, doc)| item(name, CompletionItemKind::FUNCTION, doc));
+            operators.chain(formula(catalog, Some(event))).collect()
+        }
         Type::Distribution { .. } => distributions().map(|name| item(name, CompletionItemKind::FUNCTION, "")).collect(),
         other => referred(other).map_or_else(Vec::new, |form| visible.of_form(form).filter_map(declared).collect()),
     };
@@ -167,6 +171,6 @@ fn formula(catalog: &Catalog, event: Option<&str>) -> Vec<CompletionItem> {
         ..item(variable.name, CompletionItemKind::VARIABLE, variable.doc)
     });
     let functions = functions().map(|(name, doc)| item(name, CompletionItemKind::FUNCTION, doc));
-    let words = ["and", "or", "not", "in"].map(|word| item(word, CompletionItemKind::KEYWORD, ""));
+    let words = ["and", "or", "not", "implies", "in"].map(|word| item(word, CompletionItemKind::KEYWORD, ""));
     variables.chain(functions).chain(words).collect()
 }

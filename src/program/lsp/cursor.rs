@@ -235,7 +235,7 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: 
         Some(last) if last.text == "=" => return behind(3).map_or(Place::Nothing, |form| Place::Kind(form.text)),
         _ => {}
     }
-    let open = last.is_none_or(|last| last.is_open() || matches!(last.text, "and" | "or" | "not"));
+    let open = last.is_none_or(|last| last.is_open() || matches!(last.text, "and" | "or" | "not" | "implies"));
     if frame.formula && (open || !frame.keys) {
         return Place::Formula;
     }

@@ -6,7 +6,7 @@ use super::visible::Visible;
 use base::signature::{Param, Type, bounds};
 use base::units::parse_unit;
 use compile::Catalog;
-use lang::{DIMENSIONS, ast, functions};
+use lang::{DIMENSIONS, ast, functions, temporal_operators};
 
 /// The hover text of the word at the cursor; of the name of a declaration it is the same as where the name is used.
 pub fn hover(cursor: &Cursor, byte: usize, catalog: &Catalog, visible: Visible) -> Option<Hover> {
@@ -96,7 +96,7 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
 /// Whether a value is a formula.
 fn speaks(ty: &Type) -> bool {
     match ty {
-        Type::Condition(_) | Type::Formula(_) => true,
+        Type::Condition(_) | Type::Formula(_) | Type::Requirement(_) => true,
         Type::List(item) => speaks(item),
         _ => false,
     }
@@ -104,7 +104,7 @@ fn speaks(ty: &Type) -> bool {
 
 /// A function or a variable of formulas.
 fn part(word: &str, catalog: &Catalog) -> Option<String> {
-    if let Some((_, doc)) = functions().find(|(name, _)| *name == word) {
+    if let Some((_, doc)) = functions().chain(temporal_operators()).find(|(name, _)| *name == word) {
         return Some(format!("**{word}(…)** {doc}"));
     }
     let variable = catalog.vocabulary.variables.iter().find(|variable| variable.name == word)?;

@@ -10,7 +10,7 @@ use super::references::declared_names;
 use super::visible::Visible;
 use base::diagnostic::Lines;
 use compile::Catalog;
-use lang::{ast, functions};
+use lang::{ast, functions, temporal_operators};
 
 /// The types of words, in the order of their numbers.
 pub const TYPES: [SemanticTokenType; 9] = [
@@ -47,7 +47,7 @@ pub fn semantic_tokens(root: &ast::File, text: &str, visible: Visible, catalog: 
         Place::Param | Place::Axis => Some(SemanticTokenType::PARAMETER),
         Place::Imported(_) | Place::ParamValue { .. } | Place::AxisValue(_) => named(word),
         Place::Value(param) if referred(&param.ty).is_some() => named(word),
-        Place::Value(_) | Place::Formula if functions().any(|(name, _)| name == word) => {
+        Place::Value(_) | Place::Formula if functions().chain(temporal_operators()).any(|(name, _)| name == word) => {
             Some(SemanticTokenType::FUNCTION)
         }
         Place::Value(_) | Place::Formula if params.contains(word) => Some(SemanticTokenType::PARAMETER),

@@ -167,7 +167,10 @@ impl Sides {
         for pair in pairs {
             let filter = FailureFilter { drivers: vec![pair.before.clone()], ..FailureFilter::default() };
             let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
-            for failure in self.old.report.failures(&filter)? {
+            // A violation of a requirement that is no collision has no verdict to compare.
+            let collisions =
+                self.old.report.failures(&filter)?.into_iter().filter(|failure| failure.violation.is_none());
+            for failure in collisions {
                 let name = EpisodeName::of_table(failure.name())?;
                 runs.entry(name.run).or_default().push(failure);
             }

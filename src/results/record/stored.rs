@@ -9,9 +9,10 @@ use polars_io::parquet::read::ParquetReader;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::columns::{COLLISION, EPISODE, ERROR, FRONT, OUTCOME};
+use super::degrees::{self, append};
 use super::episodes::{named, outcome_table, repeated_key};
 use super::parquet_reader::read_parquet;
-use super::{EpisodeRow, RunKey, Tally};
+use super::{DEGREES, EpisodeRow, RunKey, Tally, with_degrees};
 
 /// Some episodes of a run.
 #[derive(Debug, Clone)]
@@ -37,8 +38,7 @@ impl Chunk {
         let mut rows = self.outcomes.head(Some(wanted.len()));
         let done = rows.height() as u32;
         if !self.error.is_empty() {
-            rows.vstack_mut(&in_error(wanted.start + done..wanted.end, &self.error)?)?;
-            rows.rechunk_mut();
+            append(&mut rows, in_error(wanted.start + done..wanted.end, &self.error)?)?;
         }
         let mut columns = repeated_key(key, rows.height());
         columns.extend(rows.columns().iter().cloned());
@@ -77,10 +77,10 @@ fn in_error(episodes: Range<u32>, error: &str) -> PolarsResult<DataFrame> {
 /// Those of polars; none if `before` is an encoding.
 pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u8>, u64)> {
     let mut table = outcome_table().frame(rows);
+    degrees::add(&mut table, rows)?;
     if let Some(before) = before {
         let mut all = decode(before)?;
-        all.vstack_mut(&table)?;
-        all.rechunk_mut();
+        append(&mut all, table)?;
         table = all;
     }
     let mut bytes = Vec::new();
@@ -102,6 +102,10 @@ pub fn tally(bytes: &[u8]) -> PolarsResult<Tally> {
 /// The bytes are not Parquet, or have other columns.
 pub fn decode(bytes: &[u8]) -> PolarsResult<DataFrame> {
     let table = read_parquet(ParquetReader::new(Cursor::new(bytes.to_vec())), bytes.len() as u64)?;
-    outcome_table().frame(&[]).schema().ensure_is_exact_match(table.schema())?;
+    let mut known = outcome_table().frame(&[]);
+    if table.get_column_index(DEGREES.name).is_some() {
+        with_degrees(&mut known)?;
+    }
+    known.schema().ensure_is_exact_match(table.schema())?;
     Ok(table)
 }

@@ -14,6 +14,7 @@ pub fn catalogue() -> Vec<TableReference> {
         metric_table_reference(),
         episode_references(),
         reference_driver_columns(),
+        aggregate::requirement_table().reference(),
         runs,
         infer::comparison_columns().reference(),
         infer::transfer_columns().reference(),

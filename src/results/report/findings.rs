@@ -1,6 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::aggregate::run_columns;
+use super::aggregate::{run_columns, with_rates};
 use super::caution::{Caution, cautions};
 use super::failure_modes::CellModes;
 use super::metric_table::metric_table;
@@ -58,11 +58,13 @@ impl<'a> Findings<'a> {
         let metrics = Metrics::of_runs(gathered.runs.clone())?;
         let cells = metrics.cells()?;
         let evidence = &gathered.evidence.cells;
-        let cell_table = evident_cells(&metrics.cells, evidence)?;
         let searches = search_cells(&finished.searches);
+        let required = &gathered.requirements;
+        let keys: Vec<_> = cells.iter().map(|cell| &cell.key).collect();
+        let cell_table = with_rates(evident_cells(&metrics.cells, evidence)?, &keys, required)?;
         Ok(Self {
             runs: metrics.runs.select(run_columns())?,
-            metrics: metric_table(&cell_table, &cells, evidence)?,
+            metrics: metric_table(&cell_table, &cells, evidence, required)?,
             cell_table,
             drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, &finished.searches),
             modes: modes.finish(),

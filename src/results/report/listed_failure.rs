@@ -5,11 +5,14 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{DataFrame, PolarsResult, StringChunked};
 
-use super::aggregate::{FAILURE, FALSIFIER, START};
+use super::aggregate::{
+    AT_COLLISION, COUNTS, FAILURE, FALSIFIER, INSTANT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, START,
+    VIOLATED,
+};
 use crate::analysis::Impact;
 use crate::record::columns::{
-    DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID, TOWN,
-    VERDICT,
+    DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID,
+    TOWN, VERDICT,
 };
 use crate::record::{EpisodeTable, RunKey};
 use world::av::DrivingMode;
@@ -28,6 +31,8 @@ pub enum FailureClass {
     MachinePreventable,
     /// No driver avoids it by braking.
     Unpreventable,
+    /// A requirement is violated, without a verdict.
+    Violation,
     /// The car stood.
     Bump,
     /// There is no verdict: a driver that is not deterministic did not repeat it.
@@ -89,8 +94,37 @@ pub struct ListedFailure {
     pub driving_mode: String,
     /// Speed of the car at the touch (m/s).
     pub impact_speed: f64,
-    /// Time from the start of the episode to the touch (s).
+    /// Time from the start of the episode to the touch, or to the sample that decides a violation (s).
     pub length: f64,
+    /// The requirement that is violated; none of a collision or a bump.
+    pub violation: Option<Violation>,
+}
+
+/// A violation of a requirement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Violation {
+    pub requirement: String,
+    /// The rank of the requirement; 1 is the most important.
+    pub priority: u32,
+    /// Below 0, or -0.
+    pub robustness: f64,
+    /// The unit of the robustness; empty where it is scaled.
+    pub unit: String,
+    /// The comparison that decides.
+    pub part: String,
+    /// Whether it is decided at the touch of a collision, which is a failure by itself.
+    pub at_collision: bool,
+}
+
+impl Violation {
+    /// As `slow_pass by 0.31 m/s: ego_speed < 3 m/s`.
+    fn text(&self) -> String {
+        let by = match self.robustness.is_finite() && self.robustness != 0.0 {
+            true => format!(" by {:.2} {}", -self.robustness, self.unit).trim_end().to_string(),
+            false => String::new(),
+        };
+        format!("{}{by}: {}", self.requirement, self.part)
+    }
 }
 
 impl ListedFailure {
@@ -99,8 +133,11 @@ impl ListedFailure {
         format!("{}:{}", self.run, self.number)
     }
 
-    /// Its kind without the verdict, as `front, occluded, cruise`.
+    /// Its kind without the verdict, as `front, occluded, cruise`; of a violation what is violated.
     pub fn kind(&self) -> String {
+        if let Some(violation) = &self.violation {
+            return violation.text();
+        }
         let occluded = if self.occluded { "occluded, " } else { "" };
         format!("{}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
     }
@@ -112,6 +149,9 @@ impl ListedFailure {
 
     /// What it is called in lists: [`Label::word`].
     pub fn word(&self) -> &'static str {
+        if self.violation.is_some() {
+            return "violation";
+        }
         self.verdict.map_or("not judged", |label| label.word(self.fault))
     }
 
@@ -135,7 +175,10 @@ impl ListedFailure {
 
     /// How much it counts against the driver.
     pub fn class(&self) -> FailureClass {
-        FailureClass::new(self.verdict, self.fault)
+        match self.violation {
+            Some(_) => FailureClass::Violation,
+            None => FailureClass::new(self.verdict, self.fault),
+        }
     }
 }
 
@@ -159,7 +202,10 @@ impl FailureOrder {
     pub fn compare(self, a: &ListedFailure, b: &ListedFailure) -> Ordering {
         let faster = || b.impact_speed.total_cmp(&a.impact_speed);
         match self {
-            Self::Severity => a.class().cmp(&b.class()).then_with(faster),
+            Self::Severity => {
+                let rank = |failure: &ListedFailure| failure.violation.as_ref().map_or(0, |found| found.priority);
+                a.class().cmp(&b.class()).then_with(|| rank(a).cmp(&rank(b))).then_with(faster)
+            }
             Self::Speed => faster(),
             Self::Time => a.length.total_cmp(&b.length),
             Self::Report => Ordering::Equal,
@@ -204,6 +250,7 @@ pub fn touches(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>>
             driving_mode: table.driving_mode(row).map_or("", DrivingMode::name).into(),
             impact_speed: table.impact_speed(row).unwrap_or_default(),
             length: table.length(row).unwrap_or_default(),
+            violation: None,
         };
         Ok((row, failure))
     };
@@ -250,8 +297,55 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
         driving_mode: text(modes, row),
         impact_speed: impact_speeds.get(row).unwrap_or_default(),
         length: lengths.get(row).unwrap_or_default(),
+        violation: None,
     };
     Ok((0..rows.height()).map(failure).collect())
+}
+
+/// The violations in a part of the table of requirements that count.
+///
+/// # Errors
+/// A column is missing or holds something else.
+pub fn violations(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
+    let (episodes, names, priorities) = (EPISODE.read(rows)?, REQUIREMENT.read(rows)?, PRIORITY.read(rows)?);
+    let (violated, counts) = (VIOLATED.read(rows)?, COUNTS.read(rows)?);
+    let (robustness, units) = (ROBUSTNESS.read(rows)?, ROBUSTNESS_UNIT.read(rows)?);
+    let (instants, parts, at_collision) = (INSTANT.read(rows)?, PART.read(rows)?, AT_COLLISION.read(rows)?);
+    let text = |column: &StringChunked, row: usize| column.get(row).unwrap_or_default().to_string();
+    let failure = |row: usize| {
+        let RunKey { id, cell, .. } = RunKey::read(rows, row)?;
+        let number = u64::from(episodes.get(row).unwrap_or_default());
+        Ok(ListedFailure {
+            run: id.to_string(),
+            number,
+            start: number,
+            controller: cell.controller,
+            searched: false,
+            reward: cell.reward,
+            train_town: cell.train_town,
+            train_policy: cell.train_policy,
+            town: cell.town,
+            policy: cell.policy,
+            verdict: None,
+            foreseeable: false,
+            fault: false,
+            impact: String::new(),
+            occluded: false,
+            driving_mode: String::new(),
+            impact_speed: 0.0,
+            length: instants.get(row).unwrap_or_default(),
+            violation: Some(Violation {
+                requirement: text(names, row),
+                priority: priorities.get(row).unwrap_or_default(),
+                robustness: robustness.get(row).unwrap_or_default(),
+                unit: text(units, row),
+                part: text(parts, row),
+                at_collision: at_collision.get(row) == Some(true),
+            }),
+        })
+    };
+    let wanted = |row: &usize| violated.get(*row) == Some(true) && counts.get(*row) == Some(true);
+    (0..rows.height()).filter(wanted).map(failure).collect()
 }
 
 fn is_occluded(in_sight: Option<f64>) -> bool {
@@ -282,6 +376,7 @@ pub(crate) mod tests {
             driving_mode: "emergency_stop".into(),
             impact_speed: speed,
             length: 10.0 - speed,
+            violation: None,
         }
     }
 

@@ -1,6 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::aggregate::Cell;
+use super::aggregate::{Cell, CellRequirement};
 use super::infer::{CellEvidence, Figure, Learning, QUANTILES, Quantiles, reference_metrics};
 use crate::record::metric::{MEAN, SD};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Metric, Table, TableReference, cell_key, metrics};
@@ -38,7 +38,12 @@ struct Row<'a> {
 ///
 /// # Errors
 /// Those of polars; none for the table and the evidence of these cells.
-pub fn metric_table(frame: &DataFrame, cells: &[Cell], evidence: &[CellEvidence]) -> PolarsResult<DataFrame> {
+pub fn metric_table(
+    frame: &DataFrame,
+    cells: &[Cell],
+    evidence: &[CellEvidence],
+    requirements: &[CellRequirement],
+) -> PolarsResult<DataFrame> {
     let metrics = metrics();
     let mut rows = Vec::new();
     for (place, (cell, found)) in cells.iter().zip(evidence).enumerate() {
@@ -46,6 +51,7 @@ pub fn metric_table(frame: &DataFrame, cells: &[Cell], evidence: &[CellEvidence]
             of_metric(metric, frame, place, (cell, found), &mut rows)?;
         }
         of_evidence(cell, found, &mut rows);
+        requirements.iter().filter(|each| each.key == cell.key).for_each(|each| of_requirement(cell, each, &mut rows));
     }
     Ok(columns().frame(&rows))
 }
@@ -100,6 +106,37 @@ fn of_metric<'a>(
         rows.push(Row { sd, ends: student, interval, ..row(runs, value) });
     }
     Ok(())
+}
+
+/// Adds the rows of a requirement.
+fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Row<'a>>) {
+    let [count, rate] = violation_metrics(&found.name);
+    let ((violated, all), (mean, sd)) = (found.sums(), found.rate());
+    let row = Row {
+        key: &cell.key,
+        metric: count,
+        of: Size("episodes", u64::from(all)),
+        value: Some(f64::from(violated)),
+        sd: None,
+        ends: None,
+        interval: "",
+    };
+    rows.push(row.clone());
+    rows.push(Row { metric: rate, value: mean, sd, ends: Some(found.interval()), interval: "wilson", ..row });
+}
+
+/// The metrics of a requirement: number and rate of its violations.
+fn violation_metrics(name: &str) -> [ColumnReference; 2] {
+    let metric = |name: String, doc: &'static str| ColumnReference {
+        name: name.into(),
+        unit: "".into(),
+        doc: doc.into(),
+        holds: polars::prelude::DataType::Float64,
+    };
+    [
+        metric(format!("violations({name})"), "number of episodes that violate that requirement of the campaign"),
+        metric(format!("violation_rate({name})"), "episodes that violate that requirement of all *episodes*"),
+    ]
 }
 
 /// Adds the rows of quantiles, of the reference drivers, and of what trainings say of each other.
@@ -177,5 +214,6 @@ pub fn metric_references() -> Vec<ColumnReference> {
     all.extend(QUANTILES.iter().flat_map(|quantiles| quantiles.references()));
     all.push(TRAININGS_DISAGREE.reference());
     all.extend(Reference::ALL.into_iter().flat_map(reference_metrics));
+    all.extend(violation_metrics("REQUIREMENT"));
     all
 }

@@ -81,26 +81,37 @@ pub struct FailureCell {
 }
 
 impl FailureCell {
-    /// The cell of the touch that ended an episode of an environment; none when the ego and a pedestrian did not touch, and when the episode
-    /// does not count.
+    /// The cell of the touch that ended an episode of an environment, or of the moment that violates its goal; none when the ego and a pedestrian did
+    /// not touch, or the goal is not violated, and when the episode does not count.
     pub fn new(env: &PedestrianEnv) -> Option<Self> {
-        let contact = env.contact().filter(|_| env.outcome().is_some_and(Outcome::counts))?;
+        let counts = env.outcome().is_some_and(Outcome::counts);
+        if env.scenario().goal.is_some() {
+            let moment = env.goal_moment().filter(|_| counts)?;
+            let met = ((moment.place.x, moment.place.y), moment.speed);
+            return Some(Self::of(met, (&env.world().ego().blueprint, moment.yaw), moment.velocity, moment.mode));
+        }
+        let contact = env.contact().filter(|_| counts)?;
         let walker = &env.world().pedestrians[contact.pedestrian_at_ego()?].state;
         let ego = env.world().ego();
         let mode = env.outcome()?.last_mode;
-        Some(Self::of(contact, (&ego.blueprint, ego.state.pose.yaw), walker.velocity, mode))
+        Some(Self::of(met(contact), (&ego.blueprint, ego.state.pose.yaw), walker.velocity, mode))
     }
 
     /// The cell of the touch that ended a traced episode with this mode of the driver; none when the two did not touch.
     pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
         let (contact, last) = (pair.contact()?, pair.last()?);
-        Some(Self::of(contact, (pair.blueprint(), last.ego.pose.yaw), last.pedestrian.velocity, mode))
+        Some(Self::of(met(contact), (pair.blueprint(), last.ego.pose.yaw), last.pedestrian.velocity, mode))
     }
 
-    /// The cell of a contact with the ego of this heading (rad) and a pedestrian of this velocity (m/s).
-    fn of(contact: &Contact, (car, yaw): (&VehicleBlueprint, f64), velocity: Vector, mode: DrivingMode) -> Self {
+    /// The cell of a pedestrian at this place, ahead and to the left of the middle of the ego (m), of this velocity (m/s), and of the ego of this speed
+    /// (m/s) and heading (rad).
+    fn of(
+        ((ahead, aside), impact_speed): ((f64, f64), f64),
+        (car, yaw): (&VehicleBlueprint, f64),
+        velocity: Vector,
+        mode: DrivingMode,
+    ) -> Self {
         let (half_length, half_width) = (car.half_length, car.half_width);
-        let (ahead, aside) = (contact.ahead, contact.aside);
         let side = |front, behind| if ahead > 0.0 { front } else { behind };
         let zone = if ahead > half_length - (aside.abs() - half_width).max(0.0) {
             match aside / half_width {
@@ -120,11 +131,16 @@ impl FailureCell {
         Self {
             zone,
             course: Course::new(speed, wrap_angle(heading - yaw)),
-            impact: class(contact.impact_speed, IMPACT),
+            impact: class(impact_speed, IMPACT),
             pace: class(speed, PACE),
             mode,
         }
     }
+}
+
+/// Where two touched, and the speed of the ego.
+fn met(contact: &Contact) -> ((f64, f64), f64) {
+    ((contact.ahead, contact.aside), contact.impact_speed)
 }
 
 impl Course {

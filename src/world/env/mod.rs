@@ -23,6 +23,9 @@ mod action;
 mod component;
 mod spawn;
 mod test_oracle;
+mod signal;
+mod signal_meter;
+mod lane_watch;
 mod reward;
 mod motion;
 mod state_hashes;
@@ -39,13 +42,15 @@ pub use action::ActionSpec;
 pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMaker, VehicleRole};
 pub use component::Component;
 pub use failure_cell::{Course, FailureCell, Zone};
+pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
 pub use outcome::{Ending, LeftOut, Outcome};
 pub use pair::{Frame, Pair};
 pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};
-pub use reward::{HitClass, RewardRule, Situation, vocabulary};
+pub use reward::{HitClass, RewardRule};
 pub use scenario::{EpisodeRule, Scenario};
+pub use signal::{Situation, vocabulary};
 pub use spawn::{
     Constraint, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn, SpawnError,
     SpawnRule, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,

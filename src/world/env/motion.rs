@@ -1,9 +1,9 @@
-use super::reward::HORIZON;
+use super::signal::HORIZON;
 use crate::geometry::{Vector, time_to_touch, wrap_angle};
 use crate::sim::World;
 
 /// Below this speed a car stands, and a pedestrian has no direction of motion (m/s).
-const STANDING: f64 = 0.1;
+pub(super) const STANDING: f64 = 0.1;
 
 /// The motions of the ego and of one pedestrian that rewards can depend on, measured tick by tick.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,6 +3,7 @@ use super::trace::VehicleFrame;
 use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario, Trace};
 use crate::av::{DrivingMode, EYE};
 use crate::geometry::{OrientedBox, Point, Vector};
+use crate::requirement::Degree;
 use crate::road::LaneFilter;
 use crate::sim::{
     ActorId, Contact, Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand,
@@ -82,6 +83,11 @@ impl<'a> Pair<'a> {
     /// The touch of the two in the last tick; none when they did not touch.
     pub fn contact(&self) -> Option<&'a Contact> {
         self.contact
+    }
+
+    /// The degree of each requirement of the scenario in the episode; see [`Trace::degrees`].
+    pub fn degrees(&self) -> &'a [Degree] {
+        self.trace.degrees()
     }
 
     /// The decisions of the pedestrian.

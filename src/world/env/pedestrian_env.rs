@@ -1,4 +1,5 @@
 mod first_sight;
+pub(super) mod requirements;
 mod settle;
 mod start;
 
@@ -8,6 +9,8 @@ use super::motion::Motion;
 use super::reward::is_about_motion;
 use super::run_up::{self, RunUp};
 use super::running::RunningEpisode;
+use super::signal::{Wanted, is_measured};
+use super::signal_meter::SignalMeter;
 use super::spawn::{Pacing, Release};
 use super::{
     Controller, Driven, Ending, LeftOut, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario,
@@ -15,9 +18,11 @@ use super::{
 };
 use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
+use crate::requirement::Monitor;
 use crate::sim::{ActorStart, Contact, Control, PedestrianState, WalkCommand, World};
 use base::seed::Seed;
 use learn::{Env, Step};
+use requirements::Moment;
 
 /// A runnable logical scenario: it draws concrete episodes, one after another.
 ///
@@ -76,6 +81,12 @@ pub struct PedestrianEnv {
     trace: Option<Trace>,
     /// The motion of each pedestrian with the ego; empty if nothing depends on it.
     motions: Vec<Motion>,
+    /// The signals that formulas name; none if none does.
+    signals: Option<SignalMeter>,
+    /// The requirements of the scenario; none without any.
+    monitor: Option<Monitor>,
+    /// The moment of each sample; empty without a goal.
+    moments: Vec<Moment>,
 }
 
 /// Number of episodes in a row that a driver may fail; then it is not asked again.
@@ -183,7 +194,14 @@ impl PedestrianEnv {
         let decisions = rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize * pedestrians;
         let measured = scenario.reward.needs_motion() || rule.end_when.as_ref().is_some_and(is_about_motion);
         let motions = (0..pedestrians).filter(|_| measured).map(|number| Motion::new(&world, number)).collect();
+        let monitor = requirements::monitor(&scenario);
+        let wanted = requirements::wanted(&scenario);
         Self {
+            signals: wanted.map(|wanted| {
+                SignalMeter::new(wanted, rule.moving_above, &world, rule.ticks.min(MOST_ROOM) as usize + 1)
+            }),
+            monitor,
+            moments: Vec::new(),
             trace: scenario.oracle.is_some().then(|| Trace::new(&scenario)),
             motions,
             bounds: cast.action_bounds(),
@@ -331,6 +349,9 @@ impl PedestrianEnv {
         }
         self.episode.held = 0;
         self.decisions.extend_from_slice(last);
+        if first {
+            self.begin_samples();
+        }
     }
 
     /// The command that each pedestrian carries out now.
@@ -375,6 +396,7 @@ impl PedestrianEnv {
         self.episode.contact = contact;
         self.motions.iter_mut().for_each(|motion| motion.tick(&self.world));
         self.record();
+        self.take_sample(contact.as_ref());
         if self.episode.alone {
             self.watch_road();
         } else {
@@ -468,6 +490,9 @@ impl PedestrianEnv {
             decisions: self.decisions.clone(),
             near: self.near.clone(),
             trace: self.trace.clone(),
+            signals: self.signals.clone(),
+            monitor: self.monitor.clone(),
+            moments: self.moments.clone(),
             motions: self.motions.clone(),
             ..*self
         })
@@ -635,9 +660,9 @@ impl Env for PedestrianEnv {
         step
     }
 
-    /// Whether the pedestrian was hit.
+    /// Whether the episode ended in a failure of the driver.
     fn is_success(&self) -> bool {
-        self.outcome().is_some_and(Outcome::is_collision)
+        self.is_failure()
     }
 
     fn potential(&self) -> f64 {

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::{Cast, EgoSpeed, RewardRule, SpawnRule, TestOracle, run_up};
 use crate::geometry::Obstacles;
+use crate::requirement::NamedRequirement;
 use crate::road::Town;
 use crate::sim::LightCycle;
 use base::signature::{Distribution, Formula};
@@ -50,6 +51,11 @@ pub struct Scenario {
     pub oracle: Option<Arc<dyn TestOracle>>,
     /// The rule that ends episodes.
     pub episode: EpisodeRule,
+    /// The requirements that are watched, in the order of the campaign.
+    pub requirements: Arc<[NamedRequirement]>,
+    /// The requirement whose violation is the goal of the pedestrian, by its place among them. It takes the place of the reward: an episode earns
+    /// 1 − ρ / (1 + |ρ|) at its end for the robustness ρ, so more than 1 for a violation and less otherwise.
+    pub goal: Option<usize>,
 }
 
 impl Scenario {

@@ -1,5 +1,6 @@
 use super::{Pair, PedestrianEnv, Scenario};
 use crate::av::DrivingMode;
+use crate::requirement::Degree;
 use crate::sim::{Contact, Control, LightClock, PedestrianState, VehicleState, WalkCommand, World};
 use learn::Step;
 
@@ -30,6 +31,7 @@ pub struct Trace {
     contact: Option<Contact>,
     lights: Option<LightClock>,
     on_map: bool,
+    degrees: Vec<Degree>,
 }
 
 /// A pedestrian from tick to tick, and its decisions.
@@ -57,6 +59,7 @@ impl Trace {
             contact: None,
             lights: None,
             on_map: true,
+            degrees: Vec::with_capacity(scenario.requirements.len()),
         }
     }
 
@@ -74,6 +77,7 @@ impl Trace {
             contact,
             lights: None,
             on_map: false,
+            degrees: Vec::new(),
         }
     }
 
@@ -98,6 +102,7 @@ impl Trace {
             track.states.clear();
             track.decisions.clear();
         }
+        self.degrees.clear();
         self.lights = world.light_clock();
         self.watch(world, None, |_| Driven::default());
     }
@@ -128,6 +133,9 @@ impl Trace {
     pub fn watch_tick(&mut self, env: &mut PedestrianEnv) -> Option<Step> {
         let step = env.tick();
         self.watch(env.world(), env.contact(), |vehicle| env.driven(vehicle));
+        if env.outcome().is_some() {
+            self.degrees.extend_from_slice(env.degrees());
+        }
         step
     }
 
@@ -140,6 +148,11 @@ impl Trace {
                 return step;
             }
         }
+    }
+
+    /// The degree of each requirement of the scenario; empty without requirements, and where the episode is not over or in error.
+    pub fn degrees(&self) -> &[Degree] {
+        &self.degrees
     }
 
     pub fn pedestrian_count(&self) -> usize {

@@ -5,7 +5,7 @@ use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario, Trace};
 use crate::sim::WalkCommand;
 use base::seed::Seed;
 
-/// A collision that a falsifier found; a bump is none, with all data to repeat it.
+/// A collision that a falsifier found, or a violation of its goal, with all data to repeat it; a bump is none.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
     /// Number of its start under the seed of the search.

@@ -120,8 +120,9 @@ impl OpenLoop {
         }
     }
 
-    fn cost(&self, outcome: &Outcome) -> f64 {
+    fn cost(&self, outcome: &Outcome, has_goal: bool) -> f64 {
         match self.plan.reward {
+            _ if has_goal => -outcome.reward,
             Some(_) => -outcome.reward,
             None if !outcome.counts() => f64::INFINITY,
             None => outcome.impact_speed().map_or(outcome.least_gap, |speed| -1.0 - speed),
@@ -163,10 +164,11 @@ impl OpenLoop {
                         commands[pedestrian] = command(&role.action, lines[pedestrian], *part);
                     }
                 })?;
-                if outcome.is_collision() && self.plan.on.after_failure == AfterFailure::Next {
+                let env = simulator.env();
+                if env.is_failure() && self.plan.on.after_failure == AfterFailure::Next {
                     return Some(());
                 }
-                costs.push(self.cost(&outcome));
+                costs.push(self.cost(&outcome, env.scenario().goal.is_some()));
             }
             optimizer.tell(&points, &costs);
         }

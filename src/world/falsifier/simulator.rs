@@ -185,7 +185,7 @@ impl<'a> Simulator<'a> {
         }
         self.episodes += 1;
         self.starts.insert(self.start);
-        if let Some(cell) = FailureCell::new(&self.env).filter(|_| outcome.is_collision()) {
+        if let Some(cell) = FailureCell::new(&self.env).filter(|_| self.env.is_failure()) {
             let commands = self.commands.clone();
             self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, cell });
         }

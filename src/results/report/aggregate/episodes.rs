@@ -1,6 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use crate::record::{Chunk, Chunks, RunKey};
+use crate::record::{Chunk, Chunks, RunKey, with_degrees};
 use compile::{Campaign, Evaluation};
 
 /// All episodes of a campaign, run by run, so that only one run needs to be in memory.
@@ -36,7 +36,7 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Its episodes as a table, at most [`CHUNK`](compile::CHUNK) rows at a time. Episodes that could not be run are in error.
+    /// Its episodes as a table, with their degrees in a campaign with requirements, at most [`CHUNK`](compile::CHUNK) rows at a time. Episodes that could not be run are in error.
     ///
     /// # Errors
     /// Those of polars; none for what [`encode`](crate::record::encode) wrote.
@@ -44,7 +44,13 @@ impl Run<'_> {
         (0..self.evaluation.chunks()).filter_map(|number| {
             let chunk = self.chunks.chunk(self.index, number)?;
             let part = chunk.into_episodes(&self.key, self.evaluation.chunk(number));
-            part.map(|part| (part.height() > 0).then_some(part)).transpose()
+            let completed = part.and_then(|mut part| {
+                if !self.evaluation.scenario.requirements.is_empty() {
+                    with_degrees(&mut part)?;
+                }
+                Ok(part)
+            });
+            completed.map(|part| (part.height() > 0).then_some(part)).transpose()
         })
     }
 
@@ -54,6 +60,9 @@ impl Run<'_> {
     /// As [`Run::parts`].
     pub fn frame(&self) -> PolarsResult<DataFrame> {
         let mut whole = Chunk::empty().into_episodes(&self.key, 0..0)?;
+        if !self.evaluation.scenario.requirements.is_empty() {
+            with_degrees(&mut whole)?;
+        }
         for part in self.parts() {
             whole.vstack_mut(&part?)?;
         }

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::protocol::{ProtocolCell, ProtocolRun};
+use super::requirements::{CellRequirement, REQUIREMENTS, add_run, requirement_rows, requirement_table};
 use super::run_totals::RunTotals;
 use super::{Episodes, Failures, Run, search_failures, search_references};
 use crate::campaign::SearchResult;
@@ -43,6 +44,8 @@ pub struct Gathered {
     pub failures: Failures,
     /// The results in the tests of a protocol.
     pub protocol: Vec<ProtocolCell>,
+    /// The violations of each requirement in each cell; empty without requirements.
+    pub requirements: Vec<CellRequirement>,
 }
 
 /// Reads all episodes once: writes the tables `episodes` and `reference_drivers`, and gathers the data of all other outputs.
@@ -72,6 +75,7 @@ pub fn gather(
         tally: Tally::default(),
         failures: Failures::default(),
         protocol: Vec::new(),
+        requirements: Vec::new(),
     };
     let mut evidence = Gathering::default();
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
@@ -81,8 +85,16 @@ pub fn gather(
     let mut file = folder.stream(EPISODES, own(&none).map_err(failed)?.schema())?;
     let mut references =
         folder.stream(REFERENCE_DRIVERS, record::reference_drivers(&none).map_err(failed)?.schema())?;
+    let required = |evaluation: &Evaluation| !evaluation.scenario.requirements.is_empty();
+    let table = requirement_table();
+    let mut requirements = match episodes.runs().any(|run| required(run.evaluation)) {
+        true => Some(folder.stream(REQUIREMENTS, table.frame(&[]).schema())?),
+        false => None,
+    };
     for run in episodes.runs() {
         let evaluation = run.evaluation;
+        let named = &*evaluation.scenario.requirements;
+        let mut violations = vec![(0, 0); named.len()];
         let (mut totals, mut tally) = (RunTotals::new(), record::Tally::default());
         let mut protocol = ProtocolRun::new(evaluation);
         for part in run.parts() {
@@ -101,11 +113,23 @@ pub fn gather(
             if let Some(protocol) = &mut protocol {
                 protocol.add(&part).map_err(failed)?;
             }
+            if let Some(file) = &mut requirements {
+                let rows = requirement_rows(named, &part, evaluation.scenario.episode.tick).map_err(failed)?;
+                for (index, row) in rows.iter().enumerate().filter(|(_, row)| row.counts) {
+                    let (violated, all) = &mut violations[index % named.len()];
+                    *violated += u32::from(row.degree.is_violated());
+                    *all += 1;
+                }
+                file.add(&table.frame(&rows))?;
+            }
             kinds.add(&part).map_err(failed)?;
             evidence.add(&part).map_err(failed)?;
         }
         gathered.all_tried &=
             tally.episodes > 0 && evaluation.is_finished_with(tally.episodes, tally.valid, tally.collisions);
+        if tally.episodes > 0 {
+            add_run(&mut gathered.requirements, &run.key.cell, named, &violations);
+        }
         gathered.runs.vstack_mut(&totals.table().map_err(failed)?).map_err(failed)?;
         if tally.episodes > 0 {
             for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
@@ -119,6 +143,9 @@ pub fn gather(
     gathered.runs.rechunk_mut();
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
+    if let Some(file) = requirements {
+        file.finish()?;
+    }
     references.add(&record::reference_drivers(&search_references(searches)).map_err(failed)?)?;
     references.finish()?;
     gathered.failures.add_searches(&search_failures(searches)).map_err(failed)?;

@@ -349,6 +349,7 @@ mod tests {
             near_miss: world::judge::NearMiss::default(),
             lane: None,
             motion: Default::default(),
+            degrees: Vec::new(),
             weight: 1.0,
         }
     }

@@ -10,6 +10,7 @@ mod drivers;
 mod groups;
 mod metrics;
 mod results;
+mod requirements;
 mod gathered;
 mod run_totals;
 mod learning_curve;
@@ -30,6 +31,10 @@ pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_ta
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references, run_columns};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
+pub use requirements::{
+    AT_COLLISION, COUNTS, CellRequirement, INSTANT, PART, PRIORITY, REQUIREMENT, REQUIREMENTS, ROBUSTNESS,
+    ROBUSTNESS_UNIT, VIOLATED, rate_columns, requirement_table, unit_of, with_rates,
+};
 pub use results::{RESULTS, results, results_table};
 pub use search_comparisons::{
     SEARCH_COMPARISONS, search_comparison_columns, search_comparison_table, search_comparisons,

@@ -320,6 +320,7 @@ mod tests {
             driving_mode: "cruise".into(),
             impact_speed: speed,
             length: 1.0,
+            violation: None,
         }
     }
 

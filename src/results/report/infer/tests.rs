@@ -60,6 +60,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
             lane: None,
             motion: Default::default(),
+            degrees: Vec::new(),
             weight: 1.0,
         }
     };

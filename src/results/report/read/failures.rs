@@ -10,8 +10,8 @@ use crate::record::columns::{
     TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
 use crate::record::{Column, EPISODES, Table};
-use crate::report::aggregate::FAILURES;
-use crate::report::listed_failure::{ListedFailure, searched, touches};
+use crate::report::aggregate::{FAILURES, INSTANT, PART, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT};
+use crate::report::listed_failure::{ListedFailure, searched, touches, violations};
 use world::judge::Label;
 
 /// The number of rows of a table that are read at once.
@@ -28,6 +28,9 @@ pub struct FailureFilter {
     pub controllers: Vec<String>,
     /// Words of the kind, all of which must occur: `front`, `occluded`, `cruise`.
     pub kind: Vec<String>,
+    /// Names of requirements, of which only violations are listed. An empty list allows all failures; a violation at the touch of a collision is then
+    /// listed as the collision alone.
+    pub requirements: Vec<String>,
     /// The least speed of the car at the touch (m/s).
     pub min_speed: f64,
 }
@@ -46,6 +49,11 @@ impl FailureFilter {
             "foreseeable" => failure.foreseeable,
             label => failure.verdict.is_some_and(|known| known.name() == label),
         };
+        let violated = match &failure.violation {
+            Some(violation) if self.requirements.is_empty() => !violation.at_collision,
+            Some(violation) => self.requirements.contains(&violation.requirement),
+            None => self.requirements.is_empty(),
+        };
         let kind = failure.kind();
         let has = |word: &String| kind.split(", ").any(|part| part == word.replace('_', " "));
         (self.verdicts.is_empty() && !failure.is_bump() || self.verdicts.iter().any(verdict))
@@ -53,11 +61,12 @@ impl FailureFilter {
             && among(&self.controllers, &failure.controller)
             && self.kind.iter().all(has)
             && failure.impact_speed >= self.min_speed
+            && violated
     }
 }
 
 impl StoredReport {
-    /// The failures that a filter lets through: those of evaluations, then those of searches, each in the order of its table.
+    /// The failures that a filter lets through: collisions of evaluations, those of searches, violations of requirements, each in the order of its table.
     ///
     /// # Errors
     /// A table that is damaged, or that the report has as CSV only.
@@ -69,6 +78,10 @@ impl StoredReport {
         })?;
         self.each_part(FAILURES, ROWS, |rows| {
             found.extend(searched(rows)?.into_iter().filter(|failure| filter.allows(failure)));
+            Ok(())
+        })?;
+        self.each_part(REQUIREMENTS, ROWS, |rows| {
+            found.extend(violations(rows)?.into_iter().filter(|failure| filter.allows(failure)));
             Ok(())
         })?;
         Ok(found)
@@ -111,6 +124,11 @@ pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
         .column(DRIVING_MODE.of(|row: &Row| row.1.driving_mode.clone()))
         .column(IMPACT_SPEED.of(|row: &Row| row.1.impact_speed))
         .column(EPISODE_LENGTH.of(|row: &Row| row.1.length))
+        .column(REQUIREMENT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.requirement.clone())))
+        .column(ROBUSTNESS.of(|row: &Row| row.1.violation.as_ref().map(|found| found.robustness)))
+        .column(ROBUSTNESS_UNIT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.unit.clone())))
+        .column(INSTANT.of(|row: &Row| row.1.violation.as_ref().map(|_| row.1.length)))
+        .column(PART.of(|row: &Row| row.1.violation.as_ref().map(|found| found.part.clone())))
         .frame(failures)
 }
 

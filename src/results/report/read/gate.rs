@@ -3,7 +3,9 @@ use polars::prelude::{AnyValue, DataFrame};
 use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Metric, Table, TableReference, cell_key, metrics};
-use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT, STARTS, references, search_cell_columns, search_key};
+use crate::report::aggregate::{
+    FIRST_FAILURE, FIRST_FAULT, STARTS, rate_columns, references, search_cell_columns, search_key,
+};
 use crate::report::compare::COMMON_STARTS;
 use crate::report::infer::cell_table;
 use base::statistics::{LEAST_RUNS, mcnemar};
@@ -190,7 +192,8 @@ impl Gate {
     /// It has another form, or names no column.
     pub fn parse(text: &str) -> Result<Self, GateError> {
         let [_, cells] = references(&metrics());
-        match Self::of_columns(text, &[cells.columns, cell_table().reference().columns].concat()) {
+        let required: Vec<ColumnReference> = requirements_in(text).into_iter().flat_map(rate_columns).collect();
+        match Self::of_columns(text, &[cells.columns, cell_table().reference().columns, required].concat()) {
             Err(error @ GateError::Column { .. }) => {
                 match Self::of_columns(text, &search_cell_columns().reference().columns) {
                     Ok(gate) => Ok(Self { about_searches: true, ..gate }),
@@ -242,7 +245,22 @@ impl Gate {
             let keys: Vec<CellKey> = campaigns.iter().flat_map(|each| &each.evaluations).map(CellKey::of).collect();
             Table::new("", "").columns(cell_key(|key: &CellKey| key)).frame(&keys)
         };
-        self.check_keys(&keys).map_err(|reason| GateError::AboutNothing { text: self.text.clone(), reason })
+        self.check_requirements(campaigns)
+            .and_then(|()| self.check_keys(&keys))
+            .map_err(|reason| GateError::AboutNothing { text: self.text.clone(), reason })
+    }
+
+    /// Checks that a campaign has each requirement that it names.
+    fn check_requirements(&self, campaigns: &[Campaign]) -> Result<(), String> {
+        let known: Vec<&str> =
+            campaigns.iter().flat_map(|campaign| &*campaign.requirements).map(|each| &*each.name).collect();
+        match requirements_in(&self.text).into_iter().find(|name| !known.contains(name)) {
+            None => Ok(()),
+            Some(name) if known.is_empty() => {
+                Err(format!("no campaign requires `{name}`; name it in the key `requirements` of a campaign"))
+            }
+            Some(name) => Err(format!("no campaign requires `{name}`; there are {}", known.join(", "))),
+        }
     }
 
     /// Checks that it chooses one of the rows with these keys.
@@ -403,6 +421,11 @@ fn nothing_evaluated(cells: &DataFrame, row: usize) -> bool {
 /// The judgement of a row that has no value in a column.
 fn absent(cells: &DataFrame, column: &str, row: usize) -> Judged {
     TooFewRuns::of(cells, column, row).map_or_else(|| Judged::Missing(column.to_string()), Judged::TooFewRuns)
+}
+
+/// The requirements whose rates a gate names: `violation_rate(NAME)`.
+fn requirements_in(text: &str) -> Vec<&str> {
+    text.split("violation_rate(").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0)).collect()
 }
 
 fn value<'a>(cells: &'a DataFrame, column: &str, row: usize) -> AnyValue<'a> {

@@ -40,6 +40,13 @@ impl PedestrianEnv {
             }
             (None, None) => (worth(reward.step.as_ref()), None),
         };
+        // A goal takes the place of the reward.
+        let earned = match (self.scenario.goal, ending) {
+            (None, _) => earned,
+            (Some(_), None) => 0.0,
+            (Some(_), Some(_)) if self.episode.left_out.is_some() => 0.0,
+            (Some(_), Some(_)) => self.goal_reward().unwrap_or(0.0),
+        };
         self.episode.reward += earned;
         if let Some(ending) = ending {
             self.finish(ending, contact.as_ref());
@@ -63,6 +70,9 @@ impl PedestrianEnv {
 
     /// Records the outcome of the episode.
     pub(super) fn finish(&mut self, ending: Ending, contact: Option<&Contact>) {
+        if !matches!(ending, Ending::Error(_) | Ending::ControllerError(_)) {
+            self.conclude_requirements();
+        }
         let hit = matches!(ending, Ending::Touch { .. });
         let struck = contact.and_then(Contact::pedestrian_at_ego);
         let place = |number: usize| self.world.pedestrians[number].state.pose.position();
@@ -87,7 +97,12 @@ impl PedestrianEnv {
     /// The situation of the ego and the pedestrian that it touched, or the first pedestrian when it touched none.
     pub(super) fn situation(&self, contact: Option<&Contact>) -> Situation {
         let hit = contact.filter(|contact| contact.pedestrian_at_ego().is_some());
-        let struck = hit.and_then(Contact::pedestrian_at_ego).unwrap_or(0);
+        self.situation_of(hit.and_then(Contact::pedestrian_at_ego).unwrap_or(0), contact)
+    }
+
+    /// The situation of the ego and a pedestrian.
+    pub(super) fn situation_of(&self, struck: usize, contact: Option<&Contact>) -> Situation {
+        let hit = contact.filter(|contact| contact.pedestrian_at_ego().is_some());
         let (ego, pedestrian) = (&self.world.ego().state, &self.world.pedestrians[struck].state);
         let local = ego.pose.to_local(pedestrian.pose.position());
         let (ahead, aside) = hit.map_or((local.x, local.y), |hit| (hit.ahead, hit.aside));
@@ -112,12 +127,12 @@ impl PedestrianEnv {
             ego_deceleration: motion.map_or(0.0, |motion| motion.ego_deceleration),
             walking_acceleration: motion.map_or(0.0, |motion| motion.walking_acceleration),
             walking_turn: motion.map_or(0.0, |motion| motion.walking_turn),
-            ..Situation::default()
+            ..self.signals.as_ref().map_or_else(Situation::default, |signals| *signals.now())
         }
     }
 
     /// Time until now, or until a touch within the last tick (s).
-    fn elapsed(&self, contact: Option<&Contact>) -> f64 {
+    pub(super) fn elapsed(&self, contact: Option<&Contact>) -> f64 {
         let before = f64::from(self.world.ticks.saturating_sub(1)) * self.world.dt;
         contact.map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt)
     }

@@ -155,6 +155,7 @@ impl PedestrianEnv {
         if let Some(trace) = &mut self.trace {
             trace.begin(&self.world);
         }
+        self.begin_samples();
         self.begin_watch();
     }
 }

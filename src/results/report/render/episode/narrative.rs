@@ -1,6 +1,9 @@
 use world::av::DrivingMode;
 use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
 use world::judge::{ContactSide, Label, Reference, Verdict};
+use world::requirement::{Degree, NamedRequirement};
+
+use crate::report::aggregate::unit_of;
 
 /// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
 const LASTING: usize = 3;
@@ -56,8 +59,15 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
         };
         events.push((outcome.duration, format!("the episode is in no rate, since {why}")));
     }
+    for (named, degree) in scenario.requirements.iter().zip(trace.degrees()).filter(|(_, degree)| degree.is_violated())
+    {
+        let instant = (f64::from(degree.sample) * dt).min(outcome.duration);
+        let text = format!("violates `{}`{}", named.name, violated_part(named, degree));
+        let place = events.partition_point(|(time, _)| *time <= instant);
+        events.insert(place, (instant, text));
+    }
     Narrative {
-        short: in_short(scenario, outcome, trace, verdict),
+        short: [in_short(scenario, outcome, trace, verdict), violated(scenario, trace)].concat(),
         events,
         verdict: verdict.map(judged).unwrap_or_default(),
     }
@@ -106,6 +116,29 @@ pub fn in_short(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: 
         None => String::new(),
     };
     format!("{sight} The driver {brake}; the car hit{part} at {impact_speed:.1} m/s.{careful}")
+}
+
+/// The violated requirements of an episode, as a sentence; empty without any.
+fn violated(scenario: &Scenario, trace: &Trace) -> String {
+    let pairs = scenario.requirements.iter().zip(trace.degrees());
+    let names: Vec<String> =
+        pairs.filter(|(_, degree)| degree.is_violated()).map(|(named, _)| format!("`{}`", named.name)).collect();
+    match names.as_slice() {
+        [] => String::new(),
+        [one] => format!(" The episode violates {one}."),
+        [rest @ .., last] => format!(" The episode violates {} and {last}.", rest.join(", ")),
+    }
+}
+
+/// By how much a requirement is violated, and which comparison decides: ` by 0.31 m/s: `ego_speed < 3 m/s``.
+fn violated_part(named: &NamedRequirement, degree: &Degree) -> String {
+    let by = match degree.robustness.is_finite() && degree.robustness != 0.0 {
+        true => format!(" by {:.2} {}", -degree.robustness, unit_of(named)).trim_end().to_string(),
+        false => String::new(),
+    };
+    let scaled = if named.requirement.is_scaled() && !by.is_empty() { " (scaled)" } else { "" };
+    let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
+    part.map_or_else(|| format!("{by}{scaled}"), |part| format!("{by}{scaled}; `{}` decides", part.text))
 }
 
 fn start(first: &Frame, pair: &Pair<'_>) -> String {

@@ -11,7 +11,7 @@ pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)], width: u16) 
         vec![
             Value::Code(if one { name } else { report.join(name).display().to_string() }),
             failure.word().into(),
-            Value::Number(Some(failure.impact_speed), 1),
+            Value::Number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1),
             failure.policy.clone().into(),
             Value::Text(controller(failure)),
             failure.town.clone().into(),

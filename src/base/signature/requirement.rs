@@ -1,0 +1,134 @@
+use std::sync::Arc;
+
+use super::{Bounds, Formula, VariableId};
+use crate::units::Dimension;
+
+/// A checked requirement in temporal logic over the samples of one episode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Requirement {
+    /// Its comparisons, in the order in which they are written; a [`Temporal::Part`] is an index into this list.
+    pub parts: Vec<Comparison>,
+    pub formula: Temporal,
+}
+
+/// A comparison of a requirement, or a condition without degree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// Its text in the file.
+    pub text: String,
+    /// The distance to the side on which it is false (SI): above 0 where it is true, below 0 where it is false. Of a condition without degree 1
+    /// or 0 instead.
+    pub margin: Formula,
+    /// Whether it is false where both sides are equal: `<` and `>`.
+    pub strict: bool,
+    /// The dimension of both sides; none of a condition without degree, such as `in_sight`.
+    pub dimension: Option<Dimension>,
+    /// The margin (SI) that counts as 1 where parts of different dimensions meet.
+    pub scale: f64,
+}
+
+/// The times of a temporal operator after the present sample (s), both included; the end is infinite without a bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Within {
+    pub from: f64,
+    pub to: f64,
+}
+
+impl Within {
+    /// From now to the end of the episode.
+    pub const EPISODE: Self = Self { from: 0.0, to: f64::INFINITY };
+}
+
+/// A formula of temporal logic.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Temporal {
+    /// `true` or `false`.
+    Constant(bool),
+    /// A comparison, by its place in [`Requirement::parts`].
+    Part(usize),
+    Not(Arc<Temporal>),
+    And(Arc<Temporal>, Arc<Temporal>),
+    Or(Arc<Temporal>, Arc<Temporal>),
+    /// True if it is true at all samples of the bound.
+    Always(Within, Arc<Temporal>),
+    /// True if it is true at one sample of the bound.
+    Eventually(Within, Arc<Temporal>),
+    /// True if the second is true at one sample of the bound, and the first at all samples before that one.
+    Until(Within, Arc<Temporal>, Arc<Temporal>),
+}
+
+impl Requirement {
+    /// The dimension of its robustness: that of all its comparisons, if they share one. None if they differ, or if there are none.
+    pub fn dimension(&self) -> Option<Dimension> {
+        let mut measured = self.parts.iter().filter_map(|part| part.dimension);
+        let first = measured.next()?;
+        measured.all(|other| other == first).then_some(first)
+    }
+
+    /// Whether its robustness is scaled, since its comparisons have different dimensions.
+    pub fn is_scaled(&self) -> bool {
+        self.dimension().is_none()
+    }
+
+    /// Whether a comparison contains a variable that satisfies a condition.
+    pub fn mentions(&self, wanted: &impl Fn(VariableId) -> bool) -> bool {
+        self.parts.iter().any(|part| part.margin.mentions(wanted))
+    }
+
+    /// The latest time that a bound of it reaches after the start (s), bounds inside others added up; infinite ends do not count.
+    pub fn reach(&self) -> f64 {
+        self.formula.reach()
+    }
+}
+
+impl Temporal {
+    fn reach(&self) -> f64 {
+        let end = |within: &Within| if within.to.is_finite() { within.to } else { within.from };
+        match self {
+            Self::Constant(_) | Self::Part(_) => 0.0,
+            Self::Not(inner) => inner.reach(),
+            Self::And(a, b) | Self::Or(a, b) => a.reach().max(b.reach()),
+            Self::Always(within, inner) | Self::Eventually(within, inner) => end(within) + inner.reach(),
+            Self::Until(within, a, b) => end(within) + a.reach().max(b.reach()),
+        }
+    }
+
+    /// Whether it is the same at every sample, for values of the variables within bounds: true, false, or unknown. An operator with a bound
+    /// that begins after the present sample may be at the end of the episode, so it is unknown.
+    pub fn settled(&self, parts: &[Comparison], values: &impl Fn(VariableId) -> Bounds) -> Option<bool> {
+        match self {
+            Self::Constant(truth) => Some(*truth),
+            Self::Part(index) => parts[*index].settled(values),
+            Self::Not(inner) => inner.settled(parts, values).map(|truth| !truth),
+            Self::And(a, b) => match (a.settled(parts, values), b.settled(parts, values)) {
+                (Some(false), _) | (_, Some(false)) => Some(false),
+                (Some(true), Some(true)) => Some(true),
+                _ => None,
+            },
+            Self::Or(a, b) => match (a.settled(parts, values), b.settled(parts, values)) {
+                (Some(true), _) | (_, Some(true)) => Some(true),
+                (Some(false), Some(false)) => Some(false),
+                _ => None,
+            },
+            Self::Always(within, inner) | Self::Eventually(within, inner) => {
+                inner.settled(parts, values).filter(|_| within.from == 0.0)
+            }
+            Self::Until(within, _, second) => second.settled(parts, values).filter(|_| within.from == 0.0),
+        }
+    }
+}
+
+impl Comparison {
+    /// Whether it is always true or always false, for values of the variables within bounds.
+    pub fn settled(&self, values: &impl Fn(VariableId) -> Bounds) -> Option<bool> {
+        let (low, high) = self.margin.bounds(values);
+        match (self.dimension, self.strict) {
+            (None, _) => (low == high).then_some(low != 0.0),
+            (_, true) if low > 0.0 => Some(true),
+            (_, true) if high <= 0.0 => Some(false),
+            (_, false) if low >= 0.0 => Some(true),
+            (_, false) if high < 0.0 => Some(false),
+            _ => None,
+        }
+    }
+}

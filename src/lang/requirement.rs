@@ -1,0 +1,231 @@
+//! Checks requirements: formulas of temporal logic over comparisons of quantities.
+
+use std::sync::Arc;
+
+use super::ast::{Expression, ExpressionKind, Known, Name, Operator};
+use super::diagnostics;
+use super::formula::{Scope, Sort, formula, functions, is_function};
+use base::diagnostic::{Diagnostic, Sources};
+use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, Variable, VariableId, Within};
+use base::units::Dimension;
+
+/// The operators of requirements, in calls, and what they mean.
+pub fn temporal_operators() -> impl Iterator<Item = (&'static str, &'static str)> {
+    OPERATORS.iter().copied()
+}
+
+const OPERATORS: &[(&str, &str)] = &[
+    ("always", "always(a), always(a, [0 s, 2 s]): a is true at all samples from now to the end, or within the bound."),
+    (
+        "eventually",
+        "eventually(a), eventually(a, [0 s, 2 s]): a is true at one sample from now to the end, or within the bound.",
+    ),
+    (
+        "until",
+        "until(a, b), until(a, b, [0 s, 2 s]): b is true at one sample from now on, or within the bound, and a at all samples before that one.",
+    ),
+    (
+        "scaled",
+        "scaled(a < b, 0.5 m): the comparison, of which 0.5 m count as 1 where a requirement compares quantities of different dimensions.",
+    ),
+];
+
+/// Whether requirements have an operator of this name.
+pub(super) fn is_temporal(name: &str) -> bool {
+    OPERATORS.iter().any(|(known, _)| *known == name)
+}
+
+/// Checks an expression as a requirement; `None` when something was wrong and has been reported.
+pub(super) fn requirement(
+    expression: &Expression,
+    scope: &Scope,
+    sources: &Sources,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Arc<Requirement>> {
+    let mut checker = Checker { scope, sources, diagnostics, parts: Vec::new(), is_temporal: false };
+    let formula = checker.visit(expression)?;
+    let Checker { parts, is_temporal, .. } = checker;
+    if !is_temporal && !parts.is_empty() {
+        diagnostics.push(diagnostics::only_at_start(expression.span, sources.text(expression.span)));
+    }
+    Some(Arc::new(Requirement { parts, formula }))
+}
+
+struct Checker<'a> {
+    scope: &'a Scope<'a>,
+    sources: &'a Sources,
+    diagnostics: &'a mut Vec<Diagnostic>,
+    parts: Vec<Comparison>,
+    /// Whether there is a temporal operator.
+    is_temporal: bool,
+}
+
+impl Checker<'_> {
+    fn say<T>(&mut self, diagnostic: Diagnostic) -> Option<T> {
+        self.diagnostics.push(diagnostic);
+        None
+    }
+
+    fn visit(&mut self, expression: &Expression) -> Option<Temporal> {
+        match &expression.kind {
+            ExpressionKind::Known(Known::Wrong) => None,
+            ExpressionKind::Name(word) if word == "true" || word == "false" => Some(Temporal::Constant(word == "true")),
+            ExpressionKind::Group(members) if members.len() == 1 => self.visit(&members[0]),
+            ExpressionKind::Not(inner) => self.visit(inner).map(|inner| Temporal::Not(inner.into())),
+            ExpressionKind::Binary { operator, left, right }
+                if matches!(operator, Operator::And | Operator::Or | Operator::Implies) =>
+            {
+                let (a, b) = (self.visit(left), self.visit(right));
+                let (a, b) = (a?.into(), b?.into());
+                Some(match operator {
+                    Operator::And => Temporal::And(a, b),
+                    Operator::Or => Temporal::Or(a, b),
+                    _ => Temporal::Or(Temporal::Not(a).into(), b),
+                })
+            }
+            ExpressionKind::Call { function, arguments, .. } if is_temporal(&function.text) => {
+                self.operator(function, arguments, expression)
+            }
+            ExpressionKind::Call { function, .. } if !is_function(&function.text) => {
+                let known: Vec<&str> = temporal_operators().chain(functions()).map(|(name, _)| name).collect();
+                self.say(diagnostics::unknown_function(function.span, &function.text, &known))
+            }
+            _ => self.part(expression, None),
+        }
+    }
+
+    fn operator(&mut self, name: &Name, arguments: &[Expression], whole: &Expression) -> Option<Temporal> {
+        let operands = if name.text == "until" { 2 } else { 1 };
+        if name.text == "scaled" {
+            let [comparison, scale] = arguments else {
+                let expected = "a comparison and the quantity that counts as 1";
+                return self.say(diagnostics::wrong_arity(whole.span, "scaled", expected, arguments.len()));
+            };
+            return self.part(comparison, Some(scale));
+        }
+        self.is_temporal = true;
+        if !(operands..=operands + 1).contains(&arguments.len()) {
+            let expected = match operands {
+                1 => "a condition, and perhaps a bound such as `[0 s, 2 s]`",
+                _ => "two conditions, and perhaps a bound such as `[0 s, 2 s]`",
+            };
+            return self.say(diagnostics::wrong_arity(whole.span, &name.text, expected, arguments.len()));
+        }
+        let inner: Vec<Option<Temporal>> = arguments[..operands].iter().map(|each| self.visit(each)).collect();
+        let within = arguments.get(operands).map_or(Some(Within::EPISODE), |bound| self.bound(bound));
+        let mut inner = inner.into_iter().collect::<Option<Vec<_>>>()?.into_iter().map(Arc::new);
+        let within = within?;
+        let mut next = || inner.next().expect("checked: the operator has its operands");
+        Some(match name.text.as_str() {
+            "always" => Temporal::Always(within, next()),
+            "eventually" => Temporal::Eventually(within, next()),
+            _ => Temporal::Until(within, next(), next()),
+        })
+    }
+
+    /// `[0 s, 2 s]`
+    fn bound(&mut self, bound: &Expression) -> Option<Within> {
+        if let ExpressionKind::Range(low, high) = &bound.kind {
+            let meant = format!("[{}, {}]", self.sources.text(low.span), self.sources.text(high.span));
+            return self.say(diagnostics::not_a(bound.span, "bound `[from, to]`", "range").fix(meant));
+        }
+        let ExpressionKind::List(ends) = &bound.kind else {
+            return self.say(diagnostics::not_a(bound.span, "bound such as `[0 s, 2 s]`", "value"));
+        };
+        let [low, high] = ends.as_slice() else {
+            return self.say(diagnostics::wrong_bound(bound.span, ends.len()));
+        };
+        let (from, to) = (self.constant(low, Dimension::TIME), self.constant(high, Dimension::TIME));
+        let (from, to) = (from?, to?);
+        if from < 0.0 {
+            let text = self.sources.text(low.span).to_string();
+            return self.say(diagnostics::out_of_range(low.span, text, "0 s or more".into()));
+        }
+        if from > to {
+            let swapped = format!("[{}, {}]", self.sources.text(high.span), self.sources.text(low.span));
+            return self.say(diagnostics::empty_range(bound.span, swapped, None));
+        }
+        Some(Within { from, to })
+    }
+
+    /// A quantity without variables (SI).
+    fn constant(&mut self, expression: &Expression, wanted: Dimension) -> Option<f64> {
+        let scope = Scope { available: &[], event: "compile time", whole: false, ..*self.scope };
+        match formula(expression, &scope, self.diagnostics)? {
+            (formula, Sort::Quantity(found)) if found == wanted => {
+                let value = formula.evaluate(&|_| unreachable!("no variable is in scope"));
+                match value.is_finite() {
+                    true => Some(value),
+                    false => self.say(diagnostics::out_of_range(
+                        expression.span,
+                        value.to_string(),
+                        "a finite number".into(),
+                    )),
+                }
+            }
+            (_, Sort::Quantity(Dimension::RATIO)) => {
+                let written = self.sources.text(expression.span);
+                self.say(diagnostics::missing_unit(expression.span, wanted, written))
+            }
+            (_, Sort::Quantity(found)) => self.say(diagnostics::wrong_unit(expression.span, wanted, found)),
+            (_, Sort::Truth) => self.say(diagnostics::not_a(expression.span, &wanted.to_string(), "condition")),
+        }
+    }
+
+    /// A comparison, perhaps with its scale, or a condition without degree.
+    fn part(&mut self, expression: &Expression, scale: Option<&Expression>) -> Option<Temporal> {
+        let expression = match &expression.kind {
+            ExpressionKind::Group(members) if members.len() == 1 => &members[0],
+            _ => expression,
+        };
+        let whole = match formula(expression, self.scope, self.diagnostics)? {
+            (formula, Sort::Truth) => formula,
+            (_, Sort::Quantity(dimension)) => {
+                return self.say(diagnostics::not_a(expression.span, "condition", &dimension.to_string()));
+            }
+        };
+        let (margin, strict, dimension) = match (&whole, &expression.kind) {
+            (Formula::Binary(operator, a, b), ExpressionKind::Binary { left, .. }) if operator.compares() => {
+                use BinaryOperator::{Greater, GreaterEqual, Less, Subtract};
+                let (more, less) = if matches!(operator, Greater | GreaterEqual) { (a, b) } else { (b, a) };
+                let margin = Formula::Binary(Subtract, Arc::clone(more), Arc::clone(less));
+                let Some((_, Sort::Quantity(dimension))) = formula(left, self.scope, &mut Vec::new()) else {
+                    unreachable!("checked: the side of a comparison is a quantity")
+                };
+                (margin, matches!(operator, Less | Greater), Some(dimension))
+            }
+            _ => (whole, false, None),
+        };
+        let scale = match (scale, dimension) {
+            (None, Some(dimension)) => self.usual_scale(&margin, dimension),
+            (None, None) => 1.0,
+            (Some(scale), None) => {
+                return self.say(diagnostics::not_a(scale.span, "comparison before it", "condition"));
+            }
+            (Some(scale), Some(dimension)) => match self.constant(scale, dimension)? {
+                value if value > 0.0 => value,
+                _ => {
+                    let text = self.sources.text(scale.span).to_string();
+                    return self.say(diagnostics::out_of_range(scale.span, text, "above 0".into()));
+                }
+            },
+        };
+        let text = self.sources.text(expression.span).split_whitespace().collect::<Vec<_>>().join(" ");
+        let part = Comparison { text, margin, strict, dimension, scale };
+        let variables = &self.scope.vocabulary.variables;
+        if let Some(truth) = part.settled(&|id: VariableId| variables[id.0].bounds) {
+            return self.say(diagnostics::foregone(expression.span, truth));
+        }
+        self.parts.push(part);
+        Some(Temporal::Part(self.parts.len() - 1))
+    }
+
+    /// The greatest scale of the variables with this dimension in a formula; without one 1, in SI.
+    fn usual_scale(&self, margin: &Formula, dimension: Dimension) -> f64 {
+        let named = |index: usize| margin.mentions(&|id| id == VariableId(index));
+        let all = self.scope.vocabulary.variables.iter().enumerate();
+        let scales =
+            all.filter(|(index, variable): &(usize, &Variable)| variable.dimension == dimension && named(*index));
+        scales.map(|(_, variable)| variable.scale).reduce(f64::max).unwrap_or(1.0)
+    }
+}

@@ -1,0 +1,212 @@
+use polars::prelude::{Column as Values, DataFrame, PolarsResult};
+
+use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
+use crate::record::columns::{RUN, RUN_ID};
+use crate::record::episodes::named;
+use crate::record::{CellKey, Column, ColumnReference, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
+use base::statistics::wilson;
+use base::units::Dimension;
+use world::requirement::{Degree, NamedRequirement};
+
+/// The stem of the files of the table of requirements.
+pub const REQUIREMENTS: &str = "requirements";
+
+pub const REQUIREMENT: Column<String> = Column::new("requirement", "", "name of the requirement");
+pub const PRIORITY: Column<u32> = Column::new("priority", "", "its rank in the scenario; 1 is the most important");
+pub const VIOLATED: Column<bool> = Column::new("violated", "", "whether the episode violates it");
+pub const ROBUSTNESS: Column<f64> = Column::new(
+    "robustness",
+    "as `unit`",
+    "how far it is from being violated, below 0 (or -0) where it is; infinite where only conditions without degree decide",
+);
+pub const ROBUSTNESS_UNIT: Column<String> =
+    Column::new("unit", "", "unit of the robustness; empty where it is scaled, and of plain numbers");
+pub const SCALED: Column<bool> = Column::new(
+    "scaled",
+    "",
+    "whether its comparisons have different dimensions, so that each is divided by its scale",
+);
+pub const INSTANT: Column<f64> =
+    Column::new("instant_s", "s", "time from the start of the episode to the sample that decides");
+pub const PART: Column<String> = Column::new("part", "", "the comparison that decides, as the scenario writes it");
+pub const COUNTS: Column<bool> = Column::new("counts", "", "whether the episode is in rates");
+pub const AT_COLLISION: Column<bool> =
+    Column::new("at_collision", "", "whether that sample is the touch of a collision, which is a failure by itself");
+
+/// A requirement in an episode.
+pub struct RequirementRow {
+    pub key: RunKey,
+    pub episode: u32,
+    pub name: String,
+    pub priority: u32,
+    pub degree: Degree,
+    pub unit: &'static str,
+    pub is_scaled: bool,
+    pub instant: f64,
+    pub part: String,
+    pub counts: bool,
+    pub at_collision: bool,
+}
+
+/// The columns of the table of requirements.
+pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
+    Table::new(
+        REQUIREMENTS,
+        "One row for each episode without error and each requirement of the campaign. Campaigns without requirements do not have it.",
+    )
+    .column(RUN_ID.of(|row: &RequirementRow| row.key.id.to_string()))
+    .columns(cell_key(|row: &RequirementRow| &row.key.cell))
+    .column(RUN.of(|row: &RequirementRow| row.key.run))
+    .column(EPISODE.of(|row: &RequirementRow| row.episode))
+    .column(REQUIREMENT.of(|row: &RequirementRow| row.name.clone()))
+    .column(PRIORITY.of(|row: &RequirementRow| row.priority))
+    .column(VIOLATED.of(|row: &RequirementRow| row.degree.is_violated()))
+    .column(ROBUSTNESS.of(|row: &RequirementRow| row.degree.robustness))
+    .column(ROBUSTNESS_UNIT.of(|row: &RequirementRow| row.unit))
+    .column(SCALED.of(|row: &RequirementRow| row.is_scaled))
+    .column(INSTANT.of(|row: &RequirementRow| row.instant))
+    .column(PART.of(|row: &RequirementRow| row.part.clone()))
+    .column(COUNTS.of(|row: &RequirementRow| row.counts))
+    .column(AT_COLLISION.of(|row: &RequirementRow| row.at_collision))
+}
+
+/// The unit of a requirement's robustness, in SI; empty where it is scaled, and of plain numbers.
+pub fn unit_of(requirement: &NamedRequirement) -> &'static str {
+    match requirement.requirement.dimension() {
+        Some(Dimension::ANGLE) => "rad",
+        Some(dimension) => dimension.usual_units().first().copied().unwrap_or_default(),
+        None => "",
+    }
+}
+
+/// The rows of a part of the table of episodes, with the length of a tick (s).
+///
+/// # Errors
+/// A column is missing or holds something else.
+pub fn requirement_rows(
+    requirements: &[NamedRequirement],
+    part: &DataFrame,
+    tick: f64,
+) -> PolarsResult<Vec<RequirementRow>> {
+    let (table, degrees) = (EpisodeTable::new(part)?, DEGREES.read(part)?);
+    let (outcomes, ticks, lengths) = (OUTCOME.read(part)?, TICKS.read(part)?, EPISODE_LENGTH.read(part)?);
+    let mut rows = Vec::new();
+    for row in table.rows() {
+        let Some(degrees) = degrees.get(row).and_then(parse_degrees) else { continue };
+        let key = RunKey::read(part, row)?;
+        let last = ticks.get(row).unwrap_or_default();
+        let length = lengths.get(row).unwrap_or_default();
+        for (named, degree) in requirements.iter().zip(degrees) {
+            let parts = &named.requirement.parts;
+            rows.push(RequirementRow {
+                key: key.clone(),
+                episode: table.episode(row),
+                name: named.name.to_string(),
+                priority: named.priority,
+                degree,
+                unit: unit_of(named),
+                is_scaled: named.requirement.is_scaled(),
+                instant: (f64::from(degree.sample) * tick).min(length),
+                part: degree
+                    .part
+                    .and_then(|part| parts.get(usize::from(part)))
+                    .map_or(String::new(), |part| part.text.clone()),
+                counts: table.counts(row),
+                at_collision: outcomes.get(row) == Some(named::COLLISION) && degree.sample == last,
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// The violations of a requirement in a cell, run by run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellRequirement {
+    pub key: CellKey,
+    pub name: String,
+    /// Of each run the number of violations, and of the episodes that count.
+    pub runs: Vec<(u32, u32)>,
+}
+
+impl CellRequirement {
+    /// Violations and episodes of all runs.
+    pub fn sums(&self) -> (u32, u32) {
+        self.runs.iter().fold((0, 0), |(a, b), (c, d)| (a + c, b + d))
+    }
+
+    /// The mean of the rates of the runs, and their sample standard deviation for two or more.
+    pub fn rate(&self) -> (Option<f64>, Option<f64>) {
+        let rates: Vec<f64> = self
+            .runs
+            .iter()
+            .filter(|(_, all)| *all > 0)
+            .map(|(part, all)| f64::from(*part) / f64::from(*all))
+            .collect();
+        let count = rates.len() as f64;
+        let mean = (count > 0.0).then(|| rates.iter().sum::<f64>() / count);
+        let sd = mean
+            .filter(|_| count > 1.0)
+            .map(|mean| (rates.iter().map(|rate| (rate - mean) * (rate - mean)).sum::<f64>() / (count - 1.0)).sqrt());
+        (mean, sd)
+    }
+
+    /// Wilson's 95 % interval over the episodes of all runs.
+    pub fn interval(&self) -> (f64, f64) {
+        let (part, all) = self.sums();
+        wilson(u64::from(part), u64::from(all))
+    }
+}
+
+/// Adds the rows of a run to the cells.
+pub fn add_run(
+    cells: &mut Vec<CellRequirement>,
+    key: &CellKey,
+    requirements: &[NamedRequirement],
+    counts: &[(u32, u32)],
+) {
+    for (named, count) in requirements.iter().zip(counts) {
+        match cells.iter_mut().find(|cell| cell.key == *key && cell.name == *named.name) {
+            Some(cell) => cell.runs.push(*count),
+            None => cells.push(CellRequirement { key: key.clone(), name: named.name.to_string(), runs: vec![*count] }),
+        }
+    }
+}
+
+/// The columns of the rate of violations of a requirement that gates know: the rate, and both ends of its interval.
+pub fn rate_columns(requirement: &str) -> [ColumnReference; 3] {
+    ["", "_wilson_low", "_wilson_high"].map(|suffix| ColumnReference {
+        name: format!("violation_rate({requirement}){suffix}").into(),
+        unit: "".into(),
+        doc: "episodes that violate the requirement of all *episodes*, with Wilson's 95 % interval".into(),
+        holds: polars::prelude::DataType::Float64,
+    })
+}
+
+/// Adds the columns of gates to the table of cells.
+///
+/// # Errors
+/// Those of polars; none for cells in the order of the table.
+pub fn with_rates(table: DataFrame, keys: &[&CellKey], cells: &[CellRequirement]) -> PolarsResult<DataFrame> {
+    let mut names: Vec<&str> = Vec::new();
+    cells.iter().for_each(|cell| {
+        if !names.contains(&cell.name.as_str()) {
+            names.push(&cell.name)
+        }
+    });
+    let mut table = table;
+    for name in names {
+        let of = |value: &dyn Fn(&CellRequirement) -> Option<f64>| -> Vec<Option<f64>> {
+            let found = |key: &&CellKey| cells.iter().find(|cell| cell.key == **key && cell.name == name);
+            keys.iter().map(|key| found(key).and_then(value)).collect()
+        };
+        let [rate, low, high] = rate_columns(name).map(|column| column.name.into_owned());
+        for (column, values) in [
+            (rate, of(&|cell| cell.rate().0)),
+            (low, of(&|cell| Some(cell.interval().0))),
+            (high, of(&|cell| Some(cell.interval().1))),
+        ] {
+            table.with_column(Values::new(column.into(), values))?;
+        }
+    }
+    Ok(table)
+}

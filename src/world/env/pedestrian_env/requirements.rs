@@ -1,0 +1,136 @@
+use super::{MOST_ROOM, PedestrianEnv, SignalMeter, Wanted, is_measured};
+use crate::av::DrivingMode;
+use crate::env::{Outcome, Scenario, Situation};
+use crate::geometry::Vector;
+use crate::requirement::{Degree, Monitor};
+use crate::sim::Contact;
+
+/// The signals that the formulas of a scenario name and that are measured in every tick; none if there are none, and no requirements.
+pub(super) fn wanted(scenario: &Scenario) -> Option<Wanted> {
+    let end = scenario.episode.end_when.iter();
+    let formulas = || scenario.reward.formulas().chain(end.clone());
+    let wanted = Wanted::new(|id| {
+        is_measured(id) && formulas().any(|formula| formula.mentions(&|other| other == id))
+            || scenario.requirements.iter().any(|each| each.requirement.mentions(&|other| other == id))
+    });
+    (wanted != Wanted::default()).then_some(wanted)
+}
+
+/// Watches the requirements of a scenario; none without any.
+pub(super) fn monitor(scenario: &Scenario) -> Option<Monitor> {
+    let (all, rule) = (&scenario.requirements, &scenario.episode);
+    (!all.is_empty()).then(|| Monitor::new(all.clone(), rule.tick, rule.ticks.min(MOST_ROOM) as usize + 1))
+}
+
+/// The ego and the nearest pedestrian at a sample.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::env) struct Moment {
+    /// The pedestrian's centre, ahead and to the left of that of the ego (m).
+    pub place: Vector,
+    /// The heading of the ego (rad).
+    pub yaw: f64,
+    /// The speed of the ego (m/s).
+    pub speed: f64,
+    /// The velocity of the pedestrian (m/s).
+    pub velocity: Vector,
+    /// The driver's action.
+    pub mode: DrivingMode,
+}
+
+/// The samples of an episode: one at its start, and one after each tick.
+impl PedestrianEnv {
+    /// The degree of each requirement of the scenario in the episode that has ended; empty without requirements, while it runs, and after a driver
+    /// or a controller failed.
+    pub fn degrees(&self) -> &[Degree] {
+        self.monitor.as_ref().map_or(&[], Monitor::degrees)
+    }
+
+    /// Takes the sample at the start of an episode.
+    pub(super) fn begin_samples(&mut self) {
+        if let Some(signals) = &mut self.signals {
+            signals.begin(&self.world);
+        }
+        if let Some(monitor) = &mut self.monitor {
+            monitor.clear();
+        }
+        self.moments.clear();
+        self.watch_requirements(None);
+    }
+
+    /// Takes the sample after a tick.
+    #[inline]
+    pub(super) fn take_sample(&mut self, contact: Option<&Contact>) {
+        if let Some(signals) = &mut self.signals {
+            signals.tick(&self.world, contact);
+            self.watch_requirements(contact);
+        }
+    }
+
+    fn watch_requirements(&mut self, contact: Option<&Contact>) {
+        let Some(mut monitor) = self.monitor.take() else { return };
+        let values = self.sample(contact).values();
+        monitor.push(&|id| values[id.0]);
+        self.monitor = Some(monitor);
+        if self.scenario.goal.is_some() {
+            let (ego, number) = (self.world.ego(), SignalMeter::pedestrian(&self.world, contact));
+            let walker = &self.world.pedestrians[number].state;
+            self.moments.push(Moment {
+                place: ego.state.pose.to_local(walker.pose.position()),
+                yaw: ego.state.pose.yaw,
+                speed: ego.state.speed,
+                velocity: walker.velocity,
+                mode: self.policies[0].mode(),
+            });
+        }
+    }
+
+    /// Ends the samples of an episode.
+    pub(super) fn conclude_requirements(&mut self) {
+        if let Some(monitor) = &mut self.monitor {
+            monitor.conclude();
+        }
+    }
+
+    /// Whether the episode that has ended is a failure of the driver: a collision, or a violation of the goal where the scenario has one.
+    pub fn is_failure(&self) -> bool {
+        match self.scenario.goal {
+            None => self.outcome().is_some_and(Outcome::is_collision),
+            Some(goal) => self.degrees().get(goal).is_some_and(Degree::is_violated),
+        }
+    }
+
+    /// What an episode that ends now earns by its goal; none without a goal. It ends the samples.
+    pub(super) fn goal_reward(&mut self) -> Option<f64> {
+        let goal = self.scenario.goal?;
+        self.conclude_requirements();
+        let robustness = self.degrees().get(goal)?.robustness;
+        Some(match robustness.is_infinite() {
+            true => 1.0 - robustness.signum(),
+            false => 1.0 - robustness / (1.0 + robustness.abs()),
+        })
+    }
+
+    /// The moment that decides the goal of the episode that has ended; none without a goal, and if nothing violates it.
+    pub(in crate::env) fn goal_moment(&self) -> Option<&Moment> {
+        let degree = self.degrees().get(self.scenario.goal?).filter(|degree| degree.is_violated())?;
+        self.moments.get(degree.sample as usize)
+    }
+
+    /// The variables that requirements name.
+    fn sample(&self, contact: Option<&Contact>) -> Situation {
+        let Some(signals) = &self.signals else { return Situation::default() };
+        let number = SignalMeter::pedestrian(&self.world, contact);
+        let wanted = signals.wanted();
+        let is_placed = wanted.bearing || wanted.distance || wanted.ahead || wanted.aside || wanted.facing;
+        if is_placed || wanted.turn || wanted.pace || wanted.miss_distance {
+            return self.situation_of(number, contact);
+        }
+        let hit = contact.filter(|contact| contact.pedestrian_at_ego().is_some());
+        Situation {
+            ego_speed: hit.map_or(self.world.ego().state.speed, |hit| hit.impact_speed),
+            walking_speed: self.world.pedestrians[number].state.speed(),
+            elapsed: self.elapsed(contact),
+            ..*signals.now()
+        }
+    }
+}
