@@ -7,8 +7,8 @@ use compile::Catalog;
 /// The keys of the kind in whose parentheses the cursor is, and which of them is being written; none elsewhere.
 pub fn signature_help(cursor: &Cursor, catalog: &Catalog) -> Option<SignatureHelp> {
     let signature = cursor.signature?;
-    let kinds = catalog.forms.iter().flat_map(|form| &form.kinds);
-    kinds.into_iter().find(|kind| std::ptr::eq(*kind, signature))?;
+    let mut kinds = catalog.forms.iter().flat_map(|form| &form.kinds);
+    kinds.find(|kind| std::ptr::eq(*kind, signature))?;
     let named = |name: &str| signature.params.iter().position(|param| param.name == name);
     let active = match cursor.place {
         Place::Value(param) => named(param.name),
