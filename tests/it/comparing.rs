@@ -60,10 +60,25 @@ fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
     let speed = |object: &serde_json::Value| object["impact_speed_mps"].as_f64().unwrap();
     let fast = objects.iter().filter(|object| object["policy"] == "slow" && speed(object) >= 1.0).count();
     assert_eq!(names(&["--driver", "slow", "--min-speed", "1"]).lines().count(), fast);
-    assert!(names(&["--controller", "none_such"]).is_empty());
+    // A word that no report has is a mistake, not an empty list.
+    for (option, wrong, known) in [
+        ("--controller", "none_such", "there are home, intercept, random"),
+        ("--driver", "slwo", "no report has a driver `slwo`"),
+        ("--kind", "frnt", "no report has a word of a kind `frnt`"),
+    ] {
+        let refused = falsify(&["failures", "reports/two", option, wrong], here);
+        assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+        assert!(text(&refused).contains(known), "{refused:?}");
+    }
     // Each start is evaluated with two pedestrians, and searched.
     let distinct = names(&["--distinct"]).lines().count();
     assert!(0 < distinct && distinct < objects.len(), "{distinct} of {}", objects.len());
+    // A smoke run beside it is left out, and named.
+    run(here, &["--smoke"]);
+    let beside = falsify(&["failures", "reports", "--names"], here);
+    assert_eq!(beside.stdout, all.as_bytes().to_vec(), "{beside:?}");
+    assert!(text(&beside).contains("two-smoke"), "{beside:?}");
+    std::fs::remove_dir_all(here.join("reports/two-smoke")).unwrap();
     let wrong = falsify(&["failures", "reports", "--verdict", "bad"], here);
     assert_eq!(wrong.status.code(), Some(2));
 

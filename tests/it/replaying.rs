@@ -123,7 +123,7 @@ fn differences_are_found(here: &Path, report: &Path, name: &str) {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(&pedestrian, bytes).unwrap();
-    let verify = falsify(&["verify", "--sample", "0", "--trainings", "reports/again"], here);
+    let verify = falsify(&["verify", "--sample", "1", "--trainings", "reports/again"], here);
     assert_eq!(verify.status.code(), Some(8), "{verify:?}");
     let refused = falsify(&["replay", name], here);
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");

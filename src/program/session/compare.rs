@@ -21,8 +21,10 @@ impl Session {
         let [before, after] = &options.reports;
         let before = StoredReport::open(before)?;
         let after = StoredReport::open(after)?;
-        before.check_tables()?;
-        after.check_tables()?;
+        for report in [&before, &after] {
+            report.check_manifest()?;
+            report.check_tables()?;
+        }
         let driver = |side: usize| options.drivers.as_ref().map(|drivers| drivers[side].as_str());
         let first = Side { report: &before, driver: driver(0) };
         let second = Side { report: &after, driver: driver(1) };
