@@ -272,3 +272,74 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     let refused = gate("violation_rate(slow_pass) > 0.5").unwrap_err().to_string();
     assert!(refused.contains("no campaign requires `slow_pass`; there are no_collision"), "{refused}");
 }
+
+/// Episodes of each driver in a town, with the requirements of a scenario: the number that violates each requirement.
+fn violations(text: &str, episodes: u32) -> Vec<(String, Vec<(String, u32)>)> {
+    let read =
+        |path: &Path| if path == Path::new("my.scn") { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(&["my.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{text}\n{:?}", compiled.diagnostics));
+    let count = |evaluation: &compile::Evaluation| {
+        let named = &evaluation.scenario.requirements;
+        let mut found: Vec<(String, u32)> = named.iter().map(|each| (each.name.to_string(), 0)).collect();
+        let mut note = |_: &Outcome, trace: &EpisodeTrace| {
+            for (found, degree) in found.iter_mut().zip(trace.degrees()) {
+                found.1 += u32::from(degree.is_violated());
+            }
+        };
+        watch(evaluation, None, 0..episodes, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()));
+        (evaluation.policy.to_string(), found)
+    };
+    plan.campaigns[0].evaluations.iter().map(count).collect()
+}
+
+#[test]
+fn who_sees_no_lights_runs_red_ones_and_others_stop() {
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+        import \"std/requirements.scn\"\n\
+        requirement no_light = always(light_distance > 99.9 m)\n\
+        requirement no_red = always(not red_light)\n\
+        requirement near_the_middle = always(abs(lane_offset) < 1.2 m)\n\
+        spawn far { ego_speed: 0 m/s  bearing: -180 deg .. 180 deg  distance: 50 m .. 90 m }\n\
+        episode long { ticks: 600  hold: 20 }\n\
+        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: far  episode: long\n\
+        requirements: [stops_at_red, no_light, no_red, near_the_middle]\n\
+        evaluate { towns: [village]  policies: [idm, blind]  pedestrians: [random]  episodes: 60 }\n}\n";
+    let found = violations(text, 60);
+    let of = |driver: &str, name: &str| {
+        let (_, all) = found.iter().find(|(policy, _)| policy == driver).unwrap();
+        all.iter().find(|(requirement, _)| requirement == name).unwrap().1
+    };
+    assert!(of("blind", "no_light") > 20 && of("blind", "no_red") > 10, "there are lights: {found:?}");
+    assert!(of("idm", "stops_at_red") <= 3 && of("blind", "stops_at_red") > 30, "{found:?}");
+    assert!(of("blind", "near_the_middle") + of("idm", "near_the_middle") <= 3, "{found:?}");
+}
+
+#[test]
+fn who_yields_at_crosswalks_satisfies_the_requirement() {
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport model3 from \"std/drivers.scn\"\n\
+        import \"std/requirements.scn\"\n\
+        town straight { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h }  crosswalk { at: (100 m, 0 m) } }\n\
+        policy polite = idm(crosswalks: \"yield\")\n\
+        policy rude = cruise()\n\
+        requirement apart = always(crosswalk_distance > 0 m)\n\
+        requirement free = always(not crosswalk_taken)\n\
+        requirement deserted = always(not crosswalk_waiting)\n\
+        // The front is 2.4 m before the middle of the car, the edge of the crosswalk 2 m before its own.\n\
+        requirement first = always(crosswalk_distance > 30 m, [0 s, 0 s])\n\
+        spawn path = given_path { ego_poses: [(55 m, -1.75 m, 0 deg)]  ego_speed: 9 m/s  through: [(100 m, -4.5 m), (100 m, 6 m)]  speeds: [1.4 m/s] }\n\
+        episode long { ticks: 240  hold: 20 }\n\
+        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: path  episode: long\n\
+        requirements: [yields_at_crosswalk, apart, free, deserted, first]\n\
+        evaluate { towns: [straight]  policies: [polite, rude]  pedestrians: [scripted]  episodes: 1 }\n}\n";
+    let found = violations(text, 1);
+    let of = |driver: &str, name: &str| {
+        let (_, all) = found.iter().find(|(policy, _)| policy == driver).unwrap();
+        all.iter().find(|(requirement, _)| requirement == name).unwrap().1
+    };
+    for driver in ["polite", "rude"] {
+        assert_eq!((of(driver, "free"), of(driver, "first")), (1, 0), "{found:?}");
+    }
+    assert_eq!((of("polite", "yields_at_crosswalk"), of("rude", "yields_at_crosswalk")), (0, 1), "{found:?}");
+    assert_eq!(of("rude", "apart"), 1, "it drives onto the crosswalk: {found:?}");
+}

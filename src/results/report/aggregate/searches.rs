@@ -121,11 +121,11 @@ impl Figures {
     }
 }
 
-/// The kind of a failure: the side of the car that was hit, and what its driver was doing.
-fn kind(outcome: &Outcome) -> (Impact, &'static str) {
+/// The side of the car that was hit; none of a violation without a touch.
+fn impact(outcome: &Outcome) -> Option<Impact> {
     match outcome.ending {
-        Ending::Touch { front, bearing, .. } => (Impact::new(front, bearing), outcome.last_mode.name()),
-        _ => unreachable!("a failure is a collision"),
+        Ending::Touch { front, bearing, .. } => Some(Impact::new(front, bearing)),
+        _ => None,
     }
 }
 
@@ -626,8 +626,8 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .column(FAILURE.of(|row: &Row<'_>| row.2))
         .column(START.of(|row: &Row<'_>| row.1.start))
         .column(FOUND_AFTER.of(|row: &Row<'_>| row.1.ticks))
-        .column(IMPACT.of(|row: &Row<'_>| kind(&row.1.outcome).0.name()))
-        .column(DRIVING_MODE.of(|row: &Row<'_>| kind(&row.1.outcome).1))
+        .column(IMPACT.of(|row: &Row<'_>| impact(&row.1.outcome).map(Impact::name)))
+        .column(DRIVING_MODE.of(|row: &Row<'_>| row.1.outcome.last_mode.name()))
         .column(IMPACT_SPEED.of(|row: &Row<'_>| row.1.outcome.impact_speed()))
         .column(CELL.of(|row: &Row<'_>| row.1.cell.to_string()))
         .column(EPISODE_REWARD.of(|row: &Row<'_>| row.1.outcome.reward))
