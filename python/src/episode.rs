@@ -29,7 +29,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("seed", end.seed)?;
     dict.set_item("episode", end.episode)?;
     dict.set_item("outcome", name)?;
-    dict.set_item("is_success", outcome.is_collision())?;
+    dict.set_item("is_success", end.is_failure)?;
     dict.set_item("front", front)?;
     dict.set_item("impact_speed_mps", outcome.impact_speed().unwrap_or(f64::NAN))?;
     dict.set_item("impact_bearing_rad", bearing)?;
@@ -44,7 +44,26 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("start", format!("{:016x}", outcome.start))?;
     dict.set_item("digest", format!("{:016x}", outcome.digest))?;
     dict.set_item("error", outcome.error().unwrap_or_default())?;
+    if !end.requirements.is_empty() {
+        dict.set_item("requirements", requirements(py, end)?)?;
+    }
     Ok(dict)
+}
+
+/// The requirements of the scenario by their names: whether each is violated, its robustness (SI units, or scaled), and the number of the sample and the
+/// text of the comparison that decide.
+fn requirements<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    for (named, degree) in &end.requirements {
+        let one = PyDict::new(py);
+        let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
+        one.set_item("violated", degree.is_violated())?;
+        one.set_item("robustness", degree.robustness)?;
+        one.set_item("sample", degree.sample)?;
+        one.set_item("part", part.map_or("", |part| &part.text))?;
+        all.set_item(&*named.name, one)?;
+    }
+    Ok(all)
 }
 
 /// Adds a verdict; without a touch it is an empty text.

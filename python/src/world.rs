@@ -7,6 +7,7 @@ use compile::episodes_seed;
 use learn::Step;
 use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
 use world::judge::{Verdict, judge};
+use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
 
 /// The end of an episode.
@@ -20,6 +21,10 @@ pub struct End {
     pub outcome: Outcome,
     /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<Verdict>,
+    /// Each requirement of the scenario with its degree; empty without requirements, and in error.
+    pub requirements: Vec<(NamedRequirement, Degree)>,
+    /// Whether the driver failed: a collision, or a violation of the goal of a search.
+    pub is_failure: bool,
 }
 
 /// A world. Episode *k* of a seed has the start of episode *k* of every evaluation in the town that a campaign with this seed runs.
@@ -113,7 +118,10 @@ impl World {
         self.env.write_state(&mut self.state);
         if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
             let verdict = judge(&self.trace.main_pair(self.env.scenario()));
-            self.end = Some(End { seed: self.seed, episode, outcome: *outcome, verdict });
+            let scenario = self.env.scenario();
+            let requirements = scenario.requirements.iter().cloned().zip(self.env.degrees().iter().copied()).collect();
+            let is_failure = self.env.is_failure();
+            self.end = Some(End { seed: self.seed, episode, outcome: *outcome, verdict, requirements, is_failure });
         }
     }
 

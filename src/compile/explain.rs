@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::{Catalog, interface_pages};
-use base::signature::{Event, Param, Signature, Variable, bounds};
+use base::signature::{Event, Param, Signature, Variable};
 use base::units::{Dimension, UNIT_NAMES, parse_unit};
 use lang::error_index::{Mistake, mistakes};
 use lang::keywords::{WORDS, Word};
@@ -218,9 +218,7 @@ fn event(event: &Event) -> String {
 }
 
 fn variable(variable: &Variable) -> String {
-    let (low, high) = variable.bounds;
-    let within = bounds(low, high, variable.dimension);
-    format!("{} ({}, {within})\n    {}\n", variable.name, variable.dimension, variable.doc)
+    format!("{} ({})\n    {}\n", variable.name, variable.within(), variable.doc)
 }
 
 fn explain_word(word: &Word) -> String {

@@ -29,7 +29,7 @@ impl Catalog {
         }
         page.push_str("\n## Variables\n\n| variable | measures | meaning |\n|---|---|---|\n");
         for variable in &self.vocabulary.variables {
-            let _ = writeln!(page, "| `{}` | {} | {} |", variable.name, variable.dimension, variable.doc);
+            let _ = writeln!(page, "| `{}` | {} | {} |", variable.name, variable.measures(), variable.doc);
         }
         page
     }

@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 
 /// Each package with the greatest number of lines of Rust that it may have, tests included. Who needs more raises it in the same commit and says why.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 4_000),
+    ("src/base", 4_150),
     ("src/learn", 6_000),
-    ("src/world", 28_500),
+    ("src/world", 29_800),
     ("src/ported", 6_000),
-    ("src/lang", 8_000),
+    ("src/lang", 8_200),
     ("src/compile", 6_500),
     ("src/process", 1_000),
     ("src/export", 4_000),
-    ("src/results", 26_000),
+    ("src/results", 27_000),
     ("src/program", 13_000),
     ("tests/it", 18_000),
 ];

@@ -7,7 +7,9 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
-use results::campaign::watch;
+use falsify::session::{FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
+use results::campaign::{self, InMemory, Silent, repeat_failure, watch};
+use results::report::{FailureFilter, Gate, narrative};
 use world::env::{Outcome, Trace as EpisodeTrace};
 use world::judge::{LaneDeparture, NearMiss};
 use world::requirement::Trace;
@@ -63,8 +65,8 @@ fn the_worked_traces_of_the_book_are_true() {
 fn signals_agree_with_what_is_known_of_an_episode() {
     let declared = "
         requirement near = always(gap > 1000 m)
-        requirement soon = always(ttc > 20 s)
-        requirement encroached = always(pet > 20 s)
+        requirement soon = always(ttc > 9 s)
+        requirement encroached = always(pet > 9 s)
         requirement on_road = always(not left_road)
         requirement braked = always(ego_acceleration > -100 m/s^2)
         requirement closer = always(closing_speed < 200 m/s)
@@ -87,8 +89,8 @@ fn signals_agree_with_what_is_known_of_an_episode() {
             close(of("near").robustness + 1000.0, outcome.least_gap);
             let frames: Vec<_> = pair.frames().collect();
             if !outcome.is_touch() {
-                close(of("soon").robustness + 20.0, near_miss.min_ttc.unwrap_or(10.0));
-                close(of("encroached").robustness + 20.0, near_miss.pet.map_or(10.0, |pet| pet.min(10.0)));
+                close(of("soon").robustness + 9.0, near_miss.min_ttc.unwrap_or(10.0));
+                close(of("encroached").robustness + 9.0, near_miss.pet.map_or(10.0, |pet| pet.min(10.0)));
                 let speeds = frames.windows(2).map(|pair| (pair[1].ego.speed - pair[0].ego.speed) / 0.05);
                 close(of("braked").robustness - 100.0, speeds.fold(0.0, f64::min));
                 let changes = frames
@@ -133,4 +135,211 @@ fn requirements_change_no_episode() {
         watch(evaluation, None, 0..40, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()))
     };
     assert_eq!(digests(&with.campaigns[0].evaluations[0]), digests(&without));
+}
+
+/// A campaign whose searches look for violations.
+fn searches(goal: &str) -> Plan {
+    let text = format!(
+        "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+         requirement slow_pass = always(gap < 1.5 m implies ego_speed < 3 m/s)\n\
+         reward none_at_all {{ on timeout => 0 }}\n\
+         training quick = ppo(steps: 200, steps_per_update: 50)\n\
+         spawn near {{ ego_speed: 6 m/s  bearing: -60 deg .. 60 deg  distance: 7 m .. 20 m }}\n\
+         episode until_passed {{ ticks: 160  hold: 10  end_when: ahead < -6 m }}\n\
+         falsifier plans = cem(tries: 20, population: 5, elite: 2)\n\
+         falsifier evolved = cma_es(tries: 20)\n\
+         falsifier grown = mcts(reward: none_at_all, tries: 20)\n\
+         falsifier kinds = archive(reward: none_at_all)\n\
+         falsifier learnt = ppo(reward: none_at_all)\n\
+         falsifier meet = intercept()\n\
+         campaign mine {{\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed  training: quick\n\
+         search {{ towns: [harbour]  policies: [behavior]  falsifiers: [plans, evolved, grown, kinds, learnt, meet]\n\
+         budget: 20_000  runs: 1  episodes: 20  {goal} }}\n}}\n"
+    );
+    let read = |path: &Path| if path == Path::new("my.scn") { Ok(text.clone()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(&["my.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    compiled.plan.unwrap_or_else(|| panic!("{text}\n{:?}", compiled.diagnostics))
+}
+
+#[test]
+fn every_method_searches_for_violations_of_its_goal() {
+    let seed = Seed::root(5);
+    let plan = searches("goal: slow_pass");
+    let finished = campaign::run(&plan.campaigns[0], &seed, &InMemory::default(), &Silent);
+    assert_eq!(finished.searches.len(), 6);
+    let mut without_touch = 0;
+    for (search, result) in plan.campaigns[0].searches.iter().zip(&finished.searches) {
+        let name = &search.key.falsifier;
+        assert!(!result.spent.failures.is_empty(), "{name} finds one in {} episodes", result.spent.episodes);
+        for failure in result.spent.failures.iter().take(5) {
+            let (outcome, trace) = repeat_failure(search, failure.start, &failure.commands, &seed).unwrap();
+            assert_eq!(outcome.digest, failure.outcome.digest, "{name}");
+            let degree = trace.degrees()[search.scenario.goal.unwrap()];
+            assert!(degree.is_violated() && outcome.reward >= 1.0, "{name}: {degree:?} earns {}", outcome.reward);
+            let worth = 1.0 - degree.robustness / (1.0 + degree.robustness.abs());
+            assert!((outcome.reward - worth).abs() < 1e-12, "{name}: {worth} {}", outcome.reward);
+            without_touch += u32::from(!outcome.is_touch());
+        }
+        let cells: std::collections::BTreeSet<_> = result.spent.failures.iter().map(|failure| failure.cell).collect();
+        assert!(!cells.is_empty());
+    }
+    assert!(without_touch > 0, "a violation needs no touch");
+    let others = searches("");
+    let same = |a: &compile::Search, b: &compile::Search| a.fingerprint == b.fingerprint;
+    let pairs = plan.campaigns[0].searches.iter().zip(&others.campaigns[0].searches);
+    assert!(pairs.into_iter().all(|(a, b)| !same(a, b)), "a goal makes another search");
+}
+
+#[test]
+fn a_report_has_rates_failures_and_replays_of_requirements() {
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+        import no_collision from \"std/requirements.scn\"\n\
+        requirement slow_pass = always(gap < 1.5 m implies ego_speed < 3 m/s) { priority: 2 }\n\
+        requirement sees = always(in_sight)\n\
+        spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }\n\
+        episode until_passed { ticks: 160  hold: 10  end_when: ahead < -6 m }\n\
+        falsifier meet = intercept()\n\
+        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed\n\
+        requirements: [no_collision, slow_pass, sees]\n\
+        evaluate { towns: [harbour]  policies: [behavior]  pedestrians: [intercept, random]  episodes: 30 }\n\
+        search { towns: [harbour]  policies: [behavior]  falsifiers: [meet]  budget: 6_000  runs: 1  episodes: 0  goal: slow_pass }\n}\n";
+    let read = move |path: &Path| match path.to_str() {
+        Some("my.scn") => Ok(text.to_string()),
+        _ => std::fs::read_to_string(path),
+    };
+    let session = Session::default().with_reader(read);
+    let folder = tempfile::tempdir().unwrap();
+    let run = |out: &str, threads: u16| {
+        let options =
+            RunOptions { input: Input::file("my.scn"), out: folder.path().join(out), threads, ..RunOptions::default() };
+        session.run(&options).unwrap().reports().next().unwrap().folder.clone()
+    };
+    let (first, other) = (run("one", 1), run("two", 3));
+    let table = |folder: &Path, name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    for name in ["requirements.csv", "metrics.csv", "search_failures.csv"] {
+        assert_eq!(table(&first, name), table(&other, name), "{name}");
+    }
+    let before = table(&first, "requirements.csv");
+    assert_eq!(before.lines().count(), 1 + 3 * 60);
+    // What was stored gives the same table.
+    std::fs::remove_dir_all(&first).unwrap();
+    let again = run("one", 2);
+    assert_eq!(table(&again, "requirements.csv"), before);
+
+    let failures = |requirements: &[&str]| {
+        let requirements = requirements.iter().map(ToString::to_string).collect();
+        let filter = FailureFilter { requirements, ..FailureFilter::default() };
+        let options = FailuresOptions { reports: vec![again.clone()], filter, ..FailuresOptions::default() };
+        session.failures(&options).unwrap().into_iter().map(|found| found.failure).collect::<Vec<_>>()
+    };
+    let slow = failures(&["slow_pass"]);
+    let evaluated: Vec<_> = slow.iter().filter(|failure| !failure.searched).collect();
+    let rows =
+        |column: &str| before.lines().filter(|line| line.contains(",slow_pass,") && line.contains(column)).count();
+    assert_eq!(evaluated.len(), rows(",slow_pass,2,true,"));
+    assert!(!evaluated.is_empty() && slow.iter().any(|failure| failure.searched), "{slow:?}");
+    let metrics = table(&again, "metrics.csv");
+    let violations: f64 = metrics
+        .lines()
+        .filter(|line| line.contains(",violations(slow_pass),"))
+        .map(|line| line.split(',').nth(13).unwrap().parse::<f64>().unwrap())
+        .sum();
+    assert_eq!(violations as usize, evaluated.len());
+    assert_eq!(metrics.matches("violation_rate(sees),").count(), 2);
+    // A collision that violates `no_collision` at its touch is listed once.
+    let all = failures(&[]);
+    let named = |name: &str| {
+        all.iter().filter(|failure| failure.violation.as_ref().is_some_and(|found| found.requirement == name)).count()
+    };
+    assert_eq!(named("no_collision"), 0);
+    assert!(all.len() > slow.len());
+    for failure in [evaluated[0], slow.iter().find(|failure| failure.searched).unwrap()] {
+        let options = ReplayOptions {
+            name: failure.name().parse().unwrap(),
+            report: again.clone(),
+            repeat: RepeatOptions::default(),
+        };
+        let replay = session.replay(&options).unwrap();
+        let Repeated { scenario, outcome, trace, verdict, differences, .. } = &replay.episode;
+        assert!(differences.is_empty(), "{differences:?}");
+        let told = narrative(scenario, outcome, trace, verdict.as_ref());
+        assert!(told.short.contains("violates") && told.short.contains("`slow_pass`"), "{}", told.short);
+        let (time, text) = told.events.iter().find(|(_, text)| text.contains("violates `slow_pass`")).unwrap();
+        assert!((time - failure.length).abs() < 1e-9 && text.contains("decides"), "{time} {text} {failure:?}");
+    }
+    let gate = |text: &str| Gate::parse(text).and_then(|gate| gate.check(&plan("", "no_collision", "idm").campaigns));
+    assert_eq!(gate("violation_rate(no_collision) > 0.5 and town == harbour"), Ok(()));
+    let refused = gate("violation_rate(slow_pass) > 0.5").unwrap_err().to_string();
+    assert!(refused.contains("no campaign requires `slow_pass`; there are no_collision"), "{refused}");
+}
+
+/// Episodes of each driver in a town, with the requirements of a scenario: the number that violates each requirement.
+fn violations(text: &str, episodes: u32) -> Vec<(String, Vec<(String, u32)>)> {
+    let read =
+        |path: &Path| if path == Path::new("my.scn") { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(&["my.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{text}\n{:?}", compiled.diagnostics));
+    let count = |evaluation: &compile::Evaluation| {
+        let named = &evaluation.scenario.requirements;
+        let mut found: Vec<(String, u32)> = named.iter().map(|each| (each.name.to_string(), 0)).collect();
+        let mut note = |_: &Outcome, trace: &EpisodeTrace| {
+            for (found, degree) in found.iter_mut().zip(trace.degrees()) {
+                found.1 += u32::from(degree.is_violated());
+            }
+        };
+        watch(evaluation, None, 0..episodes, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()));
+        (evaluation.policy.to_string(), found)
+    };
+    plan.campaigns[0].evaluations.iter().map(count).collect()
+}
+
+#[test]
+fn who_sees_no_lights_runs_red_ones_and_others_stop() {
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+        import \"std/requirements.scn\"\n\
+        requirement no_light = always(light_distance > 99.9 m)\n\
+        requirement no_red = always(not red_light)\n\
+        requirement near_the_middle = always(abs(lane_offset) < 1.2 m)\n\
+        spawn far { ego_speed: 0 m/s  bearing: -180 deg .. 180 deg  distance: 50 m .. 90 m }\n\
+        episode long { ticks: 600  hold: 20 }\n\
+        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: far  episode: long\n\
+        requirements: [stops_at_red, no_light, no_red, near_the_middle]\n\
+        evaluate { towns: [village]  policies: [idm, blind]  pedestrians: [random]  episodes: 60 }\n}\n";
+    let found = violations(text, 60);
+    let of = |driver: &str, name: &str| {
+        let (_, all) = found.iter().find(|(policy, _)| policy == driver).unwrap();
+        all.iter().find(|(requirement, _)| requirement == name).unwrap().1
+    };
+    assert!(of("blind", "no_light") > 20 && of("blind", "no_red") > 10, "there are lights: {found:?}");
+    assert!(of("idm", "stops_at_red") <= 3 && of("blind", "stops_at_red") > 30, "{found:?}");
+    assert!(of("blind", "near_the_middle") + of("idm", "near_the_middle") <= 3, "{found:?}");
+}
+
+#[test]
+fn who_yields_at_crosswalks_satisfies_the_requirement() {
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport model3 from \"std/drivers.scn\"\n\
+        import \"std/requirements.scn\"\n\
+        town straight { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h }  crosswalk { at: (100 m, 0 m) } }\n\
+        policy polite = idm(crosswalks: \"yield\")\n\
+        policy rude = cruise()\n\
+        requirement apart = always(crosswalk_distance > 0 m)\n\
+        requirement free = always(not crosswalk_taken)\n\
+        requirement deserted = always(not crosswalk_waiting)\n\
+        // The front is 2.4 m before the middle of the car, the edge of the crosswalk 2 m before its own.\n\
+        requirement first = always(crosswalk_distance > 30 m, [0 s, 0 s])\n\
+        spawn path = given_path { ego_poses: [(55 m, -1.75 m, 0 deg)]  ego_speed: 9 m/s  through: [(100 m, -4.5 m), (100 m, 6 m)]  speeds: [1.4 m/s] }\n\
+        episode long { ticks: 240  hold: 20 }\n\
+        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: path  episode: long\n\
+        requirements: [yields_at_crosswalk, apart, free, deserted, first]\n\
+        evaluate { towns: [straight]  policies: [polite, rude]  pedestrians: [scripted]  episodes: 1 }\n}\n";
+    let found = violations(text, 1);
+    let of = |driver: &str, name: &str| {
+        let (_, all) = found.iter().find(|(policy, _)| policy == driver).unwrap();
+        all.iter().find(|(requirement, _)| requirement == name).unwrap().1
+    };
+    for driver in ["polite", "rude"] {
+        assert_eq!((of(driver, "free"), of(driver, "first")), (1, 0), "{found:?}");
+    }
+    assert_eq!((of("polite", "yields_at_crosswalk"), of("rude", "yields_at_crosswalk")), (0, 1), "{found:?}");
+    assert_eq!(of("rude", "apart"), 1, "it drives onto the crosswalk: {found:?}");
 }

@@ -1,4 +1,4 @@
-use super::Param;
+use super::{Param, bounds};
 use crate::units::Dimension;
 
 /// A kind, or a block: a name, its keys, and the blocks that may stand inside.
@@ -118,6 +118,21 @@ pub struct Variable {
     pub is_condition: bool,
     /// One sentence for the reference.
     pub doc: &'static str,
+}
+
+impl Variable {
+    /// What it is, for people: its dimension, or that it is a condition.
+    pub fn measures(&self) -> String {
+        if self.is_condition { "condition".into() } else { self.dimension.to_string() }
+    }
+
+    /// The same with its bounds.
+    pub fn within(&self) -> String {
+        match self.is_condition {
+            true => self.measures(),
+            false => format!("{}, {}", self.dimension, bounds(self.bounds.0, self.bounds.1, self.dimension)),
+        }
+    }
 }
 
 /// An event that a reward can answer to.

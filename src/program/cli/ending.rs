@@ -13,9 +13,11 @@ pub fn show(report: &CampaignReport) {
     let width = console::width();
     let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches, width) };
     let protocol = report::protocol_for_terminal(nominal, layers, width);
+    let requirements = report::requirements_for_terminal(cells, &report.requirements, width);
     for text in [
         report::results_for_terminal(drivers, cells, width),
         protocol,
+        requirements,
         searched,
         report::drivers_for_terminal(drivers, cells, width),
     ] {

@@ -167,7 +167,7 @@ fn formula(catalog: &Catalog, event: Option<&str>) -> Vec<CompletionItem> {
     let available = |name: &str| known.is_none_or(|event| event.variables.contains(&name));
     let variables = catalog.vocabulary.variables.iter().filter(|variable| available(variable.name));
     let variables = variables.map(|variable| CompletionItem {
-        detail: Some(variable.dimension.to_string()),
+        detail: Some(variable.measures()),
         ..item(variable.name, CompletionItemKind::VARIABLE, variable.doc)
     });
     let functions = functions().map(|(name, doc)| item(name, CompletionItemKind::FUNCTION, doc));

@@ -3,7 +3,7 @@ use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 use super::cursor::{Cursor, Place};
 use super::references::own_name;
 use super::visible::Visible;
-use base::signature::{Param, Type, bounds};
+use base::signature::{Param, Type};
 use base::units::parse_unit;
 use compile::Catalog;
 use lang::{DIMENSIONS, ast, functions, temporal_operators};
@@ -108,8 +108,7 @@ fn part(word: &str, catalog: &Catalog) -> Option<String> {
         return Some(format!("**{word}(…)** {doc}"));
     }
     let variable = catalog.vocabulary.variables.iter().find(|variable| variable.name == word)?;
-    let within = bounds(variable.bounds.0, variable.bounds.1, variable.dimension);
-    Some(format!("**{word}** ({}, {within}): {}", variable.dimension, variable.doc))
+    Some(format!("**{word}** ({}): {}", variable.within(), variable.doc))
 }
 
 /// The form that a key's values name.

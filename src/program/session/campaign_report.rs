@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use super::OverviewFiles;
 use results::campaign::Shard;
-use results::report::{Cell, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell};
+use results::report::{Cell, CellRequirement, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell};
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -54,6 +54,8 @@ pub struct CampaignReport {
     pub searches: Vec<SearchCell>,
     /// The results in the tests of a protocol, nominal and within the layers.
     pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
+    /// The violations of each requirement in each cell; empty without requirements.
+    pub requirements: Vec<CellRequirement>,
     /// The doubts about its trainings.
     pub doubts: Vec<Doubt>,
     /// The gates, each with its judgement of each row of the table that it is about.

@@ -9,6 +9,7 @@ use results::report::{self, Difference};
 use world::env::{FailureCell, Outcome, Scenario, Trace};
 use world::falsifier::Failure;
 use world::judge::{Verdict, judge};
+use world::requirement::Degree;
 
 /// An episode that was repeated.
 #[derive(Debug, Clone)]
@@ -84,11 +85,12 @@ impl Source {
         };
         let pair = trace.main_pair(&search.scenario);
         let verdict = judge(&pair);
-        // If it is no collision now, there is no row to compare.
+        // If it is no failure now, there is no row to compare.
         let again = match FailureCell::of_pair(&pair, outcome.last_mode) {
             Some(cell) => {
                 let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
-                let failure = Failure { start, ticks, commands, outcome, cell };
+                let violation = search.scenario.goal.and_then(|goal| trace.degrees().get(goal).copied());
+                let failure = Failure { start, ticks, commands, outcome, violation, cell };
                 report::search_failure(&search.key, name.number.into(), &failure, verdict)
             }
             None => Default::default(),
@@ -117,8 +119,13 @@ impl Source {
         let differences =
             differences.map_err(|error| Error::Incomparable { name, reason: error.to_string() })?.into_iter();
         repeated.differences = differences.map(|each| each.1).collect();
-        if !repeated.outcome.is_collision() && self.search(name).is_some() {
-            let (column, stored, again) = ("outcome".into(), "collision".into(), "none".into());
+        let fails = match repeated.scenario.goal {
+            None => repeated.outcome.is_collision(),
+            Some(goal) => repeated.trace.degrees().get(goal).is_some_and(Degree::is_violated),
+        };
+        if !fails && self.search(name).is_some() {
+            let failed = if repeated.scenario.goal.is_some() { "violation" } else { "collision" };
+            let (column, stored, again) = ("outcome".into(), failed.into(), "none".into());
             repeated.differences.push(Difference { column, stored, again });
         }
         if !repeated.differences.is_empty() {

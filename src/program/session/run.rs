@@ -133,6 +133,7 @@ impl<'a> CampaignRun<'a> {
             cells,
             drivers,
             searches,
+            requirements: gathered.requirements,
             protocol: (gathered.protocol, layers),
             doubts,
             gates,

@@ -20,6 +20,7 @@ pub use event::{Event, Observer, Silent};
 pub use repeat::{networks, repeat_episodes, repeat_failure};
 pub use result_store::{Claim, InMemory, Progress, ResultStore};
 pub use run::{Finished, TrainingResult, collect, complete, run, run_tasks};
+pub(crate) use search_result::goal_of;
 pub use search_result::{Evaluated, SearchResult};
 pub use shard::{Shard, deal, shard};
 pub use smoke::smoke;

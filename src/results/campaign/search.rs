@@ -2,6 +2,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::repeat::repeat_failure;
 use super::run::Shared;
+use super::search_result::goal_of;
 use super::watch::flow;
 use super::{Evaluated, Event, SearchResult, Task, TaskError};
 use base::seed::Seed;
@@ -33,6 +34,7 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
         return Some(SearchResult {
             key: key.clone(),
             budget: search.budget,
+            goal: goal_of(search),
             spent,
             verdicts: Vec::new(),
             evaluated: Vec::new(),
@@ -72,7 +74,8 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
     // The user may not have waited for a program, so that an episode or a verdict is missing.
     spent.stopped |= !search.programs.is_empty() && shared.stop();
     let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !shared.stop()));
-    Some(SearchResult { key: key.clone(), budget: search.budget, spent, verdicts, evaluated, error })
+    let goal = goal_of(search);
+    Some(SearchResult { key: key.clone(), budget: search.budget, goal, spent, verdicts, evaluated, error })
 }
 
 /// Repeats a failure outside of the budget and judges it; none when it ends otherwise.

@@ -1,8 +1,9 @@
 use super::TaskError;
-use compile::SearchKey;
+use compile::{Search, SearchKey};
 use world::env::Outcome;
 use world::falsifier::SearchOutcome;
 use world::judge::Verdict;
+use world::requirement::NamedRequirement;
 
 /// The result of a search.
 #[derive(Debug, Clone)]
@@ -10,6 +11,8 @@ pub struct SearchResult {
     pub key: SearchKey,
     /// The budget: the number of simulator ticks that it may use.
     pub budget: u64,
+    /// The requirement that it tried to violate, and the length of a tick (s); none of a search for collisions.
+    pub goal: Option<(NamedRequirement, f64)>,
     /// What the search did with the budget.
     pub spent: SearchOutcome,
     /// The verdict on each failure, in their order; none for one that does not repeat, with a driver that is not deterministic.
@@ -18,6 +21,12 @@ pub struct SearchResult {
     pub evaluated: Vec<Evaluated>,
     /// Why it ended early.
     pub error: Option<TaskError>,
+}
+
+/// The goal of a search, and the length of a tick (s).
+pub(crate) fn goal_of(search: &Search) -> Option<(NamedRequirement, f64)> {
+    let scenario = &search.scenario;
+    Some((scenario.requirements.get(scenario.goal?)?.clone(), scenario.episode.tick))
 }
 
 /// A fresh episode with the walk policy that a search ended up with.

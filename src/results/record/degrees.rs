@@ -14,23 +14,12 @@ pub const DEGREES: Column<String> = Column::new(
 
 /// The degrees of an episode as text, from which [`parse`] reads the same bits; none without any.
 fn text(degrees: &[Degree]) -> Option<String> {
-    let one = |Degree { robustness, sample, part }: &Degree| match part {
-        Some(part) => format!("{robustness:?}@{sample}#{part}"),
-        None => format!("{robustness:?}@{sample}"),
-    };
-    (!degrees.is_empty()).then(|| degrees.iter().map(one).collect::<Vec<_>>().join(";"))
+    (!degrees.is_empty()).then(|| degrees.iter().map(Degree::to_string).collect::<Vec<_>>().join(";"))
 }
 
 /// The degrees of an episode; none where the text has another form.
 pub fn parse(text: &str) -> Option<Vec<Degree>> {
-    let one = |text: &str| {
-        let (robustness, rest) = text.split_once('@')?;
-        let (sample, part) = rest.split_once('#').map_or((rest, None), |(sample, part)| (sample, Some(part)));
-        let part = part.map(|part| part.parse().ok());
-        let part = if let Some(part) = part { Some(part?) } else { None };
-        Some(Degree { robustness: robustness.parse().ok()?, sample: sample.parse().ok()?, part })
-    };
-    text.split(';').map(one).collect()
+    text.split(';').map(|one| one.parse().ok()).collect()
 }
 
 /// Adds the column to episodes if one of them has degrees.
@@ -42,6 +31,9 @@ pub(super) fn add(table: &mut DataFrame, rows: &[EpisodeRow]) -> PolarsResult<()
 }
 
 /// Gives a table the column, without values, if it lacks it.
+///
+/// # Errors
+/// Those of polars; none for a table of episodes.
 pub fn with_degrees(table: &mut DataFrame) -> PolarsResult<()> {
     if table.get_column_index(DEGREES.name).is_none() {
         let none = Values::full_null(DEGREES.name.into(), table.height(), &polars::prelude::DataType::String);

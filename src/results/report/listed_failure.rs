@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use polars::prelude::{DataFrame, PolarsResult, StringChunked};
+use polars::prelude::{DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
 use super::aggregate::{
     AT_COLLISION, COUNTS, FAILURE, FALSIFIER, INSTANT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, START,
@@ -278,6 +278,7 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
     let impact_speeds = IMPACT_SPEED.read(rows)?;
     let lengths = EPISODE_LENGTH.read(rows)?;
     let text = |column: &StringChunked, row: usize| column.get(row).unwrap_or_default().to_string();
+    let goals = Goals::read(rows)?;
     let failure = |row: usize| ListedFailure {
         run: text(runs, row),
         number: numbers.get(row).unwrap_or_default(),
@@ -299,7 +300,55 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
         length: lengths.get(row).unwrap_or_default(),
         violation: None,
     };
-    Ok((0..rows.height()).map(failure).collect())
+    let with_goal = |row: usize| {
+        let found = failure(row);
+        match goals.as_ref().and_then(|goals| goals.get(row)) {
+            Some((violation, instant)) => ListedFailure { violation: Some(violation), length: instant, ..found },
+            None => found,
+        }
+    };
+    Ok((0..rows.height()).map(with_goal).collect())
+}
+
+/// The violated goals of searches.
+struct Goals<'a> {
+    names: &'a StringChunked,
+    priorities: &'a UInt32Chunked,
+    robustness: &'a Float64Chunked,
+    units: &'a StringChunked,
+    instants: &'a Float64Chunked,
+    parts: &'a StringChunked,
+}
+
+impl<'a> Goals<'a> {
+    /// None where no search has a goal.
+    fn read(rows: &'a DataFrame) -> PolarsResult<Option<Self>> {
+        if rows.get_column_index(REQUIREMENT.name).is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            names: REQUIREMENT.read(rows)?,
+            priorities: PRIORITY.read(rows)?,
+            robustness: ROBUSTNESS.read(rows)?,
+            units: ROBUSTNESS_UNIT.read(rows)?,
+            instants: INSTANT.read(rows)?,
+            parts: PART.read(rows)?,
+        }))
+    }
+
+    /// The violation of a row, and its instant (s).
+    fn get(&self, row: usize) -> Option<(Violation, f64)> {
+        let text = |column: &StringChunked| column.get(row).unwrap_or_default().to_string();
+        let violation = Violation {
+            requirement: self.names.get(row)?.to_string(),
+            priority: self.priorities.get(row).unwrap_or_default(),
+            robustness: self.robustness.get(row).unwrap_or_default(),
+            unit: text(self.units),
+            part: text(self.parts),
+            at_collision: false,
+        };
+        Some((violation, self.instants.get(row).unwrap_or_default()))
+    }
 }
 
 /// The violations in a part of the table of requirements that count.

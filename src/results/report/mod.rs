@@ -67,7 +67,8 @@ pub use recheck::{
 pub use render::{
     MapPage, Narrative, StartLayer, Starts, Suite, Tally, TownView, animation, drivers_for_terminal,
     failures_for_terminal, junit, labelled_map, map_page, narrative, overview_for_terminal, overview_page,
-    protocol_for_terminal, results_for_terminal, searches_for_terminal, shown, spawn_map, strip, town_map,
+    protocol_for_terminal, requirements_for_terminal, results_for_terminal, searches_for_terminal, shown, spawn_map,
+    strip, town_map,
 };
 pub use render::{
     PlayedPair, Replay, compared_search_title, comparison_for_terminal, comparison_page, comparison_title,

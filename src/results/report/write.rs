@@ -5,8 +5,8 @@ use super::failure_modes::{self, CellModes};
 use super::metric_table::METRICS;
 use super::played::played;
 use super::render::{
-    Section, file_names, mode_panels, modes_section, page_examples, protocol, published_section, rule_bars,
-    search_section, summary, trainings_section, write_page,
+    Section, file_names, mode_panels, modes_section, page_examples, protocol, published_section, requirements,
+    rule_bars, search_section, summary, trainings_section, write_page,
 };
 use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
@@ -74,6 +74,7 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
         folder.table(PROTOCOL, &protocol_table(&all))?;
         sections.extend(protocol(&gathered.protocol, &found.layers, &|_| None));
     }
+    sections.extend(requirements(&found.cells, &gathered.requirements));
     sections.extend(modes_sections);
     if !finished.searches.is_empty() {
         folder.table("searches", &searches(&finished.searches))?;

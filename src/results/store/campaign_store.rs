@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::index::{continues, programs};
 use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
-use crate::campaign::{Claim, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError, tasks};
+use crate::campaign::{Claim, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError, goal_of, tasks};
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use compile::Campaign;
 use learn::Trained;
@@ -308,7 +308,8 @@ impl ResultStore for CampaignStore<'_> {
             self.store.damaged(self.id(task));
         }
         let Record { spent, verdicts, evaluated } = record?;
-        Some(SearchResult { key: planned.key.clone(), budget: planned.budget, spent, verdicts, evaluated, error: None })
+        let (key, budget, goal) = (planned.key.clone(), planned.budget, goal_of(planned));
+        Some(SearchResult { key, budget, goal, spent, verdicts, evaluated, error: None })
     }
 
     fn keep_search(&self, search: usize, result: &SearchResult) {

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use super::{Outcome, Pair, PedestrianEnv};
+use super::{Frame, Outcome, Pair, PedestrianEnv};
 use crate::av::DrivingMode;
 use crate::geometry::{Vector, wrap_angle};
 use crate::sim::{Contact, VehicleBlueprint};
@@ -97,8 +97,16 @@ impl FailureCell {
         Some(Self::of(met(contact), (&ego.blueprint, ego.state.pose.yaw), walker.velocity, mode))
     }
 
-    /// The cell of the touch that ended a traced episode with this mode of the driver; none when the two did not touch.
+    /// The cell of the touch that ended a traced episode with this mode of the driver, or of the frame that violates its goal; none when the two did not
+    /// touch, or the goal is not violated.
     pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
+        if let Some(goal) = pair.scenario().goal {
+            let degree = pair.degrees().get(goal).filter(|degree| degree.is_violated())?;
+            let Frame { ego, pedestrian, mode, .. } = pair.frame(degree.sample as usize);
+            let place = ego.pose.to_local(pedestrian.pose.position());
+            let met = ((place.x, place.y), ego.speed);
+            return Some(Self::of(met, (pair.blueprint(), ego.pose.yaw), pedestrian.velocity, mode));
+        }
         let (contact, last) = (pair.contact()?, pair.last()?);
         Some(Self::of(met(contact), (pair.blueprint(), last.ego.pose.yaw), last.pedestrian.velocity, mode))
     }

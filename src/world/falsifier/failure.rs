@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::episodes::play;
 use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario, Trace};
+use crate::requirement::Degree;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
 
@@ -15,6 +16,9 @@ pub struct Failure {
     /// The commands: one for each pedestrian in every decision.
     pub commands: Vec<WalkCommand>,
     pub outcome: Outcome,
+    /// How the goal of the search is violated; none without a goal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub violation: Option<Degree>,
     /// How the two met. Failures in one cell are the same finding.
     pub cell: FailureCell,
 }

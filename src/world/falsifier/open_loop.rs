@@ -27,7 +27,7 @@ keys! {
 keys! {
     /// What all searches for a plan take.
     pub struct PlanKeys {
-        /// What a plan is to earn. Without it, its least distance from the car is to be small, and the car fast when hit.
+        /// What a plan is to earn, unless the search has a goal. Without both, its least distance from the car is to be small, and the car fast when hit.
         reward: Option<DeclarationId> as Reference("reward"),
         /// Commands of a plan; the last is kept up to the end.
         legs: usize as whole(1, 100) = "6",
@@ -121,11 +121,10 @@ impl OpenLoop {
     }
 
     fn cost(&self, outcome: &Outcome, has_goal: bool) -> f64 {
-        match self.plan.reward {
-            _ if has_goal => -outcome.reward,
-            Some(_) => -outcome.reward,
-            None if !outcome.counts() => f64::INFINITY,
-            None => outcome.impact_speed().map_or(outcome.least_gap, |speed| -1.0 - speed),
+        match (self.plan.reward, has_goal) {
+            (Some(_), _) | (_, true) => -outcome.reward,
+            _ if !outcome.counts() => f64::INFINITY,
+            _ => outcome.impact_speed().map_or(outcome.least_gap, |speed| -1.0 - speed),
         }
     }
 

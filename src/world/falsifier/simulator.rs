@@ -187,7 +187,8 @@ impl<'a> Simulator<'a> {
         self.starts.insert(self.start);
         if let Some(cell) = FailureCell::new(&self.env).filter(|_| self.env.is_failure()) {
             let commands = self.commands.clone();
-            self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, cell });
+            let violation = self.scenario.goal.and_then(|goal| self.env.degrees().get(goal).copied());
+            self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, violation, cell });
         }
     }
 

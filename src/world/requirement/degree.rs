@@ -1,5 +1,11 @@
+use std::fmt;
+use std::str::FromStr;
+
 /// How far a requirement is from being violated, and what decides that.
+///
+/// Its text is `-0.25@31#0`: robustness, sample and part. The same bits are read from it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct Degree {
     /// Its robustness: below 0, or −0, where it is violated. In SI units of its comparisons, or scaled if they have several dimensions. Infinite
     /// where conditions without degree decide, or nothing does.
@@ -33,5 +39,48 @@ impl Degree {
     /// The greater of two; of equal ones the first.
     pub(super) fn or(self, other: Self) -> Self {
         if other.robustness.total_cmp(&self.robustness).is_gt() { other } else { self }
+    }
+}
+
+impl fmt::Display for Degree {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { robustness, sample, part } = self;
+        match part {
+            Some(part) => write!(f, "{robustness:?}@{sample}#{part}"),
+            None => write!(f, "{robustness:?}@{sample}"),
+        }
+    }
+}
+
+/// A text is no degree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a degree is written as robustness@sample#part")]
+pub struct NoDegree;
+
+impl FromStr for Degree {
+    type Err = NoDegree;
+
+    fn from_str(text: &str) -> Result<Self, NoDegree> {
+        let (robustness, rest) = text.split_once('@').ok_or(NoDegree)?;
+        let (sample, part) = rest.split_once('#').map_or((rest, None), |(sample, part)| (sample, Some(part)));
+        Ok(Self {
+            robustness: robustness.parse().map_err(|_| NoDegree)?,
+            sample: sample.parse().map_err(|_| NoDegree)?,
+            part: part.map(str::parse).transpose().map_err(|_| NoDegree)?,
+        })
+    }
+}
+
+impl From<Degree> for String {
+    fn from(degree: Degree) -> Self {
+        degree.to_string()
+    }
+}
+
+impl TryFrom<String> for Degree {
+    type Error = NoDegree;
+
+    fn try_from(text: String) -> Result<Self, NoDegree> {
+        text.parse()
     }
 }

@@ -35,7 +35,7 @@ mod tests;
 
 use base::signature::Within;
 
-pub use degree::Degree;
+pub use degree::{Degree, NoDegree};
 pub use monitor::{Monitor, NamedRequirement};
 pub use robustness::Trace;
 

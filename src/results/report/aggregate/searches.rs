@@ -2,6 +2,7 @@ use std::collections::BTreeSet;
 
 use polars::prelude::DataFrame;
 
+use super::requirements::{INSTANT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, unit_of};
 use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
 use crate::campaign::{Evaluated, SearchResult};
@@ -16,6 +17,7 @@ use compile::SearchKey;
 use world::env::{Ending, Outcome};
 use world::falsifier::Failure;
 use world::judge::{Class, Verdict};
+use world::requirement::{Degree, NamedRequirement};
 
 /// The figures of a search.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,11 +121,11 @@ impl Figures {
     }
 }
 
-/// The kind of a failure: the side of the car that was hit, and what its driver was doing.
-fn kind(outcome: &Outcome) -> (Impact, &'static str) {
+/// The side of the car that was hit; none of a violation without a touch.
+fn impact(outcome: &Outcome) -> Option<Impact> {
     match outcome.ending {
-        Ending::Touch { front, bearing, .. } => (Impact::new(front, bearing), outcome.last_mode.name()),
-        _ => unreachable!("a failure is a collision"),
+        Ending::Touch { front, bearing, .. } => Some(Impact::new(front, bearing)),
+        _ => None,
     }
 }
 
@@ -560,7 +562,39 @@ pub type Found<'a> = (&'a SearchKey, &'a Failure, u64, Option<Verdict>);
 
 /// The failures of all searches as a table, one row each, in the order in which they were found.
 pub fn search_failures(results: &[SearchResult]) -> DataFrame {
-    failure_table().frame(&found(results))
+    let mut table = failure_table().frame(&found(results));
+    if results.iter().any(|result| result.goal.is_some()) {
+        let violated = |result| {
+            let SearchResult { goal, spent, .. }: &SearchResult = result;
+            spent
+                .failures
+                .iter()
+                .map(move |failure| goal.as_ref().zip(failure.violation.as_ref()).map(|found| (found, failure)))
+        };
+        let rows: Vec<Violated<'_>> = results.iter().flat_map(violated).collect();
+        table = table.hstack(&violation_table().values(&rows)).expect("the columns have other names");
+    }
+    table
+}
+
+/// A violated goal with the length of a tick (s), how it is violated, and the failure; none of a search for collisions.
+type Violated<'a> = Option<((&'a (NamedRequirement, f64), &'a Degree), &'a Failure)>;
+
+/// The columns of the violations of goals.
+fn violation_table<'a>() -> Table<'a, Violated<'a>> {
+    let part = |(named, _): &(NamedRequirement, f64), degree: &Degree| {
+        let found = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
+        found.map(|part| part.text.clone())
+    };
+    Table::new("", "")
+        .column(REQUIREMENT.of(|row: &Violated<'_>| row.map(|(((named, _), _), _)| named.name.to_string())))
+        .column(PRIORITY.of(|row: &Violated<'_>| row.map(|(((named, _), _), _)| named.priority)))
+        .column(ROBUSTNESS.of(|row: &Violated<'_>| row.map(|((_, degree), _)| degree.robustness)))
+        .column(ROBUSTNESS_UNIT.of(|row: &Violated<'_>| row.map(|(((named, _), _), _)| unit_of(named))))
+        .column(INSTANT.of(|row: &Violated<'_>| {
+            row.map(|(((_, tick), degree), failure)| (f64::from(degree.sample) * tick).min(failure.outcome.duration))
+        }))
+        .column(PART.of(move |row: &Violated<'_>| row.and_then(|((goal, degree), _)| part(goal, degree))))
 }
 
 /// What the reference drivers did in these failures, as [`reference_drivers`](crate::record::reference_drivers) reads it.
@@ -590,15 +624,17 @@ pub fn search_failure(key: &SearchKey, number: u64, failure: &Failure, verdict: 
 /// The columns of [`search_failures`].
 pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
     type Row<'a> = Found<'a>;
-    Table::new(FAILURES, "One row for each failure that a search found, with the commands that lead to it.")
+    let doc = "One row for each failure that a search found, with the commands that lead to it. Where a search has a goal, the columns `requirement` to \
+               `part` of `requirements` follow.";
+    Table::new(FAILURES, doc)
         .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
         .columns(search_key(|row: &Row<'_>| row.0))
         .column(run(|row: &Row<'_>| row.0))
         .column(FAILURE.of(|row: &Row<'_>| row.2))
         .column(START.of(|row: &Row<'_>| row.1.start))
         .column(FOUND_AFTER.of(|row: &Row<'_>| row.1.ticks))
-        .column(IMPACT.of(|row: &Row<'_>| kind(&row.1.outcome).0.name()))
-        .column(DRIVING_MODE.of(|row: &Row<'_>| kind(&row.1.outcome).1))
+        .column(IMPACT.of(|row: &Row<'_>| impact(&row.1.outcome).map(Impact::name)))
+        .column(DRIVING_MODE.of(|row: &Row<'_>| row.1.outcome.last_mode.name()))
         .column(IMPACT_SPEED.of(|row: &Row<'_>| row.1.outcome.impact_speed()))
         .column(CELL.of(|row: &Row<'_>| row.1.cell.to_string()))
         .column(EPISODE_REWARD.of(|row: &Row<'_>| row.1.outcome.reward))

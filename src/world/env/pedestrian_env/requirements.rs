@@ -79,7 +79,8 @@ impl PedestrianEnv {
                 yaw: ego.state.pose.yaw,
                 speed: ego.state.speed,
                 velocity: walker.velocity,
-                mode: self.policies[0].mode(),
+                // Nothing was done before the start.
+                mode: if self.world.ticks == 0 { DrivingMode::default() } else { self.policies[0].mode() },
             });
         }
     }

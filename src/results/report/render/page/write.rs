@@ -5,7 +5,9 @@ use super::{Contents, ModeCard, Players, page};
 use crate::analysis::{Impact, Kind};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
-use crate::report::render::sections::{comparisons, learnt, protocol, published_section, search_section, transfer};
+use crate::report::render::sections::{
+    comparisons, learnt, protocol, published_section, requirements, search_section, transfer,
+};
 use crate::report::{
     Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError, worst_failure,
 };
@@ -74,6 +76,7 @@ pub fn write_page(
     let searches = (!found.searches.is_empty()).then(|| search_section(&found.searches));
     let sections: Vec<_> = [
         protocol(&gathered.protocol, &found.layers, &|name| players.link(name)),
+        requirements(cells, &gathered.requirements),
         searches,
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),

@@ -12,6 +12,7 @@ mod transfer;
 mod severity;
 mod reference_drivers;
 mod published;
+mod requirements;
 mod protocol;
 mod searches;
 mod trainings;
@@ -24,6 +25,7 @@ pub use learnt::learnt;
 pub use names::{distinct, place, who};
 pub use protocol::{PROTOCOL, protocol};
 pub use published::published_section;
+pub use requirements::requirements;
 pub use results::{errors, results};
 pub use scale::{RateOf, Scale};
 pub use searches::{average, failed_starts, search_section};
@@ -31,7 +33,7 @@ pub use trainings::trainings_section;
 pub use transfer::transfer;
 
 use super::table::{Section, Table};
-use crate::report::{Cell, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell};
+use crate::report::{Cell, CellRequirement, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell};
 
 /// The rates of a campaign's controllers as text for a terminal of this width (columns); empty without cells.
 pub fn results_for_terminal(results: &[DriverResult], cells: &[Cell], width: u16) -> String {
@@ -52,6 +54,12 @@ pub fn drivers_for_terminal(results: &[DriverResult], cells: &[Cell], width: u16
 pub fn protocol_for_terminal(cells: &[ProtocolCell], layers: &[ProtocolCell], width: u16) -> String {
     let tables = protocol(cells, layers, &|_| None).map_or_else(Vec::new, |section| section.tables);
     tables.iter().map(|table| format!("{}\n{}", table.title, table.to_terminal(width))).collect()
+}
+
+/// The rates of violations of a campaign's requirements as text for a terminal of this width (columns); empty without requirements.
+pub fn requirements_for_terminal(cells: &[Cell], found: &[CellRequirement], width: u16) -> String {
+    let tables = requirements(cells, found).map_or_else(Vec::new, |section| section.tables);
+    tables.iter().map(|table| format!("violations of requirements\n{}", table.to_terminal(width))).collect()
 }
 
 /// The comparison of falsifiers as text for a terminal of this width (columns).
