@@ -118,6 +118,14 @@ def test_openpilot_stops_for_a_person_who_is_shown_as_a_lead() -> None:
     assert 25.0 - x > VEHICLE["length"] / 2
 
 
+def test_openpilots_problem_is_compiled_before_the_greeting() -> None:
+    from falsify_av.stacks.openpilot import Openpilot
+
+    made: list[int] = []
+    Openpilot({"vehicle": VEHICLE, "tick_s": 0.05}, lambda: made.append(0))
+    assert len(made) == 1, "the first answer does not wait for a compiler"
+
+
 class Names:
     """The shapes of nuPlan's names that the map needs."""
 
