@@ -71,6 +71,17 @@ def test_the_front_of_a_car_swings_out_in_a_bend() -> None:
     assert seen.along(VEHICLE)[1] == pytest.approx([0.0, 0.0])
 
 
+def test_a_bend_ahead_bounds_the_speed() -> None:
+    seen, arc = frame(3, 5.0, {}), 0.2 * np.arange(POINTS)
+    seen.route[1, :, 2] = arc
+    seen.route[2, 5:, 2] = arc[: POINTS - 5]
+    straight, bend, later = seen.bends(lateral=3.0, braking=2.0)
+    assert straight > 50.0
+    assert (bend, later) == pytest.approx((math.sqrt(30.0), math.sqrt(30.0 + 4.0 * 10.0))), "a radius of 10 m, now and in 10 m"
+    seen.points[1] = 1
+    assert seen.bends(3.0, 2.0)[1] > 50.0, "no bend is known"
+
+
 def test_a_stack_that_is_not_there_is_named_with_what_installs_it(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("falsify_av.stacks.find_spec", lambda _: None)
     assert main(["--missing", "sumo"]) == 3
