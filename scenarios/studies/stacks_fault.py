@@ -13,6 +13,7 @@ from pathlib import Path
 FRONT, LENGTH, WIDTH, LANE = 100.0, 4.79, 2.16, 3.5  # m: the car's front at the start; the car; the lane
 LONG = 400.0  # m: the lane
 RADIUS, TICK = 0.188, 0.05  # m, s: the person, a tick
+AFTER = 20  # ticks: how long the person goes on after the touch
 
 NET = """<net version="1.20">
   <location netOffset="0,0" convBoundary="0,0,{long},0" origBoundary="0,0,0,0" projParameter="!"/>
@@ -75,10 +76,11 @@ def sumo(folder, model, speeds):
 def openpilot(folder, person, speeds):
     """The person as a lead that keeps its mean speed from the tick on in which it overlaps the width of the car for good."""
     gaps = [along - RADIUS - FRONT for _, along, _ in person]
-    outside = [place for place, (_, _, left) in enumerate(person) if abs(left) - RADIUS >= WIDTH / 2]
-    first = min(outside[-1] + 1 if outside else 0, len(person) - 2)
-    time, end = person[first][0], person[-1][0]
-    rate = (gaps[-1] - gaps[first]) / (end - time)
+    outside = [place for place, (_, _, left) in enumerate(person[:-AFTER]) if abs(left) - RADIUS >= WIDTH / 2]
+    first = min(outside[-1] + 1 if outside else 0, len(person) - 2 - AFTER)
+    touch = len(person) - 1 - AFTER
+    time, end = person[first][0], person[touch][0]
+    rate = (gaps[touch] - gaps[first]) / (end - time)
     text = MANEUVER.format(
         duration=round(end + 1.0, 2),
         speed=round(speeds[0], 2),
@@ -107,6 +109,10 @@ def main(ticks, stack, folder):
     for row in rows:
         along, left = project(path, float(row["pedestrian_x_m"]), float(row["pedestrian_y_m"]))
         person.append((float(row["time_s"]), FRONT - LENGTH / 2 + along, left))
+    # After the touch the person goes on as in the last tick, so a car that comes a moment later meets it, too.
+    (before, last) = person[-2:]
+    for step in range(1, AFTER + 1):
+        person.append(tuple(end + step * (end - start) for start, end in zip(before, last)))
     with open(folder / "person.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["time_s", "along_m", "left_m"])

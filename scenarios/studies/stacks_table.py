@@ -7,7 +7,7 @@ counts summed over towns and seeds.
 - faults: starts with a fault
 - fastest: the highest speed of the car in a fault (m/s)
 - shortest: the least time from the start of an episode to a fault (s)
-- first: the same of the first 50 starts of each town and seed, which all drivers but CommonRoad's have had
+- first: the same of the first 20 starts of each town and seed, which all drivers but CommonRoad's have had
 
 Intervals are Wilson's, 95 %, over starts: for these towns, pedestrians and searches.
 """
@@ -16,7 +16,7 @@ import csv
 import sys
 from pathlib import Path
 
-FIRST = 50  # starts of each town and seed
+FIRST = 20  # starts of each town and seed
 SPARE, LATER = 2.0, 1.0  # m, s: needless braking, as in scenarios/external/stack_table.py
 COLUMNS = "driver pedestrian town seed starts faults collisions fastest_fault_mps shortest_fault_s first_starts first_faults first_collisions".split()
 
@@ -137,7 +137,7 @@ def table(rows, braked):
 
 def collisions(rows):
     """The table of collisions, and of the first starts."""
-    print("\n| driver | collisions: natural | intercept | trained | first 50, faults: natural | intercept | trained |\n|---|--:|--:|--:|--:|--:|--:|")
+    print("\n| driver | collisions: natural | intercept | trained | first 20, faults: natural | intercept | trained |\n|---|--:|--:|--:|--:|--:|--:|")
     for driver in dict.fromkeys(row["driver"] for row in rows):
         cells = []
         for prefix, counted in (("", "collisions"), ("first_", "faults")):
