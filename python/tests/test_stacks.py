@@ -137,6 +137,30 @@ def test_openpilots_problem_is_compiled_before_the_greeting() -> None:
     assert len(made) == 1, "the first answer does not wait for a compiler"
 
 
+def test_fiss_gains_speed_on_an_empty_road_and_stops_for_a_person() -> None:
+    needs("fiss")
+    from falsify_av.stacks.fiss import Driver
+
+    lane = {"width": 3.5, "left": 0, "right": 0, "junction": False, "speed_limit": 8.33}
+    person = {"id": 0, "kind": "pedestrian", "x": 60.0, "y": 0.0, "yaw": 1.57, "vx": 0.0, "vy": 0.0, "length": 0.4, "width": 0.4}
+
+    def drive(actors: list[dict[str, Any]], seconds: float) -> tuple[float, float]:
+        driver, x, speed = Driver(), 0.0, 4.0
+        driver.reset({"vehicle": VEHICLE, "tick_s": 0.05}, 0)
+        for tick in range(round(seconds / 0.05)):
+            route = [[x + 2.0 * place, 0.0, 0.0] for place in range(40)]
+            ego = {"x": x, "y": 0.0, "yaw": 0.0, "speed": speed}
+            answer = driver.drive({"tick": tick, "ego": ego, "route": route, "lanes": [lane] * 40, "actors": actors})
+            assert abs(answer["steer"]) < 0.02
+            speed = max(speed + 0.05 * answer["acceleration"], 0.0)
+            x += 0.05 * speed
+        return x, speed
+
+    assert 7.5 < drive([], 8.0)[1] < 8.6, "a car that follows half of a plan is at 5 m/s"
+    x, speed = drive([person], 20.0)
+    assert speed < 0.1 and 45.0 < x + VEHICLE["length"] / 2 < 59.5
+
+
 class Names:
     """The shapes of nuPlan's names that the map needs."""
 
