@@ -71,6 +71,17 @@ def test_the_front_of_a_car_swings_out_in_a_bend() -> None:
     assert seen.along(VEHICLE)[1] == pytest.approx([0.0, 0.0])
 
 
+def test_a_bend_ahead_bounds_the_speed() -> None:
+    seen, arc = frame(3, 5.0, {}), 0.2 * np.arange(POINTS)
+    seen.route[1, :, 2] = arc
+    seen.route[2, 5:, 2] = arc[: POINTS - 5]
+    straight, bend, later = seen.bends(lateral=3.0, braking=2.0)
+    assert straight > 50.0
+    assert (bend, later) == pytest.approx((math.sqrt(30.0), math.sqrt(30.0 + 4.0 * 10.0))), "a radius of 10 m, now and in 10 m"
+    seen.points[1] = 1
+    assert seen.bends(3.0, 2.0)[1] > 50.0, "no bend is known"
+
+
 def test_a_stack_that_is_not_there_is_named_with_what_installs_it(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("falsify_av.stacks.find_spec", lambda _: None)
     assert main(["--missing", "sumo"]) == 3
@@ -116,6 +127,38 @@ def test_openpilot_stops_for_a_person_who_is_shown_as_a_lead() -> None:
         x += 0.05 * speed
     assert speed == 0.0 and -3.51 < least < -1.0
     assert 25.0 - x > VEHICLE["length"] / 2
+
+
+def test_openpilots_problem_is_compiled_before_the_greeting() -> None:
+    from falsify_av.stacks.openpilot import Openpilot
+
+    made: list[int] = []
+    Openpilot({"vehicle": VEHICLE, "tick_s": 0.05}, lambda: made.append(0))
+    assert len(made) == 1, "the first answer does not wait for a compiler"
+
+
+def test_fiss_gains_speed_on_an_empty_road_and_stops_for_a_person() -> None:
+    needs("fiss")
+    from falsify_av.stacks.fiss import Driver
+
+    lane = {"width": 3.5, "left": 0, "right": 0, "junction": False, "speed_limit": 8.33}
+    person = {"id": 0, "kind": "pedestrian", "x": 60.0, "y": 0.0, "yaw": 1.57, "vx": 0.0, "vy": 0.0, "length": 0.4, "width": 0.4}
+
+    def drive(actors: list[dict[str, Any]], seconds: float) -> tuple[float, float]:
+        driver, x, speed = Driver(), 0.0, 4.0
+        driver.reset({"vehicle": VEHICLE, "tick_s": 0.05}, 0)
+        for tick in range(round(seconds / 0.05)):
+            route = [[x + 2.0 * place, 0.0, 0.0] for place in range(40)]
+            ego = {"x": x, "y": 0.0, "yaw": 0.0, "speed": speed}
+            answer = driver.drive({"tick": tick, "ego": ego, "route": route, "lanes": [lane] * 40, "actors": actors})
+            assert abs(answer["steer"]) < 0.02
+            speed = max(speed + 0.05 * answer["acceleration"], 0.0)
+            x += 0.05 * speed
+        return x, speed
+
+    assert 7.5 < drive([], 8.0)[1] < 8.6, "a car that follows half of a plan is at 5 m/s"
+    x, speed = drive([person], 20.0)
+    assert speed < 0.1 and 45.0 < x + VEHICLE["length"] / 2 < 59.5
 
 
 class Names:

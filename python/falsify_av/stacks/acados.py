@@ -32,7 +32,8 @@ def compiled(problem: Callable[[], Any], source: bytes) -> Solver:
     os.environ["TERA_PATH"] = acados.TERA_PATH
     from acados.acados_template import AcadosOcpSolver
 
-    key = hashlib.sha256(source + version("comma-deps-acados").encode()).hexdigest()[:16]
+    # What is compiled names the libraries of the environment that it was compiled in.
+    key = hashlib.sha256(source + version("comma-deps-acados").encode() + acados.DIR.encode()).hexdigest()[:16]
     folder = cache() / f"acados-{key}"
     with _quiet():
         if not folder.is_dir():

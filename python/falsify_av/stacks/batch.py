@@ -65,6 +65,14 @@ class Frame:
         swept = np.abs(bend) / 2 * np.where(inside, rear**2, front**2 - rear**2)
         return ahead - own[self.world_of], np.sign(left) * np.maximum(np.abs(left) - swept, 0.0), direction
 
+    def bends(self, lateral: float, braking: float) -> Array:
+        """The greatest speed from which braking (m/s^2) takes every bend of the route ahead with at most a lateral acceleration (m/s^2); m/s."""
+        turns = np.abs(np.remainder(np.diff(self.route[:, :, 2], axis=1) + np.pi, 2 * np.pi) - np.pi)
+        places = np.arange(turns.shape[1])
+        turns[places[None, :] >= (self.points - 1)[:, None]] = 0.0
+        squares = lateral * APART / np.maximum(turns, 1e-3) + 2.0 * braking * APART * places
+        return np.asarray(np.sqrt(np.min(squares, axis=1, initial=1e4)))
+
     def steer(self, vehicle: dict[str, float]) -> Array:
         """Steering along the route by pure pursuit, -1 to 1, positive to the left."""
         worlds = np.arange(len(self.ids))

@@ -25,6 +25,7 @@ LONG = 4000.0  # m: length of the lane
 FIRST, LATEST = 200.0, LONG - 400.0  # m: where a car starts, and from where it is put back there
 APART = 20.0  # m: between two worlds
 DECELERATION = 4.5  # m/s^2: SUMO's usual braking, by which a car still stops at a yellow light
+TURNING = 5.5  # m/s^2: the lateral acceleration for which SUMO's netconvert limits the speed of lanes that turn
 STRONGEST, PULL = -9.0, 3.0  # m/s^2: SUMO's emergency braking, our car's pull
 MIN_GAP = 2.5  # m: that SUMO's cars keep from what stands ahead
 SIGHT = 150.0  # m: farther road users are not shown
@@ -142,7 +143,7 @@ class Sumo:
         walks = kind == PEDESTRIAN
         shown = walks & (np.abs(left) - wide_half < LANE / 2) & (np.abs(gap) < SIGHT)
         blocks = ~walks & (np.abs(left) - side < self.vehicle["width"] / 2) & (ahead > 0.0) & (gap < SIGHT)
-        fronts = self._impose(frame)
+        fronts = self._impose(frame, np.minimum(frame.limit, frame.bends(TURNING, DECELERATION)))
         for row in np.flatnonzero(walks):
             front, world = fronts[frame.world_of[row]]
             name = f"person{frame.place_of[row]}"
@@ -163,10 +164,10 @@ class Sumo:
         acceleration = np.clip((wanted - frame.speed) / self.tick, STRONGEST, PULL)
         return np.where(frame.points > 0, acceleration, -PULL), frame.steer(self.vehicle)
 
-    def _impose(self, frame: Frame) -> list[tuple[float, World]]:
+    def _impose(self, frame: Frame, limits: Array) -> list[tuple[float, World]]:
         """The place of each car's front on its lane, and its world."""
         found = []
-        for number, starts, speed, limit in zip(frame.ids.tolist(), frame.starts.tolist(), frame.speed.tolist(), frame.limit.tolist()):
+        for number, starts, speed, limit in zip(frame.ids.tolist(), frame.starts.tolist(), frame.speed.tolist(), limits.tolist()):
             world = self.worlds[number % len(self.worlds)]
             if starts or not world.episode:
                 world.begin(speed)
