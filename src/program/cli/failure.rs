@@ -124,6 +124,10 @@ pub fn notice(notice: &Notice) {
         Notice::NoTasks { .. } => {
             console::warn(&format!("{notice}; where a shard was given --cache, name that folder"));
         }
+        // Several campaigns may have the same to say.
+        Notice::DoubtfulTraining { campaign, .. } | Notice::Caution { campaign, .. } => {
+            console::warn(&format!("{campaign}: {notice}"));
+        }
         Notice::Renewed { .. } => {
             console::warn(&format!("{notice}; `version: \"…\"` in the scenario says what it is"));
         }
@@ -134,8 +138,6 @@ pub fn notice(notice: &Notice) {
         Notice::Setting(_) => console::note(&notice.to_string()),
         Notice::Store { .. }
         | Notice::LearningCurve { .. }
-        | Notice::DoubtfulTraining { .. }
-        | Notice::Caution { .. }
         | Notice::UnreadableReport(_)
         | Notice::OtherVersion { .. }
         | Notice::Changed(_)

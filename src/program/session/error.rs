@@ -96,7 +96,7 @@ pub enum Error {
         cache: Option<PathBuf>,
     },
     /// A filter names what no report has.
-    #[error("no report has a {what} `{word}`; there are {known}")]
+    #[error("no report has a {what} `{word}`; known are: {known}")]
     UnknownFilter {
         /// What it is the name of.
         what: &'static str,

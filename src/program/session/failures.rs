@@ -31,6 +31,7 @@ struct FilterWords {
     drivers: BTreeSet<String>,
     controllers: BTreeSet<String>,
     kinds: BTreeSet<String>,
+    requirements: BTreeSet<String>,
 }
 
 impl FilterWords {
@@ -44,6 +45,7 @@ impl FilterWords {
             self.drivers.insert(search.policy);
             self.controllers.insert(search.falsifier);
         }
+        self.requirements.extend(report.requirements()?);
         let every = FailureFilter {
             verdicts: FailureFilter::verdict_names().map(Into::into).collect(),
             ..FailureFilter::default()
@@ -60,10 +62,15 @@ impl FilterWords {
             ("driver", &filter.drivers, &self.drivers),
             ("controller or falsifier", &filter.controllers, &self.controllers),
             ("word of a kind", &filter.kind, &self.kinds),
+            ("requirement", &filter.requirements, &self.requirements),
         ];
-        parts.into_iter().filter(|(.., known)| !known.is_empty()).find_map(|(what, words, known)| {
+        // Without any failure there is no word of a kind.
+        let looked_at = parts.into_iter().filter(|(what, _, known)| !known.is_empty() || *what == "requirement");
+        looked_at.into_iter().find_map(|(what, words, known)| {
             let word = words.iter().find(|word| !known.contains(&word.replace(' ', "_")))?;
-            Some((what, word.clone(), known.iter().cloned().collect::<Vec<_>>().join(", ")))
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            Some((what, word.clone(), known))
         })
     }
 }

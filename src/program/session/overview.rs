@@ -30,6 +30,7 @@ pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Op
             cells: &report.cells,
             drivers: &report.drivers,
             searches: &report.searches,
+            doubts: &report.doubts,
         })
         .collect();
     let overview = Overview::new(&variants);

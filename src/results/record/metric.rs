@@ -453,6 +453,6 @@ pub const SD: Family<f64> = Family::new("_sd", "", "sample standard deviation ov
 pub const WILSON_LOW: Family<f64> = Family::new(
     "_wilson_low",
     "",
-    "Wilson's 95 % interval of that rate, over all episodes (of a share or `front_rate`: over all collisions) of the run or of the cell",
+    "Wilson's 95 % interval of that rate, over the starts, which the runs of the cell share (of a share or `front_rate`: over their collisions)",
 );
 pub const WILSON_HIGH: Family<f64> = Family::new("_wilson_high", "", WILSON_LOW.doc());

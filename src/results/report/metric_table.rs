@@ -91,13 +91,10 @@ fn of_metric<'a>(
     if let Metric::Rate(rate) = *metric {
         let whole = u64::from(rate.whole.read(frame)?.get(place).unwrap_or_default());
         let part = u64::from(rate.part.read(frame)?.get(place).unwrap_or_default());
+        // The runs of a cell share their starts.
+        let of_runs = |count: u64| Weighted::from(count).of_clusters(f64::from(cell.runs));
         let of = Size(if rate.whole.name() == "collisions" { "collisions" } else { "episodes" }, whole);
-        rows.push(Row {
-            sd,
-            ends: Some(wilson(Weighted::from(part), Weighted::from(whole))),
-            interval: "wilson",
-            ..row(of, value)
-        });
+        rows.push(Row { sd, ends: Some(wilson(of_runs(part), of_runs(whole))), interval: "wilson", ..row(of, value) });
         if student.is_some() {
             rows.push(Row { sd, ends: student, interval: "student", ..row(runs, value) });
         }
@@ -196,7 +193,7 @@ fn columns<'a>() -> Table<'a, Row<'a>> {
         text(
             "interval",
             "",
-            "`wilson`: over the episodes of all runs; `student`: about further trainings, for four or more runs; empty without one",
+            "`wilson`: over the starts, which all runs share; `student`: about further trainings, for four or more runs; empty without one",
         )
         .of(|row: &Row<'a>| row.interval),
     )

@@ -2,7 +2,7 @@
 
 use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 
-use super::{Average, Cell, DriverResult, SearchCell, Spread};
+use super::{Average, Cell, Doubt, DriverResult, SearchCell, Spread};
 use crate::record::{Column, Table};
 
 /// The results of a report for an overview.
@@ -17,6 +17,8 @@ pub struct Variant<'a> {
     pub drivers: &'a [DriverResult],
     /// Means of its searches.
     pub searches: &'a [SearchCell],
+    /// The doubts about its trainings.
+    pub doubts: &'a [Doubt],
 }
 
 /// A rate with its spread.
@@ -210,7 +212,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
                     .of(move |row: &Row<'a>| of(row)?.0.sd),
             )
             .column(
-                number(low, "", "lower end of its 95 % interval over episodes (Wilson)")
+                number(low, "", "lower end of its 95 % interval over starts (Wilson)")
                     .of(move |row: &Row<'a>| Some(of(row)?.1.0)),
             )
             .column(number(high, "", "upper end of the same").of(move |row: &Row<'a>| Some(of(row)?.1.1)));
@@ -299,7 +301,14 @@ mod tests {
         let settings = [3, 8].map(|weight| vec!["same = 1".to_string(), format!("weight = {weight}")]);
         let variants: Vec<Variant<'_>> = settings
             .iter()
-            .map(|settings| Variant { report: "r".into(), settings, cells: &cells, drivers: &[], searches: &[] })
+            .map(|settings| Variant {
+                report: "r".into(),
+                settings,
+                cells: &cells,
+                drivers: &[],
+                searches: &[],
+                doubts: &[],
+            })
             .collect();
         let overview = Overview::new(&variants);
         assert_eq!(overview.parameters, ["weight"]);

@@ -36,7 +36,7 @@ pub struct Cell {
     pub errors: u32,
     /// Collisions of all episodes.
     pub collision: Spread,
-    /// Wilson's interval of the collision rate over all episodes.
+    /// Wilson's interval of the collision rate over the starts, which its runs share.
     pub interval: (f64, f64),
     /// Collisions and bumps of all episodes.
     pub touch: Spread,
@@ -130,7 +130,7 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
     Ok(cells)
 }
 
-/// Adds Wilson's intervals to cells.
+/// Adds Wilson's intervals to cells. The runs of a cell share their starts, so a start counts once.
 fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
     for metric in metrics {
         let Metric::Rate(rate) = *metric else { continue };
@@ -142,9 +142,10 @@ fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> 
     Ok(())
 }
 
-/// A count of runs or cells. Episodes have no weights in these tables yet, so every weight is 1.
-fn weighted(count: metric::Count, table: &DataFrame) -> PolarsResult<Vec<Weighted>> {
-    Ok(count.read(table)?.into_no_null_iter().map(|count| u64::from(count).into()).collect())
+/// A count of cells, in clusters of the episodes from one start. Episodes have no weights in these tables yet, so every weight is 1.
+fn weighted(count: metric::Count, cells: &DataFrame) -> PolarsResult<Vec<Weighted>> {
+    let counts = count.read(cells)?.into_no_null_iter().zip(metric::RUNS.read(cells)?.into_no_null_iter());
+    Ok(counts.map(|(count, runs)| Weighted::from(u64::from(count)).of_clusters(f64::from(runs))).collect())
 }
 
 /// The reference of the tables of runs and of cells, without the columns that [`infer`](crate::report::infer) adds to the latter.
@@ -378,10 +379,10 @@ mod tests {
         near(cell.front, 0.75, 0.25 * 2.0_f64.sqrt());
         near(cell.collision, 0.25, 0.0);
         near(cell.impact_speed, 5.0, 2.0_f64.sqrt());
-        assert_eq!(cell.interval, wilson(2, 8));
+        assert_eq!(cell.interval, wilson(1, 4), "its two runs share four starts");
         near(cell.preventable, 0.25, 0.0);
         near(cell.preventable_share, 1.0, 0.0);
-        assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(2, 8), wilson(2, 2)));
+        assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(1, 4), wilson(1, 1)));
         assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (2, [2, 0, 0, 0, 1], 2));
         // Every preventable collision of these is foreseeable, and no other one is.
         assert_eq!((cell.fault, cell.fault_interval), (cell.preventable, cell.preventable_interval));
@@ -402,7 +403,8 @@ mod tests {
         assert_eq!((cell.runs, cell.episodes, cell.errors), (2, 2, 2));
         assert_eq!(cell.collision, Spread { mean: Some(0.5), sd: None }, "a run of errors alone has no rate");
         assert_eq!(cell.reward_sum.mean, Some(2.5));
-        assert_eq!(cell.interval, wilson(1, 2));
+        let runs = 2.0;
+        assert_eq!(cell.interval, wilson(Weighted::from(1).of_clusters(runs), Weighted::from(2).of_clusters(runs)));
     }
 
     #[test]

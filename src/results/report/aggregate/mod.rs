@@ -1,7 +1,7 @@
 //! Aggregates episodes to runs, runs to cells, and searches to cells of searches; defines their tables.
 //!
 //! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over runs, that is
-//! over trainings. An interval is Wilson's over the episodes of all runs together and says nothing about further trainings;
+//! over trainings. An interval is Wilson's over the starts, which all runs share, and says nothing about further trainings;
 //! [`infer`](super::infer) has intervals that do.
 
 mod episodes;

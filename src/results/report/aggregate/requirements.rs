@@ -4,7 +4,7 @@ use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
 use crate::record::columns::{RUN, RUN_ID};
 use crate::record::episodes::named;
 use crate::record::{CellKey, Column, ColumnReference, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
-use base::statistics::wilson;
+use base::statistics::{Weighted, wilson};
 use base::units::Dimension;
 use world::requirement::{Degree, NamedRequirement};
 
@@ -150,10 +150,11 @@ impl CellRequirement {
         (mean, sd)
     }
 
-    /// Wilson's 95 % interval over the episodes of all runs.
+    /// Wilson's 95 % interval over the starts, which all runs share.
     pub fn interval(&self) -> (f64, f64) {
         let (part, all) = self.sums();
-        wilson(u64::from(part), u64::from(all))
+        let of_runs = |count: u32| Weighted::from(u64::from(count)).of_clusters(self.runs.len() as f64);
+        wilson(of_runs(part), of_runs(all))
     }
 }
 
@@ -190,7 +191,7 @@ pub fn with_rates(table: DataFrame, keys: &[&CellKey], cells: &[CellRequirement]
     let mut names: Vec<&str> = Vec::new();
     cells.iter().for_each(|cell| {
         if !names.contains(&cell.name.as_str()) {
-            names.push(&cell.name)
+            names.push(&cell.name);
         }
     });
     let mut table = table;

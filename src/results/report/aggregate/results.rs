@@ -37,7 +37,7 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     .column(count("runs", "", "trainings, or seeds of an untrained pedestrian").of(|row: &Row<'_>| row.0.runs))
     .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes))
     .column(LEARNT.of(|row: &Row<'_>| row.1));
-    let collision = "collisions of all episodes, with Wilson's 95 % interval over episodes; bumps do not count";
+    let collision = "collisions of all episodes, with Wilson's 95 % interval over starts; bumps do not count";
     table = rate(table, "collision_rate", collision, |cell| (cell.collision, cell.interval));
     let preventable = "collisions that a careful human would have avoided, of all episodes, as above";
     table = rate(table, "preventable_rate", preventable, |cell| (cell.preventable, cell.preventable_interval));

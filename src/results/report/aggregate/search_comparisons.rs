@@ -44,7 +44,7 @@ pub fn search_comparisons(results: &[SearchResult]) -> Vec<SearchComparison> {
 }
 
 /// The figures of a search, with their names.
-type Named = [(&'static str, Option<f64>); 5];
+type Named = [(&'static str, Option<f64>); 6];
 
 /// Compares searches by their figures.
 fn compared<'a>(searches: impl Iterator<Item = (&'a SearchKey, Named)>) -> Vec<SearchComparison> {
@@ -195,7 +195,7 @@ mod tests {
             block: 0,
             run,
         };
-        (key, ["a", "b", "c", "d", "e"].map(|name| (name, (name == "a").then_some(figure))))
+        (key, ["a", "b", "c", "d", "e", "f"].map(|name| (name, (name == "a").then_some(figure))))
     }
 
     /// A campaign whose drivers do not differ: each run of a town has its own difficulty, and each driver finds faults from 60 starts of it by

@@ -54,12 +54,13 @@ pub struct Figures {
 
 impl Figures {
     /// The figures by which two searches are compared, with their names.
-    pub(super) fn compared(&self) -> [(&'static str, Option<f64>); 5] {
+    pub(super) fn compared(&self) -> [(&'static str, Option<f64>); 6] {
         [
             (INJURY, self.injury),
             (DISTINCT_PER_MILLION, per_million(self.fault[1], self.ticks)),
             (FAULT_RATE, self.fault_rate),
             (FAULT_START_RATE, self.fault_start_rate),
+            (FAILED_STARTS, Some(self.failed_starts as f64)),
             (EVALUATED_FAULT_RATE, self.evaluated_faults_rate),
         ]
     }

@@ -60,16 +60,19 @@ impl CellEvidence {
     /// Gathers a cell of a place; its figures are [measured](Self::measure) one by one.
     pub(super) fn new(place: &Place, cell: usize) -> Self {
         let runs = place.runs(cell);
+        // Its runs share their starts, so a start counts once.
+        let size = runs.len() as f64;
+        let sum = |count: &dyn Fn(&Tried) -> Weighted| runs.iter().map(count).sum::<Weighted>().of_clusters(size);
         let all = |values: fn(&Tried) -> &Vec<f64>| runs.iter().flat_map(values).copied().collect();
         Self {
             key: runs[0].key.clone(),
-            episodes: runs.iter().map(Tried::episodes).sum(),
-            collisions: runs.iter().map(Tried::collisions).sum(),
+            episodes: sum(&Tried::episodes),
+            collisions: sum(&Tried::collisions),
             between: Default::default(),
             impact_speed: Quantiles::new(all(|run| &run.impact_speeds), [0.5, 0.9, 0.99]),
             min_ttc: Quantiles::new(all(|run| &run.min_ttc), [0.01, 0.1, 0.5]),
             pet: Quantiles::new(all(|run| &run.pet), [0.01, 0.1, 0.5]),
-            avoided: std::array::from_fn(|driver| runs.iter().map(|run| run.avoided[driver]).sum()),
+            avoided: std::array::from_fn(|driver| sum(&|run| run.avoided[driver])),
             learning: None,
             samples: Default::default(),
         }

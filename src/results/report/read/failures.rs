@@ -1,5 +1,6 @@
 //! The failures of a report, of evaluations and searches alike, as a list.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use polars::prelude::DataFrame;
@@ -66,6 +67,19 @@ impl FailureFilter {
 }
 
 impl StoredReport {
+    /// The names of the requirements that its table has degrees of: those of its evaluations, and the goals of its searches.
+    ///
+    /// # Errors
+    /// A table that is damaged, or that the report has as CSV only.
+    pub fn requirements(&self) -> Result<BTreeSet<String>, ReadError> {
+        let mut names = BTreeSet::new();
+        self.each_part(REQUIREMENTS, ROWS, |rows| {
+            names.extend(REQUIREMENT.read(rows)?.iter().flatten().map(String::from));
+            Ok(())
+        })?;
+        Ok(names)
+    }
+
     /// The failures that a filter lets through: collisions of evaluations, those of searches, violations of requirements, each in the order of its table.
     ///
     /// # Errors

@@ -172,8 +172,12 @@ const SIGNS: [(&str, Comparison); 6] = [
     (">", Comparison::More),
 ];
 
+/// A value this near to a bound is the bound: a mean of 0.04, 0.05 and 0.06 is a little more than 0.05.
+const ROUNDING: f64 = 1e-12;
+
 impl Comparison {
     fn holds(self, value: f64, bound: f64) -> bool {
+        let value = if (value - bound).abs() <= ROUNDING { bound } else { value };
         match self {
             Self::Less => value < bound,
             Self::AtMost => value <= bound,
@@ -468,13 +472,23 @@ impl Condition {
             Bound::Word(bound.trim_matches(['"', '\'']).to_string())
         } else {
             let number = bound.parse().ok().filter(|number: &f64| number.is_finite());
-            Bound::Number(number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?)
+            let number = number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?;
+            if is_share(&column.name) && number.abs() > 1.0 {
+                return Err(kind("shares from 0 to 1", "write 5 % as 0.05"));
+            }
+            Bound::Number(number)
         };
         let is_result = || cell_table().reference().columns.iter().any(|result| result.name == column.name);
         let chooses = matches!(bound, Bound::Word(_)) && !is_result();
         let is_of_collisions = is_of_collisions(&column.name);
         Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses, is_of_collisions })
     }
+}
+
+/// Whether a column holds shares of a whole, or differences of them.
+fn is_share(column: &str) -> bool {
+    let of_start = column.split('(').next().unwrap_or(column);
+    ["_rate", "_share"].iter().any(|word| of_start.contains(word)) && !column.ends_with(P_HOLM)
 }
 
 /// Whether a column of a table of cells or searches has no value where there was no collision.
@@ -491,8 +505,12 @@ fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
     let suffix = MEAN.name("");
     let columns = columns.iter().map(|column| column.name.strip_suffix(&*suffix).unwrap_or(&column.name).to_string());
     let distance = |column: &String| strsim::damerau_levenshtein(name, column);
+    // A rate of a requirement is written with its name.
+    let of_requirement =
+        columns.clone().find(|column| column.strip_prefix(name).is_some_and(|rest| rest.starts_with('(')));
     let near = columns.clone().min_by_key(distance).filter(|column| distance(column) <= name.len().div_ceil(3));
-    let nearest = near.or_else(|| columns.clone().find(|column| !name.is_empty() && column.starts_with(name)));
+    let nearest =
+        of_requirement.or(near).or_else(|| columns.clone().find(|column| !name.is_empty() && column.starts_with(name)));
     GateError::Column { name: name.to_string(), nearest }
 }
 
@@ -523,6 +541,14 @@ mod tests {
             Series::new("errors".into(), [0_u32, 0, 3]).into(),
         ];
         DataFrame::new(3, columns).unwrap()
+    }
+
+    #[test]
+    fn a_mean_that_is_the_bound_but_for_its_last_bits_is_the_bound() {
+        assert!(
+            !Comparison::More.holds(0.05000000000000001, 0.05) && Comparison::AtLeast.holds(0.049999999999999996, 0.05)
+        );
+        assert!(Comparison::More.holds(0.0500001, 0.05));
     }
 
     fn judged(text: &str) -> String {
@@ -716,6 +742,7 @@ mod tests {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. } | GateError::Column { .. })), "{text}");
         }
         assert!(said("preventable_rate > 5 %").contains("without a unit"));
+        assert!(said("preventable_rate > 5").contains("shares from 0 to 1: write 5 % as 0.05"));
         assert!(said("town > a").contains("== or !="));
         assert!(said("max over controllers town == a").contains("only numbers"));
         let twice = "max over controllers collision_rate > 0 and min over controllers collision_rate > 0";

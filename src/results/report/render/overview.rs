@@ -25,6 +25,7 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
         main #main {
             section #table {
                 h2 { "What was found" }
+                @for line in doubtful(overview) { (paragraph(&line)) }
                 @for table in tables(overview) { (table.to_html()) }
                 (paragraph(READING))
             }
@@ -40,7 +41,34 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
 }
 
 pub fn overview_for_terminal(overview: &Overview<'_>) -> String {
-    tables(overview).iter().map(|table| table.to_terminal(80)).collect::<Vec<_>>().join("\n")
+    let tables: Vec<String> = tables(overview).iter().map(|table| table.to_terminal(80)).collect();
+    let doubts: String = doubtful(overview).iter().map(|line| format!("\n{}", line.replace("**", ""))).collect();
+    tables.join("\n") + &doubts
+}
+
+/// What a reader must know before rows are compared: trainings that are in doubt, and that the best of many rows is the best by chance, too.
+fn doubtful(overview: &Overview<'_>) -> Vec<String> {
+    let in_doubt: Vec<String> = overview
+        .variants
+        .iter()
+        .filter(|variant| !variant.doubts.is_empty())
+        .map(|variant| format!("`{}`", variant.report))
+        .collect();
+    let mut lines = Vec::new();
+    if !in_doubt.is_empty() {
+        lines.push(format!(
+            "**There are doubts about the trainings of {} of {} reports:** {}. Their own pages say which.",
+            in_doubt.len(),
+            reports(overview),
+            in_doubt.join(", ")
+        ));
+    }
+    if reports(overview) > 2 {
+        lines.push(
+            "The greatest of many rates is too high by chance: test two reports with `falsify compare` before one is called better.".into(),
+        );
+    }
+    lines
 }
 
 fn reports(overview: &Overview<'_>) -> usize {
@@ -68,13 +96,17 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     if !evaluated.is_empty() {
         let mut head = head(overview);
         head.extend(place_head.clone());
-        head.extend([Column::text("controller"), Column::number("runs").page_only()]);
+        head.extend([Column::text("controller"), Column::number("runs").page_only(), Column::number("n")]);
         head.extend(["fault", "preventable", "collision"].map(Column::number));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
             let mut values = first(row.variant, &row.values);
             values.extend(place(row));
-            values.extend([row.who().into(), Value::Count(cell.runs.into())]);
+            values.extend([
+                row.who().into(),
+                Value::Count(cell.runs.into()),
+                Value::Count((cell.episodes / cell.runs.max(1)).into()),
+            ]);
             values.extend([cell.fault, cell.preventable, cell.collision].map(Value::Spread));
             values
         };

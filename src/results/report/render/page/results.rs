@@ -57,7 +57,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
             p {
                 "Rates are shares of the episodes that count: those in which the driver reached its start and did not leave the road before it could see a \
                  pedestrian. The large dot is the mean over runs, each a training of its own. Small dots are the runs. \
-                 The bar is Wilson's 95 % interval over the episodes of all runs. It shows what more episodes of these trainings would show, \
+                 The bar is Wilson's 95 % interval over the starts, which the runs share. It shows what more starts of these trainings would show, \
                  not what more trainings would show. “±” is the standard deviation over runs. "
                 em { "Preventable" }
                 ": both careful human drivers would have avoided it. "

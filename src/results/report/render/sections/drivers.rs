@@ -9,7 +9,7 @@ const READING: [&str; 2] = [
      the one with the fastest car. A fault is a collision that careful humans avoid clearly, with a pedestrian that moves as people do, and a car \
      that drives at 1 m/s or more and is not walked into at its flank.",
     "The rates are those of the controller and town named beside them, where the avoidable injury is highest, then the fault rate, then the \
-     preventable rate. They are shares of its n episodes. The intervals are Wilson's 95 % over these episodes. The highest of several rates is chosen after \
+     preventable rate. They are shares of its n episodes. The intervals are Wilson's 95 % over its starts, which its runs share. The highest of several rates is chosen after \
      the fact, so it is a little too high; compare drivers by their common starts.",
 ];
 
@@ -91,7 +91,7 @@ fn table(
     let searched = results.iter().any(|result| result.searched.is_some());
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
     if evaluated {
-        head.extend([Column::text("highest rates").page_only(), Column::number("n").page_only()]);
+        head.extend([Column::text("worst setting"), Column::number("n").page_only()]);
         head.push(Column::number("avoidable injury / 1,000"));
         head.extend(scale.map(|(of, _)| Column::number(of)));
         head.extend(["fault (95 %)", "preventable (95 %)", "collision (95 %)"].map(Column::number));

@@ -32,7 +32,7 @@ pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) ->
         tables: [Some(remaining), false_alarms(cells)].into_iter().flatten().collect(),
         notes: vec![
             "The collision rate if a reference driver had braked in the same episodes, from the instant at which the danger starts. No driver of that kind \
-             avoids what remains. The difference to the driver under test is what that driver could gain. Intervals are Wilson's 95 % over all episodes. A collision \
+             avoids what remains. The difference to the driver under test is what that driver could gain. Intervals are Wilson's 95 % over the starts. A collision \
              with a car that has stopped counts as avoided."
                 .into(),
             "The second table is the price of these drivers: the share of the episodes *without* a collision in which one brakes needlessly, and in brackets the share in \

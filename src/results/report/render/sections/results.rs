@@ -58,7 +58,7 @@ pub fn results(cells: &[Cell], scale: Scale<'_>) -> Table {
         rows: distinct(cells).iter().map(row).collect(),
         notes: vec![
             "\"±\" is the standard deviation over runs. Each run is a training of its own, or for an untrained controller a seed of its own. \
-             The interval is Wilson's over the episodes of all runs. It does not say what further trainings would show. \
+             The interval is Wilson's over the starts, which the runs share. It does not say what further trainings would show. \
              In a collision the car moves. *With bumps*: share of the episodes in which car and pedestrian touch, also while the car \
              stands; *front*: share of these in the front sector. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
              *Fault*: those of them in which the pedestrian moved as people do. The column after it is the fault rate as a share of that of the driver \
