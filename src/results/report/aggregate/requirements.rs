@@ -189,11 +189,11 @@ pub fn rate_columns(requirement: &str) -> [ColumnReference; 3] {
 /// Those of polars; none for cells in the order of the table.
 pub fn with_rates(table: DataFrame, keys: &[&CellKey], cells: &[CellRequirement]) -> PolarsResult<DataFrame> {
     let mut names: Vec<&str> = Vec::new();
-    cells.iter().for_each(|cell| {
+    for cell in cells {
         if !names.contains(&cell.name.as_str()) {
             names.push(&cell.name);
         }
-    });
+    }
     let mut table = table;
     for name in names {
         let of = |value: &dyn Fn(&CellRequirement) -> Option<f64>| -> Vec<Option<f64>> {

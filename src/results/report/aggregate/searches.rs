@@ -625,8 +625,8 @@ pub fn search_failure(key: &SearchKey, number: u64, failure: &Failure, verdict: 
 /// The columns of [`search_failures`].
 pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
     type Row<'a> = Found<'a>;
-    let doc = "One row for each failure that a search found, with the commands that lead to it. Where a search has a goal, the columns `requirement` to \
-               `part` of `requirements` follow.";
+    let doc = "One row for each failure that a search found, with the commands that lead to it. Where a search has a goal, `requirement`, \
+               `priority`, `robustness`, `unit`, `instant_s` and `part` follow, as in `requirements`.";
     Table::new(FAILURES, doc)
         .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
         .columns(search_key(|row: &Row<'_>| row.0))
