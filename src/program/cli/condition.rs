@@ -94,7 +94,7 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
                 "--fail-if {text}: {starts} common starts are too few in {title}: even a failure in each of them would not make it true; run more episodes"
             )),
             Judged::NothingEvaluated => {
-                console::fail(&format!("--fail-if {text}: nothing was evaluated in {title}, so nothing can be judged"))
+                console::fail(&format!("--fail-if {text}: nothing was evaluated in {title}, so nothing can be judged"));
             }
             Judged::Missing(column) => {
                 console::warn(&format!("--fail-if {text}: there is no {column} in {title}"));
