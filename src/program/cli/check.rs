@@ -95,6 +95,19 @@ pub fn check(options: &CheckArgs) -> Ended {
     if options.format == Format::Sarif && options.sample.is_some() {
         return Err(misused("SARIF has no field for samples; use `--format json`"));
     }
+    // The words of a driver's command without `--` before them.
+    if let [first, .., last] = options.files.as_slice()
+        && !first.exists()
+        && first.extension().is_none()
+        && last.extension().is_none_or(|kind| kind != "scn")
+    {
+        let words: Vec<String> = options.files.iter().map(|file| file.display().to_string()).collect();
+        return Err(misused(format!(
+            "there is no file `{}`; to try a driver, write `falsify check -- {}`",
+            first.display(),
+            words.join(" ")
+        )));
+    }
     let input = options.given.input(&options.files);
     let mut session = session(options.given.allow_external);
     if options.files.iter().any(|file| file.as_os_str() == INPUT) {

@@ -91,6 +91,15 @@ pub fn show(report: &CampaignReport) {
     if report.manifest.smoke && !report.gates.is_empty() {
         console::warn("--fail-if was judged on a smoke run, which is too short to show anything about a driver");
     }
+    let found =
+        report.drivers.iter().filter_map(|result| result.searched).map(|searched| searched.fault).sum::<usize>();
+    let is_of_searches = report.gates.iter().any(|(gate, _)| gate.is_about_searches());
+    if found > 0 && !report.gates.is_empty() && !is_of_searches && report.passes() {
+        console::warn(&format!(
+            "--fail-if judged the evaluations of {campaign} alone, and its searches found {}: `faults > 0` is about them",
+            console::count(found, "fault")
+        ));
+    }
     for (gate, judged) in &report.gates {
         let names: Vec<String> = if gate.is_about_searches() {
             report.searches.iter().map(SearchCell::in_full).collect()

@@ -1,14 +1,28 @@
+use std::collections::BTreeMap;
 use std::fmt;
 
 use super::aggregate::{Cell, SearchCell};
 use super::lost::{LostDriver, lost};
 use crate::campaign::SearchResult;
+use world::judge::Label;
+
+/// Fewer collisions than this say nothing about the starts.
+const FEWEST: u32 = 10;
+/// Above this share of unpreventable collisions a caution is due.
+const MOST: f64 = 0.9;
 
 /// What a reader must know before the figures of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Caution {
     /// A driver often does not reach its starts, or leaves the road.
     Lost(LostDriver),
+    /// Hardly any collision of any driver in a town could have been avoided: the starts leave a careful human no chance.
+    NoChance {
+        town: String,
+        /// The collisions there in evaluations, and those that no careful human avoids.
+        collisions: u32,
+        hopeless: u32,
+    },
     /// A search had no episode.
     EmptySearch {
         /// Its falsifier, town and driver.
@@ -22,6 +36,11 @@ impl fmt::Display for Caution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Lost(driver) => driver.fmt(f),
+            Self::NoChance { town, collisions, hopeless } => write!(
+                f,
+                "no careful human avoids {hopeless} of the {collisions} collisions in {town}: its starts leave hardly a chance at that speed, so few \
+                 faults say little about a driver; let the pedestrian start farther away"
+            ),
             Self::EmptySearch { search, budget } => write!(
                 f,
                 "{search} searched nothing: none of its episodes fits into a `budget` of {budget} ticks, so nothing is known; give a greater one"
@@ -30,7 +49,7 @@ impl fmt::Display for Caution {
     }
 }
 
-/// All of them: of drivers, then of searches.
+/// All of them: of drivers, of towns, of searches.
 pub fn cautions(cells: &[Cell], results: &[SearchResult], searches: &[SearchCell]) -> Vec<Caution> {
     // Episodes that are left out fitted into the budget; why they are is said of the driver.
     let is_lost = |search: &SearchCell| {
@@ -39,5 +58,46 @@ pub fn cautions(cells: &[Cell], results: &[SearchResult], searches: &[SearchCell
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
     let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget });
-    lost(cells, results).into_iter().map(Caution::Lost).chain(empty).collect()
+    lost(cells, results).into_iter().map(Caution::Lost).chain(no_chance(cells)).chain(empty).collect()
+}
+
+/// The towns in which nearly all collisions are beyond careful humans, whoever drives. A baseline that sees no pedestrian collides also where others
+/// would not, so beside one there is seldom such a town.
+fn no_chance(cells: &[Cell]) -> Vec<Caution> {
+    let mut sums: BTreeMap<&str, (u32, u32)> = BTreeMap::new();
+    for cell in cells {
+        let (all, hopeless) = sums.entry(&cell.key.town).or_default();
+        *all += cell.collisions;
+        *hopeless += [Label::MachinePreventable, Label::Unpreventable]
+            .map(|label| cell.labels[label as usize])
+            .iter()
+            .sum::<u32>();
+    }
+    let nearly_all = |(all, hopeless): &(u32, u32)| *all >= FEWEST && f64::from(*hopeless) > MOST * f64::from(*all);
+    let caution = |(town, (collisions, hopeless)): (&str, (u32, u32))| Caution::NoChance {
+        town: town.into(),
+        collisions,
+        hopeless,
+    };
+    sums.into_iter().filter(|(_, sums)| nearly_all(sums)).map(caution).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::CellKey;
+
+    #[test]
+    fn a_town_whose_collisions_no_careful_human_avoids_is_named() {
+        let cell = |town: &str, collisions: u32, hopeless: u32| {
+            let mut labels = [0; Label::COUNT];
+            labels[Label::Unpreventable as usize] = hopeless;
+            let key = CellKey { town: town.into(), ..CellKey::default() };
+            Cell { key, collisions, labels, ..Cell::default() }
+        };
+        let cells = [cell("bend", 9, 9), cell("bend", 9, 8), cell("few", 9, 9), cell("fair", 20, 15)];
+        let said: Vec<String> = cautions(&cells, &[], &[]).iter().map(ToString::to_string).collect();
+        let [said] = &said[..] else { panic!("{said:?}") };
+        assert!(said.starts_with("no careful human avoids 17 of the 18 collisions in bend"), "{said}");
+    }
 }

@@ -63,7 +63,12 @@ impl fmt::Display for LostDriver {
             (0, _) => write!(f, "; its figures there say little"),
             (_, 0) => write!(f, "; none of its episodes counts, so it has no rates there"),
             (_, counted) => write!(f, "; its rates there are those of the {counted} episodes that count"),
+        }?;
+        // A car in a ditch hits nobody.
+        if left_road > road_end && episodes > left_out {
+            f.write_str(", and to leave the road is no failure in them: `left_road_rate > 0.05` is a gate")?;
         }
+        Ok(())
     }
 }
 
@@ -134,10 +139,13 @@ mod tests {
             found,
             [
                 "`far` in a left the road in 1 of 100 episodes and drove past the end of the road in 9 of 100 episodes: make the road longer, or start \
-                 farther from its end; its rates there are those of the 91 episodes that count",
+                 farther from its end; its rates there are those of the 91 episodes that count, and to leave the road is no failure in them: \
+                 `left_road_rate > 0.05` is a gate",
                 "`lost` in a did not reach its start in 190 of 200 run-ups and left the road in 6 of 200 episodes: see whether it follows its \
-                 route; its rates there are those of the 10 episodes that count",
-                "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; its figures there say little",
+                 route; its rates there are those of the 10 episodes that count, and to leave the road is no failure in them: `left_road_rate > 0.05` is a \
+                 gate",
+                "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; its figures there say little, and to leave the road is no \
+                 failure in them: `left_road_rate > 0.05` is a gate",
             ]
         );
     }

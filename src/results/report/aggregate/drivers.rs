@@ -47,6 +47,10 @@ impl DriverResult {
     /// Its worst failure in words, or why there is none.
     pub fn worst_in_words(&self) -> String {
         match &self.worst {
+            // Rates beside it are those of evaluations.
+            Some(found) if found.searched && self.cell.is_some() => {
+                format!("{}, {:.1} m/s, by a search", found.word(), found.impact_speed)
+            }
             Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
             None if self.episodes == 0 => "no episode".into(),
             None => "no collision".into(),

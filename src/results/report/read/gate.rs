@@ -31,6 +31,9 @@ pub enum GateError {
         "`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
     )]
     Form { text: String },
+    /// Conditions are joined by something else than `and`.
+    #[error("`{text}`: `and` joins conditions, and nothing else does; for `or` write several gates")]
+    Joined { text: String },
     /// There is no such metric.
     #[error("nothing that a gate can judge is called `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists the metrics".to_string(), |near| format!("did you mean `{near}`?")))]
     Column {
@@ -219,6 +222,9 @@ impl Gate {
 
     fn of_columns(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {
         let text = text.trim().to_string();
+        if [" or ", "||", "&&"].iter().any(|word| text.contains(word)) {
+            return Err(GateError::Joined { text });
+        }
         let conditions: Vec<Condition> =
             text.split(" and ").map(|part| Condition::parse(part, columns)).collect::<Result<_, _>>()?;
         if conditions.iter().filter(|condition| condition.over.is_some()).count() > 1 {
@@ -743,6 +749,8 @@ mod tests {
         }
         assert!(said("preventable_rate > 5 %").contains("without a unit"));
         assert!(said("preventable_rate > 5").contains("shares from 0 to 1: write 5 % as 0.05"));
+        assert!(said("preventable_rate > 0.5 or errors > 0").contains("for `or` write several gates"));
+        assert!(said("preventable_rate > 0.5 && errors > 0").contains("`and` joins conditions"));
         assert!(said("town > a").contains("== or !="));
         assert!(said("max over controllers town == a").contains("only numbers"));
         let twice = "max over controllers collision_rate > 0 and min over controllers collision_rate > 0";

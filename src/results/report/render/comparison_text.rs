@@ -3,7 +3,7 @@
 use super::table::{Column, Table, Value};
 use crate::report::{
     Changed, ComparedCell, ComparedSearch, FailureChange, FailureOrder, Figure, ListedFailure, ReportComparison,
-    StartChange,
+    SideEpisode, StartChange,
 };
 use base::statistics::mcnemar;
 
@@ -214,7 +214,8 @@ pub fn start_list(changes: &[(&ComparedSearch, &StartChange)]) -> Table {
         Some(vec![
             Value::Code(failure.name()),
             Value::Count(change.start),
-            Value::Number(Some(failure.impact_speed), 1),
+            speed(before),
+            speed(after),
             failure.policy.clone().into(),
             search.falsifier.clone().into(),
             failure.kind().into(),
@@ -234,10 +235,12 @@ pub fn worst_changes(comparison: &ReportComparison, most: usize) -> Vec<&Failure
 
 /// Changes with the names of both episodes.
 pub fn list(changes: &[&FailureChange]) -> Table {
-    let mut head = vec![Column::text("after"), Column::text("before"), Column::text("verdict"), Column::number("m/s")];
+    let mut head = vec![Column::text("after"), Column::text("before"), Column::text("verdict")];
+    head.extend(["m/s before", "m/s after"].map(Column::number));
     head.extend(["driver", "kind"].map(Column::text));
     let row = |change: &&FailureChange| {
         let (failure, [before, after]) = (change.failure(), &change.sides);
+        let speed = |side: &SideEpisode| Value::Number(side.failure.as_ref().map(|failure| failure.impact_speed), 1);
         vec![
             Value::Code(after.name.clone()),
             Value::Code(before.name.clone()),

@@ -25,7 +25,8 @@ pub fn recheck_for_terminal(recheck: &Recheck, shown: usize, width: u16) -> Stri
         text.push_str(&crossings(row).to_terminal(width));
         text.push_str(&verdict(row));
     }
-    text.push_str(&list("still a fault", &still_faults(recheck), shown, width));
+    text.push_str(&list("still a fault", &faults_after(recheck, true), shown, width));
+    text.push_str(&list("turned into a fault", &faults_after(recheck, false), shown, width));
     text.push_str(&list("new faults on the fixed list", &new_faults(recheck), shown, width));
     text
 }
@@ -105,7 +106,17 @@ fn crossings(row: &CrossedStarts) -> Table {
         none(),
         p(row.p_starts()),
     ];
-    Table { head, rows: vec![faults, starts, injuries], ..Table::default() }
+    // All collisions, also those that nobody avoids: the first to show that a driver is worse.
+    let all_injuries = vec![
+        "severe injuries in all collisions, after less before".to_owned().into(),
+        none(),
+        injury(row.injury_difference()),
+        none(),
+        none(),
+        none(),
+        none(),
+    ];
+    Table { head, rows: vec![faults, starts, injuries, all_injuries], ..Table::default() }
 }
 
 /// What the fixed list says, in a sentence.
@@ -117,6 +128,9 @@ fn verdict(row: &CrossedStarts) -> String {
     };
     let said = match counts {
         None => String::new(),
+        Some((0, 0)) if row.count(|before, after| before.fault || after.fault) == Some(0) => {
+            "no crossing is a fault of either driver, so this list says nothing; --starts N looks at more\n".into()
+        }
         Some((0, 0)) => "from every start the new driver's faults weigh as much as those of the old one\n".into(),
         Some((worse, better)) => {
             format!("the new driver's faults weigh more from {worse} starts, and less from {better}\n")
@@ -128,10 +142,12 @@ fn verdict(row: &CrossedStarts) -> String {
 /// Encounters with what they belong to.
 type Listed<'a> = (String, &'a Encounter);
 
-fn still_faults(recheck: &Recheck) -> Vec<Listed<'_>> {
+/// The failures that are a fault of the new driver, and were one of the old one, or were none.
+fn faults_after(recheck: &Recheck, were_faults: bool) -> Vec<Listed<'_>> {
     let of_row = |row: &'_ RecheckedFailures| (row.walked_by.name(), drivers(&row.policies));
     let rows = recheck.failures.iter().flat_map(|row| row.encounters.iter().map(move |each| (of_row(row), each)));
-    let still = rows.filter(|(_, each)| !each.is_error() && each.after.fault);
+    let still = rows
+        .filter(|(_, each)| !each.is_error() && each.after.fault && (each.fault_before() == Some(true)) == were_faults);
     sorted(still.map(|((by, drivers), each)| (format!("{drivers}, by {by}"), each)).collect())
 }
 

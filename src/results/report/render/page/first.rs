@@ -134,7 +134,10 @@ fn faults(result: &DriverResult, cell: Option<&Cell>, rate: f64) -> Markup {
         None => (searched.fault as u64, searched.episodes, "episodes of searches"),
     };
     html! {
-        @if faults == 0 { "no fault in " (count(episodes)) " " (what) }
+        @if faults == 0 && searched.fault > 0 && cell.is_some() {
+            "no fault in " (count(episodes)) " episodes of evaluations; searches found " (count(searched.fault as u64))
+        }
+        @else if faults == 0 { "no fault in " (count(episodes)) " " (what) }
         @else if rate < RARE { "a fault in " (count(faults)) " of " (count(episodes)) " " (what) }
         @else {
             "a fault in " (percent(rate)) " of " (count(episodes)) " " (what)

@@ -52,7 +52,7 @@ fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
     let [sooner, later, short, long] = changed;
     (all + sooner > 0).then(|| {
         format!(
-            "How firm are the {all} faults? They would be {sooner} if the careful humans reacted 0.25 s sooner, {later} if they reacted 0.25 s later, \
+            "How firm is the number of faults, {all}? It would be {sooner} if the careful humans reacted 0.25 s sooner, {later} if they reacted 0.25 s later, \
              {short} if they looked no farther ahead than 2 s, and {long} if they noticed everything 0.5 s earlier."
         )
     })
@@ -139,7 +139,8 @@ fn table(
                 Some(found) if found.episodes == 0 => "nothing: not one episode".into(),
                 Some(found) => {
                     let (fault, preventable) = (found.fault, found.preventable);
-                    format!("{} failures: {preventable} preventable, {fault} faults", found.all).into()
+                    let faults = if fault == 1 { "1 fault".into() } else { format!("{fault} faults") };
+                    format!("{} failures: {preventable} preventable, {faults}", found.all).into()
                 }
                 None => Value::Text("–".into()),
             });
