@@ -238,6 +238,8 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         |column: &str| before.lines().filter(|line| line.contains(",slow_pass,") && line.contains(column)).count();
     assert_eq!(evaluated.len(), rows(",slow_pass,2,true,"));
     assert!(!evaluated.is_empty() && slow.iter().any(|failure| failure.searched), "{slow:?}");
+    let searched = slow.iter().filter(|failure| failure.searched).count();
+    assert_eq!(searched, table(&again, "search_failures.csv").lines().count() - 1, "those that end in a bump, too");
     let metrics = table(&again, "metrics.csv");
     let violations: f64 = metrics
         .lines()

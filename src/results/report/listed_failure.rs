@@ -142,9 +142,9 @@ impl ListedFailure {
         format!("{}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
     }
 
-    /// Whether the pedestrian touched a standing car, which is no failure.
+    /// Whether the pedestrian touched a standing car, which is no failure, and no requirement is violated.
     pub fn is_bump(&self) -> bool {
-        self.verdict == Some(Label::Bump)
+        self.verdict == Some(Label::Bump) && self.violation.is_none()
     }
 
     /// What it is called in lists: [`Label::word`].

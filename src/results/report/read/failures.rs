@@ -136,7 +136,7 @@ pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
                 .of(|row: &Row| row.1.occluded),
         )
         .column(DRIVING_MODE.of(|row: &Row| row.1.driving_mode.clone()))
-        .column(IMPACT_SPEED.of(|row: &Row| row.1.impact_speed))
+        .column(IMPACT_SPEED.of(|row: &Row| Some(row.1.impact_speed).filter(|_| row.1.violation.is_none())))
         .column(EPISODE_LENGTH.of(|row: &Row| row.1.length))
         .column(REQUIREMENT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.requirement.clone())))
         .column(ROBUSTNESS.of(|row: &Row| row.1.violation.as_ref().map(|found| found.robustness)))
