@@ -7,6 +7,7 @@ counts summed over towns and seeds.
 - faults: starts with a fault
 - fastest: the highest speed of the car in a fault (m/s)
 - shortest: the least time from the start of an episode to a fault (s)
+- spares: of the collisions of a driver that sees no pedestrian, the starts from which this one hits nobody
 - first: the same of the first 20 starts of each town and seed, which all drivers but CommonRoad's have had
 
 Intervals are Wilson's, 95 %, over starts: for these towns, pedestrians and searches.
@@ -120,10 +121,26 @@ def needless(folders):
     return found
 
 
-def table(rows, braked):
+def spared(folders):
+    """Of each driver: the starts from which it hits nobody of those from which one that sees no pedestrian does, and how many these are."""
+    found = {}
+    for folder in folders:
+        hits = {}
+        for row in read(folder, "episodes"):
+            if not row["error"] and row["left_out"] in ("", "false"):
+                hits.setdefault(row["policy"], {})[row["controller"], row["town"], row["episode"]] = row["collision"] == "true"
+        for policy, those in hits.items():
+            counts = found.setdefault(policy, [0, 0])
+            struck = [key for key, hit in hits["blind"].items() if hit and key in those]
+            counts[0] += sum(not those[key] for key in struck)
+            counts[1] += len(struck)
+    return found
+
+
+def table(rows, braked, passed):
     """The table of shares, a row for each driver."""
     names = ["natural", "intercept", "trained", "search"]
-    print(f"| driver | {' | '.join(names)} | fastest fault (m/s) | shortest (s) | brakes needlessly |\n|---|{'--:|' * (len(names) + 3)}")
+    print(f"| driver | {' | '.join(names)} | fastest fault (m/s) | shortest (s) | spares of `blind`'s | brakes needlessly |\n|---|{'--:|' * (len(names) + 4)}")
     for driver in dict.fromkeys(row["driver"] for row in rows):
         own = [row for row in rows if row["driver"] == driver]
         cells = []
@@ -132,7 +149,8 @@ def table(rows, braked):
             cells.append(share(sum(row["faults"] for row in those), sum(row["starts"] for row in those)))
         fastest, shortest = least([row["fastest_fault_mps"] for row in own], max), least([row["shortest_fault_s"] for row in own], min)
         late, of = braked.get(driver, (0, 0))
-        print(f"| `{driver}` | {' | '.join(cells)} | {fastest or '–'} | {shortest or '–'} | {f'{late} of {of}' if of else '–'} |")
+        tail = [str(fastest or "–"), str(shortest or "–"), "{} of {}".format(*passed[driver]), f"{late} of {of}" if of else "–"]
+        print(f"| `{driver}` | {' | '.join([*cells, *tail])} |")
 
 
 def collisions(rows):
@@ -175,7 +193,7 @@ def main(out, folders):
         those = [folder for folder in folders if Path(folder).name == campaign]
         part = [row for folder in those for row in [*episodes(folder, Path(folder).parent.name), *searches(folder, Path(folder).parent.name)]]
         print(f"\n{campaign}\n")
-        table(part, needless(those))
+        table(part, needless(those), spared(those))
         collisions(part)
         by_seed(part)
 
