@@ -214,8 +214,7 @@ pub fn start_list(changes: &[(&ComparedSearch, &StartChange)]) -> Table {
         Some(vec![
             Value::Code(failure.name()),
             Value::Count(change.start),
-            speed(before),
-            speed(after),
+            Value::Number(Some(failure.impact_speed), 1),
             failure.policy.clone().into(),
             search.falsifier.clone().into(),
             failure.kind().into(),
@@ -245,7 +244,8 @@ pub fn list(changes: &[&FailureChange]) -> Table {
             Value::Code(after.name.clone()),
             Value::Code(before.name.clone()),
             change.verdict().into(),
-            Value::Number(Some(failure.impact_speed), 1),
+            speed(before),
+            speed(after),
             failure.policy.clone().into(),
             failure.kind().into(),
         ]
