@@ -156,4 +156,40 @@ mod tests {
         // 100 are expected, with a standard deviation of 9.7.
         assert!((71..=129).contains(&missed), "{missed} of {campaigns}");
     }
+
+    /// The number of 2,000 intervals over 10 runs of 200 starts that miss the rate of 0.1, where all runs have the outcome of the start with this probability:
+    /// with a start that counts once, and with one that counts in each run.
+    fn missed_by(agreement: f64) -> [u32; 2] {
+        let (runs, starts, rate) = (10, 200, 0.1);
+        let mut missed = [0; 2];
+        for campaign in 0..2_000 {
+            let mut stream = Seed::root(11).index(campaign).stream();
+            let mut draw = |p: f64| f64::from(stream.next_u32()) < p * 2_f64.powi(32);
+            let mut hits = 0_u64;
+            for _ in 0..starts {
+                let (shared, agrees) = (draw(rate), draw(agreement));
+                hits += (0..runs).map(|_| u64::from(if agrees { shared } else { draw(rate) })).sum::<u64>();
+            }
+            let (part, whole) = (Weighted::from(hits), Weighted::from(runs * starts));
+            let size = runs as f64;
+            for (missed, (low, high)) in
+                missed.iter_mut().zip([wilson(part.of_clusters(size), whole.of_clusters(size)), wilson(part, whole)])
+            {
+                *missed += u32::from(!(low..=high).contains(&rate));
+            }
+        }
+        missed
+    }
+
+    #[test]
+    fn runs_that_share_their_starts_are_no_further_starts() {
+        // 100 may be missed.
+        let [once, each] = missed_by(1.0);
+        assert!((60..=140).contains(&once), "runs that agree are one run: {once}");
+        assert!(each > 1_000, "as if they were ten: {each}");
+        let [once, each] = missed_by(0.5);
+        assert!(once < 60 && each > 400, "half agree: {once}, {each}");
+        let [once, each] = missed_by(0.0);
+        assert!(once < 5 && each < 140, "runs without anything in common make it too wide: {once}, {each}");
+    }
 }

@@ -81,7 +81,8 @@ fn every_run_is_listed_and_quantiles_leave_collisions_apart() {
         run("trained", "r1", 2, "a", "....."),
     ]);
     let [cell] = &found.cells[..] else { panic!("{found:?}") };
-    assert_eq!((cell.episodes, cell.collisions), (14.into(), 6.into()));
+    let of_three_runs = |count: u64| base::statistics::Weighted::from(count).of_clusters(3.0);
+    assert_eq!((cell.episodes, cell.collisions), (of_three_runs(14), of_three_runs(6)));
     let between = cell.between(Figure::Collision);
     assert_eq!(between.by_run, [Some(0.6), Some(0.75), Some(0.0)]);
     assert_eq!(between.interval, None, "of three runs");
