@@ -44,10 +44,20 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/sensors.scn"
 import "lib/towns.scn"
+import "lib/requirements.scn"
+/// All signals that are measured tick by tick, and all operators.
+requirement every_signal = always(
+  until(gap > 1 m or closing_speed < 9 m/s or ttc > 1 s or pet > 1 s, in_sight, [0.5 s, 2 s]) or eventually(
+    ego_jerk < 9 m/s^3 and pedestrian_acceleration < 3 m/s^2 and abs(lane_offset) < 1 m and bearing < 1 rad, [0 s, 3 s]
+  ) or crosswalk_waiting
+)
 policy squinting = aeb(sensors: poor)
 policy lav_eyed = idm(sensors: lav_eyes)
 campaign ticks {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  requirements: [
+    no_collision, safe_passing, comfort, keeps_lane, stops_at_red, yields_at_crosswalk, no_imminent_risk, every_signal
+  ]
   train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
   evaluate {
     towns: [village]  pedestrians: [intercept]

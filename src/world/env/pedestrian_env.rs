@@ -196,12 +196,11 @@ impl PedestrianEnv {
         let motions = (0..pedestrians).filter(|_| measured).map(|number| Motion::new(&world, number)).collect();
         let monitor = requirements::monitor(&scenario);
         let wanted = requirements::wanted(&scenario);
+        let samples = rule.ticks.min(MOST_ROOM) as usize + 1;
         Self {
-            signals: wanted.map(|wanted| {
-                SignalMeter::new(wanted, rule.moving_above, &world, rule.ticks.min(MOST_ROOM) as usize + 1)
-            }),
+            signals: wanted.map(|wanted| SignalMeter::new(wanted, rule.moving_above, &world, samples)),
             monitor,
-            moments: Vec::new(),
+            moments: Vec::with_capacity(if scenario.goal.is_some() { samples } else { 0 }),
             trace: scenario.oracle.is_some().then(|| Trace::new(&scenario)),
             motions,
             bounds: cast.action_bounds(),

@@ -10,6 +10,8 @@ pub struct Trace {
     parts: usize,
     /// The margins of a sample after those of the sample before it.
     margins: Vec<f64>,
+    /// The number of samples for which memory is reserved.
+    reserved: usize,
     /// Memory for the values of operators.
     spare: Vec<Vec<Degree>>,
     window: VecDeque<(usize, Degree)>,
@@ -19,7 +21,8 @@ impl Trace {
     /// Reserves memory for a requirement and this number of samples.
     pub fn new(requirement: &Requirement, samples: usize) -> Self {
         let parts = requirement.parts.len();
-        Self { parts, margins: Vec::with_capacity(parts * samples), ..Self::default() }
+        let (margins, window) = (Vec::with_capacity(parts * samples), VecDeque::with_capacity(samples));
+        Self { parts, margins, window, reserved: samples, ..Self::default() }
     }
 
     /// Forgets all samples.
@@ -92,7 +95,7 @@ impl Trace {
     }
 
     fn empty(&mut self) -> Vec<Degree> {
-        let mut values = self.spare.pop().unwrap_or_default();
+        let mut values = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(self.reserved));
         values.clear();
         values
     }
