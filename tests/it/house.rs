@@ -15,7 +15,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 4_000),
     ("src/results", 27_000),
     ("src/program", 13_000),
-    ("tests/it", 18_000),
+    ("tests/it", 18_500),
 ];
 
 /// Crates that only some places may name.

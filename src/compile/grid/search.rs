@@ -24,6 +24,9 @@ struct Rival {
     falsifier: Arc<dyn Falsifier>,
 }
 
+/// The requirement of the library that every search has for its goal where no other is stated.
+const COLLISION: &str = "no_collision";
+
 /// The goal of a `search` block.
 struct SearchGoal {
     /// The requirements of the campaign, and the goal if it is none of them.
@@ -87,6 +90,9 @@ impl Lowering<'_> {
     fn goal(&mut self, block: &Block, goal: Option<DeclarationId>, usual: &Usual) -> SearchGoal {
         let own = &usual.requirements;
         let Some(id) = goal else {
+            if let Some(other) = own.all.iter().find(|each| &*each.name != COLLISION) {
+                self.said.push(diagnostics::goalless_search(block.head, &other.name));
+            }
             return SearchGoal { requirements: own.all.clone(), place: None, declared: Vec::new() };
         };
         let known = own.ids.iter().position(|other| *other == id);

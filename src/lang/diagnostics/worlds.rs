@@ -94,6 +94,16 @@ pub fn requirements_clash(span: Span, other: Span, names: (&str, &str), texts: (
         .label(other, format!("demands `{}`", texts.0))
 }
 
+/// A search looks for collisions alone, and the campaign requires more.
+pub fn goalless_search(span: Span, requirement: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "goalless-search",
+        span,
+        "this search looks for collisions alone, whatever the campaign requires",
+    )
+    .help(format!("write `goal: {requirement}` to look for its violations"))
+}
+
 /// Few starts satisfy all constraints.
 pub fn rare_starts(span: Span, town: &str, found: &str) -> Diagnostic {
     Diagnostic::warning("rare-starts", span, format!("few starts in `{town}` satisfy all constraints: {found}"))

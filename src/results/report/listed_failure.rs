@@ -120,7 +120,9 @@ impl Violation {
     /// As `slow_pass by 0.31 m/s: ego_speed < 3 m/s`.
     fn text(&self) -> String {
         let by = match self.robustness.is_finite() && self.robustness != 0.0 {
-            true => format!(" by {:.2} {}", -self.robustness, self.unit).trim_end().to_string(),
+            // Where dimensions meet, the margin is a plain number.
+            true if self.unit.is_empty() => format!(" by {:.2} (scaled)", -self.robustness),
+            true => format!(" by {:.2} {}", -self.robustness, self.unit),
             false => String::new(),
         };
         format!("{}{by}: {}", self.requirement, self.part)
@@ -204,7 +206,9 @@ impl FailureOrder {
         match self {
             Self::Severity => {
                 let rank = |failure: &ListedFailure| failure.violation.as_ref().map_or(0, |found| found.priority);
-                a.class().cmp(&b.class()).then_with(|| rank(a).cmp(&rank(b))).then_with(faster)
+                let degree = |failure: &ListedFailure| failure.violation.as_ref().map_or(0.0, |found| found.robustness);
+                let worse = || degree(a).total_cmp(&degree(b));
+                a.class().cmp(&b.class()).then_with(|| rank(a).cmp(&rank(b))).then_with(worse).then_with(faster)
             }
             Self::Speed => faster(),
             Self::Time => a.length.total_cmp(&b.length),

@@ -39,7 +39,7 @@ pub struct FailureFilter {
 impl FailureFilter {
     /// The words that may be verdicts in a filter.
     pub fn verdict_names() -> impl Iterator<Item = &'static str> {
-        ["fault", "foreseeable"].into_iter().chain(Label::ALL.map(Label::name))
+        ["fault", "foreseeable", "violation"].into_iter().chain(Label::ALL.map(Label::name))
     }
 
     /// Whether it lets a failure through.
@@ -48,6 +48,7 @@ impl FailureFilter {
         let verdict = |word: &String| match word.as_str() {
             "fault" => failure.fault,
             "foreseeable" => failure.foreseeable,
+            "violation" => failure.violation.is_some(),
             label => failure.verdict.is_some_and(|known| known.name() == label),
         };
         let violated = match &failure.violation {

@@ -129,7 +129,8 @@ fn verdict(row: &CrossedStarts) -> String {
     let said = match counts {
         None => String::new(),
         Some((0, 0)) if row.count(|before, after| before.fault || after.fault) == Some(0) => {
-            "no crossing is a fault of either driver, so this list says nothing; --starts N looks at more\n".into()
+            "no crossing is a fault of either driver, so the list says nothing about faults; --starts N looks at more\n"
+                .into()
         }
         Some((0, 0)) => "from every start the new driver's faults weigh as much as those of the old one\n".into(),
         Some((worse, better)) => {
