@@ -25,11 +25,12 @@ from commonroad_rp.utility.config import ReactivePlannerConfiguration
 from commonroad_rp.utility.utils_coordinate_system import CoordinateSystem
 
 from ..drivers import serve
-from .pursuit import limit, only_answers, pursue
+from .pursuit import APART, limit, only_answers, pursue
 
 EVERY, STEP, STEPS = 6, 0.1, 30  # ticks, s, steps
 BRAKE, FULL, PULL = -6.0, -8.0, 3.0  # m/s^2
 MARGIN = 0.5  # m: around others
+AHEAD = 2.0, 0.4  # m and s: the place on the route that it steers to
 SLOWEST = 0.1  # m/s: the planner fails for a car at rest
 
 
@@ -81,7 +82,7 @@ class World:
     """The planner's memory of one world."""
 
     def __init__(self) -> None:
-        self.acceleration, self.age = 0.0, 0
+        self.acceleration, self.wheel, self.age = 0.0, 0.0, 0
         self.plan: Any = None
         self.planner: Any = None
 
@@ -92,7 +93,9 @@ class World:
         speed, back = max(ego["speed"], SLOWEST), vehicle["wheelbase"] / 2
         rear = np.array([ego["x"] - back * math.cos(ego["yaw"]), ego["y"] - back * math.sin(ego["yaw"])])
         state = ReactivePlannerState(
-            time_step=0, position=rear, orientation=ego["yaw"], velocity=speed, acceleration=self.acceleration, yaw_rate=0.0, steering_angle=0.0
+            # A plan that starts from the full brake of a car at rest would lead backwards, and none would ever be found again.
+            time_step=0, position=rear, orientation=ego["yaw"], velocity=speed, acceleration=max(self.acceleration, -speed),
+            yaw_rate=speed * math.tan(self.wheel) / vehicle["wheelbase"], steering_angle=self.wheel,
         )
         checker = forecasts(world["actors"])
         self.plan, self.age = None, 0
@@ -139,8 +142,11 @@ class Driver:
         if world["tick"] % EVERY == 0:
             self.state.replan(world, route, vehicle)
         acceleration = self.state.accelerate(ego["speed"], self.hello["tick_s"])
-        x, y = route[4, 0] - ego["x"], route[4, 1] - ego["y"]
-        return {"acceleration": acceleration, "steer": pursue(x, y, ego["yaw"], vehicle)}
+        place = min(math.ceil((AHEAD[0] + AHEAD[1] * ego["speed"]) / APART), len(route) - 1)
+        x, y = route[place, 0] - ego["x"], route[place, 1] - ego["y"]
+        steer = pursue(x, y, ego["yaw"], vehicle)
+        self.state.wheel = steer * vehicle["greatest_wheel_angle"]
+        return {"acceleration": acceleration, "steer": steer}
 
 
 def main(_words: list[str]) -> None:
