@@ -7,7 +7,9 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
-use falsify::session::{FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
+use falsify::session::{
+    CompareOptions, FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session,
+};
 use results::campaign::{self, InMemory, Silent, repeat_failure, watch};
 use results::report::{FailureFilter, Gate, narrative};
 use world::env::{Outcome, Trace as EpisodeTrace};
@@ -269,6 +271,21 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         let (time, text) = told.events.iter().find(|(_, text)| text.contains("violates `slow_pass`")).unwrap();
         assert!((time - failure.length).abs() < 1e-9 && text.contains("decides"), "{time} {text} {failure:?}");
     }
+    let options = CompareOptions { reports: [again.clone(), other.clone()], drivers: None };
+    let compared = session.compare(&options).unwrap();
+    let slow_pass = compared.violations()["slow_pass"];
+    assert_eq!(
+        (slow_pass.new, slow_pass.fixed, slow_pass.same),
+        (0, 0, evaluated.len() as u64),
+        "both reports are one"
+    );
+    let typo = FailureFilter { requirements: vec!["slow_pas".into()], ..FailureFilter::default() };
+    let options = FailuresOptions { reports: vec![again.clone()], filter: typo, ..FailuresOptions::default() };
+    let refused = session.failures(&options).unwrap_err().to_string();
+    assert!(
+        refused.contains("no report has a requirement `slow_pas`; known are: no_collision, sees, slow_pass"),
+        "{refused}"
+    );
     let gate = |text: &str| Gate::parse(text).and_then(|gate| gate.check(&plan("", "no_collision", "idm").campaigns));
     assert_eq!(gate("violation_rate(no_collision) > 0.5 and town == harbour"), Ok(()));
     let refused = gate("violation_rate(slow_pass) > 0.5").unwrap_err().to_string();

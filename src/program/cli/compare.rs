@@ -161,5 +161,15 @@ fn as_json(comparison: &ReportComparison) -> serde_json::Value {
             json!({ "search": search, "run": change.run, "start": change.start, "before": before, "after": after })
         })
         .collect();
-    json!({ "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes, "searches": searches, "starts": starts })
+    let violations: serde_json::Map<String, serde_json::Value> = comparison
+        .violations()
+        .into_iter()
+        .map(|(name, changed)| {
+            (name.into(), json!({ "new": changed.new, "fixed": changed.fixed, "same": changed.same }))
+        })
+        .collect();
+    json!({
+        "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes, "violations": violations, "searches": searches,
+        "starts": starts,
+    })
 }

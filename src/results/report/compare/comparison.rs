@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use polars::prelude::{BooleanChunked, DataFrame, PolarsResult};
@@ -10,7 +10,7 @@ use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::infer::{Comparison, Figure, adjust, sides};
 use crate::report::listed_failure::listed;
-use crate::report::read::StoredRun;
+use crate::report::read::{FailureFilter, StoredRun};
 use crate::report::{ListedFailure, ReadError};
 use world::judge::Label;
 
@@ -46,6 +46,8 @@ pub struct ComparedCell {
     pub preventable: Changed,
     /// The same for faults.
     pub fault: Changed,
+    /// Violations of each requirement that both reports have, by its name.
+    pub violations: BTreeMap<String, Changed>,
 }
 
 /// The number of common starts with a failure on one side or on both.
@@ -60,6 +62,13 @@ pub struct Changed {
 }
 
 impl Changed {
+    /// Adds other starts.
+    fn add(&mut self, other: Self) {
+        self.fixed += other.fixed;
+        self.new += other.new;
+        self.same += other.same;
+    }
+
     /// Counts a start.
     pub fn count(&mut self, before: bool, after: bool) {
         match (before, after) {
@@ -124,6 +133,15 @@ impl FailureChange {
 }
 
 impl ReportComparison {
+    /// The violations of each requirement that both reports have, over all cells.
+    pub fn violations(&self) -> BTreeMap<&str, Changed> {
+        let mut sums: BTreeMap<&str, Changed> = BTreeMap::new();
+        for (name, changed) in self.cells.iter().flat_map(|cell| &cell.violations) {
+            sums.entry(name).or_default().add(*changed);
+        }
+        sums
+    }
+
     /// The number of changes of each word and, for each, whether a collision is of this kind: counted on the side that has it.
     pub fn counts(&self, of: impl Fn(&ListedFailure) -> String) -> BTreeMap<String, Changed> {
         let mut counts: BTreeMap<String, Changed> = BTreeMap::new();
@@ -152,6 +170,8 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         other => other?,
     };
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
+    let violated = [violations(before)?, violations(after)?];
+    let requirements: Vec<&String> = violated[0].keys().filter(|name| violated[1].contains_key(*name)).collect();
     let mut cells: Vec<Vec<(StoredRun, StoredRun)>> = Vec::new();
     for pair in pairs {
         match cells.iter_mut().find(|cell| cell[0].0.key.cell == pair.0.key.cell) {
@@ -171,6 +191,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             collisions: Changed::default(),
             preventable: Changed::default(),
             fault: Changed::default(),
+            violations: requirements.iter().map(|name| ((*name).clone(), Changed::default())).collect(),
         };
         for (first, second) in cell {
             let (a, b) = (before.report.rows_of(first)?, after.report.rows_of(second)?);
@@ -199,6 +220,10 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                 found.preventable.count(was, now);
                 let [was, now] = is(|failure| failure.fault);
                 found.fault.count(was, now);
+                for (name, changed) in &mut found.violations {
+                    let [was, now] = [0, 1].map(|side| violated[side][name].contains(&sides[side].name));
+                    changed.count(was, now);
+                }
                 if before || after {
                     changes.push(FailureChange { cell: number, sides });
                 }
@@ -240,6 +265,24 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     }
     let folders = [before, after].map(|side| side.report.folder().to_path_buf());
     Ok(ReportComparison { folders, caveats: notes, cells: compared, changes, searches })
+}
+
+/// The names of the episodes that violate each requirement of a report, `RUN:EPISODE`.
+fn violations(side: Side<'_>) -> Result<BTreeMap<String, BTreeSet<String>>, ReadError> {
+    let requirements = side.report.requirements()?;
+    let filter = FailureFilter { requirements: requirements.iter().cloned().collect(), ..FailureFilter::default() };
+    let mut violated: BTreeMap<String, BTreeSet<String>> =
+        requirements.into_iter().map(|name| (name, BTreeSet::new())).collect();
+    if violated.is_empty() {
+        return Ok(violated);
+    }
+    for failure in side.report.failures(&filter)?.into_iter().filter(|failure| !failure.searched) {
+        let name = failure.name();
+        if let Some(violation) = failure.violation {
+            violated.entry(violation.requirement).or_default().insert(name);
+        }
+    }
+    Ok(violated)
 }
 
 impl ComparedCell {

@@ -82,7 +82,11 @@ pub fn headline(comparison: &ReportComparison) -> String {
         let sum = |part: fn(Changed) -> u64| comparison.cells.iter().map(|cell| part(of(cell))).sum::<u64>();
         format!("{} new, {} fixed, {} same", sum(|all| all.new), sum(|all| all.fixed), sum(|all| all.same))
     };
-    format!("Failures: {}; fault: {}", part(|cell| cell.collisions), part(|cell| cell.fault))
+    let mut line = format!("Failures: {}; fault: {}", part(|cell| cell.collisions), part(|cell| cell.fault));
+    for (name, Changed { new, fixed, same }) in comparison.violations() {
+        line.push_str(&format!("; violations of {name}: {new} new, {fixed} fixed, {same} same"));
+    }
+    line
 }
 
 /// How many starts must differ for a difference of single runs to show; none without one.
