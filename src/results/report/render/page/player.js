@@ -304,6 +304,12 @@ class Player {
       const word = "danger", least = c.measureText(label).width + 14;
       c.fillText(word, Math.min(Math.max(least, x(data.danger)), width - c.measureText(word).width - 2), 11);
     }
+    // A violated requirement has a mark where its episode is decided.
+    for (const [row, [tick, name]] of (data.violations ?? []).entries()) {
+      c.fillStyle = colour.brake;
+      c.fillRect(x(tick) - 1, 14, 2, floor - 14);
+      c.fillText(name, Math.min(x(tick) + 4, width - c.measureText(name).width - 5), 24 + 12 * row);
+    }
     c.fillStyle = colour.ink;
     c.fillRect(x(this.tick) - 0.75, 0, 1.5, height);
   }

@@ -42,6 +42,9 @@ pub struct Replay {
     pub sight: Vec<usize>,
     /// Tick at which the danger started; none without a collision.
     pub danger: Option<usize>,
+    /// The tick that decides each violated requirement, and its name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub violations: Vec<(u32, String)>,
     /// The tick at which a picture of it opens: some seconds before the end, with the danger near.
     pub opens: usize,
     pub verdict: Option<&'static str>,
@@ -112,6 +115,13 @@ impl Replay {
             throttle: frames.iter().map(|frame| whole(frame.control.throttle, 0.01)).collect(),
             sight,
             danger: verdict.map(|verdict| (frames.len() - 1).saturating_sub(ticks(verdict.warning))),
+            violations: scenario
+                .requirements
+                .iter()
+                .zip(trace.degrees())
+                .filter(|(_, degree)| degree.is_violated())
+                .map(|(named, degree)| (degree.sample, named.name.to_string()))
+                .collect(),
             opens: (frames.len() - 1).saturating_sub(ticks(shown)),
             verdict: verdict.map(|verdict| verdict.label.name()),
             drivers: verdict.map_or_else(Vec::new, |verdict| {

@@ -91,7 +91,12 @@ fn table(
     let searched = results.iter().any(|result| result.searched.is_some());
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
     if evaluated {
-        head.extend([Column::text("worst setting"), Column::number("n").page_only()]);
+        // A terminal has no room for what is the same everywhere.
+        let settings =
+            |result: &&DriverResult| cells.iter().filter(|cell| cell.key.policy == result.driver.name).count();
+        let setting = Column::text("worst setting");
+        head.push(if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() });
+        head.push(Column::number("n").page_only());
         head.push(Column::number("avoidable injury / 1,000"));
         head.extend(scale.map(|(of, _)| Column::number(of)));
         head.extend(["fault (95 %)", "preventable (95 %)", "collision (95 %)"].map(Column::number));
