@@ -3,6 +3,7 @@
 mod stored;
 mod divergence;
 mod gate;
+mod condition;
 mod failures;
 mod searches;
 

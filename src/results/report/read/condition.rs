@@ -1,0 +1,171 @@
+use super::GateError;
+use crate::record::metric::MEAN;
+use crate::record::{ColumnReference, Metric, metrics};
+use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT};
+use crate::report::infer::cell_table;
+
+/// The end of the columns of adjusted probabilities.
+pub(super) const P_HOLM: &str = "_p_holm";
+
+/// A part of a gate: a column, a sign, and a number or a word.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Condition {
+    /// Whether the cell is that of the greatest or least value of the column in its place.
+    pub over: Option<Extreme>,
+    pub column: String,
+    pub comparison: Comparison,
+    pub bound: Bound,
+    /// Whether it chooses cells by a word of their key, instead of judging a result.
+    pub chooses: bool,
+    /// Whether the column has no value where nothing collided, which is no reason to fail.
+    pub is_of_collisions: bool,
+}
+
+/// Which controller of a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extreme {
+    Max,
+    Min,
+}
+
+impl Extreme {
+    /// What comes before the column.
+    const WORDS: [(&str, Self); 2] = [("max over controllers ", Self::Max), ("min over controllers ", Self::Min)];
+}
+
+/// How a value is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Comparison {
+    Less,
+    AtMost,
+    More,
+    AtLeast,
+    Equal,
+    Unequal,
+}
+
+/// What a value is compared with.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Bound {
+    Number(f64),
+    Word(String),
+}
+
+/// The signs, the longer ones first.
+const SIGNS: [(&str, Comparison); 6] = [
+    ("<=", Comparison::AtMost),
+    (">=", Comparison::AtLeast),
+    ("==", Comparison::Equal),
+    ("!=", Comparison::Unequal),
+    ("<", Comparison::Less),
+    (">", Comparison::More),
+];
+
+/// A value this near to a bound is the bound: a mean of 0.04, 0.05 and 0.06 is a little more than 0.05.
+const ROUNDING: f64 = 1e-12;
+
+impl Comparison {
+    /// Whether it is true of a value.
+    pub fn holds(self, value: f64, bound: f64) -> bool {
+        let value = if (value - bound).abs() <= ROUNDING { bound } else { value };
+        match self {
+            Self::Less => value < bound,
+            Self::AtMost => value <= bound,
+            Self::More => value > bound,
+            Self::AtLeast => value >= bound,
+            Self::Equal => value == bound,
+            Self::Unequal => value != bound,
+        }
+    }
+}
+
+impl Condition {
+    /// Whether a word is as the condition says.
+    pub fn is_true_of(&self, found: &str, word: &str) -> bool {
+        (found == word) == (self.comparison == Comparison::Equal)
+    }
+
+    /// Parses a part of a gate on these columns.
+    ///
+    /// # Errors
+    /// It has another form, or names no column.
+    pub fn parse(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {
+        let form = || GateError::Form { text: text.trim().to_string() };
+        let over =
+            Extreme::WORDS.iter().find_map(|(words, over)| Some((text.trim_start().strip_prefix(words)?, *over)));
+        let (text, over) = over.map_or((text, None), |(rest, over)| (rest, Some(over)));
+        let at = text.find(['<', '>', '=', '!']).ok_or_else(form)?;
+        let (sign, comparison) = SIGNS.into_iter().find(|(sign, _)| text[at..].starts_with(sign)).ok_or_else(form)?;
+        let (name, bound) = (text[..at].trim(), text[at + sign.len()..].trim());
+        if name.is_empty() || bound.is_empty() || name.contains(' ') {
+            return Err(form());
+        }
+        // Metrics of runs have their mean in the table of cells.
+        let names = [name.to_string(), MEAN.name(name)];
+        let column = names.iter().find_map(|name| columns.iter().find(|column| column.name == *name));
+        let column = column.ok_or_else(|| unknown(name, columns))?;
+        let kind = |holds, advice| GateError::Kind { name: name.to_string(), holds, advice };
+        let bound = if column.holds.is_string() {
+            if !matches!(comparison, Comparison::Equal | Comparison::Unequal) {
+                return Err(kind("words", "compare it by == or !="));
+            }
+            if over.is_some() {
+                return Err(kind("words", "only numbers have a greatest or least value"));
+            }
+            Bound::Word(bound.trim_matches(['"', '\'']).to_string())
+        } else {
+            let number = bound.parse().ok().filter(|number: &f64| number.is_finite());
+            let number = number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?;
+            if is_share(&column.name) && number.abs() > 1.0 {
+                return Err(kind("shares from 0 to 1", "write 5 % as 0.05"));
+            }
+            Bound::Number(number)
+        };
+        let is_result = || cell_table().reference().columns.iter().any(|result| result.name == column.name);
+        let chooses = matches!(bound, Bound::Word(_)) && !is_result();
+        let is_of_collisions = is_of_collisions(&column.name);
+        Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses, is_of_collisions })
+    }
+}
+
+/// Whether a column holds shares of a whole, or differences of them.
+fn is_share(column: &str) -> bool {
+    let of_start = column.split('(').next().unwrap_or(column);
+    ["_rate", "_share"].iter().any(|word| of_start.contains(word)) && !column.ends_with(P_HOLM)
+}
+
+/// Whether a column of a table of cells or searches has no value where there was no collision.
+fn is_of_collisions(column: &str) -> bool {
+    let metrics = metrics();
+    let of_metrics = metrics.iter().filter(|metric| metric.is_of_collisions()).map(Metric::name);
+    let all = of_metrics.chain([FIRST_FAILURE, FIRST_FAULT].map(String::from));
+    let mut rests = all.filter_map(|name| Some(column.strip_prefix(name.as_str())?.to_string()));
+    rests.any(|rest| rest.is_empty() || rest.starts_with('_'))
+}
+
+fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
+    // A mean has the name of its metric, too.
+    let suffix = MEAN.name("");
+    let columns = columns.iter().map(|column| column.name.strip_suffix(&*suffix).unwrap_or(&column.name).to_string());
+    let distance = |column: &String| strsim::damerau_levenshtein(name, column);
+    // A rate of a requirement is written with its name.
+    let of_requirement =
+        columns.clone().find(|column| column.strip_prefix(name).is_some_and(|rest| rest.starts_with('(')));
+    let near = columns.clone().min_by_key(distance).filter(|column| distance(column) <= name.len().div_ceil(3));
+    let nearest =
+        of_requirement.or(near).or_else(|| columns.clone().find(|column| !name.is_empty() && column.starts_with(name)));
+    GateError::Column { name: name.to_string(), nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mean_that_is_the_bound_but_for_its_last_bits_is_the_bound() {
+        assert!(
+            !Comparison::More.holds(0.05000000000000001, 0.05) && Comparison::AtLeast.holds(0.049999999999999996, 0.05)
+        );
+        assert!(Comparison::More.holds(0.0500001, 0.05));
+    }
+}
