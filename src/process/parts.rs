@@ -28,11 +28,15 @@ const ELSEWHERE: [&str; 13] = [
 ];
 /// Folders that hold no source of a program.
 const NO_SOURCES: [&str; 3] = ["__pycache__", "node_modules", "site-packages"];
+/// How a script in Python adds folders to where it finds modules, and the longest one that is read (bytes).
+const ADDERS: [&str; 4] = ["sys.path.insert", "sys.path.append", "sys.path.extend", "sys.path +="];
+const MOST_BYTES: u64 = 1 << 20;
 /// The most files and folders that are looked at. A folder with more is no folder of a script.
 const MOST: usize = 10_000;
 
 /// Finds what a program is made of: the files that its command names, the code in the folder of its script and below, and what the scenario
-/// declares. It is unknown when no file of it is beside the scenario: a server, an image, an installed package.
+/// declares. It is unknown when no file of it is beside the scenario (a server, an image, an installed package), and where a script in Python adds folders
+/// to `sys.path` without `files` that name them.
 pub(super) fn parts(program: &Program) -> Parts {
     let mut sources = Sources::default();
     let named = program.words.iter().map(|word| program.folder.join(word)).filter(|path| path.is_file());
@@ -50,9 +54,11 @@ pub(super) fn parts(program: &Program) -> Parts {
             sources.files.insert(path);
         }
     }
-    let unknown = unknown(program).or_else(|| {
-        (sources.looked > MOST).then(|| format!("the folder of its script has more than {MOST} files and folders"))
-    });
+    let unknown = unknown(program)
+        .or_else(|| {
+            (sources.looked > MOST).then(|| format!("the folder of its script has more than {MOST} files and folders"))
+        })
+        .or_else(|| if program.files.is_empty() { sources.adds_folders(&program.folder) } else { None });
     let name = |path: &Path| path.strip_prefix(&program.folder).unwrap_or(path).to_string_lossy().into_owned();
     // A file that cannot be read is reported when the program is started.
     let files = sources.files.iter().map(|path| (name(path), digest(path).unwrap_or_default()));
@@ -120,6 +126,16 @@ struct Sources {
 }
 
 impl Sources {
+    /// The first script in Python that adds folders to where it finds modules, as half a sentence: their code may lie anywhere.
+    fn adds_folders(&self, folder: &Path) -> Option<String> {
+        let scripts = self.files.iter().filter(|path| path.extension().is_some_and(|ending| ending == "py"));
+        let adds =
+            |path: &&PathBuf| fs::read_to_string(path).is_ok_and(|text| ADDERS.iter().any(|each| text.contains(each)));
+        let found = scripts.filter(|path| path.metadata().is_ok_and(|file| file.len() <= MOST_BYTES)).find(adds)?;
+        let name = found.strip_prefix(folder).unwrap_or(found).display();
+        Some(format!("`{name}` adds folders to `sys.path`, whose code is not looked at unless `files` names it"))
+    }
+
     /// Adds the files below a folder, also behind links; those of hidden folders are left out.
     fn collect(&mut self, folder: &Path, is_source: &dyn Fn(&Path) -> bool) {
         let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -229,6 +245,15 @@ mod tests {
         ] {
             assert_eq!(of(place.path(), words, &[]).unknown.as_deref(), why, "{words:?}");
         }
+    }
+
+    #[test]
+    fn a_script_that_adds_folders_to_its_path_is_unknown_unless_files_are_named() {
+        let place = folder();
+        fs::write(place.path().join("part/deep.py"), "import sys\nsys.path.insert(0, '../common')\n").unwrap();
+        let why = "`part/deep.py` adds folders to `sys.path`, whose code is not looked at unless `files` names it";
+        assert_eq!(of(place.path(), &["python3", "drv.py"], &[]).unknown.as_deref(), Some(why));
+        assert_eq!(of(place.path(), &["python3", "drv.py"], &["gains.json"]).unknown, None);
     }
 
     #[cfg(unix)]

@@ -11,7 +11,7 @@ pub fn show(report: &CampaignReport) {
     let CampaignReport { folder, manifest, cells, drivers, searches, protocol: (nominal, layers), .. } = report;
     console::say(&format!("campaign {}", manifest.campaign));
     let width = console::width();
-    let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches, width) };
+    let searched = report::searches_for_terminal(searches, &report.search_comparisons, width);
     let protocol = report::protocol_for_terminal(nominal, layers, width);
     let requirements = report::requirements_for_terminal(cells, &report.requirements, width);
     for text in [

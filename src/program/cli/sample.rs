@@ -6,7 +6,7 @@ use super::check::{CheckArgs, Format};
 use super::console;
 use super::exit_code::{Ended, ExitCode};
 use super::failure::unwritten;
-use crate::session::{SampledStarts, sampled_starts};
+use crate::session::{EndsOfRoads, SampledStarts, sampled_starts};
 use compile::{Campaign, Plan};
 use results::report::{self, WriteError};
 
@@ -22,6 +22,12 @@ struct Sample<'a> {
     tried: u32,
     accepted: u32,
     constraints: Vec<Share>,
+    /// Accepted starts from which a road that leads nowhere may end within the episode.
+    near_road_end: usize,
+    /// Accepted starts whose pedestrian stands past such an end.
+    past_road_end: usize,
+    #[serde(skip)]
+    ends: EndsOfRoads,
     picture: String,
 }
 
@@ -51,7 +57,7 @@ pub fn sample(plan: &Plan, count: u32, options: &CheckArgs) -> Ended {
 
 fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckArgs) -> Result<Vec<Sample<'a>>, WriteError> {
     let mut samples = Vec::new();
-    for SampledStarts { town, scenario, survey } in sampled_starts(campaign, count, options.seed) {
+    for SampledStarts { town, scenario, survey, ends } in sampled_starts(campaign, count, options.seed) {
         let spawn = scenario.spawn.name.clone();
         let picture = options.out.join(format!("spawn-{}-{spawn}-{town}.svg", campaign.name));
         let shown = &survey.spawns[..survey.spawns.len().min(DRAWN)];
@@ -64,6 +70,9 @@ fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckArgs) -> Result
             tried: survey.tried,
             accepted: survey.accepted,
             constraints: constraints.collect(),
+            near_road_end: ends.near,
+            past_road_end: ends.past,
+            ends,
             picture: picture.display().to_string(),
         });
     }
@@ -82,6 +91,18 @@ fn show(campaign: &Campaign, samples: &[Sample]) {
         }
         for Share { constraint, passed } in &sample.constraints {
             console::say(&format!("    {:>6.2} %  {constraint}", share(*passed)));
+        }
+        let EndsOfRoads { way, near, past } = sample.ends;
+        if near > 0 {
+            console::say(&format!(
+                "    from {near} of these {accepted} a road ends within {way:.0} m, which a car drives at the limit in a whole episode: an episode in \
+                 which it drives past the end counts in no rate. Make the road longer, or end the episode before"
+            ));
+        }
+        if past > 0 {
+            console::say(&format!(
+                "    the pedestrian stands past the end of a road in {past} of these {accepted}, where the map has none"
+            ));
         }
         console::say(&format!("    {}", sample.picture));
     }

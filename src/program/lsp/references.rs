@@ -146,6 +146,9 @@ impl Places {
     pub fn check_new_name(&self, new: &str, documents: &Documents, catalog: &Catalog) -> Result<(), String> {
         let old = &self.name;
         self.check_old_name()?;
+        if new == old {
+            return Ok(());
+        }
         let mut words = tokens(new);
         if !matches!((words.next(), words.next()), (Some(only), None) if only.kind == TokenKind::Name) {
             return Err(format!(

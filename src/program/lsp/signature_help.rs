@@ -9,7 +9,10 @@ pub fn signature_help(cursor: &Cursor, catalog: &Catalog) -> Option<SignatureHel
     let signature = cursor.signature?;
     let mut kinds = catalog.forms.iter().flat_map(|form| &form.kinds);
     kinds.find(|kind| std::ptr::eq(*kind, signature))?;
-    let named = |name: &str| signature.params.iter().position(|param| param.name == name);
+    // Half a name is the first key that begins with it.
+    let begins =
+        |name: &str| signature.params.iter().position(|param| !name.is_empty() && param.name.starts_with(name));
+    let named = |name: &str| signature.params.iter().position(|param| param.name == name).or_else(|| begins(name));
     let active = match cursor.place {
         Place::Value(param) => named(param.name),
         Place::Key => named(cursor.word),

@@ -2,7 +2,9 @@ use std::path::PathBuf;
 
 use super::OverviewFiles;
 use results::campaign::Shard;
-use results::report::{Cell, CellRequirement, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell};
+use results::report::{
+    Cell, CellRequirement, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell, SearchComparison,
+};
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -52,6 +54,8 @@ pub struct CampaignReport {
     pub drivers: Vec<DriverResult>,
     /// Means of the searches, in the order of the table `search_cells`.
     pub searches: Vec<SearchCell>,
+    /// Pairs of these, run by run.
+    pub search_comparisons: Vec<SearchComparison>,
     /// The results in the tests of a protocol, nominal and within the layers.
     pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
     /// The violations of each requirement in each cell; empty without requirements.

@@ -75,7 +75,7 @@ pub use repeat::Repeated;
 pub use replay::{Replay, ReplayOptions};
 pub use setup::Session;
 pub use shard::ShardOptions;
-pub use starts::{SampledStarts, sampled_starts};
+pub use starts::{EndsOfRoads, SampledStarts, sampled_starts};
 pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
 pub use stop::Stop;
 pub use stored::RepeatOptions;

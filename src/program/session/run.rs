@@ -125,7 +125,7 @@ impl<'a> CampaignRun<'a> {
         let manifest = self.write(&draft, &results, &found, &times)?;
         let folder = self.publish(draft, &manifest)?;
         let gates = self.judge_gates(&found);
-        let Findings { cells, drivers, searches, doubts, gathered, layers, .. } = found;
+        let Findings { cells, drivers, searches, search_comparisons, doubts, gathered, layers, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name: self.name.clone(),
             folder,
@@ -133,6 +133,7 @@ impl<'a> CampaignRun<'a> {
             cells,
             drivers,
             searches,
+            search_comparisons,
             requirements: gathered.requirements,
             protocol: (gathered.protocol, layers),
             doubts,

@@ -6,7 +6,8 @@ use super::failure_modes::CellModes;
 use super::metric_table::metric_table;
 use super::{
     Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
-    SearchKind, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_kinds,
+    SearchComparison, SearchKind, beside, doubts, driver_results, evident_cells, layer_cells, search_cells,
+    search_comparisons, search_kinds,
 };
 use crate::campaign::Finished;
 use compile::Campaign;
@@ -35,6 +36,8 @@ pub struct Findings<'a> {
     pub layers: Vec<ProtocolCell>,
     /// Searches over their runs.
     pub searches: Vec<SearchCell>,
+    /// Pairs of these, run by run.
+    pub search_comparisons: Vec<SearchComparison>,
     /// Kinds of failures that searches found.
     pub search_kinds: Vec<SearchKind>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
@@ -72,6 +75,7 @@ impl<'a> Findings<'a> {
             layers: layer_cells(campaign, &finished.searches),
             search_kinds: search_kinds(&finished.searches),
             cautions: cautions(&cells, &finished.searches, &searches),
+            search_comparisons: search_comparisons(&finished.searches),
             searches,
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,

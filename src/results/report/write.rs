@@ -10,8 +10,7 @@ use super::render::{
 };
 use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
-    search_cell_table, search_comparison_table, search_comparisons, search_failures, search_kind_table, searches,
-    town_map,
+    search_cell_table, search_comparison_table, search_failures, search_kind_table, searches, town_map,
 };
 use base::seed::Seed;
 use compile::TrainingKey;
@@ -79,11 +78,10 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
     if !finished.searches.is_empty() {
         folder.table("searches", &searches(&finished.searches))?;
         folder.table("search_cells", &search_cell_table(&found.searches))?;
-        let compared = search_comparisons(&finished.searches);
-        folder.table(SEARCH_COMPARISONS, &search_comparison_table(&compared))?;
+        folder.table(SEARCH_COMPARISONS, &search_comparison_table(&found.search_comparisons))?;
         folder.table("search_failures", &search_failures(&finished.searches))?;
         folder.table(SEARCH_KINDS, &search_kind_table(&found.search_kinds))?;
-        sections.push(search_section(&found.searches));
+        sections.push(search_section(&found.searches, &found.search_comparisons));
     }
     sections.extend(trainings_section(&finished.trainings));
     folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;

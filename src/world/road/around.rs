@@ -1,5 +1,7 @@
 //! The driving lane around a point, and how far inside it the point is.
 
+use std::collections::BTreeMap;
+
 use super::chord::Chord;
 use super::lane_network::LaneSlot;
 use super::{LaneFilter, Town, Waypoint};
@@ -43,6 +45,33 @@ impl Town {
         let past = point - self.pose(lane.place).position();
         // From a place within a lane the nearest point outside lies at its side.
         self.successors(lane.place).next().is_none() && past.dot(&lane.direction) > past.norm() / 2.0
+    }
+
+    /// Whether a car can come to the end of a lane that leads nowhere within this distance (m), along the reference lines of the roads; any turn may
+    /// lead there.
+    pub fn ends_within(&self, from: Waypoint, distance: f64) -> bool {
+        let Some(first) = self.network.slot(from) else { return false };
+        let left = (self.network.lane(first).driving_ends().1 - from.s).abs();
+        let mut ways = BTreeMap::from([(first, left)]);
+        let mut open = vec![(first, left)];
+        while let Some((slot, way)) = open.pop() {
+            if way > distance || ways[&slot] < way {
+                continue;
+            }
+            let next = self.network.next(self.network.lane(slot));
+            if next.is_empty() {
+                return true;
+            }
+            for slot in next {
+                let lane = self.network.lane(*slot);
+                let way = way + (lane.end - lane.start);
+                if ways.get(slot).is_none_or(|found| way < *found) {
+                    ways.insert(*slot, way);
+                    open.push((*slot, way));
+                }
+            }
+        }
+        false
     }
 
     /// How far a point is inside a lane or one of those that lead on from it through a junction, as [`LaneAround::inside`] counts; the lane that
@@ -120,6 +149,15 @@ mod tests {
         assert!(!past(79.0, -2.0) && !past(81.0, -2.0), "on the road, and up to half a width past its end");
         assert!(!past(79.0, -9.0) && !past(0.0, 0.0), "beside the road is not past its end");
         assert!(!past(-90.0, -2.0), "behind the start of a lane");
+    }
+
+    #[test]
+    fn a_road_ends_within_the_way_to_the_nearest_end() {
+        let town = crossing();
+        let from = town.lane_around(Point::new(50.0, -1.75)).unwrap().place;
+        assert!(town.ends_within(from, 31.0) && !town.ends_within(from, 29.0));
+        let behind_the_junction = town.lane_around(Point::new(-50.0, -1.75)).unwrap().place;
+        assert!(town.ends_within(behind_the_junction, 135.0) && !town.ends_within(behind_the_junction, 110.0));
     }
 
     #[test]

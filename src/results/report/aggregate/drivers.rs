@@ -1,8 +1,10 @@
 use std::cmp::Ordering;
 
+use super::searches::Figures;
 use super::{Cell, Failures};
 use crate::campaign::SearchResult;
 use crate::report::ListedFailure;
+use base::statistics::mean;
 use compile::Driver;
 use world::judge::Verdict;
 
@@ -17,16 +19,10 @@ pub struct SearchFailures {
     pub fault: usize,
     /// Faults with other figures of the careful humans, in the order of [`Sensitivity::NAMES`](world::judge::Sensitivity::NAMES).
     pub fault_if: [usize; 4],
-    /// The avoidable injury of all of them.
-    pub injury: f64,
+    /// The avoidable injury of a thousand episodes, as the mean over the searches: one that spends its budget on many short episodes has no greater
+    /// weight. None without any episode.
+    pub injury_per_thousand: Option<f64>,
     pub episodes: u64,
-}
-
-impl SearchFailures {
-    /// The avoidable injury of a thousand episodes; none without any.
-    pub fn injury_per_thousand(&self) -> Option<f64> {
-        (self.episodes > 0).then(|| self.injury * 1000.0 / self.episodes as f64)
-    }
 }
 
 /// What a campaign found about a driver, over all towns, controllers and searches.
@@ -91,7 +87,7 @@ pub fn driver_results(
             (first, second) => second.is_some().cmp(&first.is_some()),
         };
         let searched =
-            |result: &DriverResult| result.searched.and_then(|found| found.injury_per_thousand()).unwrap_or(0.0);
+            |result: &DriverResult| result.searched.and_then(|found| found.injury_per_thousand).unwrap_or(0.0);
         let blindness = a.driver.sees_no_pedestrians().cmp(&b.driver.sees_no_pedestrians());
         blindness.then(rates).then_with(|| searched(b).total_cmp(&searched(a))).then_with(failures)
     });
@@ -122,9 +118,11 @@ fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
 }
 
 fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
-    let mut of_driver = searches.iter().filter(|search| search.key.policy == driver).peekable();
-    of_driver.peek()?;
-    Some(of_driver.fold(SearchFailures::default(), |sum, search| {
+    let of_driver: Vec<&SearchResult> = searches.iter().filter(|search| search.key.policy == driver).collect();
+    if of_driver.is_empty() {
+        return None;
+    }
+    let sum = of_driver.iter().fold(SearchFailures::default(), |sum, search| {
         let count =
             |counts: fn(&Verdict) -> bool| search.verdicts.iter().flatten().filter(|verdict| counts(verdict)).count();
         SearchFailures {
@@ -135,10 +133,12 @@ fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
                 let changed = search.verdicts.iter().flatten().filter(|verdict| verdict.sensitivity.values()[place]);
                 sum.fault_if[place] + changed.count()
             }),
-            injury: sum.injury + search.verdicts.iter().flatten().map(Verdict::avoidable_injury).sum::<f64>(),
+            injury_per_thousand: None,
             episodes: sum.episodes + search.spent.episodes,
         }
-    }))
+    });
+    let rates = of_driver.iter().filter_map(|search| Figures::new(search).injury);
+    Some(SearchFailures { injury_per_thousand: mean(rates), ..sum })
 }
 
 #[cfg(test)]

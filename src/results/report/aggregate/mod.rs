@@ -37,7 +37,7 @@ pub use requirements::{
 };
 pub use results::{RESULTS, results, results_table};
 pub use search_comparisons::{
-    SEARCH_COMPARISONS, search_comparison_columns, search_comparison_table, search_comparisons,
+    SEARCH_COMPARISONS, SearchComparison, search_comparison_columns, search_comparison_table, search_comparisons,
 };
 pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{

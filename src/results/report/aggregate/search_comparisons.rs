@@ -12,24 +12,39 @@ use compile::SearchKey;
 /// Two falsifiers against one driver, or one falsifier against two drivers, compared run by run: equal runs have equal starts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchComparison {
-    town: String,
+    pub town: String,
     /// Falsifier and driver of either side.
-    one: (String, String),
-    other: (String, String),
+    pub one: (String, String),
+    pub other: (String, String),
     /// The number of the block in the campaign.
     block: u32,
-    figure: &'static str,
+    /// The column of `searches` that is compared.
+    pub figure: &'static str,
     /// Runs with the figure on both sides.
-    runs: u64,
+    pub runs: u64,
     /// Means over these.
     values: [f64; 2],
     /// First less second, of each run.
-    differences: Vec<f64>,
-    difference: f64,
+    pub differences: Vec<f64>,
+    pub difference: f64,
     /// In 95 % of campaigns those of all rows that are read together hold the truth.
-    interval: Option<(f64, f64)>,
+    pub interval: Option<(f64, f64)>,
     p: Option<f64>,
-    p_holm: Option<f64>,
+    /// After Holm's correction for the rows that are read together.
+    pub p_holm: Option<f64>,
+}
+
+impl SearchComparison {
+    /// Whether two falsifiers are compared, rather than two drivers.
+    pub fn is_of_falsifiers(&self) -> bool {
+        self.one.1 == self.other.1
+    }
+
+    /// Whether another one compares the same two searches, by another figure.
+    pub fn is_of_same_pair(&self, other: &Self) -> bool {
+        let pair = |of: &Self| (of.town.clone(), of.one.clone(), of.other.clone(), of.block);
+        pair(self) == pair(other)
+    }
 }
 
 /// The stem of the files of the table.
@@ -67,8 +82,7 @@ fn compared<'a>(searches: impl Iterator<Item = (&'a SearchKey, Named)>) -> Vec<S
     }
     let mut families: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for (place, each) in all.iter().enumerate() {
-        let of_falsifiers = each.one.1 == each.other.1;
-        families.entry((each.figure, of_falsifiers)).or_default().push(place);
+        families.entry((each.figure, each.is_of_falsifiers())).or_default().push(place);
     }
     for family in families.values() {
         let alpha = 0.05 / family.len() as f64;

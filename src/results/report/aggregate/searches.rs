@@ -38,7 +38,7 @@ pub struct Figures {
     fault_start_rate: Option<f64>,
     first_fault: Option<u64>,
     /// The avoidable injury of a thousand episodes.
-    injury: Option<f64>,
+    pub(super) injury: Option<f64>,
     /// The numbers of flank, slow and narrow touches.
     touches: [usize; 3],
     /// Shares of the starts with a fault with other figures of the careful humans, in the order of

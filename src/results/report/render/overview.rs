@@ -7,11 +7,11 @@ use super::sections::{average, failed_starts, injury, injury_scale};
 use super::svg::{Chart, Curve, Figure, Panel, SERIES, short};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
-use crate::report::{DriverResult, Variant};
+use crate::report::{Cell, DriverResult, Variant};
 
 /// How to read the tables.
 const READING: &str = "A row is a controller of the pedestrian, or a falsifier, in a town against a driver. Rates are shares of all episodes: the mean over runs \
-± one standard deviation. Variants of a matrix meet the same starts. `overview.csv` has the same numbers, and intervals.";
+± one standard deviation. Variants of a matrix meet the same starts. A row with `any` is the same in all reports. `overview.csv` has the same numbers, and intervals.";
 
 pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
     let figures = curves(overview);
@@ -100,7 +100,9 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         head.extend(["fault", "preventable", "collision"].map(Column::number));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
-            let mut values = first(row.variant, &row.values);
+            let same = is_same_everywhere(overview, row, cell);
+            let any = vec![Some("any".to_string()); row.values.len()];
+            let mut values = first(row.variant, if same { &any } else { &row.values });
             values.extend(place(row));
             values.extend([
                 row.who().into(),
@@ -110,7 +112,12 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
             values.extend([cell.fault, cell.preventable, cell.collision].map(Value::Spread));
             values
         };
-        tables.push(Table { head, rows: evaluated.iter().map(row).collect(), ..Table::default() });
+        let repeated = |row: &&&OverviewRow<'_>| {
+            let Found::Evaluated(cell) = row.found else { return false };
+            !std::ptr::eq(row.variant, &overview.variants[0]) && is_same_everywhere(overview, row, cell)
+        };
+        let rows = evaluated.iter().filter(|row| !repeated(row)).map(row).collect();
+        tables.push(Table { head, rows, ..Table::default() });
     }
     if !searched.is_empty() {
         let mut head = head(overview);
@@ -148,6 +155,20 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     };
     tables.push(Table { head, rows: results.map(row).collect(), ..Table::default() });
     tables
+}
+
+/// Whether a row has a like in every report, with equal results: one of a controller that no parameter changes.
+fn is_same_everywhere(overview: &Overview<'_>, row: &OverviewRow<'_>, cell: &Cell) -> bool {
+    let figures = |cell: &Cell| (cell.runs, cell.episodes, cell.fault, cell.preventable, cell.collision);
+    let like = |other: &&OverviewRow<'_>| match other.found {
+        Found::Evaluated(found) => {
+            (other.driver(), other.town(), other.who()) == (row.driver(), row.town(), row.who())
+                && figures(found) == figures(cell)
+        }
+        Found::Searched(_) => false,
+    };
+    let alike = overview.rows.iter().filter(like).count();
+    !overview.parameters.is_empty() && overview.variants.len() > 1 && alike == overview.variants.len()
 }
 
 /// The columns that tell the reports apart.

@@ -32,12 +32,8 @@ impl SpawnRule {
         if self.scripted().is_some() {
             return false;
         }
-        let drawn = if let EgoSpeed::Drawn(speed) = &self.ego_speed { speed.support().1 } else { 0.0 };
-        let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| &section.lanes);
-        let of_lanes = lanes.flat_map(|lane| &lane.limits).filter_map(|(_, limit)| *limit);
-        let limits = town.speed_signs.iter().map(|sign| sign.limit).chain(of_lanes);
-        let driven = limits.map(|limit| BEYOND_LIMIT * limit).fold(LEAST_SPEED, f64::max);
-        let driven = driven.max(drawn).max(self.test_speed.unwrap_or(0.0));
+        let limit = limits(town).map(|limit| BEYOND_LIMIT * limit).fold(LEAST_SPEED, f64::max);
+        let driven = limit.max(self.greatest_given_speed().unwrap_or(0.0));
         let walked = walking * time + BODIES;
         let lane_in_reach = |place: Point| {
             let lane = town.nearest_lane(place, LaneFilter::Driving);
@@ -53,4 +49,22 @@ impl SpawnRule {
         };
         none_in_reach(FEW, stream).is_some() && none_in_reach(MANY, stream).is_some_and(|found| found >= ENOUGH)
     }
+
+    /// The highest speed that the rule or a limit of the town gives the car (m/s); none where neither does.
+    pub fn greatest_limit(&self, town: &Town) -> Option<f64> {
+        limits(town).chain(self.greatest_given_speed()).reduce(f64::max)
+    }
+
+    /// The highest speed that the rule itself gives the car (m/s).
+    fn greatest_given_speed(&self) -> Option<f64> {
+        let drawn = if let EgoSpeed::Drawn(speed) = &self.ego_speed { Some(speed.support().1) } else { None };
+        drawn.into_iter().chain(self.test_speed).reduce(f64::max)
+    }
+}
+
+/// The speed limits of a town's lanes and signs (m/s).
+fn limits(town: &Town) -> impl Iterator<Item = f64> + '_ {
+    let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| &section.lanes);
+    let of_lanes = lanes.flat_map(|lane| &lane.limits).filter_map(|(_, limit)| *limit);
+    town.speed_signs.iter().map(|sign| sign.limit).chain(of_lanes)
 }

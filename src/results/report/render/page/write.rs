@@ -73,7 +73,7 @@ pub fn write_page(
     let Findings { campaign, finished, gathered, cells, drivers, published, doubts, .. } = found;
     let cards = cards(found);
     let players = Players::new(played, manifest.call.replay_options());
-    let searches = (!found.searches.is_empty()).then(|| search_section(&found.searches));
+    let searches = (!found.searches.is_empty()).then(|| search_section(&found.searches, &found.search_comparisons));
     let sections: Vec<_> = [
         protocol(&gathered.protocol, &found.layers, &|name| players.link(name)),
         requirements(cells, &gathered.requirements),

@@ -10,7 +10,8 @@ const READING: [&str; 2] = [
      that drives at 1 m/s or more and is not walked into at its flank.",
     "The rates are those of the controller and town named beside them, where the avoidable injury is highest, then the fault rate, then the \
      preventable rate. They are shares of its n episodes. The intervals are Wilson's 95 % over its starts, which its runs share. The highest of several rates is chosen after \
-     the fact, so it is a little too high; compare drivers by their common starts.",
+     the fact, so it is a little too high; compare drivers by their common starts. Without evaluations the avoidable injury is the mean over the driver's \
+     searches, each with the same weight.",
 ];
 
 /// What was found about each driver: those under test, and below them those that see no pedestrians. None without any driver.
@@ -62,7 +63,7 @@ fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
 pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     match result.cell {
         Some(cell) => cells[cell].injury.mean.map(|injury| injury * 1000.0),
-        None => result.searched.and_then(|found| found.injury_per_thousand()),
+        None => result.searched.and_then(|found| found.injury_per_thousand),
     }
 }
 

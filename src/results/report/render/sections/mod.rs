@@ -15,6 +15,7 @@ mod published;
 mod requirements;
 mod protocol;
 mod searches;
+mod search_pairs;
 mod trainings;
 mod failures;
 
@@ -33,7 +34,7 @@ pub use trainings::trainings_section;
 pub use transfer::transfer;
 
 use super::table::{Section, Table};
-use crate::report::{Cell, CellRequirement, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell};
+use crate::report::{Cell, CellRequirement, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell, SearchComparison};
 
 /// The rates of a campaign's controllers as text for a terminal of this width (columns); empty without cells.
 pub fn results_for_terminal(results: &[DriverResult], cells: &[Cell], width: u16) -> String {
@@ -62,9 +63,13 @@ pub fn requirements_for_terminal(cells: &[Cell], found: &[CellRequirement], widt
     tables.iter().map(|table| format!("violations of requirements\n{}", table.to_terminal(width))).collect()
 }
 
-/// The comparison of falsifiers as text for a terminal of this width (columns).
-pub fn searches_for_terminal(cells: &[SearchCell], width: u16) -> String {
-    search_section(cells).tables.iter().map(|table| table.to_terminal(width)).collect()
+/// The falsifiers as text for a terminal of this width (columns), and which of them find more than by chance; empty without any.
+pub fn searches_for_terminal(cells: &[SearchCell], compared: &[SearchComparison], width: u16) -> String {
+    if cells.is_empty() {
+        return String::new();
+    }
+    let told = search_pairs::findings_of_pairs(compared).map(|told| format!("{told}\n"));
+    searches::falsifiers(cells).to_terminal(width) + &told.unwrap_or_default()
 }
 
 /// The conclusions from the cells, one section each.

@@ -1,9 +1,39 @@
+use super::search_pairs::search_pairs;
 use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Average, MedianTime, SearchCell};
+use crate::report::{Average, MedianTime, SearchCell, SearchComparison};
 use compile::SearchKey;
 
-/// The comparison of falsifiers.
-pub fn search_section(cells: &[SearchCell]) -> Section {
+/// The falsifiers, and which of them find more than another one.
+pub fn search_section(cells: &[SearchCell], compared: &[SearchComparison]) -> Section {
+    let reading = [
+        "Every falsifier has the same budget of simulator ticks and meets the same starts in the same order. A command that the \
+         rest of the budget cannot hold is not started.",
+        "*Ticks to first failure* is the median of Kaplan and Meier. Runs without a failure count as censored. The interval is \
+         Brookmeyer and Crowley's; `≥` and `≤` stand where the runs show one end alone. The other intervals are Student's 95 % over runs. They are \
+         about further runs in *this* town; other towns may give other figures, and no interval here covers that. Fewer than four runs have no \
+         interval; their single values stand there.",
+        "*Failed starts* are those from which a failure was found, of the number of starts from which it searched (means over runs). With the same budget \
+         one falsifier may spend all ticks on few starts, and another visit many.",
+        "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
+         methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver did at the touch. \
+         A *fault* is a failure that counts against the driver. \
+         *Evaluated afterwards* are the collision rate and the rate of faults of the controller with which the falsifier \
+         ends, in fresh episodes; `–` if there is none.",
+        "*Pairs:* one falsifier less another one against the same driver, and one driver less another one with the same falsifier, run by run: \
+         equal runs have the same starts. p is Student's, after Holm's correction for all pairs of falsifiers, or of drivers, in all towns: in 95 % of \
+         campaigns no p below 0.05 of a column is a false finding. Call it a tie above 0.05. `search_comparisons` has further figures.",
+    ];
+    Section {
+        id: "searches",
+        name: "Falsifiers",
+        title: "Falsifiers compared",
+        tables: [falsifiers(cells)].into_iter().chain(search_pairs(compared)).collect(),
+        notes: outdone_by_chance(cells).into_iter().chain(reading.map(String::from)).collect(),
+    }
+}
+
+/// A row for each falsifier, town and driver.
+pub fn falsifiers(cells: &[SearchCell]) -> Table {
     let mut head: Vec<Column> = ["falsifier", "town", "policy"].map(Column::text).into();
     // Estimates are left-aligned, so that their numbers are below each other.
     head.extend([
@@ -37,29 +67,7 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
             average(&cell.evaluated_faults_rate, 3),
         ]
     };
-    let reading = [
-        "Every falsifier has the same budget of simulator ticks and meets the same starts in the same order. A command that the \
-         rest of the budget cannot hold is not started.",
-        "*Ticks to first failure* is the median of Kaplan and Meier. Runs without a failure count as censored. The interval is \
-         Brookmeyer and Crowley's; `≥` and `≤` stand where the runs show one end alone. The other intervals are Student's 95 % over runs. They are \
-         about further runs in *this* town; other towns may give other figures, and no interval here covers that. Fewer than four runs have no \
-         interval; their single values stand there.",
-        "*Failed starts* are those from which a failure was found, of the number of starts from which it searched (means over runs). With the same budget \
-         one falsifier may spend all ticks on few starts, and another visit many.",
-        "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
-         methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver did at the touch. \
-         A *fault* is a failure that counts against the driver. \
-         *Evaluated afterwards* are the collision rate and the rate of faults of the controller with which the falsifier \
-         ends, in fresh episodes; `–` if there is none. Pairs of falsifiers and of drivers are compared in `search_comparisons`; \
-         its `p_holm` is adjusted for all pairs of falsifiers, or of drivers, in all towns.",
-    ];
-    Section {
-        id: "searches",
-        name: "Falsifiers",
-        title: "Falsifiers compared",
-        tables: vec![Table { head, rows: cells.iter().map(row).collect(), ..Table::default() }],
-        notes: outdone_by_chance(cells).into_iter().chain(reading.map(String::from)).collect(),
-    }
+    Table { head, rows: cells.iter().map(row).collect(), ..Table::default() }
 }
 
 /// A note on the falsifiers that found failures from fewer starts than random walking did with the same budget; none without any.
