@@ -1,7 +1,8 @@
 //! Distributions: constants, ranges, and calls of the functions that make them.
 
+use super::Context;
+use super::number::{ends, is_formula, quantity, within};
 use super::suggested::{as_beside, as_dashed_range, describe};
-use super::{Context, ends, is_formula, quantity, within};
 use crate::ast::{Expression, ExpressionKind, Known};
 use crate::diagnostics;
 use crate::formula::is_function;

@@ -100,7 +100,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         head.extend(["fault", "preventable", "collision"].map(Column::number));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
-            let same = is_same_everywhere(overview, row, cell);
+            let same = is_same_everywhere(overview, cell);
             let any = vec![Some("any".to_string()); row.values.len()];
             let mut values = first(row.variant, if same { &any } else { &row.values });
             values.extend(place(row));
@@ -114,7 +114,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         };
         let repeated = |row: &&&OverviewRow<'_>| {
             let Found::Evaluated(cell) = row.found else { return false };
-            !std::ptr::eq(row.variant, &overview.variants[0]) && is_same_everywhere(overview, row, cell)
+            !std::ptr::eq(row.variant, &overview.variants[0]) && is_same_everywhere(overview, cell)
         };
         let rows = evaluated.iter().filter(|row| !repeated(row)).map(row).collect();
         tables.push(Table { head, rows, ..Table::default() });
@@ -157,14 +157,10 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     tables
 }
 
-/// Whether a row has a like in every report, with equal results: one of a controller that no parameter changes.
-fn is_same_everywhere(overview: &Overview<'_>, row: &OverviewRow<'_>, cell: &Cell) -> bool {
-    let figures = |cell: &Cell| (cell.runs, cell.episodes, cell.fault, cell.preventable, cell.collision);
+/// Whether a cell is equal in every report, in all that was measured: no parameter changes its pedestrian, its driver or their town.
+fn is_same_everywhere(overview: &Overview<'_>, cell: &Cell) -> bool {
     let like = |other: &&OverviewRow<'_>| match other.found {
-        Found::Evaluated(found) => {
-            (other.driver(), other.town(), other.who()) == (row.driver(), row.town(), row.who())
-                && figures(found) == figures(cell)
-        }
+        Found::Evaluated(found) => found == cell,
         Found::Searched(_) => false,
     };
     let alike = overview.rows.iter().filter(like).count();

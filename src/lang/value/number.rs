@@ -1,0 +1,257 @@
+//! Numbers with their units: single ones, whole ones, ranges, distributions, places.
+
+use std::f64::consts::TAU;
+
+use super::distribution::distribution;
+use super::suggested::{as_allowed, as_beside, as_difference, as_meant, round_the_back};
+use super::{Context, unfit};
+use crate::ast::{Expression, ExpressionKind, Known};
+use crate::diagnostics;
+use crate::formula::{Scope, Sort, formula};
+use base::diagnostic::{Diagnostic, Span};
+use base::signature::{LEAST, MOST, Type, Value, VariableId, bounds, short};
+use base::units::Dimension;
+
+/// A constant quantity.
+pub(super) fn single(
+    expression: &Expression,
+    ty: &Type,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Value> {
+    let Type::Quantity { dimension, min, max } = *ty else { return None };
+    if !is_formula(expression) {
+        return unfit(expression, ty, context, diagnostics);
+    }
+    let before = diagnostics.len();
+    let number = quantity(expression, dimension, context, diagnostics);
+    as_allowed(&mut diagnostics[before..], expression, dimension, (min, max));
+    let number = number?;
+    within(number, min, max, dimension, expression.span, context, diagnostics)?;
+    Some(Value::Number(number))
+}
+
+/// A whole number.
+pub(super) fn whole(
+    expression: &Expression,
+    ty: &Type,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Value> {
+    let (Type::Integer { min, max } | Type::Ticks { min, max }) = *ty else { return None };
+    if !is_formula(expression) {
+        return unfit(expression, ty, context, diagnostics);
+    }
+    let span = expression.span;
+    let number = quantity(expression, Dimension::RATIO, context, diagnostics)?;
+    let written = context.sources.text(span);
+    let is_literal = matches!(expression.kind, ExpressionKind::Number { .. });
+    let whole = number as i64;
+    if number.fract() != 0.0 {
+        diagnostics.push(diagnostics::not_whole(span, number));
+    } else if is_literal && written.contains('.') {
+        diagnostics.push(diagnostics::pointed(span, written));
+    } else if number.abs() > 9e15 || whole < min || whole > max {
+        let bounds = if max == i64::MAX { format!("{min} or more") } else { format!("{min} to {max}") };
+        diagnostics.push(diagnostics::out_of_range(span, short(number), bounds));
+    } else {
+        return Some(Value::Integer(whole));
+    }
+    None
+}
+
+/// Both ends of a range.
+pub(super) fn range(
+    expression: &Expression,
+    ty: &Type,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Value> {
+    let Type::Range { dimension, min, max } = *ty else { return None };
+    let ExpressionKind::Range(low, high) = &expression.kind else {
+        return unfit(expression, ty, context, diagnostics);
+    };
+    let before = diagnostics.len();
+    let ends = ends(expression.span, low, high, dimension, context, diagnostics);
+    as_allowed(&mut diagnostics[before..], expression, dimension, (min, max));
+    let (a, b) = ends?;
+    within(a, min, max, dimension, low.span, context, diagnostics)?;
+    within(b, min, max, dimension, high.span, context, diagnostics)?;
+    Some(Value::Range(a, b))
+}
+
+/// A distribution whose support is within the bounds.
+pub(super) fn drawn(
+    expression: &Expression,
+    ty: &Type,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Value> {
+    let Type::Distribution { dimension, min, max } = *ty else { return None };
+    let span = expression.span;
+    let is_list = matches!(expression.kind, ExpressionKind::List(_) | ExpressionKind::Group(_));
+    if is_list && !is_formula(expression) || matches!(expression.kind, ExpressionKind::Text(_)) {
+        return unfit(expression, ty, context, diagnostics);
+    }
+    let before = diagnostics.len();
+    let drawn = distribution(expression, dimension, context, diagnostics);
+    as_allowed(&mut diagnostics[before..], expression, dimension, (min, max));
+    let drawn = drawn?;
+    let (low, high) = drawn.support();
+    if low == f64::NEG_INFINITY && min > low || high == f64::INFINITY && max < high {
+        let allowed = bounds(min, max, dimension);
+        diagnostics.push(diagnostics::unbounded(span, context.sources.text(span), &allowed));
+        return None;
+    }
+    let before = diagnostics.len();
+    let inside = within(low, min, max, dimension, span, context, diagnostics)
+        .and_then(|()| within(high, min, max, dimension, span, context, diagnostics));
+    if inside.is_some() {
+        diagnostics.extend(as_difference(expression, &drawn, context));
+        return Some(Value::Distribution(drawn));
+    }
+    if let Some(meant) = as_meant(expression, &drawn, ty, context) {
+        let said = diagnostics.split_off(before);
+        diagnostics.extend(said.into_iter().map(|said| said.fix(meant.clone())));
+    }
+    None
+}
+
+/// A point, or a pose: a point and a heading.
+pub(super) fn place(
+    expression: &Expression,
+    ty: &Type,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Value> {
+    let ExpressionKind::Group(parts) = &expression.kind else {
+        return unfit(expression, ty, context, diagnostics);
+    };
+    let is_pose = matches!(ty, Type::Pose);
+    if is_pose && parts.len() == 2 {
+        let written: Vec<&str> = parts.iter().map(|part| context.sources.text(part.span)).collect();
+        diagnostics.push(diagnostics::missing_heading(expression.span, &written));
+        return None;
+    }
+    if parts.len() != if is_pose { 3 } else { 2 } {
+        return unfit(expression, ty, context, diagnostics);
+    }
+    let dimensions = [Dimension::LENGTH, Dimension::LENGTH, Dimension::ANGLE];
+    let numbers = parts.iter().zip(dimensions).map(|(part, dimension)| quantity(part, dimension, context, diagnostics));
+    let numbers: Vec<Option<f64>> = numbers.collect();
+    match *numbers.into_iter().collect::<Option<Vec<f64>>>()? {
+        [x, y] => Some(Value::Point(x, y)),
+        [x, y, heading] => Some(Value::Pose(x, y, heading)),
+        _ => None,
+    }
+}
+
+/// Both ends of a range, in order.
+pub(super) fn ends(
+    span: Span,
+    low: &Expression,
+    high: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<(f64, f64)> {
+    let bare = |end: &Expression| matches!(end.kind, ExpressionKind::Number { unit: None, .. });
+    if bare(low) && bare(high) && dimension != Dimension::RATIO {
+        let written = context.sources.text(low.span.to(high.span));
+        let (a, b) = (context.sources.text(low.span), context.sources.text(high.span));
+        diagnostics.push(diagnostics::missing_unit_of_both(low.span.to(high.span), dimension, written, (a, b)));
+        return None;
+    }
+    let before = diagnostics.len();
+    let (a, b) = (quantity(low, dimension, context, diagnostics), quantity(high, dimension, context, diagnostics));
+    as_beside(&mut diagnostics[before..], low, high, dimension, context);
+    as_beside(&mut diagnostics[before..], high, low, dimension, context);
+    let (a, b) = (a?, b?);
+    if a > b {
+        let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
+        let behind = dimension == Dimension::ANGLE && a > 0.0 && b < 0.0;
+        diagnostics.push(diagnostics::empty_range(span, swapped, behind.then(|| round_the_back(a, b + TAU))));
+        return None;
+    }
+    Some((a, b))
+}
+
+/// Whether an expression can be a constant quantity; words and texts get a better message from their type.
+pub(super) fn is_formula(expression: &Expression) -> bool {
+    match &expression.kind {
+        ExpressionKind::Group(members) => members.len() == 1,
+        ExpressionKind::Text(_)
+        | ExpressionKind::Range(..)
+        | ExpressionKind::List(_)
+        | ExpressionKind::Name(_)
+        | ExpressionKind::Known(Known::Declaration(..) | Known::Distribution(..)) => false,
+        _ => true,
+    }
+}
+
+/// A constant number of this dimension (SI).
+pub(super) fn quantity(
+    expression: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<f64> {
+    let Context { vocabulary, names, .. } = *context;
+    let scope = Scope { vocabulary, available: &[], event: "compile time", names, whole: false };
+    let (formula, sort) = formula(expression, &scope, diagnostics)?;
+    match sort {
+        Sort::Truth => {
+            diagnostics.push(diagnostics::not_a(expression.span, &dimension.to_string(), "condition"));
+            None
+        }
+        Sort::Quantity(found) if found == dimension => {
+            let number = formula.evaluate(&|_: VariableId| unreachable!("no variable is in scope"));
+            if number.is_finite() {
+                return Some(number);
+            }
+            diagnostics.push(diagnostics::out_of_range(expression.span, number.to_string(), "a finite number".into()));
+            None
+        }
+        Sort::Quantity(Dimension::RATIO) => {
+            let written = context.sources.text(expression.span);
+            diagnostics.push(diagnostics::missing_unit(expression.span, dimension, written));
+            None
+        }
+        Sort::Quantity(found) => {
+            let bare = matches!(expression.kind, ExpressionKind::Number { .. });
+            let number = formula.evaluate(&|_: VariableId| unreachable!("no variable is in scope"));
+            diagnostics.push(match (dimension, found) {
+                (Dimension::RATIO, _) if !bare => diagnostics::uncounted(expression.span, found),
+                (Dimension::TIME, Dimension::FREQUENCY) if bare && number > 0.0 => {
+                    diagnostics::wrong_unit(expression.span, dimension, found).fix(format!("{} s", short(1.0 / number)))
+                }
+                _ => diagnostics::wrong_unit(expression.span, dimension, found),
+            });
+            None
+        }
+    }
+}
+
+/// Reports a number outside of its bounds.
+pub(super) fn within(
+    number: f64,
+    min: f64,
+    max: f64,
+    dimension: Dimension,
+    span: Span,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<()> {
+    if number >= min && number <= max {
+        return Some(());
+    }
+    let written = context.sources.text(span).to_string();
+    // The bound applies even if it is not shown.
+    let allowed = match number {
+        _ if min == LEAST && 0.0 < number && number < LEAST => format!("{LEAST:e} or more, in SI"),
+        _ if max == MOST && number > MOST => format!("{MOST:e} or less, in SI"),
+        _ => bounds(min, max, dimension),
+    };
+    diagnostics.push(diagnostics::out_of_range(span, written, allowed));
+    None
+}
