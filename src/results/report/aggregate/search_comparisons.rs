@@ -2,6 +2,8 @@ use std::collections::BTreeMap;
 
 use polars::prelude::DataFrame;
 
+#[cfg(test)]
+use super::searches::FAILED_STARTS;
 use super::searches::Figures;
 use crate::campaign::SearchResult;
 use crate::record::columns::TOWN;
@@ -35,6 +37,25 @@ pub struct SearchComparison {
 }
 
 impl SearchComparison {
+    /// Two falsifiers against one driver in a town, by their failed starts.
+    #[cfg(test)]
+    pub fn of_failed_starts(town: &str, [one, other]: [&str; 2], differences: &[f64], p_holm: f64) -> Self {
+        Self {
+            town: town.into(),
+            one: (one.into(), "driver".into()),
+            other: (other.into(), "driver".into()),
+            block: 0,
+            figure: FAILED_STARTS,
+            runs: differences.len() as u64,
+            values: [0.0; 2],
+            differences: differences.to_vec(),
+            difference: differences.iter().sum::<f64>() / differences.len() as f64,
+            interval: None,
+            p: None,
+            p_holm: Some(p_holm),
+        }
+    }
+
     /// Whether two falsifiers are compared, rather than two drivers.
     pub fn is_of_falsifiers(&self) -> bool {
         self.one.1 == self.other.1

@@ -318,7 +318,7 @@ pub const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks
 // The columns of searches that cells of searches summarise.
 const FAILURE_COUNT: &str = "failures";
 const FAILURE_RATE: &str = "failure_rate";
-const FAILED_STARTS: &str = "failed_starts";
+pub const FAILED_STARTS: &str = "failed_starts";
 /// Ticks to the first failure.
 pub const FIRST_FAILURE: &str = "first_failure_ticks";
 const DISTINCT: &str = "distinct_failures";

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use crate::report::SearchComparison;
 use crate::report::render::table::{Column, Table, Value};
 
@@ -70,32 +72,67 @@ fn probability(p: Option<f64>) -> String {
 
 /// What a terminal says below the table of falsifiers: which of them find more than by chance. None without any pair of falsifiers.
 pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
-    let of = |figure: &'static str| {
-        let pairs = compared.iter().filter(move |found| found.is_of_falsifiers() && found.figure == figure);
-        pairs.collect::<Vec<_>>()
-    };
-    let [(starts, _), (faults, _), _] = SHOWN;
-    let all = of(starts);
-    let runs = all.iter().map(|found| found.runs).max()?;
+    let pairs: Vec<&SearchComparison> = compared.iter().filter(|found| found.is_of_falsifiers()).collect();
+    let runs = pairs.iter().map(|found| found.runs).max()?;
     if runs < 2 {
         return Some("One run of each falsifier cannot tell which one finds more: ask for `runs: 4` or more.".into());
     }
-    let found =
-        [(starts, "fails from more starts"), (faults, "finds faults from more of its starts")].map(|(figure, does)| {
-            let pairs = of(figure);
-            let told = pairs.iter().filter(|found| found.p_holm.is_some_and(|p| p < ALPHA)).count();
-            (does, told, pairs.len())
-        });
-    Some(if found.iter().all(|(_, told, _)| *told == 0) {
-        format!(
-            "No falsifier fails from more starts, or finds faults from more of its starts, than another one beyond chance ({} pairs, {runs} runs): call it a tie.",
-            all.len()
-        )
+    let [(starts, _), (faults, _), _] = SHOWN;
+    let figures = [(starts, "fails from more starts than"), (faults, "finds faults from more of its starts than")];
+    let told: Vec<String> = figures.iter().flat_map(|(figure, does)| winners(&pairs, figure, does)).collect();
+    Some(if told.is_empty() {
+        format!("In pairs, no falsifier finds more than another one beyond chance ({runs} runs): call it a tie.")
     } else {
-        let parts = found.map(|(does, told, pairs)| format!("one {does} than the other in {told} of {pairs} pairs"));
         format!(
-            "Beyond chance (p < 0.05, {runs} runs), {}; call the rest ties. the table `search_comparisons` names them.",
-            parts.join(", and ")
+            "In pairs, beyond chance (p < 0.05, {runs} runs): {}. All else may be chance; the table `search_comparisons` has each pair.",
+            told.join("; ")
         )
     })
+}
+
+/// The falsifiers that have more of a figure than others, each with the number of towns and drivers where that is so.
+fn winners(pairs: &[&SearchComparison], figure: &str, does: &str) -> Vec<String> {
+    let mut places: BTreeMap<(&str, &str), [usize; 2]> = BTreeMap::new();
+    for found in pairs.iter().filter(|found| found.figure == figure) {
+        let (one, other) = (found.one.0.as_str(), found.other.0.as_str());
+        let is_told = found.p_holm.is_some_and(|p| p < ALPHA);
+        for (better, worse, more) in [(one, other, found.difference > 0.0), (other, one, found.difference < 0.0)] {
+            let [told, all] = places.entry((better, worse)).or_default();
+            *told += usize::from(is_told && more);
+            *all += 1;
+        }
+    }
+    let told = places.into_iter().filter(|(_, [told, _])| *told > 0);
+    told.map(|((better, worse), [told, all])| format!("`{better}` {does} `{worse}` in {told} of {all} places"))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_falsifier_finds_more_only_where_the_difference_is_beyond_chance() {
+        let of = SearchComparison::of_failed_starts;
+        let differences = [4.0, 5.0, 6.0];
+        let told = |compared: &[SearchComparison]| findings_of_pairs(compared).unwrap();
+        let (chance, meet) = ("chance", "meet");
+        let clear = of("a", [chance, meet], &differences.map(|more| -more), 0.01);
+        let unclear = of("b", [chance, meet], &differences, 0.3);
+        assert!(
+            told(&[clear, unclear.clone()]).contains("`meet` fails from more starts than `chance` in 1 of 2 places.")
+        );
+        assert!(told(&[unclear]).contains("call it a tie"));
+        assert!(told(&[of("a", [chance, meet], &[9.0], 0.01)]).contains("One run"));
+        assert_eq!(findings_of_pairs(&[]), None);
+    }
+
+    #[test]
+    fn a_pair_without_an_interval_shows_its_runs() {
+        let pair = SearchComparison::of_failed_starts("a", ["chance", "meet"], &[4.0, 5.0, 6.0], 0.03);
+        let tables = search_pairs(&[pair]);
+        assert_eq!(tables.len(), 1, "no drivers are compared");
+        let text = tables[0].to_markdown();
+        assert!(text.contains("+4.00 +5.00 +6.00 (3 runs)<br>p = 0.030"), "{text}");
+    }
 }
