@@ -22,6 +22,8 @@ pub struct SearchFailures {
     /// The avoidable injury of a thousand episodes, as the mean over the searches: one that spends its budget on many short episodes has no greater
     /// weight. None without any episode.
     pub injury_per_thousand: Option<f64>,
+    /// The share of the starts with a fault, as the mean over the searches; none without any start.
+    pub fault_start_rate: Option<f64>,
     pub episodes: u64,
 }
 
@@ -134,11 +136,16 @@ fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
                 sum.fault_if[place] + changed.count()
             }),
             injury_per_thousand: None,
+            fault_start_rate: None,
             episodes: sum.episodes + search.spent.episodes,
         }
     });
-    let rates = of_driver.iter().filter_map(|search| Figures::new(search).injury);
-    Some(SearchFailures { injury_per_thousand: mean(rates), ..sum })
+    let figures: Vec<Figures> = of_driver.iter().map(|search| Figures::new(search)).collect();
+    Some(SearchFailures {
+        injury_per_thousand: mean(figures.iter().filter_map(|each| each.injury)),
+        fault_start_rate: mean(figures.iter().filter_map(|each| each.fault_start_rate)),
+        ..sum
+    })
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub struct Figures {
     fault: [usize; 2],
     fault_rate: Option<f64>,
     fault_starts: usize,
-    fault_start_rate: Option<f64>,
+    pub(super) fault_start_rate: Option<f64>,
     first_fault: Option<u64>,
     /// The avoidable injury of a thousand episodes.
     pub(super) injury: Option<f64>,

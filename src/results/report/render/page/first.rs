@@ -43,7 +43,7 @@ fn blocks(contents: &Contents<'_>) -> Markup {
     let most = |of: &dyn Fn(&DriverResult) -> Option<f64>| drivers.iter().filter_map(of).fold(0.0, f64::max);
     let often = |result: &DriverResult| match cell(result) {
         Some(cell) => cell.fault.mean,
-        None => result.searched.map(|found| found.fault as f64 / found.episodes.max(1) as f64),
+        None => result.searched.and_then(|found| found.fault_start_rate),
     };
     let bad = |result: &DriverResult| injury(result, cells);
     let injuries = injury_scale(drivers, cells).map(|(_, whole)| whole);
@@ -57,7 +57,9 @@ fn blocks(contents: &Contents<'_>) -> Markup {
     };
     html! {
         p.note {
-            "A " b { "fault" } " is a collision that a careful human avoids, with a pedestrian who moves as people do. Rates are those of each driver’s worst setting."
+            "A " b { "fault" } " is a collision that a careful human avoids, with a pedestrian who moves as people do. "
+            @if cells.is_empty() { "Rates are means over each driver’s searches." }
+            @else { "Rates are those of each driver’s worst setting." }
         }
         @for result in drivers.iter() {
             @let blind = result.driver.sees_no_pedestrians();
@@ -126,24 +128,26 @@ fn worst(found: &ListedFailure, players: &Players) -> Markup {
     }
 }
 
-/// The number of faults, as a share of the episodes if it is not very small.
+/// How often a driver has faults: the share of the episodes of its worst cell, or their number if they are very rare; without any cell the share of
+/// the starts of its searches, since a search repeats what fails.
 fn faults(result: &DriverResult, cell: Option<&Cell>, rate: f64) -> Markup {
     let searched = result.searched.unwrap_or_default();
-    let (faults, episodes, what) = match cell {
-        Some(cell) => (u64::from(cell.faults), u64::from(cell.episodes), "episodes"),
-        None => (searched.fault as u64, searched.episodes, "episodes of searches"),
+    let Some(cell) = cell else {
+        return html! {
+            @if searched.fault == 0 { "no fault in " (count(searched.episodes)) " episodes of searches" }
+            @else { "a fault from " (percent(rate)) " of the starts of searches" }
+        };
     };
+    let episodes: u64 = cell.episodes.into();
     html! {
-        @if faults == 0 && searched.fault > 0 && cell.is_some() {
+        @if cell.faults == 0 && searched.fault > 0 {
             "no fault in " (count(episodes)) " episodes of evaluations; searches found " (count(searched.fault as u64))
         }
-        @else if faults == 0 { "no fault in " (count(episodes)) " " (what) }
-        @else if rate < RARE { "a fault in " (count(faults)) " of " (count(episodes)) " " (what) }
+        @else if cell.faults == 0 { "no fault in " (count(episodes)) " episodes" }
+        @else if rate < RARE { "a fault in " (count(cell.faults.into())) " of " (count(episodes)) " episodes" }
         @else {
-            "a fault in " (percent(rate)) " of " (count(episodes)) " " (what)
-            @if let Some(cell) = cell {
-                " " small { (percent(cell.fault_interval.0)) " to " (percent(cell.fault_interval.1)) }
-            }
+            "a fault in " (percent(rate)) " of " (count(episodes)) " episodes "
+            small { (percent(cell.fault_interval.0)) " to " (percent(cell.fault_interval.1)) }
         }
     }
 }

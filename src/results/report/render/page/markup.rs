@@ -50,7 +50,13 @@ pub fn slug(text: &str) -> String {
 /// A share as a percentage: a whole number, except for small shares.
 pub fn percent(share: f64) -> String {
     let hundred = share * 100.0;
-    if hundred > 0.0 && hundred < 9.95 { format!("{hundred:.1}\u{a0}%") } else { format!("{hundred:.0}\u{a0}%") }
+    let digits = match hundred {
+        0.0 => 0,
+        _ if hundred < 0.095 => 3,
+        _ if hundred < 9.95 => 1,
+        _ => 0,
+    };
+    format!("{hundred:.digits$}\u{a0}%")
 }
 
 /// A whole number with thin spaces between the thousands.
