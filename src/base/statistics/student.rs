@@ -31,12 +31,18 @@ pub fn mean_p(values: &[f64]) -> Option<f64> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let squares: f64 = values.iter().map(|each| (each - mean) * (each - mean)).sum();
+    // Equal numbers may differ from their mean by its rounding.
+    let greatest = values.iter().fold(0.0, |greatest: f64, each| greatest.max(each.abs()));
+    let squares = if squares <= n * (ROUNDING * greatest) * (ROUNDING * greatest) { 0.0 } else { squares };
     if values.len() < 2 || (squares == 0.0 && mean == 0.0) {
         return None;
     }
     let error = (squares / (n - 1.0) / n).sqrt();
     Some(if error > 0.0 { student_tails(mean / error, n - 1.0) } else { libm::exp2(1.0 - n) })
 }
+
+/// The relative size of what rounding leaves of a difference of equal numbers.
+const ROUNDING: f64 = 1e-12;
 
 /// The share of Student's t that is farther from 0 than `t`, on both sides together: a two-sided p-value. The degrees of
 /// freedom are above 0 and need not be whole.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::hover::referred;
 use super::visible::dimension as measured;
-use base::signature::{Param, Signature};
+use base::signature::{Param, Signature, Type};
 use base::units::Dimension;
 use compile::Catalog;
 use lang::tokens::{TokenKind, is_word, tokens};
@@ -232,7 +232,9 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: 
         }
         Some(last) if last.text == "in" => return Place::Unit(counted),
         Some(last) if last.text == "on" && frame.keys => return Place::Event,
-        Some(last) if last.text == "=" => return behind(3).map_or(Place::Nothing, |form| Place::Kind(form.text)),
+        Some(last) if last.text == "=" && frame.param.is_none() => {
+            return behind(3).map_or(Place::Nothing, |form| Place::Kind(form.text));
+        }
         _ => {}
     }
     let open = last.is_none_or(|last| last.is_open() || matches!(last.text, "and" | "or" | "not" | "implies"));
@@ -303,6 +305,11 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
             frame.formula = false;
             frame.axis = Some(key).filter(|_| frame.matrix);
         }
+        "=" if top => {
+            let form = frame.tokens.len().checked_sub(2).map_or("", |at| frame.tokens[at].text);
+            let written = written(form, catalog);
+            (frame.signature, frame.param) = (written.map(|(form, _)| form), written.map(|(_, param)| param));
+        }
         "=>" => {
             frame.param = None;
             frame.formula = true;
@@ -326,6 +333,9 @@ fn opened<'a>(frame: &Frame<'a>, top: bool, catalog: &'a Catalog) -> Option<&'a 
     if let Some(closed) = frame.closed {
         return Some(closed);
     }
+    if top && frame.param.is_some() {
+        return frame.signature;
+    }
     let behind = |n: usize| frame.tokens.len().checked_sub(n).map(|at| frame.tokens[at].text);
     if behind(2) == Some("=") {
         return kind(behind(4)?, behind(1)?, catalog);
@@ -342,6 +352,13 @@ fn opened<'a>(frame: &Frame<'a>, top: bool, catalog: &'a Catalog) -> Option<&'a 
     word.and_then(find).or_else(|| name.and_then(find))
 }
 
+/// The keys of a form whose value is written after its name, as in `requirement name = always(…)`, and the key of this value.
+fn written<'a>(form: &str, catalog: &'a Catalog) -> Option<(&'a Signature, &'a Param)> {
+    let signature = catalog.forms.iter().find(|each| each.name == form)?.plain.as_ref()?;
+    let param = signature.params.iter().find(|param| matches!(param.ty, Type::Requirement(_)))?;
+    Some((signature, param))
+}
+
 fn kind<'a>(form: &str, kind: &str, catalog: &'a Catalog) -> Option<&'a Signature> {
     let form = catalog.forms.iter().find(|each| each.name == form)?;
     form.kinds.iter().find(|each| each.name == kind)
@@ -349,7 +366,8 @@ fn kind<'a>(form: &str, kind: &str, catalog: &'a Catalog) -> Option<&'a Signatur
 
 fn bracket<'a>(frame: &Frame<'a>, token: Token<'a>, catalog: &'a Catalog) -> Frame<'a> {
     let behind = |n: usize| frame.tokens.len().checked_sub(n).map(|at| frame.tokens[at].text);
-    if token.text == "(" && behind(2) == Some("=") {
+    let has_kind = frame.param.is_none();
+    if token.text == "(" && behind(2) == Some("=") && has_kind {
         let signature = behind(4).zip(behind(1)).and_then(|(form, word)| kind(form, word, catalog));
         return Frame { signature, keys: true, ..Frame::default() };
     }
