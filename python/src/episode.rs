@@ -51,16 +51,18 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
 }
 
 /// The requirements of the scenario by their names: whether each is violated, its robustness (SI units, or scaled), and the number of the sample and the
-/// text of the comparison that decide.
+/// text of the comparison that decide. Of a violation also whether both careful humans satisfy it and whether it is a fault; none where there is no verdict.
 fn requirements<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
-    for (named, degree) in &end.requirements {
+    for (named, degree, verdict) in &end.requirements {
         let one = PyDict::new(py);
         let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
         one.set_item("violated", degree.is_violated())?;
         one.set_item("robustness", degree.robustness)?;
         one.set_item("sample", degree.sample)?;
         one.set_item("part", part.map_or("", |part| &part.text))?;
+        one.set_item("preventable", verdict.map(|verdict| verdict.preventable))?;
+        one.set_item("fault", verdict.map(|verdict| verdict.fault))?;
         all.set_item(&*named.name, one)?;
     }
     Ok(all)

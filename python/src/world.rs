@@ -6,7 +6,7 @@ use base::seed::Seed;
 use compile::episodes_seed;
 use learn::Step;
 use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
-use world::judge::{Verdict, judge};
+use world::judge::{Verdict, ViolationVerdict, judge};
 use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
 
@@ -21,8 +21,8 @@ pub struct End {
     pub outcome: Outcome,
     /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<Verdict>,
-    /// Each requirement of the scenario with its degree; empty without requirements, and in error.
-    pub requirements: Vec<(NamedRequirement, Degree)>,
+    /// Each requirement of the scenario with its degree, and whose fault its violation is; empty without requirements, and in error.
+    pub requirements: Vec<(NamedRequirement, Degree, Option<ViolationVerdict>)>,
     /// Whether the driver failed: a collision, or a violation of the goal of a search.
     pub is_failure: bool,
 }
@@ -117,9 +117,12 @@ impl World {
         self.step = self.trace.watch_decision(&mut self.env, &self.commands);
         self.env.write_state(&mut self.state);
         if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
-            let verdict = judge(&self.trace.main_pair(self.env.scenario()));
             let scenario = self.env.scenario();
-            let requirements = scenario.requirements.iter().cloned().zip(self.env.degrees().iter().copied()).collect();
+            let pair = self.trace.main_pair(scenario);
+            let verdict = judge(&pair);
+            let judged = self.env.degrees().iter().copied().zip(ViolationVerdict::of_all(&pair));
+            let requirements = scenario.requirements.iter().cloned().zip(judged);
+            let requirements = requirements.map(|(named, (degree, verdict))| (named, degree, verdict)).collect();
             let is_failure = self.env.is_failure();
             self.end = Some(End { seed: self.seed, episode, outcome: *outcome, verdict, requirements, is_failure });
         }
