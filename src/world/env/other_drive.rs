@@ -27,7 +27,8 @@ impl<'a> OtherDrive<'a> {
     pub fn new(pair: Pair<'a>, requirement: &'a Requirement, first: usize) -> Self {
         let scenario = pair.scenario();
         let cast = &scenario.cast;
-        let bodies: Vec<_> = cast.pedestrians().map(|role| role.body).collect();
+        let count = pair.trace().pedestrian_count();
+        let bodies: Vec<_> = cast.pedestrians().take(count).map(|role| role.body).collect();
         let lights = pair.trace().lights();
         let cycle = lights.is_some().then_some(scenario.episode.light_cycle);
         let (town, obstacles) = (scenario.town.clone(), scenario.obstacles.clone());
@@ -49,9 +50,20 @@ impl<'a> OtherDrive<'a> {
         }
     }
 
-    /// Takes the next sample, one tick after the last one: the ego, and the place of the pair's pedestrian. Of the touch that ends the drive the time
-    /// from its start (s).
-    pub fn push(&mut self, ego: Pose, speed: f64, walker: Point, touch: Option<f64>) {
+    /// The degree of a requirement in a recorded episode.
+    pub fn recorded(pair: Pair<'a>, requirement: &'a Requirement) -> Degree {
+        let mut samples = Self::new(pair, requirement, 0);
+        let last = pair.len() - 1;
+        for (tick, frame) in pair.frames().enumerate() {
+            let touch = pair.contact().filter(|_| tick == last);
+            let speed = touch.map_or(frame.ego.speed, |touch| touch.impact_speed);
+            samples.push(frame.ego.pose, speed, frame.pedestrian.pose.position(), touch);
+        }
+        samples.degree()
+    }
+
+    /// Takes the next sample, one tick after the last one: the ego, and the place of the pair's pedestrian, and the touch that ends the drive.
+    pub fn push(&mut self, ego: Pose, speed: f64, walker: Point, touch: Option<&Contact>) {
         let number = self.pair.pedestrian_number();
         let tick = self.first + self.samples;
         for (other, pedestrian) in self.world.pedestrians.iter_mut().enumerate() {
@@ -65,19 +77,21 @@ impl<'a> OtherDrive<'a> {
         self.world.vehicles[0].state.pose = ego;
         self.world.vehicles[0].state.speed = speed;
         self.world.ticks = self.samples as u32;
-        let contact = touch.map(|time| {
-            let local = ego.to_local(walker);
-            let bearing = libm::atan2(local.y, local.x);
-            let pair = (ActorId::EGO, ActorId::Pedestrian(number as u8));
-            Contact { pair, fraction: time, bearing, ahead: local.x, aside: local.y, impact_speed: speed }
-        });
         match self.samples {
             0 => self.meter.begin(&self.world),
-            _ => self.meter.tick(&self.world, contact.as_ref()),
+            _ => self.meter.tick(&self.world, touch),
         }
-        let situation = self.situation(tick, contact.as_ref(), touch);
+        let situation = self.situation(tick, touch);
         self.margins.push(self.requirement, &|id| situation.value(id));
         self.samples += 1;
+    }
+
+    /// The touch of the ego and the pair's pedestrian, this share of a tick after the last sample.
+    pub fn touch(&self, ego: &Pose, speed: f64, walker: Point, fraction: f64) -> Contact {
+        let local = ego.to_local(walker);
+        let pair = (ActorId::EGO, ActorId::Pedestrian(self.pair.pedestrian_number() as u8));
+        let bearing = libm::atan2(local.y, local.x);
+        Contact { pair, fraction, bearing, ahead: local.x, aside: local.y, impact_speed: speed }
     }
 
     /// The degree of the requirement, at the first sample.
@@ -86,24 +100,26 @@ impl<'a> OtherDrive<'a> {
     }
 
     /// The variables that requirements name.
-    fn situation(&mut self, tick: usize, contact: Option<&Contact>, touch: Option<f64>) -> Situation {
-        let number = SignalMeter::pedestrian(&self.world, contact);
+    fn situation(&mut self, tick: usize, touch: Option<&Contact>) -> Situation {
+        let dt = self.pair.dt();
+        let number = SignalMeter::pedestrian(&self.world, touch);
         let (ego, walker): (_, &PedestrianState) = (&self.world.ego().state, &self.world.pedestrians[number].state);
         let local = ego.pose.to_local(walker.pose.position());
+        let (ahead, aside) = touch.map_or((local.x, local.y), |touch| (touch.ahead, touch.aside));
         let seen = walker.pose.to_local(ego.pose.position());
-        let gap = if contact.is_some() { 0.0 } else { self.world.gap(0, number) };
+        let gap = if touch.is_some() { 0.0 } else { self.world.gap(0, number) };
         self.least_gap = self.least_gap.min(gap);
         let (turn, pace) = self.command(number, tick);
-        let since = touch.unwrap_or(self.samples as f64 * self.pair.dt());
+        let before = tick.saturating_sub(1) as f64 * dt;
         Situation {
-            bearing: libm::atan2(local.y, local.x),
-            distance: local.norm(),
-            ahead: local.x,
-            aside: local.y,
+            bearing: touch.map_or_else(|| libm::atan2(aside, ahead), |touch| touch.bearing),
+            distance: (ahead * ahead + aside * aside).sqrt(),
+            ahead,
+            aside,
             facing: libm::atan2(seen.y, seen.x),
             ego_speed: ego.speed,
             walking_speed: walker.speed(),
-            elapsed: self.first as f64 * self.pair.dt() + since,
+            elapsed: touch.map_or(tick as f64 * dt, |touch| before + touch.fraction * dt),
             turn,
             pace,
             miss_distance: self.least_gap,

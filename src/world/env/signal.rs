@@ -251,6 +251,23 @@ const OF_THE_EGO: &[&str] = &[
 /// The variables that say how hard the ego brakes.
 const OF_ITS_BRAKE: &[&str] = &["ego_acceleration", "ego_jerk"];
 
+/// The variables that need the map.
+const OF_THE_MAP: &[&str] = &[
+    "lane_offset",
+    "left_lane",
+    "left_road",
+    "light_distance",
+    "red_light",
+    "crosswalk_distance",
+    "crosswalk_taken",
+    "crosswalk_waiting",
+];
+
+/// Whether a variable needs the map.
+pub fn is_about_map(id: VariableId) -> bool {
+    OF_THE_MAP.contains(&VARIABLES[id.0].0.name)
+}
+
 /// Whether a variable says something of a pedestrian.
 pub fn is_about_pedestrian(id: VariableId) -> bool {
     !OF_THE_EGO.contains(&VARIABLES[id.0].0.name)
@@ -288,7 +305,7 @@ mod tests {
     #[test]
     fn what_is_of_the_ego_alone_is_a_variable() {
         let known = |name: &&&str| VARIABLES.iter().any(|(variable, _)| variable.name == **name);
-        assert!(OF_THE_EGO.iter().chain(OF_ITS_BRAKE).all(|name| known(&name)));
+        assert!(OF_THE_EGO.iter().chain(OF_ITS_BRAKE).chain(OF_THE_MAP).all(|name| known(&name)));
         assert!(OF_ITS_BRAKE.iter().all(|name| OF_THE_EGO.contains(name)));
     }
 

@@ -64,7 +64,7 @@ pub use lane_departure::LaneDeparture;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
 pub use reaction::share_of_drivers;
-pub use recording::{Encountered, Recording, RecordingError, Sizes};
+pub use recording::{Encountered, RecordedRequirement, Recording, RecordingError, Sizes};
 pub use recording_file::RecordingFileError;
 pub use reference::Reference;
 pub use sensitivity::Sensitivity;

@@ -134,8 +134,10 @@ impl<'a> Humans<'a> {
             samples.push(*pose, *speed, self.walker(tick as f64), None);
         }
         if let Some((pose, speed)) = drive.touch {
-            let at = self.walker(end / self.encounter.dt);
-            samples.push(pose, speed, at, Some(end));
+            let ticks = end / self.encounter.dt;
+            let at = self.walker(ticks);
+            let touch = samples.touch(&pose, speed, at, ticks - (drive.ticks.len() - 1) as f64);
+            samples.push(pose, speed, at, Some(&touch));
         }
         !samples.degree().is_violated()
     }
