@@ -53,12 +53,15 @@ def judge(
         radius: Radius of the pedestrian (m).
         boxes: Obstacles that hide the pedestrian and stop it: rows of x, y, heading, length, width (m, rad).
         scenario, campaign, options: A scenario, chosen as by :func:`falsify_av.make`. It gives the sizes and the obstacles that no other argument gives.
-            Without it they are those of the paper (4.79 m by 2.16 m, 0.188 m), on an empty plane.
+            The requirements of its campaign are evaluated, too.
+            Without it the sizes are those of the paper (4.79 m by 2.16 m, 0.188 m), on an empty plane.
 
     Returns:
         ``verdict`` (empty without a touch), ``foreseeable``, ``fault``, ``warning_s`` and ``impact_speed_mps`` as the columns of the
         table of episodes; ``avoided_by``, which reference drivers avoid it; ``touch_s``, the time of the touch from the first instant;
-        ``least_gap_m``, ``min_ttc_s`` and ``pet_s``. A number that does not apply is not a number.
+        ``least_gap_m``, ``min_ttc_s`` and ``pet_s``; ``requirements``, each by its name as in the info of an episode: ``violated``,
+        ``robustness``, ``sample``, ``part``, ``preventable`` and ``fault``, or ``None`` for one about the lane, the lights or crosswalks, since a
+        recording has no map. A number that does not apply is not a number.
 
     Raises:
         ValueError: The arrays have other shapes or lengths, a number that is not finite or out of its range, or units that do not fit each

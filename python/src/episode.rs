@@ -5,7 +5,8 @@ use numpy::ndarray::{Array1, Array2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use world::env::{Ending, Scenario, Trace};
-use world::judge::Verdict;
+use world::judge::{Verdict, ViolationVerdict};
+use world::requirement::{Degree, NamedRequirement};
 use world::sim::PedestrianState;
 
 use super::world::End;
@@ -50,20 +51,32 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     Ok(dict)
 }
 
-/// The requirements of the scenario by their names: whether each is violated, its robustness (SI units, or scaled), and the number of the sample and the
-/// text of the comparison that decide.
+/// The requirements of the scenario by their names.
 fn requirements<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
-    for (named, degree) in &end.requirements {
-        let one = PyDict::new(py);
-        let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
-        one.set_item("violated", degree.is_violated())?;
-        one.set_item("robustness", degree.robustness)?;
-        one.set_item("sample", degree.sample)?;
-        one.set_item("part", part.map_or("", |part| &part.text))?;
-        all.set_item(&*named.name, one)?;
+    for (named, degree, verdict) in &end.requirements {
+        all.set_item(&*named.name, requirement(py, named, degree, *verdict)?)?;
     }
     Ok(all)
+}
+
+/// A requirement in an episode: whether it is violated, its robustness (SI units, or scaled), and the number of the sample and the text of the comparison
+/// that decide. Of a violation also whether both careful humans satisfy it and whether it is a fault; none where there is no verdict.
+pub fn requirement<'py>(
+    py: Python<'py>,
+    named: &NamedRequirement,
+    degree: &Degree,
+    verdict: Option<ViolationVerdict>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let one = PyDict::new(py);
+    let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
+    one.set_item("violated", degree.is_violated())?;
+    one.set_item("robustness", degree.robustness)?;
+    one.set_item("sample", degree.sample)?;
+    one.set_item("part", part.map_or("", |part| &part.text))?;
+    one.set_item("preventable", verdict.map(|verdict| verdict.preventable))?;
+    one.set_item("fault", verdict.map(|verdict| verdict.fault))?;
+    Ok(one)
 }
 
 /// Adds a verdict; without a touch it is an empty text.

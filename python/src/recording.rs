@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use world::env::Scenario;
 use world::geometry::{Obstacles, OrientedBox, Point, Pose};
-use world::judge::{Encountered, Recording, RecordingError, Reference, Sizes};
+use world::judge::{Encountered, RecordedRequirement, Recording, RecordingError, Reference, Sizes};
 use world::sim::{PedestrianState, VehicleState};
 
 use super::episode;
@@ -72,6 +72,14 @@ fn dictionary<'py>(py: Python<'py>, found: &Encountered) -> PyResult<Bound<'py, 
     dict.set_item("least_gap_m", found.least_gap)?;
     dict.set_item("min_ttc_s", found.near_miss.min_ttc.unwrap_or(f64::NAN))?;
     dict.set_item("pet_s", found.near_miss.pet.unwrap_or(f64::NAN))?;
+    let requirements = PyDict::new(py);
+    for RecordedRequirement { named, degree, verdict } in &found.requirements {
+        match degree {
+            Some(degree) => requirements.set_item(&*named.name, episode::requirement(py, named, degree, *verdict)?)?,
+            None => requirements.set_item(&*named.name, py.None())?,
+        }
+    }
+    dict.set_item("requirements", requirements)?;
     Ok(dict)
 }
 

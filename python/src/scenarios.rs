@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use base::diagnostic::{Colour, Severity, Sources, records, render};
 use base::files;
-use compile::{Catalog, Overrides, Plan, compile_with};
+use compile::{Catalog, Overrides, Plan, Search, SearchKey, compile_with, episodes_seed};
 use lang::{Reader, Unreadable};
 use numpy::PyReadonlyArray2;
 use process::ProcessOpener;
@@ -18,6 +18,7 @@ use world::judge::Sizes;
 
 use super::driver::{Raised, with_driver};
 use super::recording::judged;
+use super::world::Starts;
 use super::worlds::Worlds;
 
 /// Reads regular files of the disk.
@@ -51,6 +52,7 @@ pub struct Choice {
     pub reward: String,
     /// The scenario.
     pub scenario: Arc<Scenario>,
+    pub starts: Starts,
 }
 
 impl Choice {
@@ -64,14 +66,18 @@ impl Choice {
 fn choices(plan: &Plan) -> Vec<Choice> {
     let mut all = Vec::new();
     for campaign in &plan.campaigns {
-        let choice = |task, block, town: &str, policy: &str, reward: &str, scenario: &Arc<Scenario>| Choice {
-            campaign: campaign.name.clone(),
-            task,
-            block,
-            town: town.into(),
-            policy: policy.into(),
-            reward: reward.into(),
-            scenario: scenario.clone(),
+        let choice = |task, block, town: &str, policy: &str, reward: &str, scenario: &Arc<Scenario>| {
+            let place: Arc<str> = town.into();
+            Choice {
+                campaign: campaign.name.clone(),
+                task,
+                block,
+                town: town.into(),
+                policy: policy.into(),
+                reward: reward.into(),
+                scenario: scenario.clone(),
+                starts: Arc::new(move |seed| episodes_seed(seed, &place)),
+            }
         };
         all.extend(campaign.trainings.iter().map(|training| {
             let key = &training.key;
@@ -83,7 +89,9 @@ fn choices(plan: &Plan) -> Vec<Choice> {
         }));
         all.extend(campaign.searches.iter().map(|search| {
             let key = &search.key;
-            choice("search", key.block, &key.town, &key.policy, &key.reward, &search.scenario)
+            let first = Search { key: SearchKey { run: 0, ..key.clone() }, ..search.clone() };
+            let starts: Starts = Arc::new(move |seed| first.starts(seed));
+            Choice { starts, ..choice("search", key.block, &key.town, &key.policy, &key.reward, &search.scenario) }
         }));
     }
     // An evaluation has one entry for each controller, a training one for each run.

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use base::seed::Seed;
-use compile::episodes_seed;
 use learn::Step;
 use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
-use world::judge::{Verdict, judge};
+use world::judge::{Verdict, ViolationVerdict, judge};
 use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
 
@@ -21,17 +20,21 @@ pub struct End {
     pub outcome: Outcome,
     /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<Verdict>,
-    /// Each requirement of the scenario with its degree; empty without requirements, and in error.
-    pub requirements: Vec<(NamedRequirement, Degree)>,
+    /// Each requirement of the scenario with its degree, and whose fault its violation is; empty without requirements, and in error.
+    pub requirements: Vec<(NamedRequirement, Degree, Option<ViolationVerdict>)>,
     /// Whether the driver failed: a collision, or a violation of the goal of a search.
     pub is_failure: bool,
 }
 
-/// A world. Episode *k* of a seed has the start of episode *k* of every evaluation in the town that a campaign with this seed runs.
+/// The seed of the starts of a campaign with a seed.
+pub type Starts = Arc<dyn Fn(&Seed) -> Seed + Send + Sync>;
+
+/// A world. Episode *k* of a seed has the start of episode *k* of every evaluation in the town that a campaign with this seed runs; in the
+/// scenario of a search, start *k* of its first run.
 pub struct World {
     env: PedestrianEnv,
     trace: Trace,
-    town: Arc<str>,
+    starts: Starts,
     seed: u64,
     /// Number of the present episode; none before the first.
     episode: Option<u64>,
@@ -58,12 +61,12 @@ const FIRST: Step = Step { reward: 0.0, terminated: false, truncated: false };
 
 impl World {
     /// A world before its first episode.
-    pub fn new(scenario: &Arc<Scenario>, town: &Arc<str>, seed: u64) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, starts: &Starts, seed: u64) -> Self {
         let cast = &scenario.cast;
         Self {
-            env: PedestrianEnv::new(scenario.clone(), episodes_seed(&Seed::root(seed), town)),
+            env: PedestrianEnv::new(scenario.clone(), starts(&Seed::root(seed))),
             trace: Trace::new(scenario),
-            town: town.clone(),
+            starts: starts.clone(),
             seed,
             episode: None,
             state: vec![0.0; cast.obs_dim()],
@@ -81,7 +84,7 @@ impl World {
     /// The next episodes belong to this seed; the next one is number 0.
     pub fn reseed(&mut self, scenario: &Arc<Scenario>, seed: u64) {
         if self.seed != seed {
-            self.env = PedestrianEnv::new(scenario.clone(), episodes_seed(&Seed::root(seed), &self.town));
+            self.env = PedestrianEnv::new(scenario.clone(), (self.starts)(&Seed::root(seed)));
         }
         (self.seed, self.episode) = (seed, None);
     }
@@ -117,9 +120,12 @@ impl World {
         self.step = self.trace.watch_decision(&mut self.env, &self.commands);
         self.env.write_state(&mut self.state);
         if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
-            let verdict = judge(&self.trace.main_pair(self.env.scenario()));
             let scenario = self.env.scenario();
-            let requirements = scenario.requirements.iter().cloned().zip(self.env.degrees().iter().copied()).collect();
+            let pair = self.trace.main_pair(scenario);
+            let verdict = judge(&pair);
+            let judged = self.env.degrees().iter().copied().zip(ViolationVerdict::of_all(&pair));
+            let requirements = scenario.requirements.iter().cloned().zip(judged);
+            let requirements = requirements.map(|(named, (degree, verdict))| (named, degree, verdict)).collect();
             let is_failure = self.env.is_failure();
             self.end = Some(End { seed: self.seed, episode, outcome: *outcome, verdict, requirements, is_failure });
         }

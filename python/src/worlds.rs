@@ -69,9 +69,9 @@ impl Worlds {
         if count == 0 || count > MOST_WORLDS {
             return Err(PyValueError::new_err(format!("the number of worlds is {count}; give 1 to {MOST_WORLDS}")));
         }
-        let (scenario, town) = (&choice.scenario, Arc::from(choice.town.as_str()));
+        let scenario = &choice.scenario;
         let seeds = (0..count as u64).map(|world| seed.wrapping_add(world));
-        let worlds = seeds.map(|seed| World::new(scenario, &town, seed)).collect();
+        let worlds = seeds.map(|seed| World::new(scenario, &choice.starts, seed)).collect();
         let names = [&choice.campaign, &choice.town, &choice.policy, &choice.reward].map(String::clone);
         Ok(Self { scenario: scenario.clone(), names, worlds: Mutex::new(worlds), raised })
     }

@@ -13,7 +13,7 @@ use falsify::session::{
 use results::campaign::{self, InMemory, Silent, repeat_failure, watch};
 use results::report::{FailureFilter, Gate, narrative};
 use world::env::{Outcome, Trace as EpisodeTrace};
-use world::judge::{LaneDeparture, NearMiss};
+use world::judge::{LaneDeparture, NearMiss, Question, ViolationVerdict, judge};
 use world::requirement::Trace;
 
 /// The plan of a campaign in the harbour with these requirements.
@@ -250,6 +250,30 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         .sum();
     assert_eq!(violations as usize, evaluated.len());
     assert_eq!(metrics.matches("violation_rate(sees),").count(), 2);
+    let faults: f64 = metrics
+        .lines()
+        .filter(|line| line.contains(",fault_violations(slow_pass),"))
+        .map(|line| line.split(',').nth(13).unwrap().parse::<f64>().unwrap())
+        .sum();
+    let listed = |verdict: &str| {
+        let filter = FailureFilter {
+            requirements: vec!["slow_pass".into()],
+            verdicts: vec![verdict.into()],
+            ..FailureFilter::default()
+        };
+        let options = FailuresOptions { reports: vec![again.clone()], filter, ..FailuresOptions::default() };
+        session.failures(&options).unwrap().into_iter().map(|found| found.failure).collect::<Vec<_>>()
+    };
+    let blamed = listed("fault");
+    assert_eq!(faults as usize, blamed.iter().filter(|failure| !failure.searched).count());
+    assert!(blamed.iter().all(|failure| failure.word() == "fault"), "{blamed:?}");
+    let avoidable = listed("preventable");
+    assert!(!avoidable.is_empty() && avoidable.len() >= blamed.len() && listed("no_verdict").is_empty());
+    let found = slow.iter().filter(|failure| failure.searched && failure.fault).count();
+    let searches = table(&again, "searches.csv");
+    let column = searches.lines().next().unwrap().split(',').position(|name| name == "faults").unwrap();
+    let counted: usize = searches.lines().nth(1).unwrap().split(',').nth(column).unwrap().parse().unwrap();
+    assert_eq!(counted, found, "the faults of a search are those of its goal");
     // A collision that violates `no_collision` at its touch is listed once.
     let all = failures(&[]);
     let named = |name: &str| {
@@ -361,4 +385,54 @@ fn who_yields_at_crosswalks_satisfies_the_requirement() {
     }
     assert_eq!((of("polite", "yields_at_crosswalk"), of("rude", "yields_at_crosswalk")), (0, 1), "{found:?}");
     assert_eq!(of("rude", "apart"), 1, "it drives onto the crosswalk: {found:?}");
+}
+
+#[test]
+fn careful_humans_are_asked_whose_fault_a_violation_is() {
+    let declared = "
+        requirement slow_pass = always(gap < 1.5 m implies ego_speed < 3 m/s)
+        requirement impossible = always(gap > 1000 m)";
+    let plan =
+        plan(declared, "no_collision, slow_pass, impossible, safe_passing, comfort, keeps_lane", "behavior, blind");
+    let (mut collisions, mut same, mut preventable, mut faults, mut slow) = (0, 0, 0, 0, [0; 3]);
+    for evaluation in &plan.campaigns[0].evaluations {
+        let scenario = &evaluation.scenario;
+        let of = |name: &str| scenario.requirements.iter().position(|each| &*each.name == name).unwrap();
+        let question = |name: &str| Question::of(&scenario.requirements[of(name)].requirement);
+        assert_eq!(
+            ["slow_pass", "comfort", "keeps_lane"].map(question),
+            [Question::Asked, Question::Braking, Question::NoPedestrian]
+        );
+        let mut note = |outcome: &Outcome, trace: &EpisodeTrace| {
+            let pair = trace.main_pair(scenario);
+            let verdicts = ViolationVerdict::of_all(&pair);
+            let found = |name: &str| verdicts[of(name)];
+            for (degree, verdict) in trace.degrees().iter().zip(&verdicts) {
+                assert!(degree.is_violated() || verdict.is_none());
+                assert!(verdict.is_none_or(|verdict| verdict.danger <= degree.sample), "{verdict:?} {degree:?}");
+            }
+            assert_eq!((found("comfort"), found("keeps_lane")), (None, None));
+            assert!(!found("impossible").unwrap().preventable, "nobody satisfies it");
+            let collision = judge(&pair).filter(|_| outcome.is_collision());
+            assert_eq!(found("no_collision").is_some(), collision.is_some());
+            if let (Some(found), Some(collision)) = (found("no_collision"), collision) {
+                // Asked as a requirement, the question goes on after the car has passed; so it is at most harder.
+                assert!(collision.is_preventable() || !found.preventable, "{found:?} {:?}", collision.label);
+                same += u32::from(collision.is_preventable() == found.preventable);
+                preventable += u32::from(found.preventable);
+                assert_eq!(found.foreseeable, collision.foreseeable);
+                assert_eq!(found.fault, found.preventable && collision.is_fault());
+                faults += u32::from(found.fault);
+                collisions += 1;
+            }
+            if let Some(verdict) = found("slow_pass") {
+                slow[usize::from(verdict.preventable) + usize::from(verdict.fault)] += 1;
+            }
+        };
+        watch(evaluation, None, 0..100, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()));
+    }
+    assert!(preventable > 3 && faults > 3, "{preventable} {faults}");
+    assert!(collisions - same <= collisions / 20, "{same} of {collisions}");
+    // The plausible pedestrian moves as people do, so what is preventable is a fault unless a collision decides.
+    assert!(slow[0] > 2 && slow[2] > 2, "violations that nobody avoids, and faults: {slow:?}");
 }

@@ -36,7 +36,7 @@ pub struct FailuresArgs {
     #[arg(long, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR", conflicts_with = "reports")]
     pub report: PathBuf,
     /// Only failures with one of these verdicts: fault, foreseeable, preventable, contested, machine_preventable, unpreventable,
-    /// bump, violation.
+    /// bump, violation, no_verdict.
     #[arg(long, value_delimiter = ',', value_name = "VERDICT", value_parser = verdict)]
     pub verdict: Vec<String>,
     /// Only failures of these driving policies.

@@ -10,6 +10,7 @@ use super::failure::{failed, misused};
 use super::input::session;
 use crate::session::{self, Replay, Session, TickTable, reasons};
 use results::report::{self, Narrative};
+use world::judge::{Question, ViolationVerdict};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -124,9 +125,10 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
         |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
     );
     let scenario = &repeated.scenario;
-    let degrees = scenario.requirements.iter().zip(repeated.trace.degrees());
+    let verdicts = ViolationVerdict::of_all(&repeated.trace.main_pair(scenario));
+    let degrees = scenario.requirements.iter().zip(repeated.trace.degrees()).zip(verdicts);
     let requirements: Vec<_> = degrees
-        .map(|(named, degree)| {
+        .map(|((named, degree), verdict)| {
             let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
             json!({
                 "requirement": &*named.name,
@@ -136,6 +138,11 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
                 "scaled": named.requirement.is_scaled(),
                 "instant_s": (f64::from(degree.sample) * scenario.episode.tick).min(outcome.duration),
                 "part": part.map(|part| &part.text),
+                "preventable": verdict.map(|verdict| verdict.preventable),
+                "foreseeable": verdict.map(|verdict| verdict.foreseeable),
+                "fault": verdict.map(|verdict| verdict.fault),
+                "danger_s": verdict.map(|verdict| f64::from(verdict.danger) * scenario.episode.tick),
+                "no_verdict": report::no_verdict(Question::of(&named.requirement)),
             })
         })
         .collect();

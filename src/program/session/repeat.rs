@@ -90,7 +90,8 @@ impl Source {
             Some(cell) => {
                 let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
                 let violation = search.scenario.goal.and_then(|goal| trace.degrees().get(goal).copied());
-                let failure = Failure { start, ticks, commands, outcome, violation, cell };
+                // No column of a failure has the number of simulations.
+                let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation, cell };
                 report::search_failure(&search.key, name.number.into(), &failure, verdict)
             }
             None => Default::default(),

@@ -9,7 +9,8 @@ use base::seed::Seed;
 use compile::{Search, episodes_seed};
 use world::env::{Outcome, Trace};
 use world::falsifier::{Failure, SearchOutcome, Simulator, StartSet, evaluate_noting};
-use world::judge::{Verdict, judge};
+use world::judge::{Verdict, ViolationVerdict, judge};
+use world::requirement::Degree;
 
 /// Runs a search; none when the user asks to stop before it has started.
 pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
@@ -37,6 +38,7 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
             goal: goal_of(search),
             spent,
             verdicts: Vec::new(),
+            violations: Vec::new(),
             evaluated: Vec::new(),
             error: Some(limit),
         });
@@ -65,22 +67,33 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
         };
         let mut note = |_: u32, outcome: &Outcome, trace: &Trace| {
             let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(&search.scenario))).flatten();
-            Evaluated { outcome: *outcome, verdict }
+            let violated = search.scenario.goal.map(|goal| trace.degrees().get(goal).is_some_and(Degree::is_violated));
+            Evaluated { outcome: *outcome, verdict, violated, violation: violation(search, trace) }
         };
         let episodes = 0..search.tries;
         evaluate_noting(walker.as_mut(), &search.scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
     });
-    let verdicts = spent.failures.iter().map(|failure| verdict(search, failure, seed)).collect();
+    let (verdicts, violations) = spent.failures.iter().map(|failure| verdicts(search, failure, seed)).unzip();
     // The user may not have waited for a program, so that an episode or a verdict is missing.
     spent.stopped |= !search.programs.is_empty() && shared.stop();
     let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !shared.stop()));
     let goal = goal_of(search);
-    Some(SearchResult { key: key.clone(), budget: search.budget, goal, spent, verdicts, evaluated, error })
+    Some(SearchResult { key: key.clone(), budget: search.budget, goal, spent, verdicts, violations, evaluated, error })
 }
 
-/// Repeats a failure outside of the budget and judges it; none when it ends otherwise.
-fn verdict(search: &Search, failure: &Failure, seed: &Seed) -> Option<Verdict> {
-    let (outcome, trace) = repeat_failure(search, failure.start, &failure.commands, seed)?;
-    let same = outcome.digest == failure.outcome.digest;
-    judge(&trace.main_pair(&search.scenario)).filter(|_| same)
+/// Repeats a failure outside of the budget and judges its touch and the violation of the goal; none when it ends otherwise.
+fn verdicts(search: &Search, failure: &Failure, seed: &Seed) -> (Option<Verdict>, Option<ViolationVerdict>) {
+    match repeat_failure(search, failure.start, &failure.commands, seed) {
+        Some((outcome, trace)) if outcome.digest == failure.outcome.digest => {
+            (judge(&trace.main_pair(&search.scenario)), violation(search, &trace))
+        }
+        _ => (None, None),
+    }
+}
+
+/// Whose fault the violation of the goal of a search is; none without one, and where it has no verdict.
+pub fn violation(search: &Search, trace: &Trace) -> Option<ViolationVerdict> {
+    let goal = search.scenario.goal?;
+    let (named, degree) = (search.scenario.requirements.get(goal)?, trace.degrees().get(goal)?);
+    ViolationVerdict::new(&trace.main_pair(&search.scenario), &named.requirement, degree)
 }

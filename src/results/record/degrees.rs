@@ -3,23 +3,66 @@
 use polars::prelude::{Column as Values, DataFrame, PolarsResult};
 
 use super::{Column, EpisodeRow};
+use world::env::Pair;
+use world::judge::ViolationVerdict;
 use world::requirement::Degree;
 
 /// The column of the degrees in stored episodes of a campaign with requirements; no file of a report has it.
 pub const DEGREES: Column<String> = Column::new(
     "degrees",
     "",
-    "the degree of each requirement: robustness, sample and part, as `-0.25@31#0`; missing of an episode in error",
+    "the degree of each requirement: robustness, sample and part, as `-0.25@31#0`, and of a violation the verdict: `!`, `p` if it is preventable, `f` if \
+     it is foreseeable, `x` if it is a fault, and the sample at which the danger starts; missing of an episode in error",
 );
 
+/// The degree of a requirement in an episode, and whose fault its violation is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedDegree {
+    pub degree: Degree,
+    /// None where the requirement is satisfied or has no verdict.
+    pub verdict: Option<ViolationVerdict>,
+}
+
+impl JudgedDegree {
+    /// The degrees of all requirements of an episode, in their order.
+    pub fn of_all(pair: &Pair<'_>) -> Vec<Self> {
+        let verdicts = ViolationVerdict::of_all(pair);
+        pair.degrees().iter().zip(verdicts).map(|(degree, verdict)| Self { degree: *degree, verdict }).collect()
+    }
+
+    fn text(&self) -> String {
+        let Some(ViolationVerdict { preventable, foreseeable, fault, danger }) = self.verdict else {
+            return self.degree.to_string();
+        };
+        let letter = |is: bool, letter: &'static str| if is { letter } else { "" };
+        let letters = [letter(preventable, "p"), letter(foreseeable, "f"), letter(fault, "x")].concat();
+        format!("{}!{letters}{danger}", self.degree)
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        let Some((degree, verdict)) = text.split_once('!') else {
+            return Some(Self { degree: text.parse().ok()?, verdict: None });
+        };
+        let letters = verdict.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let has = |letter: char| letters.contains(letter);
+        let verdict = ViolationVerdict {
+            preventable: has('p'),
+            foreseeable: has('f'),
+            fault: has('x'),
+            danger: verdict[letters.len()..].parse().ok()?,
+        };
+        Some(Self { degree: degree.parse().ok()?, verdict: Some(verdict) })
+    }
+}
+
 /// The degrees of an episode as text, from which [`parse`] reads the same bits; none without any.
-fn text(degrees: &[Degree]) -> Option<String> {
-    (!degrees.is_empty()).then(|| degrees.iter().map(Degree::to_string).collect::<Vec<_>>().join(";"))
+fn text(degrees: &[JudgedDegree]) -> Option<String> {
+    (!degrees.is_empty()).then(|| degrees.iter().map(JudgedDegree::text).collect::<Vec<_>>().join(";"))
 }
 
 /// The degrees of an episode; none where the text has another form.
-pub fn parse(text: &str) -> Option<Vec<Degree>> {
-    text.split(';').map(|one| one.parse().ok()).collect()
+pub fn parse(text: &str) -> Option<Vec<JudgedDegree>> {
+    text.split(';').map(JudgedDegree::parse).collect()
 }
 
 /// Adds the column to episodes if one of them has degrees.
@@ -58,17 +101,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn degrees_return_bit_for_bit() {
-        let degree = |robustness, sample, part| Degree { robustness, sample, part };
+    fn degrees_and_verdicts_return_bit_for_bit() {
+        let degree =
+            |robustness, sample, part, verdict| JudgedDegree { degree: Degree { robustness, sample, part }, verdict };
+        let verdict = |preventable, foreseeable, fault, danger| {
+            Some(ViolationVerdict { preventable, foreseeable, fault, danger })
+        };
         let all = [
-            degree(-0.1 - 0.2, 31, Some(0)),
-            degree(-0.0, 0, Some(65535)),
-            degree(f64::INFINITY, u32::MAX, None),
-            degree(f64::MIN_POSITIVE, 7, Some(2)),
+            degree(-0.1 - 0.2, 31, Some(0), verdict(true, true, true, 12)),
+            degree(-0.0, 0, Some(65535), verdict(false, false, false, 0)),
+            degree(f64::INFINITY, u32::MAX, None, None),
+            degree(f64::NEG_INFINITY, 7, Some(2), verdict(true, false, false, u32::MAX)),
+            degree(f64::MIN_POSITIVE, 7, Some(2), None),
         ];
         let read = parse(&text(&all).unwrap()).unwrap();
-        let bits = |all: &[Degree]| all.iter().map(|each| each.robustness.to_bits()).collect::<Vec<_>>();
+        let bits = |all: &[JudgedDegree]| all.iter().map(|each| each.degree.robustness.to_bits()).collect::<Vec<_>>();
         assert_eq!((read.as_slice(), bits(&read)), (&all[..], bits(&all)));
-        assert_eq!((text(&[]), parse("x@1"), parse("1@1#")), (None, None, None));
+        assert_eq!((text(&[]), parse("x@1"), parse("1@1#"), parse("1@1#0!p")), (None, None, None, None));
     }
 }

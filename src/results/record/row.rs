@@ -1,9 +1,8 @@
 use std::sync::Arc;
 
-use super::RunKey;
+use super::{JudgedDegree, RunKey};
 use world::env::{Outcome, Pair};
 use world::judge::{FalseAlarms, LaneDeparture, NearMiss, PedestrianMotion, Verdict, judge};
-use world::requirement::Degree;
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,8 +23,8 @@ pub struct EpisodeRow {
     pub lane: Option<LaneDeparture>,
     /// What the pedestrian did with its body.
     pub motion: PedestrianMotion,
-    /// The degree of each requirement of the campaign; empty without requirements, and in error.
-    pub degrees: Vec<Degree>,
+    /// The degree of each requirement of the campaign with its verdict; empty without requirements, and in error.
+    pub degrees: Vec<JudgedDegree>,
     /// Its weight: the probability of its start in the scenario, divided by the probability with which it was drawn. It is 1 today, since
     /// starts are drawn from the distribution of the scenario. Tables have no column of it yet.
     pub weight: f64,
@@ -43,7 +42,7 @@ impl EpisodeRow {
             near_miss: NearMiss::new(pair),
             lane: LaneDeparture::new(pair),
             motion: PedestrianMotion::new(pair),
-            degrees: pair.degrees().to_vec(),
+            degrees: JudgedDegree::of_all(pair),
             weight: 1.0,
         }
     }

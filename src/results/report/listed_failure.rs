@@ -3,18 +3,19 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use polars::prelude::{DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
+use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
 use super::aggregate::{
-    AT_COLLISION, COUNTS, FAILURE, FALSIFIER, INSTANT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, START,
-    VIOLATED,
+    AT_COLLISION, COUNTS, FAILURE, FALSIFIER, GOAL_FAULT, GOAL_FORESEEABLE, GOAL_PREVENTABLE, INSTANT, NO_VERDICT,
+    PART, PREVENTABLE, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, START, VIOLATED, VIOLATION_FAULT,
+    VIOLATION_FORESEEABLE,
 };
 use crate::analysis::Impact;
 use crate::record::columns::{
     DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID,
     TOWN, VERDICT,
 };
-use crate::record::{EpisodeTable, RunKey};
+use crate::record::{Column, EpisodeTable, RunKey};
 use world::av::DrivingMode;
 use world::judge::{Label, Sight};
 
@@ -31,7 +32,7 @@ pub enum FailureClass {
     MachinePreventable,
     /// No driver avoids it by braking.
     Unpreventable,
-    /// A requirement is violated, without a verdict.
+    /// A requirement is violated. Of these the faults come first, then the preventable ones.
     Violation,
     /// The car stood.
     Bump,
@@ -114,6 +115,10 @@ pub struct Violation {
     pub part: String,
     /// Whether it is decided at the touch of a collision, which is a failure by itself.
     pub at_collision: bool,
+    /// Whether both careful humans satisfy the requirement; none without a verdict.
+    pub preventable: Option<bool>,
+    /// Why the requirement has no verdict; empty if it has.
+    pub no_verdict: String,
 }
 
 impl Violation {
@@ -149,10 +154,14 @@ impl ListedFailure {
         self.verdict == Some(Label::Bump) && self.violation.is_none()
     }
 
-    /// What it is called in lists: [`Label::word`].
+    /// What it is called in lists: [`Label::word`], or whose fault the violation is.
     pub fn word(&self) -> &'static str {
-        if self.violation.is_some() {
-            return "violation";
+        match &self.violation {
+            Some(_) if self.fault => return "fault",
+            Some(Violation { preventable: Some(true), .. }) => return "preventable",
+            Some(Violation { preventable: Some(false), .. }) => return "not preventable",
+            Some(_) => return "no verdict",
+            None => {}
         }
         self.verdict.map_or("not judged", |label| label.word(self.fault))
     }
@@ -208,7 +217,16 @@ impl FailureOrder {
                 let rank = |failure: &ListedFailure| failure.violation.as_ref().map_or(0, |found| found.priority);
                 let degree = |failure: &ListedFailure| failure.violation.as_ref().map_or(0.0, |found| found.robustness);
                 let worse = || degree(a).total_cmp(&degree(b));
-                a.class().cmp(&b.class()).then_with(|| rank(a).cmp(&rank(b))).then_with(worse).then_with(faster)
+                let blame = |failure: &ListedFailure| match &failure.violation {
+                    Some(found) => (!failure.fault, found.preventable != Some(true)),
+                    None => (false, false),
+                };
+                a.class()
+                    .cmp(&b.class())
+                    .then_with(|| blame(a).cmp(&blame(b)))
+                    .then_with(|| rank(a).cmp(&rank(b)))
+                    .then_with(worse)
+                    .then_with(faster)
             }
             Self::Speed => faster(),
             Self::Time => a.length.total_cmp(&b.length),
@@ -307,7 +325,9 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
     let with_goal = |row: usize| {
         let found = failure(row);
         match goals.as_ref().and_then(|goals| goals.get(row)) {
-            Some((violation, instant)) => ListedFailure { violation: Some(violation), length: instant, ..found },
+            Some((violation, instant, (foreseeable, fault))) => {
+                ListedFailure { violation: Some(violation), length: instant, foreseeable, fault, ..found }
+            }
             None => found,
         }
     };
@@ -322,6 +342,37 @@ struct Goals<'a> {
     units: &'a StringChunked,
     instants: &'a Float64Chunked,
     parts: &'a StringChunked,
+    verdicts: Verdicts<'a>,
+}
+
+/// Whose fault violations are.
+struct Verdicts<'a> {
+    preventable: &'a BooleanChunked,
+    foreseeable: &'a BooleanChunked,
+    faults: &'a BooleanChunked,
+    none: &'a StringChunked,
+}
+
+impl<'a> Verdicts<'a> {
+    fn read(rows: &'a DataFrame, names: [&Column<bool>; 3]) -> PolarsResult<Self> {
+        let [preventable, foreseeable, faults] = names;
+        Ok(Self {
+            preventable: preventable.read(rows)?,
+            foreseeable: foreseeable.read(rows)?,
+            faults: faults.read(rows)?,
+            none: NO_VERDICT.read(rows)?,
+        })
+    }
+
+    /// Whether that of a row is preventable; none without a verdict. And why it has none.
+    fn get(&self, row: usize) -> (Option<bool>, String) {
+        (self.preventable.get(row), self.none.get(row).unwrap_or_default().to_string())
+    }
+
+    /// Whether the pedestrian of a row moved as people do, and whether it is a fault.
+    fn blame(&self, row: usize) -> (bool, bool) {
+        (self.foreseeable.get(row) == Some(true), self.faults.get(row) == Some(true))
+    }
 }
 
 impl<'a> Goals<'a> {
@@ -337,11 +388,13 @@ impl<'a> Goals<'a> {
             units: ROBUSTNESS_UNIT.read(rows)?,
             instants: INSTANT.read(rows)?,
             parts: PART.read(rows)?,
+            verdicts: Verdicts::read(rows, [&GOAL_PREVENTABLE, &GOAL_FORESEEABLE, &GOAL_FAULT])?,
         }))
     }
 
-    /// The violation of a row, and its instant (s).
-    fn get(&self, row: usize) -> Option<(Violation, f64)> {
+    /// The violation of a row, its instant (s), whether the pedestrian moved as people do, and whether it is a fault.
+    fn get(&self, row: usize) -> Option<(Violation, f64, (bool, bool))> {
+        let (preventable, no_verdict) = self.verdicts.get(row);
         let text = |column: &StringChunked| column.get(row).unwrap_or_default().to_string();
         let violation = Violation {
             requirement: self.names.get(row)?.to_string(),
@@ -350,8 +403,10 @@ impl<'a> Goals<'a> {
             unit: text(self.units),
             part: text(self.parts),
             at_collision: false,
+            preventable,
+            no_verdict,
         };
-        Some((violation, self.instants.get(row).unwrap_or_default()))
+        Some((violation, self.instants.get(row).unwrap_or_default(), self.verdicts.blame(row)))
     }
 }
 
@@ -364,9 +419,12 @@ pub fn violations(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
     let (violated, counts) = (VIOLATED.read(rows)?, COUNTS.read(rows)?);
     let (robustness, units) = (ROBUSTNESS.read(rows)?, ROBUSTNESS_UNIT.read(rows)?);
     let (instants, parts, at_collision) = (INSTANT.read(rows)?, PART.read(rows)?, AT_COLLISION.read(rows)?);
+    let verdicts = Verdicts::read(rows, [&PREVENTABLE, &VIOLATION_FORESEEABLE, &VIOLATION_FAULT])?;
     let text = |column: &StringChunked, row: usize| column.get(row).unwrap_or_default().to_string();
     let failure = |row: usize| {
         let RunKey { id, cell, .. } = RunKey::read(rows, row)?;
+        let (foreseeable, fault) = verdicts.blame(row);
+        let (preventable, no_verdict) = verdicts.get(row);
         let number = u64::from(episodes.get(row).unwrap_or_default());
         Ok(ListedFailure {
             run: id.to_string(),
@@ -380,8 +438,8 @@ pub fn violations(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
             town: cell.town,
             policy: cell.policy,
             verdict: None,
-            foreseeable: false,
-            fault: false,
+            foreseeable,
+            fault,
             impact: String::new(),
             occluded: false,
             driving_mode: String::new(),
@@ -394,6 +452,8 @@ pub fn violations(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
                 unit: text(units, row),
                 part: text(parts, row),
                 at_collision: at_collision.get(row) == Some(true),
+                preventable,
+                no_verdict,
             }),
         })
     };

@@ -1,6 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::aggregate::{Cell, CellRequirement};
+use super::aggregate::{Cell, CellRequirement, Counted};
 use super::infer::{CellEvidence, Figure, Learning, QUANTILES, Quantiles, reference_metrics};
 use crate::record::metric::{MEAN, SD};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Metric, Table, TableReference, cell_key, metrics};
@@ -107,33 +107,72 @@ fn of_metric<'a>(
 
 /// Adds the rows of a requirement.
 fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Row<'a>>) {
-    let [count, rate] = violation_metrics(&found.name);
-    let ((violated, all), (mean, sd)) = (found.sums(), found.rate());
-    let row = Row {
-        key: &cell.key,
-        metric: count,
-        of: Size("episodes", u64::from(all)),
-        value: Some(f64::from(violated)),
-        sd: None,
-        ends: None,
-        interval: "",
-    };
-    rows.push(row.clone());
-    rows.push(Row { metric: rate, value: mean, sd, ends: Some(found.interval()), interval: "wilson", ..row });
+    for (words, counted, needs_verdict) in OF_VIOLATIONS {
+        if needs_verdict && !found.is_judged() {
+            continue;
+        }
+        let [count, rate] = violation_metrics(words, &found.name);
+        let ((part, all), (mean, sd)) = (found.sums(counted), found.rate(counted));
+        let row = Row {
+            key: &cell.key,
+            metric: count,
+            of: Size("episodes", u64::from(all)),
+            value: Some(f64::from(part)),
+            sd: None,
+            ends: None,
+            interval: "",
+        };
+        rows.push(row.clone());
+        rows.push(Row {
+            metric: rate,
+            value: mean,
+            sd,
+            ends: Some(found.interval(counted)),
+            interval: "wilson",
+            ..row
+        });
+    }
 }
 
-/// The metrics of a requirement: number and rate of its violations.
-fn violation_metrics(name: &str) -> [ColumnReference; 2] {
-    let metric = |name: String, doc: &'static str| ColumnReference {
-        name: name.into(),
+/// Names of a number and of its rate, and what they mean of a requirement.
+type Words = [(&'static str, &'static str); 2];
+
+/// The metrics of a requirement, what they count, and whether they need a verdict.
+const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
+    (
+        [
+            ("violations", "number of episodes that violate that requirement of the campaign"),
+            ("violation_rate", "episodes that violate that requirement of all *episodes*"),
+        ],
+        CellRequirement::ALL,
+        false,
+    ),
+    (
+        [
+            ("preventable_violations", "number of these that both careful humans avoid"),
+            ("preventable_rate", "episodes with such a violation of all *episodes*"),
+        ],
+        CellRequirement::PREVENTABLE,
+        true,
+    ),
+    (
+        [
+            ("fault_violations", "number of these that count against the driver"),
+            ("fault_rate", "episodes with such a violation of all *episodes*"),
+        ],
+        CellRequirement::FAULTS,
+        true,
+    ),
+];
+
+/// The metrics of a requirement: a number and a rate of its violations.
+fn violation_metrics(words: Words, requirement: &str) -> [ColumnReference; 2] {
+    words.map(|(name, doc)| ColumnReference {
+        name: format!("{name}({requirement})").into(),
         unit: "".into(),
         doc: doc.into(),
         holds: polars::prelude::DataType::Float64,
-    };
-    [
-        metric(format!("violations({name})"), "number of episodes that violate that requirement of the campaign"),
-        metric(format!("violation_rate({name})"), "episodes that violate that requirement of all *episodes*"),
-    ]
+    })
 }
 
 /// Adds the rows of quantiles, of the reference drivers, and of what trainings say of each other.
@@ -211,6 +250,6 @@ pub fn metric_references() -> Vec<ColumnReference> {
     all.extend(QUANTILES.iter().flat_map(|quantiles| quantiles.references()));
     all.push(TRAININGS_DISAGREE.reference());
     all.extend(Reference::ALL.into_iter().flat_map(reference_metrics));
-    all.extend(violation_metrics("REQUIREMENT"));
+    all.extend(OF_VIOLATIONS.into_iter().flat_map(|(words, _, _)| violation_metrics(words, "REQUIREMENT")));
     all
 }

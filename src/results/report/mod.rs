@@ -32,8 +32,9 @@ pub use aggregate::{
     Agreement, Average, Cell, CellRequirement, Colour, DriverResult, Episodes, Failures, Gathered, MedianTime, Metrics,
     ProtocolCell, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchComparison, SearchFailures,
     SearchKind, Spread, Wanted, beside, driver_results, gather, layer_cells, learning_curve, learning_curve_lines,
-    metrics, published, search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failure,
-    search_failures, search_kind_table, search_kinds, searches, ticks, unit_of, worst_failure, write_ticks,
+    metrics, no_verdict, published, search_cell_table, search_cells, search_comparison_table, search_comparisons,
+    search_failure, search_failures, search_kind_table, search_kinds, searches, ticks, unit_of, worst_failure,
+    write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use caution::Caution;

@@ -12,7 +12,7 @@ use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use compile::Campaign;
 use learn::Trained;
 use world::falsifier::{SearchOutcome, TrainingRun};
-use world::judge::Verdict;
+use world::judge::{Verdict, ViolationVerdict};
 
 /// Time beyond its limit, or after the user asked to stop, in which a training may finish an update.
 const GRACE: Duration = Duration::from_millis(800);
@@ -63,6 +63,8 @@ struct InHand {
 struct Record {
     spent: SearchOutcome,
     verdicts: Vec<Option<Verdict>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    violations: Vec<Option<ViolationVerdict>>,
     evaluated: Vec<Evaluated>,
 }
 
@@ -307,14 +309,15 @@ impl ResultStore for CampaignStore<'_> {
         if record.is_none() {
             self.store.damaged(self.id(task));
         }
-        let Record { spent, verdicts, evaluated } = record?;
+        let Record { spent, verdicts, violations, evaluated } = record?;
         let (key, budget, goal) = (planned.key.clone(), planned.budget, goal_of(planned));
-        Some(SearchResult { key, budget, goal, spent, verdicts, evaluated, error: None })
+        Some(SearchResult { key, budget, goal, spent, verdicts, violations, evaluated, error: None })
     }
 
     fn keep_search(&self, search: usize, result: &SearchResult) {
         let (verdicts, evaluated) = (result.verdicts.clone(), result.evaluated.clone());
-        let record = Record { spent: result.spent.clone(), verdicts, evaluated };
+        let violations = result.violations.clone();
+        let record = Record { spent: result.spent.clone(), verdicts, violations, evaluated };
         // An episode in error, or a reward that is not a number, cannot be stored. Such a search is run again.
         let Ok(bytes) = serde_json::to_vec(&record) else { return };
         if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {

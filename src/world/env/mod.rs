@@ -37,6 +37,7 @@ mod pedestrian_env;
 mod pursuit;
 mod trace;
 mod pair;
+mod other_drive;
 
 pub use action::ActionSpec;
 pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMaker, VehicleRole};
@@ -44,13 +45,14 @@ pub use component::Component;
 pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
+pub use other_drive::OtherDrive;
 pub use outcome::{Ending, LeftOut, Outcome};
 pub use pair::{Frame, Pair};
 pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};
 pub use scenario::{EpisodeRule, Scenario};
-pub use signal::{Situation, vocabulary};
+pub use signal::{Situation, is_about_braking, is_about_map, is_about_pedestrian, vocabulary};
 pub use spawn::{
     Constraint, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn, SpawnError,
     SpawnRule, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,

@@ -90,6 +90,32 @@ impl<'a> Pair<'a> {
         self.trace.degrees()
     }
 
+    /// The pair of the ego and the pedestrian that the signals of a sample are about: the one that it touches, and otherwise the nearest one.
+    pub fn of_sample(&self, sample: usize) -> Self {
+        if self.contact.is_some() && sample + 1 >= self.len() || self.trace.pedestrian_count() == 1 {
+            return *self;
+        }
+        let gap = |number: &usize| {
+            let pair = self.trace.pair(self.scenario, 0, *number);
+            pair.gap(&pair.frame(sample.min(pair.len() - 1)))
+        };
+        let nearest = (0..self.trace.pedestrian_count()).min_by(|a, b| gap(a).total_cmp(&gap(b)));
+        self.trace.pair(self.scenario, 0, nearest.unwrap_or(0))
+    }
+
+    /// The pedestrian's number.
+    pub(super) fn pedestrian_number(&self) -> usize {
+        match self.actors.1 {
+            ActorId::Pedestrian(number) => number.into(),
+            ActorId::Vehicle(_) => 0,
+        }
+    }
+
+    /// The record of all actors.
+    pub(super) fn trace(&self) -> &'a Trace {
+        self.trace
+    }
+
     /// The decisions of the pedestrian.
     pub fn decisions(&self) -> &'a [WalkCommand] {
         self.decisions

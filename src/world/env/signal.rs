@@ -234,6 +234,50 @@ pub(super) fn is_measured(id: VariableId) -> bool {
     matches!(VARIABLES[id.0].1, Since::Tick | Since::Condition)
 }
 
+/// The variables that say nothing of a pedestrian.
+const OF_THE_EGO: &[&str] = &[
+    "ego_speed",
+    "elapsed",
+    "ego_acceleration",
+    "ego_jerk",
+    "lane_offset",
+    "left_lane",
+    "left_road",
+    "light_distance",
+    "red_light",
+    "crosswalk_distance",
+    "moving",
+];
+/// The variables that say how hard the ego brakes.
+const OF_ITS_BRAKE: &[&str] = &["ego_acceleration", "ego_jerk"];
+
+/// The variables that need the map.
+const OF_THE_MAP: &[&str] = &[
+    "lane_offset",
+    "left_lane",
+    "left_road",
+    "light_distance",
+    "red_light",
+    "crosswalk_distance",
+    "crosswalk_taken",
+    "crosswalk_waiting",
+];
+
+/// Whether a variable needs the map.
+pub fn is_about_map(id: VariableId) -> bool {
+    OF_THE_MAP.contains(&VARIABLES[id.0].0.name)
+}
+
+/// Whether a variable says something of a pedestrian.
+pub fn is_about_pedestrian(id: VariableId) -> bool {
+    !OF_THE_EGO.contains(&VARIABLES[id.0].0.name)
+}
+
+/// Whether a variable says how hard the ego brakes.
+pub fn is_about_braking(id: VariableId) -> bool {
+    OF_ITS_BRAKE.contains(&VARIABLES[id.0].0.name)
+}
+
 /// Whether a variable is about the motion in all ticks of a decision.
 pub(super) fn is_motion(id: VariableId) -> bool {
     VARIABLES[id.0].1 == Since::Motion
@@ -256,6 +300,13 @@ mod tests {
         assert_eq!((of("tick").len(), of("step").len(), of("hit").len()), (28, 32, 38));
         assert!(of("step").contains(&"min_ttc") && !of("step").contains(&"v_c") && !of("step").contains(&"seen"));
         assert!(of("tick").contains(&"gap") && !of("tick").contains(&"ego_deceleration"));
+    }
+
+    #[test]
+    fn what_is_of_the_ego_alone_is_a_variable() {
+        let known = |name: &&&str| VARIABLES.iter().any(|(variable, _)| variable.name == **name);
+        assert!(OF_THE_EGO.iter().chain(OF_ITS_BRAKE).chain(OF_THE_MAP).all(|name| known(&name)));
+        assert!(OF_ITS_BRAKE.iter().all(|name| OF_THE_EGO.contains(name)));
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub struct Failure {
     pub start: u64,
     /// Ticks that the search had used when it was found, including those of this episode.
     pub ticks: u64,
+    /// Episodes that the search had finished then, including this one and those that are left out.
+    pub simulations: u64,
     /// The commands: one for each pedestrian in every decision.
     pub commands: Vec<WalkCommand>,
     pub outcome: Outcome,

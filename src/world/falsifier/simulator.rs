@@ -39,6 +39,8 @@ pub struct Simulator<'a> {
     heard: u64,
     /// Ticks after every decision; only shares record them.
     clock: Option<Vec<u64>>,
+    /// The decisions of a share that ended an episode, by their places in its clock.
+    ends: Vec<usize>,
 }
 
 /// The result of a search.
@@ -85,6 +87,7 @@ impl<'a> Simulator<'a> {
             progress: &|_| {},
             heard: 0,
             clock: None,
+            ends: Vec::new(),
         }
     }
 
@@ -179,6 +182,7 @@ impl<'a> Simulator<'a> {
 
     fn note(&mut self, outcome: Outcome) {
         self.first_start = earlier(self.first_start, Some((self.start, outcome.start)));
+        self.ends.extend(self.clock.as_ref().map(|clock| clock.len() - 1));
         if outcome.left_out.is_some() {
             self.left_out += 1;
             return;
@@ -188,7 +192,8 @@ impl<'a> Simulator<'a> {
         if let Some(cell) = FailureCell::new(&self.env).filter(|_| self.env.is_failure()) {
             let commands = self.commands.clone();
             let violation = self.scenario.goal.and_then(|goal| self.env.degrees().get(goal).copied());
-            self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, violation, cell });
+            let (start, ticks, simulations) = (self.start, self.used, self.episodes + self.left_out);
+            self.failures.push(Failure { start, ticks, simulations, commands, outcome, violation, cell });
         }
     }
 
@@ -206,7 +211,8 @@ impl<'a> Simulator<'a> {
     /// Adds the failures of the shares. The shares ran in step, so the ticks of a failure are those that all shares had used after that
     /// decision.
     pub(super) fn take_over(&mut self, shares: Vec<Self>) {
-        let before = self.used;
+        let (before, simulated) = (self.used, self.episodes + self.left_out);
+        let ends: Vec<Vec<usize>> = shares.iter().map(|share| share.ends.clone()).collect();
         let clocks: Vec<Vec<u64>> = shares.iter().map(|share| share.clock.clone().unwrap_or_default()).collect();
         let at = |clock: &Vec<u64>, decision: usize| match clock.get(decision) {
             Some(ticks) => *ticks,
@@ -224,7 +230,8 @@ impl<'a> Simulator<'a> {
             self.failures.extend(share.failures.into_iter().map(|failure| {
                 let decision = clock.partition_point(|ticks| *ticks < failure.ticks);
                 let ticks = before + clocks.iter().map(|clock| at(clock, decision)).sum::<u64>();
-                Failure { ticks, ..failure }
+                let ended = ends.iter().map(|ends| ends.partition_point(|end| *end <= decision) as u64);
+                Failure { ticks, simulations: simulated + ended.sum::<u64>(), ..failure }
             }));
         }
         self.failures.sort_by_key(|failure| (failure.ticks, failure.start));

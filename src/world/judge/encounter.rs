@@ -119,23 +119,40 @@ impl<'a> Encounter<'a> {
     pub fn new(pair: &Pair<'a>) -> Option<Self> {
         let contact = pair.contact()?;
         let last = pair.len() - 2;
+        let mut encounter = Self::ending_at(pair, last);
+        encounter.warning += contact.fraction * encounter.dt;
+        Some(encounter)
+    }
+
+    /// Rewinds an episode in the same way from the sample that decides a violation, with the tick at which the question starts: at the latest the
+    /// tick before that sample.
+    pub(super) fn before(pair: &Pair<'a>, sample: usize) -> (usize, Self) {
+        let last = sample.min(pair.len() - 1).saturating_sub(1);
+        let encounter = Self::ending_at(pair, last);
+        (last - (encounter.warning / encounter.dt).round() as usize, encounter)
+    }
+
+    /// The encounter whose danger was under way at this tick. Its warning is the time up to then.
+    fn ending_at(pair: &Pair<'a>, last: usize) -> Self {
         let ways = ways(pair);
         let path = DrivenPath::new(pair.frames().map(|frame| frame.ego.pose));
         let danger = Approach { path: &path, pair, ways: &ways }.begins(last);
         let stood = (danger..=last).rev().find(|tick| pair.frame(*tick).ego.speed <= STANDING);
         let begun = stood.unwrap_or(danger);
         let mut encounter = Self::between(pair, path, &ways, begun..pair.len());
-        encounter.warning = (last - begun) as f64 * encounter.dt + contact.fraction * encounter.dt;
-        let walker = Walker {
-            state: pair.last()?.pedestrian,
-            command: pair.decisions().last().copied().unwrap_or_default(),
-            body: pair.body(),
-            obstacles: &pair.scenario().obstacles,
-        };
-        encounter.walker = Some(walker);
+        encounter.warning = (last - begun) as f64 * encounter.dt;
         encounter.ground = pair.is_on_map().then_some(Ground { pair: *pair, first: begun });
-        encounter.step_count += (AFTERWARDS / encounter.dt) as usize;
-        Some(encounter)
+        // What would have come after a touch is not recorded.
+        if let Some(end) = pair.last().filter(|_| pair.contact().is_some()) {
+            encounter.walker = Some(Walker {
+                state: end.pedestrian,
+                command: pair.decisions().last().copied().unwrap_or_default(),
+                body: pair.body(),
+                obstacles: &pair.scenario().obstacles,
+            });
+            encounter.step_count += (AFTERWARDS / encounter.dt) as usize;
+        }
+        encounter
     }
 
     /// The approaches of an episode without a touch, each from its start to five seconds after its end. Those in which the pedestrian stays

@@ -20,6 +20,8 @@
 //!
 //! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording.
 //!
+//! [`ViolationVerdict`] asks both careful humans about a requirement that is violated.
+//!
 //! A [`Recording`] holds an encounter from another simulator, or from a road, and has the same verdicts.
 //!
 //! [`FalseAlarms`] asks the same drivers about episodes that ended well. [`NearMiss`] measures how near any episode came to a touch, [`LaneDeparture`] whether the car stayed in its lane, and [`PedestrianMotion`] whether the pedestrian moved as people do.
@@ -41,6 +43,7 @@ mod sensitivity;
 mod inquiry;
 mod false_alarms;
 mod verdict;
+mod violation;
 mod near_miss;
 mod lane_departure;
 mod oracle;
@@ -61,7 +64,7 @@ pub use lane_departure::LaneDeparture;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
 pub use reaction::share_of_drivers;
-pub use recording::{Encountered, Recording, RecordingError, Sizes};
+pub use recording::{Encountered, RecordedRequirement, Recording, RecordingError, Sizes};
 pub use recording_file::RecordingFileError;
 pub use reference::Reference;
 pub use sensitivity::Sensitivity;
@@ -69,3 +72,4 @@ pub use severity::{HARD, fatality_risk, severe_injury_risk};
 pub use sight::Sight;
 pub use trial::Trial;
 pub use verdict::{CLEAR, Label, Verdict, judge};
+pub use violation::{Question, ViolationVerdict};

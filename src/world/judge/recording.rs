@@ -1,9 +1,10 @@
 use std::sync::Arc;
 
 use super::recording_units::{Misfit, misfit};
-use super::{NearMiss, Verdict, judge};
-use crate::env::{Driven, Scenario, Trace, VehicleFrame};
+use super::{NearMiss, Verdict, ViolationVerdict, judge};
+use crate::env::{Driven, OtherDrive, Scenario, Trace, VehicleFrame, is_about_map};
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
+use crate::requirement::{Degree, NamedRequirement};
 use crate::sim::{Contact, PedestrianState, VehicleState, WalkCommand};
 
 /// A car and a pedestrian that were recorded elsewhere: in another simulator, or on a road. It has no driver, no roads and no other actors.
@@ -84,6 +85,18 @@ pub struct Encountered {
     pub near_miss: NearMiss,
     /// The verdict; none without a touch.
     pub verdict: Option<Verdict>,
+    /// The requirements of the scenario.
+    pub requirements: Vec<RecordedRequirement>,
+}
+
+/// A requirement in a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedRequirement {
+    pub named: NamedRequirement,
+    /// Its degree; none if it names the lane, the lights or crosswalks, since a recording from elsewhere has no map.
+    pub degree: Option<Degree>,
+    /// Whose fault its violation is.
+    pub verdict: Option<ViolationVerdict>,
 }
 
 impl Recording {
@@ -172,7 +185,7 @@ impl Recording {
     }
 
     /// Judges the first touch. `scenario` gives the sizes of the car and of the pedestrian, the grip of the road, and with `obstacles`
-    /// those; nothing else of it is used. After the touch the pedestrian continues with its last velocity.
+    /// those, and its requirements; nothing else of it is used. After the touch the pedestrian continues with its last velocity.
     pub fn judged(&self, scenario: &Scenario, obstacles: Arc<Obstacles>) -> Encountered {
         let mut scenario = scenario.clone();
         scenario.obstacles = obstacles;
@@ -182,7 +195,14 @@ impl Recording {
         let touch = trace.contact().map(|contact| (pair.len() as f64 - 2.0 + contact.fraction) * self.dt);
         let gaps = pair.frames().map(|frame| pair.gap(&frame));
         let least_gap = if touch.is_some() { 0.0 } else { gaps.fold(f64::INFINITY, f64::min) };
-        Encountered { touch, least_gap, near_miss: NearMiss::new(&pair), verdict: judge(&pair) }
+        let requirements = scenario.requirements.iter().map(|named| {
+            let requirement = &named.requirement;
+            let degree = (!requirement.mentions(&is_about_map)).then(|| OtherDrive::recorded(pair, requirement));
+            let verdict = degree.and_then(|degree| ViolationVerdict::new(&pair, requirement, &degree));
+            RecordedRequirement { named: named.clone(), degree, verdict }
+        });
+        let requirements = requirements.collect();
+        Encountered { touch, least_gap, near_miss: NearMiss::new(&pair), verdict: judge(&pair), requirements }
     }
 
     /// Judges the first touch on a plane without obstacles: see [`Recording::judged`].

@@ -98,6 +98,77 @@ pub(super) struct FreeRun {
     least_gaps: Vec<f64>,
 }
 
+/// Watches a trial from tick to tick.
+pub(super) trait Watch {
+    /// The start of a tick.
+    fn tick(&mut self, _: &Seen) {}
+
+    /// The driver interferes from this tick on. Up to it the trial is that of the car that no driver brakes.
+    fn interferes(&mut self, _: usize) {}
+
+    /// The touch that ends the trial, with the car as it is then.
+    fn touch(&mut self, _: &Seen) {}
+
+    /// Whether the trial goes on after the car has stopped or has passed the pedestrian, up to the end of the encounter. A pedestrian that then
+    /// runs into its rear ends it without a touch.
+    fn is_whole(&self) -> bool {
+        false
+    }
+}
+
+/// The car of a trial.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    pub outline: OrientedBox,
+    /// Its speed (m/s).
+    pub speed: f64,
+    /// Whether it is beside its path.
+    pub is_aside: bool,
+    /// The least gap up to now (m).
+    pub least_gap: f64,
+}
+
+/// Nobody watches.
+struct Unwatched;
+
+impl Watch for Unwatched {}
+
+/// Keeps the least gaps of a free run.
+struct LeastGaps<'a> {
+    gaps: Vec<f64>,
+    rest: &'a mut dyn Watch,
+}
+
+impl Watch for LeastGaps<'_> {
+    fn tick(&mut self, seen: &Seen) {
+        self.gaps.push(seen.least_gap);
+        self.rest.tick(seen);
+    }
+
+    fn touch(&mut self, seen: &Seen) {
+        self.rest.touch(seen);
+    }
+
+    fn is_whole(&self) -> bool {
+        self.rest.is_whole()
+    }
+}
+
+/// Keeps the outlines of a car that is beside its path, with their ticks.
+struct Asides<'a> {
+    tick: usize,
+    outlines: &'a mut Vec<(usize, OrientedBox)>,
+}
+
+impl Watch for Asides<'_> {
+    fn tick(&mut self, seen: &Seen) {
+        if seen.is_aside {
+            self.outlines.push((self.tick, seen.outline));
+        }
+        self.tick += 1;
+    }
+}
+
 /// The instant at which a driver notices the pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Notice {
@@ -120,9 +191,14 @@ impl ReferenceDriver for Never {
 
 impl FreeRun {
     pub(super) fn new(encounter: &mut Encounter<'_>) -> Self {
-        let mut least_gaps = Vec::new();
-        let trial = Trial::run(encounter, &mut Never, 0, None, &mut |gap, _| least_gaps.push(gap));
-        Self { trial, least_gaps }
+        Self::watched(encounter, &mut Unwatched)
+    }
+
+    /// The same, watched.
+    pub(super) fn watched(encounter: &mut Encounter<'_>, watch: &mut dyn Watch) -> Self {
+        let mut gaps = LeastGaps { gaps: Vec::new(), rest: watch };
+        let trial = Trial::run(encounter, &mut Never, 0, None, &mut gaps);
+        Self { trial, least_gaps: gaps.gaps }
     }
 
     /// When a driver notices the pedestrian; none when it does not before the end.
@@ -143,13 +219,25 @@ impl FreeRun {
 
     /// The trial of a driver that has this notice, if any.
     pub(super) fn braked(&self, encounter: &mut Encounter<'_>, driver: DelayedBrake, notice: Option<Notice>) -> Trial {
+        self.braked_watched(encounter, driver, notice, &mut Unwatched)
+    }
+
+    /// The same, watched from the tick on in which the driver interferes.
+    pub(super) fn braked_watched(
+        &self,
+        encounter: &mut Encounter<'_>,
+        driver: DelayedBrake,
+        notice: Option<Notice>,
+        watch: &mut dyn Watch,
+    ) -> Trial {
         let Some(notice) = notice else { return self.trial };
         // Who stands does not have to react: it does not drive off.
         let reacted = if notice.stands { driver.profile.wait } else { 0.0 };
         let first = ((notice.time + driver.profile.wait - reacted) / encounter.dt) as usize;
         let Some(least_gap) = self.least_gaps.get(first) else { return self.trial };
         let mut driver = driver.having_noticed(first as f64 * encounter.dt - notice.time + reacted);
-        Trial::run(encounter, &mut driver, first, Some(*least_gap), &mut |_, _| ())
+        watch.interferes(first);
+        Trial::run(encounter, &mut driver, first, Some(*least_gap), watch)
     }
 }
 
@@ -157,7 +245,7 @@ impl Trial {
     /// Simulates an encounter with a reference driver.
     pub fn new(encounter: &mut Encounter<'_>, driver: &mut dyn ReferenceDriver) -> Self {
         driver.begin();
-        Self::run(encounter, driver, 0, None, &mut |_, _| ())
+        Self::run(encounter, driver, 0, None, &mut Unwatched)
     }
 
     /// Simulates an encounter with a driver that steers, and notes the outline of the car at each tick at which it is beside its path.
@@ -167,21 +255,16 @@ impl Trial {
         outlines: &mut Vec<(usize, OrientedBox)>,
     ) -> Self {
         driver.begin();
-        let mut tick = 0;
-        Self::run(encounter, driver, 0, None, &mut |_, outline| {
-            outlines.extend(outline.map(|outline| (tick, outline)));
-            tick += 1;
-        })
+        Self::run(encounter, driver, 0, None, &mut Asides { tick: 0, outlines })
     }
 
-    /// Simulates an encounter from a tick on, up to which the driver has not interfered and the gap was at least this (m). `ticked` gets the
-    /// least gap up to each tick, and the outline of a car that is beside its path.
+    /// Simulates an encounter from a tick on, up to which the driver has not interfered and the gap was at least this (m).
     fn run<D: ReferenceDriver + ?Sized>(
         encounter: &mut Encounter<'_>,
         driver: &mut D,
         first: usize,
         least_gap: Option<f64>,
-        ticked: &mut dyn FnMut(f64, Option<OrientedBox>),
+        watch: &mut dyn Watch,
     ) -> Self {
         let (tick, part) = (encounter.dt, 1.0 / f64::from(STEPS));
         let dt = tick * part;
@@ -194,7 +277,8 @@ impl Trial {
         let mut least_gap = least_gap.unwrap_or_else(|| gap(&outline, encounter.steps[first].position));
         let mut number = first;
         while encounter.has_step(number + 1) {
-            ticked(least_gap, (driver.aside() != Aside::default()).then_some(outline));
+            let is_aside = driver.aside() != Aside::default();
+            watch.tick(&Seen { outline, speed: car.speed, is_aside, least_gap });
             let (from, to) = (encounter.steps[number].position, encounter.steps[number + 1].position);
             let chord = to - from;
             for step in 0..STEPS {
@@ -216,7 +300,8 @@ impl Trial {
                 } else {
                     car.follow(&next);
                 }
-                if threat.is_none() || (stood && car.has_stopped()) {
+                let is_over = threat.is_none() || (stood && car.has_stopped());
+                if is_over && !watch.is_whole() {
                     return car.trial(None, time, least_gap);
                 }
                 let before = outline;
@@ -235,12 +320,19 @@ impl Trial {
                     continue;
                 }
                 if let Some(touch) = first_touch(start, end, radius, &before, &outline) {
+                    if threat.is_none() {
+                        return car.trial(None, time, least_gap);
+                    }
                     let impact = own.speed + (car.speed - own.speed) * touch.fraction;
+                    watch.touch(&Seen { outline, speed: impact, is_aside: false, least_gap: 0.0 });
                     let impact_speed = (impact > STANDING).then_some(impact);
                     return car.trial(impact_speed, time + touch.fraction * dt, 0.0);
                 }
             }
             number += 1;
+        }
+        if watch.is_whole() {
+            watch.tick(&Seen { outline, speed: car.speed, is_aside: false, least_gap });
         }
         car.trial(None, number as f64 * tick, least_gap)
     }

@@ -57,6 +57,11 @@ pub struct LightClock {
 }
 
 impl LightClock {
+    /// The time since the first turns of all groups started (s).
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
     /// The clock this time (s) later.
     pub fn after(&self, time: f64) -> Self {
         self.cycle.clock(self.time + time)

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::protocol::{ProtocolCell, ProtocolRun};
-use super::requirements::{CellRequirement, REQUIREMENTS, add_run, requirement_rows, requirement_table};
+use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
 use super::run_totals::RunTotals;
 use super::{Episodes, Failures, Run, search_failures, search_references};
 use crate::campaign::SearchResult;
@@ -94,7 +94,7 @@ pub fn gather(
     for run in episodes.runs() {
         let evaluation = run.evaluation;
         let named = &*evaluation.scenario.requirements;
-        let mut violations = vec![(0, 0); named.len()];
+        let mut violations = vec![Violations::default(); named.len()];
         let (mut totals, mut tally) = (RunTotals::new(), record::Tally::default());
         let mut protocol = ProtocolRun::new(evaluation);
         for part in run.parts() {
@@ -116,9 +116,7 @@ pub fn gather(
             if let Some(file) = &mut requirements {
                 let rows = requirement_rows(named, &part, evaluation.scenario.episode.tick).map_err(failed)?;
                 for (index, row) in rows.iter().enumerate().filter(|(_, row)| row.counts) {
-                    let (violated, all) = &mut violations[index % named.len()];
-                    *violated += u32::from(row.degree.is_violated());
-                    *all += 1;
+                    violations[index % named.len()].add(row);
                 }
                 file.add(&table.frame(&rows))?;
             }

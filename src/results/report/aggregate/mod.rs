@@ -32,8 +32,9 @@ pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references, run_c
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
 pub use requirements::{
-    AT_COLLISION, COUNTS, CellRequirement, INSTANT, PART, PRIORITY, REQUIREMENT, REQUIREMENTS, ROBUSTNESS,
-    ROBUSTNESS_UNIT, VIOLATED, rate_columns, requirement_table, unit_of, with_rates,
+    AT_COLLISION, COUNTS, CellRequirement, Counted, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY, REQUIREMENT,
+    REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE, no_verdict,
+    rate_columns, requirement_table, unit_of, with_rates,
 };
 pub use results::{RESULTS, results, results_table};
 pub use search_comparisons::{
@@ -42,9 +43,9 @@ pub use search_comparisons::{
 pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
     Average, BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_FAILURE, FIRST_FAULT, FIRST_START, FOUND_AFTER,
-    SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, SearchCell, TRIED, failure_table, search_cell_columns,
-    search_cell_table, search_cells, search_failure, search_failures, search_key, search_references, search_table,
-    searches,
+    GOAL_FAULT, GOAL_FORESEEABLE, GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, SearchCell,
+    TRIED, failure_table, search_cell_columns, search_cell_table, search_cells, search_failure, search_failures,
+    search_key, search_references, search_table, searches,
 };
 pub use survival::MedianTime;
 pub use tick_file::{Wanted, write_ticks};

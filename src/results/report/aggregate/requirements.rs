@@ -6,6 +6,7 @@ use crate::record::episodes::named;
 use crate::record::{CellKey, Column, ColumnReference, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
 use base::statistics::{Weighted, wilson};
 use base::units::Dimension;
+use world::judge::{Question, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 /// The stem of the files of the table of requirements.
@@ -33,6 +34,35 @@ pub const COUNTS: Column<bool> = Column::new("counts", "", "whether the episode 
 pub const AT_COLLISION: Column<bool> =
     Column::new("at_collision", "", "whether that sample is the touch of a collision, which is a failure by itself");
 
+pub const PREVENTABLE: Column<bool> = Column::new(
+    "preventable",
+    "",
+    "of a violation, whether both careful humans satisfy the requirement from the start of the danger on; missing where there is no verdict",
+);
+/// Whether the pedestrian moved as people do.
+pub const VIOLATION_FORESEEABLE: Column<bool> = Column::new(
+    "foreseeable",
+    "",
+    "of a violation, whether the pedestrian moved as people do; missing where there is no verdict",
+);
+/// Whether a violation counts against the driver.
+pub const VIOLATION_FAULT: Column<bool> = Column::new(
+    "fault",
+    "",
+    "of a violation, whether it is both, and where the touch of a collision decides whether the collision is a fault; missing where there is no verdict",
+);
+pub const DANGER: Column<f64> = Column::new(
+    "danger_s",
+    "s",
+    "of a violation, time from the start of the episode to the start of the danger; missing where there is no verdict",
+);
+pub const NO_VERDICT: Column<String> = Column::new(
+    "no_verdict",
+    "",
+    "why the requirement has no verdict: `no_pedestrian` if it says nothing of one, `braking` if it says how hard the car brakes, which careful humans \
+     never do less than the driver; empty if it has",
+);
+
 /// A requirement in an episode.
 pub struct RequirementRow {
     pub key: RunKey,
@@ -46,6 +76,11 @@ pub struct RequirementRow {
     pub part: String,
     pub counts: bool,
     pub at_collision: bool,
+    /// Whose fault a violation is.
+    pub verdict: Option<ViolationVerdict>,
+    /// The time of its danger (s).
+    pub danger: Option<f64>,
+    pub question: Question,
 }
 
 /// The columns of the table of requirements.
@@ -68,6 +103,16 @@ pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     .column(PART.of(|row: &RequirementRow| row.part.clone()))
     .column(COUNTS.of(|row: &RequirementRow| row.counts))
     .column(AT_COLLISION.of(|row: &RequirementRow| row.at_collision))
+    .column(PREVENTABLE.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.preventable)))
+    .column(VIOLATION_FORESEEABLE.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.foreseeable)))
+    .column(VIOLATION_FAULT.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.fault)))
+    .column(DANGER.of(|row: &RequirementRow| row.danger))
+    .column(NO_VERDICT.of(|row: &RequirementRow| no_verdict(row.question)))
+}
+
+/// Why a requirement has no verdict; empty if it has.
+pub fn no_verdict(question: Question) -> &'static str {
+    if question == Question::Asked { "" } else { question.name() }
 }
 
 /// The unit of a requirement's robustness, in SI; empty where it is scaled, and of plain numbers.
@@ -90,13 +135,15 @@ pub fn requirement_rows(
 ) -> PolarsResult<Vec<RequirementRow>> {
     let (table, degrees) = (EpisodeTable::new(part)?, DEGREES.read(part)?);
     let (outcomes, ticks, lengths) = (OUTCOME.read(part)?, TICKS.read(part)?, EPISODE_LENGTH.read(part)?);
+    let questions: Vec<Question> = requirements.iter().map(|named| Question::of(&named.requirement)).collect();
     let mut rows = Vec::new();
     for row in table.rows() {
         let Some(degrees) = degrees.get(row).and_then(parse_degrees) else { continue };
         let key = RunKey::read(part, row)?;
         let last = ticks.get(row).unwrap_or_default();
         let length = lengths.get(row).unwrap_or_default();
-        for (named, degree) in requirements.iter().zip(degrees) {
+        for ((named, question), judged) in requirements.iter().zip(&questions).zip(degrees) {
+            let (degree, verdict) = (judged.degree, judged.verdict);
             let parts = &named.requirement.parts;
             rows.push(RequirementRow {
                 key: key.clone(),
@@ -113,35 +160,71 @@ pub fn requirement_rows(
                     .map_or(String::new(), |part| part.text.clone()),
                 counts: table.counts(row),
                 at_collision: outcomes.get(row) == Some(named::COLLISION) && degree.sample == last,
+                verdict,
+                danger: verdict.map(|verdict| f64::from(verdict.danger) * tick),
+                question: *question,
             });
         }
     }
     Ok(rows)
 }
 
+/// The violations of a requirement in the episodes of a run that count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Violations {
+    pub episodes: u32,
+    pub violated: u32,
+    /// Those that both careful humans would not have made.
+    pub preventable: u32,
+    /// Those that count against the driver.
+    pub faults: u32,
+}
+
+impl Violations {
+    /// Counts an episode.
+    pub fn add(&mut self, row: &RequirementRow) {
+        self.episodes += 1;
+        self.violated += u32::from(row.degree.is_violated());
+        self.preventable += u32::from(row.verdict.is_some_and(|verdict| verdict.preventable));
+        self.faults += u32::from(row.verdict.is_some_and(|verdict| verdict.fault));
+    }
+}
+
+/// Which violations are counted.
+pub type Counted = fn(&Violations) -> u32;
+
 /// The violations of a requirement in a cell, run by run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellRequirement {
     pub key: CellKey,
     pub name: String,
-    /// Of each run the number of violations, and of the episodes that count.
-    pub runs: Vec<(u32, u32)>,
+    /// Whether its violations have a verdict.
+    pub question: Question,
+    pub runs: Vec<Violations>,
 }
 
 impl CellRequirement {
+    /// All violations.
+    pub const ALL: Counted = |run| run.violated;
+    /// The preventable ones.
+    pub const PREVENTABLE: Counted = |run| run.preventable;
+    /// The faults.
+    pub const FAULTS: Counted = |run| run.faults;
+
+    /// Whether its violations have a verdict.
+    pub fn is_judged(&self) -> bool {
+        self.question == Question::Asked
+    }
+
     /// Violations and episodes of all runs.
-    pub fn sums(&self) -> (u32, u32) {
-        self.runs.iter().fold((0, 0), |(a, b), (c, d)| (a + c, b + d))
+    pub fn sums(&self, counted: Counted) -> (u32, u32) {
+        self.runs.iter().fold((0, 0), |(part, all), run| (part + counted(run), all + run.episodes))
     }
 
     /// The mean of the rates of the runs, and their sample standard deviation for two or more.
-    pub fn rate(&self) -> (Option<f64>, Option<f64>) {
-        let rates: Vec<f64> = self
-            .runs
-            .iter()
-            .filter(|(_, all)| *all > 0)
-            .map(|(part, all)| f64::from(*part) / f64::from(*all))
-            .collect();
+    pub fn rate(&self, counted: Counted) -> (Option<f64>, Option<f64>) {
+        let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.episodes);
+        let rates: Vec<f64> = self.runs.iter().filter(|run| run.episodes > 0).map(of_run).collect();
         let count = rates.len() as f64;
         let mean = (count > 0.0).then(|| rates.iter().sum::<f64>() / count);
         let sd = mean
@@ -151,8 +234,8 @@ impl CellRequirement {
     }
 
     /// Wilson's 95 % interval over the starts, which all runs share.
-    pub fn interval(&self) -> (f64, f64) {
-        let (part, all) = self.sums();
+    pub fn interval(&self, counted: Counted) -> (f64, f64) {
+        let (part, all) = self.sums(counted);
         let of_runs = |count: u32| Weighted::from(u64::from(count)).of_clusters(self.runs.len() as f64);
         wilson(of_runs(part), of_runs(all))
     }
@@ -163,12 +246,17 @@ pub fn add_run(
     cells: &mut Vec<CellRequirement>,
     key: &CellKey,
     requirements: &[NamedRequirement],
-    counts: &[(u32, u32)],
+    counts: &[Violations],
 ) {
     for (named, count) in requirements.iter().zip(counts) {
         match cells.iter_mut().find(|cell| cell.key == *key && cell.name == *named.name) {
             Some(cell) => cell.runs.push(*count),
-            None => cells.push(CellRequirement { key: key.clone(), name: named.name.to_string(), runs: vec![*count] }),
+            None => cells.push(CellRequirement {
+                key: key.clone(),
+                name: named.name.to_string(),
+                question: Question::of(&named.requirement),
+                runs: vec![*count],
+            }),
         }
     }
 }
@@ -202,9 +290,9 @@ pub fn with_rates(table: DataFrame, keys: &[&CellKey], cells: &[CellRequirement]
         };
         let [rate, low, high] = rate_columns(name).map(|column| column.name.into_owned());
         for (column, values) in [
-            (rate, of(&|cell| cell.rate().0)),
-            (low, of(&|cell| Some(cell.interval().0))),
-            (high, of(&|cell| Some(cell.interval().1))),
+            (rate, of(&|cell| cell.rate(CellRequirement::ALL).0)),
+            (low, of(&|cell| Some(cell.interval(CellRequirement::ALL).0))),
+            (high, of(&|cell| Some(cell.interval(CellRequirement::ALL).1))),
         ] {
             table.with_column(Values::new(column.into(), values))?;
         }

@@ -2,7 +2,9 @@ use std::collections::BTreeSet;
 
 use polars::prelude::DataFrame;
 
-use super::requirements::{INSTANT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, unit_of};
+use super::requirements::{
+    INSTANT, NO_VERDICT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, no_verdict, unit_of,
+};
 use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
 use crate::campaign::{Evaluated, SearchResult};
@@ -12,11 +14,11 @@ use crate::record::columns::{
 };
 use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Table, reference_columns, verdict_columns};
-use base::statistics::mean_interval;
+use base::statistics::{mean_interval, quantile};
 use compile::SearchKey;
 use world::env::{Ending, Outcome};
 use world::falsifier::Failure;
-use world::judge::{Class, Verdict};
+use world::judge::{Class, Question, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 /// The figures of a search.
@@ -29,10 +31,14 @@ pub struct Figures {
     starts: u64,
     failure_rate: Option<f64>,
     first: Option<u64>,
+    /// Simulations up to the first failure.
+    first_simulations: Option<u64>,
     distinct: usize,
     /// The number of failures, and the number of their cells, of those that are preventable and of those that are faults.
     preventable: [usize; 2],
     fault: [usize; 2],
+    /// Whether failures have verdicts. Otherwise the numbers of those and of faults are not known.
+    is_judged: bool,
     fault_rate: Option<f64>,
     fault_starts: usize,
     pub(super) fault_start_rate: Option<f64>,
@@ -45,7 +51,8 @@ pub struct Figures {
     /// [`Sensitivity::NAMES`](world::judge::Sensitivity::NAMES).
     fault_start_rates_if: [Option<f64>; 4],
     evaluated: u64,
-    evaluated_collisions: usize,
+    /// Collisions, or violations of the goal.
+    evaluated_failures: usize,
     evaluated_rate: Option<f64>,
     evaluated_faults: usize,
     evaluated_faults_rate: Option<f64>,
@@ -57,7 +64,7 @@ impl Figures {
     pub(super) fn compared(&self) -> [(&'static str, Option<f64>); 6] {
         [
             (INJURY, self.injury),
-            (DISTINCT_PER_MILLION, per_million(self.fault[1], self.ticks)),
+            (DISTINCT_PER_MILLION, self.judged(per_million(self.fault[1], self.ticks))),
             (FAULT_RATE, self.fault_rate),
             (FAULT_START_RATE, self.fault_start_rate),
             (FAILED_STARTS, Some(self.failed_starts as f64)),
@@ -65,16 +72,30 @@ impl Figures {
         ]
     }
 
+    /// A figure of faults; none where failures have no verdict.
+    fn judged(&self, figure: Option<f64>) -> Option<f64> {
+        figure.filter(|_| self.is_judged)
+    }
+
+    /// A number of faults; none where failures have no verdict.
+    fn judged_count(&self, count: usize) -> Option<u64> {
+        self.is_judged.then_some(count as u64)
+    }
+
     pub(super) fn new(result: &SearchResult) -> Self {
         let spent = &result.spent;
         let share = |part: usize, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
         let cells: BTreeSet<_> = spent.failures.iter().map(|failure| failure.cell).collect();
-        let judged = |counts: fn(&Verdict) -> bool| {
-            let found = spent.failures.iter().zip(&result.verdicts);
-            let found = found.filter(|(_, verdict)| verdict.as_ref().is_some_and(counts));
+        let is_judged = result.is_judged();
+        let blamed: Vec<(&Failure, (bool, bool))> =
+            spent.failures.iter().enumerate().map(|(number, failure)| (failure, result.blame(number))).collect();
+        let judged = |counts: fn((bool, bool)) -> bool| {
+            let found = blamed.iter().filter(|(_, blame)| counts(*blame));
             let cells: Vec<_> = found.map(|(failure, _)| failure.cell).collect();
             [cells.len(), cells.into_iter().collect::<BTreeSet<_>>().len()]
         };
+        let (preventable, fault) = (judged(|(preventable, _)| preventable), judged(|(_, fault)| fault));
+        let faults = || blamed.iter().filter(|(_, (_, fault))| *fault).map(|(failure, _)| failure);
         let found = spent.failures.iter().zip(&result.verdicts);
         let found: Vec<(&Failure, &Verdict)> =
             found.filter_map(|(failure, verdict)| Some((failure, verdict.as_ref()?))).collect();
@@ -82,18 +103,17 @@ impl Figures {
             let of_these = found.iter().filter(|(_, verdict)| is(verdict));
             of_these.map(|(failure, _)| failure.start).collect::<BTreeSet<_>>().len()
         };
-        let fault_starts = starts_with(&Verdict::is_fault);
-        let first_fault =
-            found.iter().filter(|(_, verdict)| verdict.is_fault()).map(|(failure, _)| failure.ticks).min();
+        let fault_starts = faults().map(|failure| failure.start).collect::<BTreeSet<_>>().len();
+        let first_fault = faults().map(|failure| failure.ticks).min();
+        let of_judged = |rate: Option<f64>| rate.filter(|_| is_judged);
         let injury: f64 = found.iter().map(|(_, verdict)| verdict.avoidable_injury()).sum();
         let touches = TOUCHES.map(|class| found.iter().filter(|(_, verdict)| verdict.class() == class).count());
         let if_so = |place: usize| starts_with(&|verdict| verdict.sensitivity.values()[place]);
         let fault_start_rates_if = [0, 1, 2, 3].map(|place| share(if_so(place), spent.starts.count()));
         let evaluated: Vec<&Evaluated> = result.evaluated.iter().filter(|each| each.outcome.counts()).collect();
         let number = evaluated.len() as u64;
-        let evaluated_collisions = evaluated.iter().filter(|each| each.outcome.is_collision()).count();
-        let fault = |each: &&&Evaluated| each.verdict.as_ref().is_some_and(Verdict::is_fault);
-        let evaluated_faults = evaluated.iter().filter(fault).count();
+        let evaluated_failures = evaluated.iter().filter(|each| each.is_failure()).count();
+        let evaluated_faults = evaluated.iter().filter(|each| each.is_fault()).count();
         let reward: f64 = evaluated.iter().map(|each| each.outcome.reward).sum();
         Self {
             ticks: spent.ticks,
@@ -102,21 +122,23 @@ impl Figures {
             starts: spent.starts.count(),
             failure_rate: share(spent.failures.len(), spent.episodes),
             first: spent.failures.first().map(|failure| failure.ticks),
+            first_simulations: spent.failures.first().map(|failure| failure.simulations),
             distinct: cells.len(),
-            preventable: judged(Verdict::is_preventable),
-            fault: judged(Verdict::is_fault),
-            fault_rate: share(judged(Verdict::is_fault)[0], spent.episodes),
+            preventable,
+            fault,
+            is_judged,
+            fault_rate: of_judged(share(fault[0], spent.episodes)),
             fault_starts,
-            fault_start_rate: share(fault_starts, spent.starts.count()),
+            fault_start_rate: of_judged(share(fault_starts, spent.starts.count())),
             first_fault,
             injury: (spent.episodes > 0).then(|| injury * 1000.0 / spent.episodes as f64),
             touches,
             fault_start_rates_if,
             evaluated: number,
-            evaluated_collisions,
-            evaluated_rate: share(evaluated_collisions, number),
+            evaluated_failures,
+            evaluated_rate: share(evaluated_failures, number),
             evaluated_faults,
-            evaluated_faults_rate: share(evaluated_faults, number),
+            evaluated_faults_rate: of_judged(share(evaluated_faults, number)),
             evaluated_reward: (number > 0).then(|| reward / number as f64),
         }
     }
@@ -147,6 +169,8 @@ pub struct SearchCell {
     pub censored: usize,
     /// Ticks to the first failure.
     pub first_failure: MedianTime,
+    /// Simulations to the first failure, run by run, of the runs that found one.
+    pub simulations: Vec<u64>,
     /// Share of the episodes that failed. This and the following are means over runs with intervals.
     pub failure_rate: Average,
     pub failures: Average,
@@ -182,6 +206,19 @@ pub struct SearchCell {
 }
 
 impl SearchCell {
+    /// Share of the runs that found a failure, as ARCH-COMP counts it.
+    pub fn falsified(&self) -> f64 {
+        (self.runs - self.censored) as f64 / self.runs.max(1) as f64
+    }
+
+    /// Mean and median of the simulations to the first failure over the runs that found one, as ARCH-COMP counts them; none without such a run.
+    pub fn simulations_to_first(&self) -> Option<(f64, f64)> {
+        let mut sorted: Vec<f64> = self.simulations.iter().map(|count| *count as f64).collect();
+        sorted.sort_by(f64::total_cmp);
+        let median = quantile(&sorted, 0.5)?;
+        Some((sorted.iter().sum::<f64>() / sorted.len() as f64, median))
+    }
+
     /// Whether no run tried a start, so that nothing is known.
     pub fn is_empty(&self) -> bool {
         self.starts.mean == Some(0.0)
@@ -256,15 +293,16 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         runs: cell.len(),
         censored: figures.iter().filter(|figures| figures.first.is_none()).count(),
         first_failure: median_time(&times),
+        simulations: figures.iter().filter_map(|figures| figures.first_simulations).collect(),
         failure_rate: over(&|figures| figures.failure_rate).of_share(),
         failures: over(&|figures| Some(figures.failures as f64)),
         failed_starts: over(&|figures| Some(figures.failed_starts as f64)),
         starts: over(&|figures| Some(figures.starts as f64)),
         distinct: over(&|figures| Some(figures.distinct as f64)),
-        preventable: over(&|figures| Some(figures.preventable[0] as f64)),
-        fault: over(&|figures| Some(figures.fault[0] as f64)),
-        faults_per_million: over(&|figures| per_million(figures.fault[0], figures.ticks)),
-        distinct_faults_per_million: over(&|figures| per_million(figures.fault[1], figures.ticks)),
+        preventable: over(&|figures| figures.judged(Some(figures.preventable[0] as f64))),
+        fault: over(&|figures| figures.judged(Some(figures.fault[0] as f64))),
+        faults_per_million: over(&|figures| figures.judged(per_million(figures.fault[0], figures.ticks))),
+        distinct_faults_per_million: over(&|figures| figures.judged(per_million(figures.fault[1], figures.ticks))),
         evaluated_rate: over(&|figures| figures.evaluated_rate).of_share(),
         evaluated_faults_rate: over(&|figures| figures.evaluated_faults_rate).of_share(),
         fault_rate: over(&|figures| figures.fault_rate).of_share(),
@@ -321,6 +359,8 @@ const FAILURE_RATE: &str = "failure_rate";
 pub const FAILED_STARTS: &str = "failed_starts";
 /// Ticks to the first failure.
 pub const FIRST_FAILURE: &str = "first_failure_ticks";
+/// Simulations to the first failure.
+const FIRST_SIMULATIONS: &str = "first_failure_simulations";
 const DISTINCT: &str = "distinct_failures";
 const PREVENTABLE: &str = "preventable_failures";
 const FAULT: &str = "faults";
@@ -399,13 +439,13 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     .column(STARTS.of(|row: &Row<'_>| row.0.spent.starts.count()))
     .column(TRIED.of(|row: &Row<'_>| row.0.spent.starts.to_string()))
     .column(FIRST_START.of(|row: &Row<'_>| row.0.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
-    .column(count(FAILURE_COUNT, "", "episodes that ended in a collision").of(|row: &Row<'_>| row.1.failures as u64))
+    .column(count(FAILURE_COUNT, "", "episodes that ended in a collision, or that violate the goal of the search").of(|row: &Row<'_>| row.1.failures as u64))
     .column(number(FAILURE_RATE, "", "their share of `episodes`").of(|row: &Row<'_>| row.1.failure_rate))
     .column(
         count(
             FAILED_STARTS,
             "",
-            "starts from which a collision was found; the fair count between methods that leave a start after a collision (`cem`, `cma_es`, \
+            "starts from which a failure was found; the fair count between methods that leave a start after a failure (`cem`, `cma_es`, \
              `mcts`) and those that walk once from each",
         )
         .of(|row: &Row<'_>| row.1.failed_starts as u64),
@@ -413,6 +453,14 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     .column(
         number(FIRST_FAILURE, "", "ticks used when the first was found, its own included; missing if none was found")
             .of(|row: &Row<'_>| row.1.first.map(|ticks| ticks as f64)),
+    )
+    .column(
+        count(
+            FIRST_SIMULATIONS,
+            "",
+            "simulations up to the first failure, its own included: finished episodes, also those that are left out; missing if none was found",
+        )
+        .of(|row: &Row<'_>| row.1.first_simulations),
     )
     .column(Column::<bool>::new("censored", "", "whether none was found").of(|row: &Row<'_>| row.1.first.is_none()))
     .column(
@@ -423,10 +471,11 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         )
         .of(|row: &Row<'_>| row.1.distinct as u64),
     )
-    .column(count(PREVENTABLE, "", "failures that both careful humans avoid").of(|row: &Row<'_>| row.1.preventable[0] as u64))
+    .column(count(PREVENTABLE, "", "failures that both careful humans avoid").of(|row: &Row<'_>| row.1.judged_count(row.1.preventable[0])))
     .column(
-        count(FAULT, "", "failures that count against the driver: see `fault` of `search_failures`")
-            .of(|row: &Row<'_>| row.1.fault[0] as u64),
+        count(FAULT, "", "failures that count against the driver: see `fault` of `search_failures`, and `goal_fault` where there is a goal; missing where \
+             the goal has no verdict, as all figures of faults")
+            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault[0])),
     )
     .column(
         number(FAULT_RATE, "", "share of `episodes` that ended in a fault")
@@ -434,7 +483,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     )
     .column(
         count("fault_starts", "", "starts from which a fault was found")
-            .of(|row: &Row<'_>| row.1.fault_starts as u64),
+            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault_starts)),
     )
     .column(
         number(FAULT_START_RATE, "", "their share of `starts`; for an exhaustive search the ceiling of all others")
@@ -457,19 +506,19 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     }))
     .column(
         count("distinct_preventable", "", "different cells of preventable failures")
-            .of(|row: &Row<'_>| row.1.preventable[1] as u64),
+            .of(|row: &Row<'_>| row.1.judged_count(row.1.preventable[1])),
     )
     .column(
         count("distinct_faults", "", "different cells of faults")
-            .of(|row: &Row<'_>| row.1.fault[1] as u64),
+            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault[1])),
     )
     .column(
         number(FAULT_PER_MILLION, "", "faults in a million of the ticks that the search used")
-            .of(|row: &Row<'_>| per_million(row.1.fault[0], row.1.ticks)),
+            .of(|row: &Row<'_>| row.1.judged(per_million(row.1.fault[0], row.1.ticks))),
     )
     .column(
         number(DISTINCT_PER_MILLION, "", "different cells of faults in a million of these ticks")
-            .of(|row: &Row<'_>| per_million(row.1.fault[1], row.1.ticks)),
+            .of(|row: &Row<'_>| row.1.judged(per_million(row.1.fault[1], row.1.ticks))),
     )
     .column(
         count(
@@ -479,11 +528,14 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         )
         .of(|row: &Row<'_>| row.1.evaluated),
     )
-    .column(count("evaluated_collisions", "", "collisions of these").of(|row: &Row<'_>| row.1.evaluated_collisions as u64))
+    .column(
+        count("evaluated_failures", "", "collisions of these, or violations of the goal")
+            .of(|row: &Row<'_>| row.1.evaluated_failures as u64),
+    )
     .column(number(EVALUATED_RATE, "", "their share of `evaluated_episodes`").of(|row: &Row<'_>| row.1.evaluated_rate))
     .column(
         count("evaluated_faults", "", "faults of these")
-            .of(|row: &Row<'_>| row.1.evaluated_faults as u64),
+            .of(|row: &Row<'_>| row.1.judged_count(row.1.evaluated_faults)),
     )
     .column(
         number(EVALUATED_FAULT_RATE, "", "their share of `evaluated_episodes`")
@@ -499,7 +551,7 @@ pub fn search_cell_table(cells: &[SearchCell]) -> DataFrame {
 
 /// The columns of [`search_cell_table`].
 pub fn search_cell_columns() -> Table<'static, SearchCell> {
-    let count = Column::<u64>::new;
+    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
     let time = "Kaplan and Meier's median of `first_failure_ticks` with Brookmeyer and Crowley's 95 % interval on the log-log scale; \
                 what the runs do not show is missing, the high end always with fewer than seven runs";
     Table::new(
@@ -512,6 +564,18 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
     .column(BUDGET.of(|cell: &SearchCell| cell.budget))
     .column(
         count("censored_runs", "", "number of runs that found nothing").of(|cell: &SearchCell| cell.censored as u64),
+    )
+    .column(
+        number("falsified_share", "", "share of the runs that found a failure, as ARCH-COMP counts it")
+            .of(|cell: &SearchCell| cell.falsified()),
+    )
+    .column(
+        number("simulations_to_first_mean", "", "mean of `first_failure_simulations` over these runs")
+            .of(|cell: &SearchCell| cell.simulations_to_first().map(|(mean, _)| mean)),
+    )
+    .column(
+        number("simulations_to_first_median", "", "their median")
+            .of(|cell: &SearchCell| cell.simulations_to_first().map(|(_, median)| median)),
     )
     .column(Entry::new::<f64, _>(
         format!("{FIRST_FAILURE}_median").into(),
@@ -566,11 +630,11 @@ pub fn search_failures(results: &[SearchResult]) -> DataFrame {
     let mut table = failure_table().frame(&found(results));
     if results.iter().any(|result| result.goal.is_some()) {
         let violated = |result| {
-            let SearchResult { goal, spent, .. }: &SearchResult = result;
-            spent
-                .failures
-                .iter()
-                .map(move |failure| goal.as_ref().zip(failure.violation.as_ref()).map(|found| (found, failure)))
+            let SearchResult { goal, spent, violations, .. }: &SearchResult = result;
+            spent.failures.iter().enumerate().map(move |(number, failure)| {
+                let (goal, degree) = goal.as_ref().zip(failure.violation.as_ref())?;
+                Some(Violation { goal, degree, failure, verdict: violations.get(number).copied().flatten() })
+            })
         };
         let rows: Vec<Violated<'_>> = results.iter().flat_map(violated).collect();
         table = table.hstack(&violation_table().values(&rows)).expect("the columns have other names");
@@ -578,24 +642,55 @@ pub fn search_failures(results: &[SearchResult]) -> DataFrame {
     table
 }
 
-/// A violated goal with the length of a tick (s), how it is violated, and the failure; none of a search for collisions.
-type Violated<'a> = Option<((&'a (NamedRequirement, f64), &'a Degree), &'a Failure)>;
+/// A violated goal; none of a search for collisions.
+type Violated<'a> = Option<Violation<'a>>;
+
+/// A violated goal.
+#[derive(Debug, Clone, Copy)]
+struct Violation<'a> {
+    /// The goal, and the length of a tick (s).
+    goal: &'a (NamedRequirement, f64),
+    degree: &'a Degree,
+    failure: &'a Failure,
+    verdict: Option<ViolationVerdict>,
+}
+
+pub const GOAL_PREVENTABLE: Column<bool> = Column::new(
+    "goal_preventable",
+    "",
+    "whether both careful humans satisfy the goal from the start of the danger on; missing where it has no verdict",
+);
+pub const GOAL_FORESEEABLE: Column<bool> = Column::new(
+    "goal_foreseeable",
+    "",
+    "whether the pedestrian of the violation moved as people do; missing where the goal has no verdict",
+);
+pub const GOAL_FAULT: Column<bool> = Column::new(
+    "goal_fault",
+    "",
+    "whether the violation counts against the driver: see `fault` of `requirements`; missing where the goal has no verdict",
+);
 
 /// The columns of the violations of goals.
 fn violation_table<'a>() -> Table<'a, Violated<'a>> {
-    let part = |(named, _): &(NamedRequirement, f64), degree: &Degree| {
-        let found = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
+    type Row<'a> = Violated<'a>;
+    let part = |row: &Violation<'_>| {
+        let found = row.degree.part.and_then(|part| row.goal.0.requirement.parts.get(usize::from(part)));
         found.map(|part| part.text.clone())
     };
+    let instant = |row: Violation<'_>| (f64::from(row.degree.sample) * row.goal.1).min(row.failure.outcome.duration);
+    let verdict = |row: &Row<'_>| row.and_then(|row| row.verdict);
     Table::new("", "")
-        .column(REQUIREMENT.of(|row: &Violated<'_>| row.map(|(((named, _), _), _)| named.name.to_string())))
-        .column(PRIORITY.of(|row: &Violated<'_>| row.map(|(((named, _), _), _)| named.priority)))
-        .column(ROBUSTNESS.of(|row: &Violated<'_>| row.map(|((_, degree), _)| degree.robustness)))
-        .column(ROBUSTNESS_UNIT.of(|row: &Violated<'_>| row.map(|(((named, _), _), _)| unit_of(named))))
-        .column(INSTANT.of(|row: &Violated<'_>| {
-            row.map(|(((_, tick), degree), failure)| (f64::from(degree.sample) * tick).min(failure.outcome.duration))
-        }))
-        .column(PART.of(move |row: &Violated<'_>| row.and_then(|((goal, degree), _)| part(goal, degree))))
+        .column(REQUIREMENT.of(|row: &Row<'_>| row.map(|row| row.goal.0.name.to_string())))
+        .column(PRIORITY.of(|row: &Row<'_>| row.map(|row| row.goal.0.priority)))
+        .column(ROBUSTNESS.of(|row: &Row<'_>| row.map(|row| row.degree.robustness)))
+        .column(ROBUSTNESS_UNIT.of(|row: &Row<'_>| row.map(|row| unit_of(&row.goal.0))))
+        .column(INSTANT.of(move |row: &Row<'_>| row.map(instant)))
+        .column(PART.of(move |row: &Row<'_>| row.as_ref().and_then(part)))
+        .column(GOAL_PREVENTABLE.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.preventable)))
+        .column(GOAL_FORESEEABLE.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.foreseeable)))
+        .column(GOAL_FAULT.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.fault)))
+        .column(NO_VERDICT.of(|row: &Row<'_>| row.map(|row| no_verdict(Question::of(&row.goal.0.requirement)))))
 }
 
 /// What the reference drivers did in these failures, as [`reference_drivers`](crate::record::reference_drivers) reads it.
@@ -626,7 +721,8 @@ pub fn search_failure(key: &SearchKey, number: u64, failure: &Failure, verdict: 
 pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
     type Row<'a> = Found<'a>;
     let doc = "One row for each failure that a search found, with the commands that lead to it. Where a search has a goal, `requirement`, \
-               `priority`, `robustness`, `unit`, `instant_s` and `part` follow, as in `requirements`.";
+               `priority`, `robustness`, `unit`, `instant_s` and `part` follow, as in `requirements`, and `goal_preventable`, `goal_foreseeable`, \
+               `goal_fault` and `no_verdict`.";
     Table::new(FAILURES, doc)
         .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
         .columns(search_key(|row: &Row<'_>| row.0))

@@ -11,7 +11,9 @@ use crate::record::columns::{
     TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
 use crate::record::{Column, EPISODES, Table};
-use crate::report::aggregate::{FAILURES, INSTANT, PART, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT};
+use crate::report::aggregate::{
+    FAILURES, INSTANT, NO_VERDICT, PART, PREVENTABLE, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT,
+};
 use crate::report::listed_failure::{ListedFailure, searched, touches, violations};
 use world::judge::Label;
 
@@ -21,7 +23,8 @@ const ROWS: usize = 1 << 17;
 /// The failures that a list shows. An empty list of words allows every value; bumps are listed only where `verdicts` names them.
 #[derive(Debug, Clone, Default)]
 pub struct FailureFilter {
-    /// Verdicts: names of [`Label`]s, `fault`, `foreseeable`.
+    /// Verdicts: names of [`Label`]s, `fault`, `foreseeable`, `violation`, `no_verdict`. Of a violation `preventable` and `fault` are those of its
+    /// requirement.
     pub verdicts: Vec<String>,
     /// Names of driving policies.
     pub drivers: Vec<String>,
@@ -39,7 +42,7 @@ pub struct FailureFilter {
 impl FailureFilter {
     /// The words that may be verdicts in a filter.
     pub fn verdict_names() -> impl Iterator<Item = &'static str> {
-        ["fault", "foreseeable", "violation"].into_iter().chain(Label::ALL.map(Label::name))
+        ["fault", "foreseeable", "violation", "no_verdict"].into_iter().chain(Label::ALL.map(Label::name))
     }
 
     /// Whether it lets a failure through.
@@ -49,6 +52,11 @@ impl FailureFilter {
             "fault" => failure.fault,
             "foreseeable" => failure.foreseeable,
             "violation" => failure.violation.is_some(),
+            "no_verdict" => failure.violation.as_ref().is_some_and(|found| found.preventable.is_none()),
+            "preventable" if failure.violation.is_some() => {
+                failure.violation.as_ref().is_some_and(|found| found.preventable == Some(true))
+            }
+            _ if failure.violation.is_some() => false,
             label => failure.verdict.is_some_and(|known| known.name() == label),
         };
         let violated = match &failure.violation {
@@ -144,6 +152,8 @@ pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
         .column(ROBUSTNESS_UNIT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.unit.clone())))
         .column(INSTANT.of(|row: &Row| row.1.violation.as_ref().map(|_| row.1.length)))
         .column(PART.of(|row: &Row| row.1.violation.as_ref().map(|found| found.part.clone())))
+        .column(PREVENTABLE.of(|row: &Row| row.1.violation.as_ref().and_then(|found| found.preventable)))
+        .column(NO_VERDICT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.no_verdict.clone())))
         .frame(failures)
 }
 

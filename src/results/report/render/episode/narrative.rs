@@ -1,6 +1,6 @@
 use world::av::DrivingMode;
 use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
-use world::judge::{ContactSide, Label, Reference, Verdict};
+use world::judge::{ContactSide, Label, Question, Reference, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 use crate::report::aggregate::unit_of;
@@ -59,15 +59,21 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
         };
         events.push((outcome.duration, format!("the episode is in no rate, since {why}")));
     }
-    for (named, degree) in scenario.requirements.iter().zip(trace.degrees()).filter(|(_, degree)| degree.is_violated())
-    {
-        let instant = (f64::from(degree.sample) * dt).min(outcome.duration);
-        let text = format!("violates `{}`{}", named.name, violated_part(named, degree));
+    let violations = violations(scenario, trace);
+    let mut insert = |instant: f64, text: String| {
         let place = events.partition_point(|(time, _)| *time <= instant);
         events.insert(place, (instant, text));
+    };
+    for Violated { named, degree, verdict } in &violations {
+        let instant = (f64::from(degree.sample) * dt).min(outcome.duration);
+        let text = format!("violates `{}`{}; {}", named.name, violated_part(named, degree), blame(named, *verdict));
+        insert(instant, text);
+        if let Some(verdict) = verdict {
+            insert(time(verdict.danger as usize), format!("the danger of violating `{}` starts", named.name));
+        }
     }
     Narrative {
-        short: [in_short(scenario, outcome, trace, verdict), violated(scenario, trace)].concat(),
+        short: [in_short(scenario, outcome, trace, verdict), violated(&violations)].concat(),
         events,
         verdict: verdict.map(judged).unwrap_or_default(),
     }
@@ -118,16 +124,47 @@ pub fn in_short(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: 
     format!("{sight} The driver {brake}; the car hit{part} at {impact_speed:.1} m/s.{careful}")
 }
 
-/// The violated requirements of an episode, as a sentence; empty without any.
-fn violated(scenario: &Scenario, trace: &Trace) -> String {
-    let pairs = scenario.requirements.iter().zip(trace.degrees());
-    let names: Vec<String> =
-        pairs.filter(|(_, degree)| degree.is_violated()).map(|(named, _)| format!("`{}`", named.name)).collect();
-    match names.as_slice() {
-        [] => String::new(),
-        [one] => format!(" The episode violates {one}."),
-        [rest @ .., last] => format!(" The episode violates {} and {last}.", rest.join(", ")),
+/// A violated requirement of an episode, and whose fault that is.
+struct Violated<'a> {
+    named: &'a NamedRequirement,
+    degree: Degree,
+    verdict: Option<ViolationVerdict>,
+}
+
+fn violations<'a>(scenario: &'a Scenario, trace: &Trace) -> Vec<Violated<'a>> {
+    let pair = trace.main_pair(scenario);
+    let all = scenario.requirements.iter().zip(trace.degrees()).filter(|(_, degree)| degree.is_violated());
+    let judged = |(named, degree): (&'a NamedRequirement, &Degree)| {
+        let verdict = ViolationVerdict::new(&pair, &named.requirement, degree);
+        Violated { named, degree: *degree, verdict }
+    };
+    all.map(judged).collect()
+}
+
+/// Whose fault a violation is: a clause without an end.
+fn blame(named: &NamedRequirement, verdict: Option<ViolationVerdict>) -> String {
+    match verdict {
+        Some(ViolationVerdict { fault: true, .. }) => "a fault: both careful humans satisfy it".into(),
+        Some(ViolationVerdict { preventable: true, foreseeable: false, .. }) => {
+            "preventable, since both careful humans satisfy it; the pedestrian did not move as people do".into()
+        }
+        Some(ViolationVerdict { preventable: true, .. }) => {
+            "preventable, since both careful humans satisfy it; the collision that decides is no fault".into()
+        }
+        Some(_) => "not preventable: a careful human violates it as well".into(),
+        None => match Question::of(&named.requirement).refusal() {
+            Some(reason) => format!("no verdict, since {reason}"),
+            None => "no verdict".into(),
+        },
     }
+}
+
+/// The violated requirements of an episode, each in a sentence; empty without any.
+fn violated(violations: &[Violated<'_>]) -> String {
+    let sentence = |Violated { named, verdict, .. }: &Violated<'_>| {
+        format!(" The episode violates `{}`: {}.", named.name, blame(named, *verdict))
+    };
+    violations.iter().map(sentence).collect()
 }
 
 /// By how much a requirement is violated, and which comparison decides: ` by 0.31 m/s: `ego_speed < 3 m/s``.

@@ -1,45 +1,60 @@
 use super::{distinct, place, who};
+use crate::report::aggregate::Counted;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellRequirement};
+use world::judge::Question;
 
 /// The rates of violations of a campaign's requirements; none without requirements.
 pub fn requirements(cells: &[Cell], found: &[CellRequirement]) -> Option<Section> {
-    let mut names: Vec<&str> = Vec::new();
+    let mut names: Vec<(&str, Question)> = Vec::new();
     for each in found {
-        if !names.contains(&each.name.as_str()) {
-            names.push(&each.name);
+        if !names.iter().any(|(name, _)| *name == each.name) {
+            names.push((&each.name, each.question));
         }
     }
     if names.is_empty() {
         return None;
     }
     let mut head = vec![Column::text("driver").key(), Column::text("town").key(), Column::text("controller").key()];
-    head.extend(names.iter().map(|name| Column::number(*name)));
-    let rate = |cell: &Cell, name: &str| {
+    for (name, question) in &names {
+        head.push(Column::number(*name));
+        if *question == Question::Asked {
+            head.push(Column::number("fault"));
+        }
+    }
+    let rate = |cell: &Cell, name: &str, counted: Counted| {
         let found = found.iter().find(|each| each.key == cell.key && each.name == name);
         found.map_or_else(
             || Value::from("–"),
             |each| {
-                let ((mean, _), (part, whole)) = (each.rate(), each.sums());
-                Value::or_count(Value::Estimate(mean, Some(each.interval()), 2), mean, part, whole)
+                let ((mean, _), (part, whole)) = (each.rate(counted), each.sums(counted));
+                Value::or_count(Value::Estimate(mean, Some(each.interval(counted)), 2), mean, part, whole)
             },
         )
     };
     let row = |cell: &&Cell| {
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
-        row.extend(names.iter().map(|name| rate(cell, name)));
+        for (name, question) in &names {
+            row.push(rate(cell, name, CellRequirement::ALL));
+            if *question == Question::Asked {
+                row.push(rate(cell, name, CellRequirement::FAULTS));
+            }
+        }
         row
     };
     let table = Table { head, rows: distinct(cells).iter().map(row).collect(), ..Table::default() };
+    let refused =
+        names.iter().filter_map(|(name, question)| Some(format!("`{name}` has no verdict: {}.", question.refusal()?)));
+    let notes = [
+        "Violations of all episodes, with Wilson's 95 % interval, and beside them those that are *faults*: both careful humans, who take over at the start of the \
+         danger, satisfy the requirement, and the pedestrian moved as people do. `falsify failures --requirement NAME` lists them."
+            .into(),
+    ];
     Some(Section {
         id: "requirements",
         name: "Requirements",
         title: "How often each requirement is violated",
         tables: vec![table],
-        notes: vec![
-            "Violations of all episodes, with Wilson's 95 % interval. `falsify failures --requirement NAME` lists them. A violation that is no collision has \
-             no verdict: whether a careful human would have satisfied the requirement is not known."
-                .into(),
-        ],
+        notes: notes.into_iter().chain(refused).collect(),
     })
 }
