@@ -83,16 +83,25 @@ pub fn compile_with(
         in_order(&mut diagnostics);
         return Ok(Compiled { plan: None, unplaced: None, diagnostics });
     }
+    let mut said: Vec<Vec<Diagnostic>> = Vec::new();
     for variant in &variants {
         let (program, maps, digests) = (&variant.program, &overrides.maps, BTreeMap::new());
-        let before = diagnostics.len();
+        let mut own = Vec::new();
         let mut lowering =
-            Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared, digests };
+            Lowering { program, catalog, sources, read, maps, said: &mut own, shared: &mut shared, digests };
         lowering.variant(variant, &settings, &mut plan);
-        if !variant.settings.is_empty() {
-            let combination = format!("so it is with {}", variant.settings.join(", "));
-            diagnostics[before..].iter_mut().for_each(|each| each.help.insert(0, combination.clone()));
-        }
+        said.push(own);
+    }
+    for (variant, own) in variants.iter().zip(&said) {
+        let combination = format!("so it is with {}", variant.settings.join(", "));
+        let is_of_all = |each: &Diagnostic| said.iter().all(|other| other.contains(each));
+        let named = own.iter().cloned().map(|mut each| {
+            if !variant.settings.is_empty() && !is_of_all(&each) {
+                each.help.insert(0, combination.clone());
+            }
+            each
+        });
+        diagnostics.extend(named);
     }
     plan.settings = settings.iter().map(|each| plan.reached_by(each.text(sources))).collect();
     if !overrides.only_checked {

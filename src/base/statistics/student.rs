@@ -124,6 +124,7 @@ mod tests {
         assert_eq!(mean_p(&[1.0]), None);
         assert_eq!(mean_p(&[1.0, 1.0]), Some(0.5), "two equal signs");
         assert_eq!(mean_p(&[2.0; 10]), Some(2.0 / 1_024.0));
+        assert_eq!(mean_p(&[0.025; 3]), Some(0.25), "their mean is 0.025000000000000005");
     }
 
     #[test]

@@ -61,13 +61,14 @@ pub struct Figures {
 
 impl Figures {
     /// The figures by which two searches are compared, with their names.
-    pub(super) fn compared(&self) -> [(&'static str, Option<f64>); 6] {
+    pub(super) fn compared(&self) -> [(&'static str, Option<f64>); 7] {
         [
             (INJURY, self.injury),
             (DISTINCT_PER_MILLION, self.judged(per_million(self.fault[1], self.ticks))),
             (FAULT_RATE, self.fault_rate),
             (FAULT_START_RATE, self.fault_start_rate),
             (FAILED_STARTS, Some(self.failed_starts as f64)),
+            (FAULT_STARTS, self.judged(Some(self.fault_starts as f64))),
             (EVALUATED_FAULT_RATE, self.evaluated_faults_rate),
         ]
     }
@@ -162,6 +163,8 @@ fn per_million(count: usize, ticks: u64) -> Option<f64> {
 pub struct SearchCell {
     /// The falsifier, the town and the policy; the run is the first.
     pub key: SearchKey,
+    /// The name of the requirement that it tried to violate; none of a search for collisions.
+    pub goal: Option<String>,
     /// The budget of each run (simulator ticks).
     pub budget: u64,
     pub runs: usize,
@@ -194,8 +197,9 @@ pub struct SearchCell {
     pub evaluated_faults_rate: Average,
     /// Share of the search's own episodes that ended in a fault.
     pub fault_rate: Average,
-    /// Share of the starts from which it found one.
+    /// Share of the starts from which it found one, and the number of these starts.
     pub fault_start_rate: Average,
+    pub fault_starts: Average,
     /// Share of the starts with a fault with other figures of the careful humans, in the order of
     /// [`Sensitivity::NAMES`](world::judge::Sensitivity::NAMES).
     pub fault_start_rates_if: [Average; 4],
@@ -289,6 +293,7 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
     let over = |value: &dyn Fn(&Figures) -> Option<f64>| Average::new(figures.iter().map(value));
     SearchCell {
         key: cell[0].key.clone(),
+        goal: cell[0].goal.as_ref().map(|(named, _)| named.name.to_string()),
         budget: cell[0].budget,
         runs: cell.len(),
         censored: figures.iter().filter(|figures| figures.first.is_none()).count(),
@@ -307,6 +312,7 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         evaluated_faults_rate: over(&|figures| figures.evaluated_faults_rate).of_share(),
         fault_rate: over(&|figures| figures.fault_rate).of_share(),
         fault_start_rate: over(&|figures| figures.fault_start_rate).of_share(),
+        fault_starts: over(&|figures| figures.judged(Some(figures.fault_starts as f64))),
         fault_start_rates_if: [0, 1, 2, 3].map(|place| over(&|figures| figures.fault_start_rates_if[place]).of_share()),
         injury: over(&|figures| figures.injury),
         first_fault: median_time(&fault_times),
@@ -365,6 +371,7 @@ const DISTINCT: &str = "distinct_failures";
 const PREVENTABLE: &str = "preventable_failures";
 const FAULT: &str = "faults";
 const FAULT_RATE: &str = "fault_rate";
+const FAULT_STARTS: &str = "fault_starts";
 const FAULT_START_RATE: &str = "fault_start_rate";
 /// Ticks to the first fault.
 pub const FIRST_FAULT: &str = "first_fault_ticks";
@@ -482,7 +489,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             .of(|row: &Row<'_>| row.1.fault_rate),
     )
     .column(
-        count("fault_starts", "", "starts from which a fault was found")
+        count(FAULT_STARTS, "", "starts from which a fault was found")
             .of(|row: &Row<'_>| row.1.judged_count(row.1.fault_starts)),
     )
     .column(

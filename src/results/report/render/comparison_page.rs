@@ -3,7 +3,8 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::comparison_text::{
-    change_title, changes, counts, headline, list, power, rates, searches, start_changes, start_list, title,
+    change_title, changes, common_starts, counts, headline, list, power, rates, searches, start_changes, start_list,
+    title,
 };
 use super::page::{OWN_SCRIPTS, Replay, badge, head, json};
 use crate::report::{FailureChange, ReportComparison};
@@ -51,7 +52,7 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
                         h2 { "Rates over common starts" }
                         @for cell in &comparison.cells {
                             h3 { (title(cell)) }
-                            p { (cell.starts) " common starts, " (cell.runs) @if cell.runs == 1 { " run" } @else { " runs" } }
+                            p { (common_starts(cell)) }
                             div.wide { (rates(cell).to_html()) }
                         }
                     }

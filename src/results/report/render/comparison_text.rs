@@ -16,7 +16,7 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
     let mut text = format!("before  {}\nafter   {}\n", before.display(), after.display());
     comparison.caveats.iter().for_each(|caveat| text.push_str(&format!("note    {caveat}\n")));
     for cell in &comparison.cells {
-        text.push_str(&format!("\n{}: {} common starts\n", title(cell), cell.starts));
+        text.push_str(&format!("\n{}: {}\n", title(cell), common_starts(cell)));
         if !cell.figures.is_empty() {
             text.push_str(&rates(cell).to_terminal(width));
         }
@@ -59,6 +59,14 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
     text
 }
 
+/// The number of episodes that are compared.
+pub fn common_starts(cell: &ComparedCell) -> String {
+    match cell.runs {
+        1 => format!("{} common starts", cell.starts),
+        runs => format!("{} pairs of episodes with common starts, over {runs} runs", cell.starts),
+    }
+}
+
 /// A word of a change, explained where it does not explain itself.
 pub fn change_title(word: &str) -> String {
     match word {
@@ -96,7 +104,9 @@ pub fn power(comparison: &ReportComparison) -> Option<String> {
     let least = single().map(|cell| cell.starts).min().filter(|_| tests > 0)?;
     let needed = (1..).find(|starts| tests as f64 * mcnemar(0, *starts) < 0.05)?;
     let few = if least < needed { format!("; with {least} common starts none can show") } else { String::new() };
-    Some(format!("A difference shows (p below 0.05) from {needed} starts on that fail on one side only{few}."))
+    Some(format!(
+        "A difference shows (p below 0.05) from {needed} starts on that fail on one side only, with none on the other{few}."
+    ))
 }
 
 /// The rates of a cell on both sides.

@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::page::{document, paragraph, percent};
-use super::sections::{average, failed_starts, injury, injury_scale};
+use super::sections::{average, failed_starts, injury, injury_scale, searcher};
 use super::svg::{Chart, Curve, Figure, Panel, SERIES, short};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
@@ -89,6 +89,12 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         let driver = drivers.then(|| Value::from(row.driver()));
         driver.into_iter().chain(towns.then(|| Value::from(row.town())))
     };
+    let any = vec![Some("any".to_string()); overview.parameters.len()];
+    let place_of =
+        |row: &OverviewRow<'_>| first(row.variant, if is_same_everywhere(overview, row) { &any } else { &row.values });
+    let repeated = |row: &&&OverviewRow<'_>| {
+        !std::ptr::eq(row.variant, &overview.variants[0]) && is_same_everywhere(overview, row)
+    };
     let mut place_head = Vec::new();
     place_head.extend(drivers.then(|| Column::text("driver")));
     place_head.extend(towns.then(|| Column::text("town")));
@@ -100,9 +106,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         head.extend(["fault", "preventable", "collision"].map(Column::number));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Evaluated(cell) = row.found else { unreachable!("the rows are those of cells") };
-            let same = is_same_everywhere(overview, cell);
-            let any = vec![Some("any".to_string()); row.values.len()];
-            let mut values = first(row.variant, if same { &any } else { &row.values });
+            let mut values = place_of(row);
             values.extend(place(row));
             values.extend([
                 row.who().into(),
@@ -111,10 +115,6 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
             ]);
             values.extend([cell.fault, cell.preventable, cell.collision].map(Value::Spread));
             values
-        };
-        let repeated = |row: &&&OverviewRow<'_>| {
-            let Found::Evaluated(cell) = row.found else { return false };
-            !std::ptr::eq(row.variant, &overview.variants[0]) && is_same_everywhere(overview, cell)
         };
         let rows = evaluated.iter().filter(|row| !repeated(row)).map(row).collect();
         tables.push(Table { head, rows, ..Table::default() });
@@ -126,16 +126,13 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         head.extend(["failed starts", "starts with a fault"].map(Column::text));
         let row = |row: &&OverviewRow<'_>| {
             let Found::Searched(cell) = row.found else { unreachable!("the rows are those of searches") };
-            let mut values = first(row.variant, &row.values);
+            let mut values = place_of(row);
             values.extend(place(row));
-            values.extend([
-                cell.key.falsifier.as_str().into(),
-                failed_starts(cell),
-                average(&cell.fault_start_rate, 3),
-            ]);
+            values.extend([searcher(cell).into(), failed_starts(cell), average(&cell.fault_start_rate, 3)]);
             values
         };
-        tables.push(Table { head, rows: searched.iter().map(row).collect(), ..Table::default() });
+        let rows = searched.iter().filter(|row| !repeated(row)).map(row).collect();
+        tables.push(Table { head, rows, ..Table::default() });
     }
     let mut head = head(overview);
     head.extend(["driver", "worst failure"].map(Column::text));
@@ -157,11 +154,14 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     tables
 }
 
-/// Whether a cell is equal in every report, in all that was measured: no parameter changes its pedestrian, its driver or their town.
-fn is_same_everywhere(overview: &Overview<'_>, cell: &Cell) -> bool {
-    let like = |other: &&OverviewRow<'_>| match other.found {
-        Found::Evaluated(found) => found == cell,
-        Found::Searched(_) => false,
+/// Whether a row is equal in every report, in all that was measured but for the reward: no parameter changes its pedestrian, its driver or their town.
+fn is_same_everywhere(overview: &Overview<'_>, row: &OverviewRow<'_>) -> bool {
+    let like = |other: &&OverviewRow<'_>| match (row.found, other.found) {
+        (Found::Evaluated(one), Found::Evaluated(other)) => {
+            Cell { reward_sum: one.reward_sum, ..other.clone() } == *one
+        }
+        (Found::Searched(one), Found::Searched(other)) => one == other,
+        _ => false,
     };
     let alike = overview.rows.iter().filter(like).count();
     !overview.parameters.is_empty() && overview.variants.len() > 1 && alike == overview.variants.len()

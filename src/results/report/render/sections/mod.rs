@@ -29,7 +29,7 @@ pub use published::published_section;
 pub use requirements::requirements;
 pub use results::{errors, results};
 pub use scale::{RateOf, Scale};
-pub use searches::{average, failed_starts, search_section};
+pub use searches::{average, failed_starts, search_section, who as searcher};
 pub use trainings::trainings_section;
 pub use transfer::transfer;
 
@@ -68,7 +68,9 @@ pub fn searches_for_terminal(cells: &[SearchCell], compared: &[SearchComparison]
     if cells.is_empty() {
         return String::new();
     }
-    let told = search_pairs::findings_of_pairs(compared).map(|told| format!("{told}\n"));
+    // Nothing is known of a search that tried no start.
+    let known = !cells.iter().any(SearchCell::is_empty);
+    let told = search_pairs::findings_of_pairs(compared).filter(|_| known).map(|told| format!("{told}\n"));
     searches::falsifiers(cells).to_terminal(width) + &told.unwrap_or_default()
 }
 

@@ -7,9 +7,10 @@ use crate::report::render::table::{Column, Table, Value};
 const MOST: usize = 60;
 
 /// The figures that the tables show, by the names of their columns in `searches`, and their heads.
-const SHOWN: [(&str, &str); 3] = [
+const SHOWN: [(&str, &str); 4] = [
     ("failed_starts", "failed starts (95 %), p"),
-    ("fault_start_rate", "starts with a fault (95 %), p"),
+    ("fault_starts", "starts with a fault (95 %), p"),
+    ("fault_start_rate", "their share (95 %), p"),
     ("avoidable_injury_per_thousand", "avoidable injury / 1,000 (95 %), p"),
 ];
 
@@ -77,8 +78,8 @@ pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
     if runs < 2 {
         return Some("One run of each falsifier cannot tell which one finds more: ask for `runs: 4` or more.".into());
     }
-    let [(starts, _), (faults, _), _] = SHOWN;
-    let figures = [(starts, "fails from more starts than"), (faults, "finds faults from more of its starts than")];
+    let [(starts, _), (faults, _), ..] = SHOWN;
+    let figures = [(starts, "fails from more starts than"), (faults, "finds faults from more starts than")];
     let told: Vec<String> = figures.iter().flat_map(|(figure, does)| winners(&pairs, figure, does)).collect();
     Some(if told.is_empty() {
         format!("In pairs, no falsifier finds more than another one beyond chance ({runs} runs): call it a tie.")

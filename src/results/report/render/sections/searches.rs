@@ -12,10 +12,10 @@ pub fn search_section(cells: &[SearchCell], compared: &[SearchComparison]) -> Se
          Brookmeyer and Crowley's; `≥` and `≤` stand where the runs show one end alone. The other intervals are Student's 95 % over runs. They are \
          about further runs in *this* town; other towns may give other figures, and no interval here covers that. Fewer than four runs have no \
          interval; their single values stand there.",
-        "*Failed starts* are those from which a failure was found, of the number of starts from which it searched (means over runs). With the same budget \
-         one falsifier may spend all ticks on few starts, and another visit many.",
-        "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
-         methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver did at the touch. \
+        "*Failed starts* are those from which a failure was found, of the number of starts from which it searched; *starts with a fault* those from which a \
+         fault was. With the same budget one falsifier may spend all ticks on few starts, and another visit many.",
+        "Compare these two between methods. *Faults found* may be many variations of one start, and a falsifier that leaves a start when it has failed \
+         spends few episodes on failures. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver did at the touch. \
          A *fault* is a failure that counts against the driver. \
          *Evaluated afterwards* are the collision rate and the rate of faults of the controller with which the falsifier \
          ends, in fresh episodes; `–` if there is none.",
@@ -43,8 +43,8 @@ pub fn falsifiers(cells: &[SearchCell]) -> Table {
         Column::text("failures of episodes").detail(),
         Column::text("failed starts"),
         Column::text("kinds of failures").page_only(),
-        Column::text("faults found"),
-        Column::text("starts with one").page_only(),
+        Column::text("starts with a fault"),
+        Column::text("faults found").page_only(),
         Column::text("kinds of these per million ticks").detail(),
         Column::text("evaluated afterwards").page_only(),
         Column::text("fault").detail(),
@@ -60,8 +60,8 @@ pub fn falsifiers(cells: &[SearchCell]) -> Table {
             average(&cell.failure_rate, 3),
             failed_starts(cell),
             average(&cell.distinct, 1),
+            of_starts(&cell.fault_starts, &cell.starts),
             average(&cell.fault, 1),
-            average(&cell.fault_start_rate, 3),
             average(&cell.distinct_faults_per_million, 1),
             average(&cell.evaluated_rate, 2),
             average(&cell.evaluated_faults_rate, 3),
@@ -89,10 +89,12 @@ fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
     })
 }
 
-/// The falsifier; with the number of its block when that is not the first.
-fn who(cell: &SearchCell) -> String {
-    let key = &cell.key;
-    if key.block == 0 { key.falsifier.clone() } else { format!("{} #{}", key.falsifier, key.block) }
+/// The falsifier, with the requirement that it tried to violate; with the number of its block when that is not the first.
+pub fn who(cell: &SearchCell) -> String {
+    let SearchCell { key, goal, .. } = cell;
+    let block = if key.block == 0 { String::new() } else { format!(" #{}", key.block) };
+    let goal = goal.as_ref().map_or_else(String::new, |goal| format!(", goal {goal}"));
+    format!("{}{block}{goal}", key.falsifier)
 }
 
 fn median(time: MedianTime) -> String {
@@ -108,10 +110,17 @@ fn median(time: MedianTime) -> String {
 
 /// The starts from which a failure was found, of those from which the falsifier searched.
 pub fn failed_starts(cell: &SearchCell) -> Value {
-    let found = &cell.failed_starts;
-    let each = || found.by_run.iter().map(|run| format!("{run:.0}")).collect::<Vec<_>>().join(" ");
-    let found = if found.interval.is_none() { each() } else { average(found, 1).to_string() };
-    format!("{found} of {:.0}", cell.starts.mean.unwrap_or(0.0)).into()
+    of_starts(&cell.failed_starts, &cell.starts)
+}
+
+/// A number of starts of all starts from which a falsifier searched: the means over runs, or each of few runs.
+fn of_starts(found: &Average, starts: &Average) -> Value {
+    if found.interval.is_some() || found.by_run.len() != starts.by_run.len() || found.by_run.is_empty() {
+        return format!("{} of {:.0}", average(found, 1), starts.mean.unwrap_or(0.0)).into();
+    }
+    let runs = found.by_run.iter().zip(&starts.by_run);
+    let each: Vec<String> = runs.map(|(found, all)| format!("{found:.0} of {all:.0}")).collect();
+    each.join(", ").into()
 }
 
 /// The mean with its interval; of two or three runs the single values.
