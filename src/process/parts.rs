@@ -8,6 +8,37 @@ use std::path::{Path, PathBuf};
 use super::find::interprets;
 use world::av::external::{Parts, Program};
 
+/// Endings of files with settings and weights, which a program may read: those in the folder of a script count, too. Tables and texts do not, since a
+/// program, or this one, may write them there.
+const DATA: [&str; 25] = [
+    "json",
+    "yaml",
+    "yml",
+    "toml",
+    "ini",
+    "cfg",
+    "conf",
+    "xml",
+    "npy",
+    "npz",
+    "pt",
+    "pth",
+    "ckpt",
+    "onnx",
+    "safetensors",
+    "pkl",
+    "pickle",
+    "joblib",
+    "h5",
+    "hdf5",
+    "bin",
+    "pb",
+    "tflite",
+    "engine",
+    "mat",
+];
+/// A folder with one of these holds reports, or installed packages.
+const OF_OTHERS: [&str; 3] = [".falsify", "manifest.toml", "pyvenv.cfg"];
 /// Endings of files of code: those in the folder of a script count, since one may import or start another.
 const CODE: [&str; 14] = ["py", "pyx", "so", "sh", "bash", "js", "mjs", "cjs", "rb", "pl", "jl", "R", "php", "lua"];
 /// Programs that run what is elsewhere: an image, or a program of another machine.
@@ -34,8 +65,8 @@ const MOST_BYTES: u64 = 1 << 20;
 /// The most files and folders that are looked at. A folder with more is no folder of a script.
 const MOST: usize = 10_000;
 
-/// Finds what a program is made of: the files that its command names, the code in the folder of its script and below, and what the scenario
-/// declares. It is unknown when no file of it is beside the scenario (a server, an image, an installed package), and where a script in Python adds folders
+/// Finds what a program is made of: the files that its command names, the code, settings and weights in the folder of its script and below, and what the
+/// scenario declares. It is unknown when no file of it is beside the scenario (a server, an image, an installed package), and where a script in Python adds folders
 /// to `sys.path` without `files` that name them.
 pub(super) fn parts(program: &Program) -> Parts {
     let mut sources = Sources::default();
@@ -44,7 +75,9 @@ pub(super) fn parts(program: &Program) -> Parts {
     let mut folders: BTreeSet<PathBuf> =
         named.filter(|path| is_script(path)).filter_map(|path| path.parent().map(Path::to_path_buf)).collect();
     folders.extend(module(program).and_then(|(_, path)| path).map(|_| program.folder.clone()));
-    folders.iter().for_each(|folder| sources.collect(folder, &is_code));
+    folders
+        .iter()
+        .for_each(|folder| sources.collect(folder, &|path| has_ending(path, &CODE) || has_ending(path, &DATA)));
     // Of a declared folder all files count, not the code alone.
     sources.folders.clear();
     for path in program.files.iter().map(|file| program.folder.join(file)) {
@@ -108,11 +141,12 @@ fn module(program: &Program) -> Option<(&str, Option<PathBuf>)> {
 /// Whether a file is a script: by its ending, or by its first two bytes.
 fn is_script(path: &Path) -> bool {
     let mut start = [0; 2];
-    is_code(path) || fs::File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == *b"#!"
+    has_ending(path, &CODE)
+        || fs::File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == *b"#!"
 }
 
-fn is_code(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| CODE.iter().any(|code| ending == *code))
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    path.extension().is_some_and(|ending| endings.iter().any(|each| ending == *each))
 }
 
 /// The files of a program.
@@ -155,7 +189,9 @@ impl Sources {
                 return;
             }
             if path.is_dir() {
-                self.collect(&path, is_source);
+                if !OF_OTHERS.iter().any(|name| path.join(name).exists()) {
+                    self.collect(&path, is_source);
+                }
             } else if is_source(&path) {
                 self.files.insert(path);
             }
@@ -182,6 +218,8 @@ mod tests {
             ("__pycache__/old.py", "1"),
             ("notes.txt", "1"),
             ("gains.json", "1"),
+            ("reports/run/manifest.toml", "1"),
+            ("reports/run/results.json", "1"),
             ("av", "#!/usr/bin/env python3\n"),
             ("built", "\u{7f}ELF"),
             ("venv/pyvenv.cfg", ""),
@@ -205,8 +243,9 @@ mod tests {
             ("part/deep.py", &script, &[], true),
             ("__pycache__/old.py", &script, &[], false),
             ("notes.txt", &script, &[], false),
-            ("gains.json", &script, &[], false),
+            ("gains.json", &script, &[], true),
             ("gains.json", &script, &["gains.json"], true),
+            ("reports/run/results.json", &script, &[], false),
             ("notes.txt", &script, &["."], true),
             ("params.py", &["python3", "-m", "drv"], &[], true),
             ("params.py", &["./av"], &[], true),
@@ -265,6 +304,6 @@ mod tests {
         std::os::unix::fs::symlink(place.path(), place.path().join("part/up")).unwrap();
         let parts = of(place.path(), &["python3", "drv.py"], &[]);
         let names: Vec<&str> = parts.files.keys().map(String::as_str).collect();
-        assert_eq!(names, ["common/shared.py", "drv.py", "params.py", "part/deep.py"]);
+        assert_eq!(names, ["common/shared.py", "drv.py", "gains.json", "params.py", "part/deep.py"]);
     }
 }

@@ -1,4 +1,5 @@
 use super::student::incomplete_beta;
+use super::{mcnemar, normal_quantile};
 
 /// Clopper and Pearson's exact interval for a rate: low and high end. A share of at most `alpha` of all such intervals misses the rate. Without
 /// any trial it is the whole interval from 0 to 1.
@@ -13,18 +14,23 @@ pub fn clopper_pearson(successes: u64, trials: u64, alpha: f64) -> (f64, f64) {
 }
 
 /// The interval of the share of pairs that are positive on the second side only, less that of the first side only, among `pairs` pairs.
-/// The number of pairs that disagree is taken as given, and Clopper and Pearson's interval is for the
-/// share of them that disagrees upwards. So the low end is above 0 only where McNemar's exact p is at most `alpha`. Without a pair that
-/// disagrees it holds the greatest share that may go unseen.
+/// It holds 0 wherever McNemar's exact p is above `alpha`. Without a pair that disagrees it holds the greatest share that may go unseen.
+///
+/// # Source
+/// The adjusted interval of Bonett and Price, *Adjusted Wald confidence interval for a difference of binomial proportions based on paired data*,
+/// Journal of Educational and Behavioral Statistics 37, 2012.
 pub fn disagreement(only_first: u64, only_second: u64, pairs: u64, alpha: f64) -> (f64, f64) {
-    let all = only_first + only_second;
-    if all == 0 {
+    if only_first + only_second == 0 {
         let (_, most) = clopper_pearson(0, pairs, alpha);
         return (-most, most);
     }
-    let (low, high) = clopper_pearson(only_second, all, alpha);
-    let share = all as f64 / pairs.max(1) as f64;
-    ((2.0 * low - 1.0) * share, (2.0 * high - 1.0) * share)
+    let n = pairs as f64 + 2.0;
+    let share = |count: u64| (count as f64 + 1.0) / n;
+    let (first, second) = (share(only_first), share(only_second));
+    let difference = second - first;
+    let half = normal_quantile(1.0 - alpha / 2.0) * ((first + second - difference * difference) / n).sqrt();
+    let (low, high) = ((difference - half).max(-1.0), (difference + half).min(1.0));
+    if mcnemar(only_first, only_second) > alpha { (low.min(0.0), high.max(0.0)) } else { (low, high) }
 }
 
 /// The value below which a share of the beta distribution lies.
@@ -44,8 +50,10 @@ fn beta_quantile(a: f64, b: f64, share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::Rng;
+
     use super::*;
-    use crate::statistics::mcnemar;
+    use crate::seed::Seed;
 
     #[test]
     fn exact_intervals_have_closed_forms_at_the_ends() {
@@ -69,9 +77,30 @@ mod tests {
                 for second in 0..=all {
                     let (low, high) = disagreement(all - second, second, 400, alpha);
                     let significant = mcnemar(all - second, second) <= alpha;
-                    assert_eq!(low > 0.0 || high < 0.0, significant, "{second} of {all} at {alpha}: {low}..{high}");
+                    assert!(significant || low <= 0.0 && high >= 0.0, "{second} of {all} at {alpha}: {low}..{high}");
                 }
             }
+        }
+        let (low, high) = disagreement(0, 12, 400, 0.05);
+        assert!(low > 0.0 && high > 0.03, "a clear difference of 0.03: {low}..{high}");
+    }
+
+    #[test]
+    fn the_interval_of_a_difference_of_pairs_holds_the_truth() {
+        let mut stream = Seed::root(1).child("pairs").stream();
+        for (pairs, first, second) in [(40, 0.0, 0.025), (40, 0.02, 0.1), (60, 0.05, 0.05), (200, 0.01, 0.03)] {
+            let mut held = 0;
+            for _ in 0..2_000 {
+                let mut counts = [0, 0];
+                for _ in 0..pairs {
+                    let drawn = f64::from(stream.next_u32()) / 2_f64.powi(32);
+                    counts[0] += u64::from(drawn < first);
+                    counts[1] += u64::from((first..first + second).contains(&drawn));
+                }
+                let (low, high) = disagreement(counts[0], counts[1], pairs, 0.05);
+                held += u32::from((low..=high).contains(&(second - first)));
+            }
+            assert!(held >= 1_880, "{held} of 2000 for {pairs} pairs with {first} and {second}");
         }
     }
 }

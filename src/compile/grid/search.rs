@@ -56,6 +56,9 @@ impl Lowering<'_> {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
+        if keys.budget < u64::from(usual.rule.value.ticks) {
+            self.said.push(diagnostics::small_budget(block.place("budget"), keys.budget, usual.rule.value.ticks));
+        }
         let goal = self.goal(block, keys.goal, usual);
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
             let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1, &goal.requirements);

@@ -5,10 +5,10 @@ use super::ground::{Place, note_towns};
 use crate::campaign::{Together, TrainKeys};
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, Training, TrainingKey};
-use base::signature::DeclarationId;
+use base::signature::{DeclarationId, Formula};
 use lang::diagnostics;
 use lang::hir::Block;
-use world::env::RewardRule;
+use world::env::{EpisodeRule, RewardRule};
 
 impl Lowering<'_> {
     /// The trainings of a `train` block; its rewards are recorded for the controllers that are evaluated later.
@@ -32,6 +32,7 @@ impl Lowering<'_> {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
+        paid.iter().for_each(|reward| self.warn_of_paid_waiting(reward, &usual.rule.value));
         let (config, environments) = &training.value;
         for places in groups(ground.places().collect(), together) {
             for reward in &paid {
@@ -65,6 +66,20 @@ impl Lowering<'_> {
             }
         }
         rewards.extend(paid.into_iter().map(|reward| (reward.name.to_string(), reward)));
+    }
+
+    /// Warns of a reward that pays for every step, and so much that no touch is worth ending an episode.
+    fn warn_of_paid_waiting(&mut self, reward: &Axis<RewardRule>, rule: &EpisodeRule) {
+        let bounds = |formula: &Formula| formula.bounds(&|id| self.catalog.vocabulary.variables[id.0].bounds);
+        let declaration = self.program.get(reward.id);
+        let clauses = || declaration.block.clauses.iter();
+        let Some(step) = clauses().find(|clause| clause.event == "step") else { return };
+        let waiting = bounds(&step.formula).0 * f64::from(rule.ticks / rule.hold.max(1));
+        let hits = clauses().filter(|clause| clause.event == "hit").map(|clause| bounds(&clause.formula).1);
+        let hit = hits.fold(0.0, f64::max);
+        if waiting > 0.0 && waiting >= hit {
+            self.said.push(diagnostics::paid_waiting(step.span, &declaration.name, waiting, hit));
+        }
     }
 
     pub(super) fn forbid_repeated_trainings(&mut self, block: &Block, campaign: &Campaign) {

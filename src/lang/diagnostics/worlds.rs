@@ -104,6 +104,24 @@ pub fn goalless_search(span: Span, requirement: &str) -> Diagnostic {
     .help(format!("write `goal: {requirement}` to look for its violations"))
 }
 
+/// A reward pays at least as much for an episode without a touch as for any touch.
+pub fn paid_waiting(span: Span, reward: &str, waiting: f64, hit: f64) -> Diagnostic {
+    Diagnostic::warning(
+        "paid-waiting",
+        span,
+        format!("`{reward}` pays more for an episode without a touch than for any touch"),
+    )
+    .here(format!("at least {} in a whole episode; a touch earns at most {}", short(waiting), short(hit)))
+    .help("a learner will keep away from the car; pay less for a step, or more for a touch")
+}
+
+/// The budget of a search does not hold one whole episode (ticks).
+pub fn small_budget(span: Span, budget: u64, ticks: u32) -> Diagnostic {
+    Diagnostic::warning("small-budget", span, format!("a budget of {budget} ticks does not hold one whole episode"))
+        .here(format!("an episode may last {ticks} ticks"))
+        .help("what a search does not find with so few ticks says nothing about the driver")
+}
+
 /// Few starts satisfy all constraints.
 pub fn rare_starts(span: Span, town: &str, found: &str) -> Diagnostic {
     Diagnostic::warning("rare-starts", span, format!("few starts in `{town}` satisfy all constraints: {found}"))

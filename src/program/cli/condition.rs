@@ -96,6 +96,14 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
             Judged::NothingEvaluated => {
                 console::fail(&format!("--fail-if {text}: nothing was evaluated in {title}, so nothing can be judged"));
             }
+            Judged::OffRoad(share) => console::fail(&format!(
+                "--fail-if {text}: the driver left the road in {:.0} % of the episodes in {title}, so that nothing failed there is no merit of it; gate on `left_road_rate`, too",
+                100.0 * share
+            )),
+            Judged::Thin(episodes) => console::warn(&format!(
+                "--fail-if {text}: {} in {title} cannot show so low a rate: a single failure would have made it true; run more episodes",
+                console::count(*episodes as usize, "episode")
+            )),
             Judged::Missing(column) => {
                 console::warn(&format!("--fail-if {text}: there is no {column} in {title}"));
             }

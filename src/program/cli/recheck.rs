@@ -12,7 +12,7 @@ use super::failure::failed;
 use super::input::{Reporter, session};
 use super::progress::{Counting, Showing};
 use crate::session::{self, Event, Observer, RecheckStage};
-use results::report::{self, Encounter, Met, Recheck};
+use results::report::{self, Encounter, Met, Recheck, RecheckNote};
 
 /// The number of encounters in each list for people.
 const SHOWN: usize = 10;
@@ -124,7 +124,17 @@ fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
         things: "fixed list",
         is_idle: false,
     };
-    condition::judge(conditions, [failures, crossings], "recheck")
+    let code = condition::judge(conditions, [failures, crossings], "recheck")?;
+    let unsure = recheck.notes.iter().find(|note| matches!(note, RecheckNote::OtherNow { .. }));
+    match unsure.filter(|_| code == ExitCode::Done && !conditions.is_empty()) {
+        Some(note) => {
+            console::fail(&format!(
+                "--fail-if: nothing can be judged, since the old driver is not the one of the report: {note}"
+            ));
+            Ok(ExitCode::GateFailed)
+        }
+        None => Ok(code),
+    }
 }
 
 /// Makes an object of a recheck, for programs.

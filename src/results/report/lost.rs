@@ -60,13 +60,15 @@ impl fmt::Display for LostDriver {
         };
         write!(f, "`{policy}` in {town} {}: {advice}", what.join(" and "))?;
         match (left_out, episodes - left_out) {
-            (0, _) => write!(f, "; its figures there say little"),
+            (0, episodes) if 2 * left_road > episodes => write!(f, "; its figures there say little"),
+            (0, _) => Ok(()),
             (_, 0) => write!(f, "; none of its episodes counts, so it has no rates there"),
             (_, counted) => write!(f, "; its rates there are those of the {counted} episodes that count"),
         }?;
         // A car in a ditch hits nobody.
         if left_road > road_end && episodes > left_out {
-            f.write_str(", and to leave the road is no failure in them: `left_road_rate > 0.05` is a gate")?;
+            let joint = if *left_out == 0 && 2 * left_road <= *episodes { ";" } else { ", and" };
+            write!(f, "{joint} to leave the road is no failure in them: `left_road_rate > 0.05` is a gate")?;
         }
         Ok(())
     }
@@ -144,7 +146,7 @@ mod tests {
                 "`lost` in a did not reach its start in 190 of 200 run-ups and left the road in 6 of 200 episodes: see whether it follows its \
                  route; its rates there are those of the 10 episodes that count, and to leave the road is no failure in them: `left_road_rate > 0.05` is a \
                  gate",
-                "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; its figures there say little, and to leave the road is no \
+                "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; to leave the road is no \
                  failure in them: `left_road_rate > 0.05` is a gate",
             ]
         );

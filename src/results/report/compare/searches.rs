@@ -349,9 +349,10 @@ mod tests {
         assert_eq!(found.collisions, Changed { fixed: 1, new: 1, same: 1 });
         assert_eq!(found.shares, [0.25, 0.5]);
         assert_eq!(found.p, Some(1.0), "one pair of starts differs: exact p is 1");
-        // The share of one pair that is new lies between 0.025 and 1, and one start of four differs.
+        // Shares of (1 + 1) / (4 + 2) and (0 + 1) / (4 + 2).
         let (low, high) = found.interval_at(0.05).unwrap();
-        assert!((low + 0.95 / 4.0).abs() < 1e-12 && (high - 0.25).abs() < 1e-12, "{low}..{high}");
+        let (middle, half) = (1.0 / 6.0, 1.959_964 * libm::sqrt((0.5 - 1.0 / 36.0) / 6.0));
+        assert!((low - middle + half).abs() < 1e-6 && (high - middle - half).abs() < 1e-6, "{low}..{high}");
         let worst = found.changes.iter().find(|change| change.start == 0).unwrap();
         assert_eq!(worst.sides[1].as_ref().unwrap().impact_speed, 5.0);
         assert_eq!(worst.word(|failure| failure.fault), Some("same"));

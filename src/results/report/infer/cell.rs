@@ -2,7 +2,7 @@ use super::place::{Measured, Place};
 use super::tried::Tried;
 use super::{Figure, Learning};
 use crate::record::CellKey;
-use base::statistics::{Sample, Uncertainty, Weighted, quantile};
+use base::statistics::{LEAST_RUNS, Sample, Uncertainty, Weighted, quantile};
 use world::judge::Reference;
 
 /// The distribution of a figure between trainings.
@@ -89,7 +89,8 @@ impl CellEvidence {
         let cut = |(low, high): (f64, f64)| (low.clamp(least, most), high.clamp(least, most));
         self.between[figure as usize] = AcrossRuns {
             uncertainty: sample.as_ref().and_then(Sample::uncertainty),
-            interval: sample.as_ref().and_then(Sample::interval).map(cut),
+            // One run says nothing of further ones, and two or three next to nothing.
+            interval: sample.as_ref().filter(|_| by_run.len() >= LEAST_RUNS).and_then(Sample::interval).map(cut),
             by_run,
         };
         if figure == Figure::Reward {

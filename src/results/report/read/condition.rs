@@ -116,8 +116,13 @@ impl Condition {
         } else {
             let number = bound.parse().ok().filter(|number: &f64| number.is_finite());
             let number = number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?;
-            if is_share(&column.name) && number.abs() > 1.0 {
-                return Err(kind("shares from 0 to 1", "write 5 % as 0.05"));
+            // More than a whole is never true, and would pass for ever.
+            let is_out_of_reach = number.abs() > 1.0 || number == 1.0 && comparison == Comparison::More;
+            if is_share(&column.name) && is_out_of_reach {
+                return Err(kind("shares from 0 to 1", "write 5 % as 0.05, 1 % as 0.01"));
+            }
+            if is_risk(&column.name) && is_out_of_reach {
+                return Err(kind("severe injuries of one episode, from 0 to 1", "write 5 in 1,000 episodes as 0.005"));
             }
             Bound::Number(number)
         };
@@ -132,6 +137,11 @@ impl Condition {
 fn is_share(column: &str) -> bool {
     let of_start = column.split('(').next().unwrap_or(column);
     ["_rate", "_share"].iter().any(|word| of_start.contains(word)) && !column.ends_with(P_HOLM)
+}
+
+/// Whether a column holds expected injuries of an episode, or differences of them.
+fn is_risk(column: &str) -> bool {
+    column.starts_with("avoidable_injury") && !column.contains("per_thousand") && !column.ends_with(P_HOLM)
 }
 
 /// Whether a column of a table of cells or searches has no value where there was no collision.

@@ -78,6 +78,10 @@ pub enum Judged {
     MissingEverywhere(String),
     /// No episode or start of the row was evaluated, so nothing is known there, and the gate fails.
     NothingEvaluated,
+    /// The driver left the road in this share of the episodes, at least half of them. That nothing failed there is no merit of it, and the gate fails.
+    OffRoad(f64),
+    /// The condition is false, but a single failure in this number of episodes would have made it true. That is worth a warning.
+    Thin(u64),
     /// The condition is about an interval over fewer runs than any interval needs. It could never be true, so the gate fails.
     TooFewRuns(TooFewRuns),
     /// The condition is about a probability that this number of common starts could not give, whatever happens in them. It could never be true, so
@@ -90,7 +94,7 @@ pub enum Judged {
 impl Judged {
     /// Whether the run fails by it.
     pub fn fails(&self) -> bool {
-        !matches!(self, Self::Passed | Self::Missing(_) | Self::Elsewhere)
+        !matches!(self, Self::Passed | Self::Thin(_) | Self::Missing(_) | Self::Elsewhere)
     }
 }
 
@@ -339,13 +343,37 @@ impl Gate {
             _ if nothing_evaluated(cells, row) => Judged::NothingEvaluated,
             _ if let Some(starts) = self.too_few_starts(cells, row) => Judged::TooFewStarts(starts),
             Some(judged) if holds => judged,
-            _ => Judged::Passed,
+            _ if let Some(share) = self.off_road(cells, row) => Judged::OffRoad(share),
+            _ => self.thin(cells, row).map_or(Judged::Passed, Judged::Thin),
         }
+    }
+
+    /// The share of a row's episodes in which the driver left the road, if that is half of them or more and the gate does not ask for it.
+    fn off_road(&self, cells: &DataFrame, row: usize) -> Option<f64> {
+        let column = MEAN.name(LEFT_ROAD_RATE);
+        let asked = self.conditions.iter().any(|condition| condition.column.starts_with(LEFT_ROAD_RATE));
+        number(&value(cells, &column, row)).filter(|share| *share >= MOSTLY && !asked)
+    }
+
+    /// The number of a row's episodes, if they are so few that a single failure would have made a condition on a rate true.
+    fn thin(&self, cells: &DataFrame, row: usize) -> Option<u64> {
+        let episodes = number(&value(cells, &EPISODES.name(), row))?;
+        let is_thin = |condition: &Condition| match condition.bound {
+            Bound::Number(bound) if bound > 0.0 && condition.column.ends_with(&MEAN.name("_rate")) => {
+                matches!(condition.comparison, Comparison::More | Comparison::AtLeast) && episodes * bound < 1.0
+            }
+            _ => false,
+        };
+        self.conditions.iter().any(is_thin).then_some(episodes as u64)
     }
 }
 
 /// The columns that name a place: its controllers have the same starts.
 const PLACE: [&str; 5] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, BLOCK.name];
+
+/// The share of episodes in which the driver left the road, and from which share on a row says nothing about the driver's failures.
+const LEFT_ROAD_RATE: &str = "left_road_rate";
+const MOSTLY: f64 = 0.5;
 
 /// The column of the number of runs, in each table that has gates.
 const RUNS: &str = "runs";
@@ -416,6 +444,8 @@ mod tests {
             Judged::TooFewRuns(_) => 'f',
             Judged::MissingEverywhere(_) => 'M',
             Judged::NothingEvaluated => 'n',
+            Judged::OffRoad(_) => 'r',
+            Judged::Thin(_) => 't',
             Judged::TooFewStarts(_) => 's',
             Judged::Elsewhere => 'e',
         };
@@ -524,8 +554,13 @@ mod tests {
             Series::new("learning_gain".into(), [None::<f64>, None]).into(),
         ];
         let cells = DataFrame::new(2, columns).unwrap();
-        assert_eq!(letters(&cells, "fault_rate > 0.05"), "pn", "all episodes were left out");
-        assert_eq!(letters(&cells, "max over controllers fault_rate > 0.05"), "pn");
+        assert_eq!(
+            letters(&cells, "fault_rate > 0.05"),
+            "tn",
+            "one failure in ten episodes would break it; all others were left out"
+        );
+        assert_eq!(letters(&cells, "fault_rate > 0.1"), "pn");
+        assert_eq!(letters(&cells, "max over controllers fault_rate > 0.05"), "tn");
         assert_eq!(letters(&cells, "errors > 5"), "pn");
         assert_eq!(letters(&cells, "errors > 0"), "pb", "what is broken is said");
         assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "pe");

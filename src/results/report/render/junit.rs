@@ -133,6 +133,7 @@ fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
         Judged::MissingEverywhere(column) => format!("no row has {column}, so nothing was judged"),
         Judged::TooFewStarts(starts) => format!("{starts} common starts are too few for it ever to be true"),
         Judged::NothingEvaluated => "nothing was evaluated".to_string(),
+        Judged::OffRoad(share) => format!("the driver left the road in {:.0} % of the episodes", 100.0 * share),
         _ => return None,
     };
     Some(("failure", "fail-if", format!("{gate}: {message}")))
