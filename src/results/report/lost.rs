@@ -59,15 +59,16 @@ impl fmt::Display for LostDriver {
             "see whether it follows its route"
         };
         write!(f, "`{policy}` in {town} {}: {advice}", what.join(" and "))?;
+        let is_mostly_lost = 2 * left_road.max(placed) > *episodes;
         match (left_out, episodes - left_out) {
-            (0, episodes) if 2 * left_road > episodes => write!(f, "; its figures there say little"),
+            (0, _) if is_mostly_lost => write!(f, "; its figures there say little"),
             (0, _) => Ok(()),
             (_, 0) => write!(f, "; none of its episodes counts, so it has no rates there"),
             (_, counted) => write!(f, "; its rates there are those of the {counted} episodes that count"),
         }?;
         // A car in a ditch hits nobody.
         if left_road > road_end && episodes > left_out {
-            let joint = if *left_out == 0 && 2 * left_road <= *episodes { ";" } else { ", and" };
+            let joint = if *left_out == 0 && !is_mostly_lost { ";" } else { ", and" };
             write!(f, "{joint} to leave the road is no failure in them: `left_road_rate > 0.05` is a gate")?;
         }
         Ok(())

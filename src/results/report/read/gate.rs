@@ -563,7 +563,7 @@ mod tests {
         assert_eq!(letters(&cells, "max over controllers fault_rate > 0.05"), "tn");
         assert_eq!(letters(&cells, "errors > 5"), "pn");
         assert_eq!(letters(&cells, "errors > 0"), "pb", "what is broken is said");
-        assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "pe");
+        assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "te");
         assert_eq!(letters(&cells.head(Some(1)), "learning_gain > 0"), "M", "no row has it");
         assert_eq!(letters(&cells.head(Some(1)), "front_rate > 0.5"), "m", "nothing was touched");
         let columns: Vec<Column> = vec![
