@@ -269,6 +269,16 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     let blamed = listed("fault");
     assert_eq!(faults as usize, blamed.iter().filter(|failure| !failure.searched).count());
     assert!(blamed.iter().all(|failure| failure.word() == "fault"), "{blamed:?}");
+    let page = table(&again, "report.html");
+    let link = page.split("href=\"#play-").skip(1).filter_map(|rest| rest.split_once('"'));
+    let links: std::collections::BTreeSet<&str> = link.map(|(name, _)| name).collect();
+    let is_played = |failure: &&results::report::ListedFailure| {
+        links.contains(failure.name().replace(':', "-").as_str()) && page.contains(&failure.name())
+    };
+    assert!(evaluated.iter().copied().filter(|failure| is_played(failure)).count() > 0, "{links:?}");
+    for link in links {
+        assert_eq!(page.matches(&format!("id=\"play-{link}\"")).count(), 1, "{link} has one player");
+    }
     let avoidable = listed("preventable");
     assert!(!avoidable.is_empty() && avoidable.len() >= blamed.len() && listed("no_verdict").is_empty());
     let found = slow.iter().filter(|failure| failure.searched && failure.fault).count();
