@@ -479,8 +479,8 @@ fn a_reward_pays_for_violations_and_robustness() {
         let outcome = loop {
             let world = env.world();
             let (car, walker) = (&world.ego().state.pose, &world.pedestrians[0].state.pose);
-            let ahead = car.position() + car.forward() * 6.0 - walker.position();
-            env.begin_decision(&[WalkCommand { heading: f64::atan2(ahead.y, ahead.x), speed: 1.4 }]);
+            let ahead = car.position() + car.forward() * 6.0;
+            env.begin_decision(&[WalkCommand { heading: walker.yaw + walker.bearing_to(ahead), speed: 1.4 }]);
             while env.tick().is_none() {}
             let now = env.potential();
             assert!(now >= last, "what must always be true becomes no truer: {last} {now}");
@@ -503,7 +503,7 @@ fn a_reward_pays_for_violations_and_robustness() {
     assert!(violations > 2 && ends > 10, "{violations} {ends}");
     // Another requirement of the same name is another task.
     let changed = compiled(&text.replace("gap < 1.5 m", "gap < 1.6 m")).plan.unwrap();
-    let fingerprint = |plan: &Plan| plan.campaigns[0].searches[0].fingerprint.clone();
+    let fingerprint = |plan: &Plan| plan.campaigns[0].searches[0].fingerprint;
     assert_ne!(fingerprint(&plan), fingerprint(&changed));
     let apart = compiled(&text.replace("requirements: [slow_pass, other]\n", "")).plan.unwrap();
     let other = compiled(&text.replace("requirements: [slow_pass, other]\n", "").replace("gap < 1.5 m", "gap < 1.6 m"));
