@@ -184,3 +184,42 @@ def test_numbers_at_random_never_end_the_interpreter():
         except ValueError:
             refused += 1
     assert touched > 50 and 10 < refused < 300, (touched, refused)
+
+
+REQUIRED = """edition 1
+import "std/pedestrians.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+import keeps_lane from "std/requirements.scn"
+requirement slow_pass = always(gap < 1.5 m implies ego_speed < 3 m/s)
+spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }
+episode until_passed { ticks: 160  hold: 10  end_when: ahead < -6 m }
+campaign mine {
+  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed  requirements: [slow_pass, keeps_lane]
+  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [intercept]  episodes: 40 }
+}
+"""
+
+
+def test_the_requirements_of_an_own_episode_have_its_robustness_and_verdict(tmp_path):
+    file = tmp_path / "my.scn"
+    file.write_text(REQUIRED, encoding="utf-8")
+    env = falsify_av.make(file, "mine", seed=3)
+    violations = faults = 0
+    for episode in range(40):
+        env.reset(options={"episode": episode})
+        over = False
+        while not over:
+            _, _, terminated, truncated, info = env.step([0.0, 1.4])
+            over = terminated or truncated
+        trace = env.trace()
+        ego = np.stack([trace[name] for name in ("ego_x_m", "ego_y_m", "ego_yaw_rad", "ego_speed_mps")], axis=1)
+        names = ("pedestrian_x_m", "pedestrian_y_m", "pedestrian_yaw_rad", "pedestrian_speed_mps")
+        pedestrian = np.stack([trace[name][:, 0] for name in names], axis=1)
+        found = falsify_av.judge(ego, pedestrian, DT, scenario=file, campaign="mine")["requirements"]
+        assert found["slow_pass"] == info["requirements"]["slow_pass"]
+        assert found["keeps_lane"] is None, "a recording has no map"
+        assert info["requirements"]["keeps_lane"]["preventable"] is None, "it says nothing of a pedestrian"
+        violations += found["slow_pass"]["violated"]
+        faults += found["slow_pass"]["fault"] is True
+    assert violations > 5 and 0 < faults <= violations, (violations, faults)

@@ -4,6 +4,7 @@ use super::fingerprint::Fingerprint;
 use super::lowering::Lowering;
 use base::signature::{DeclarationId, Distribution, Formula, Value};
 use lang::hir::{Block, Declaration};
+use world::env::robustness_of;
 
 /// Optional keys that were added to the language later. Where they are left out they change no digest, so that tasks keep their names.
 const ADDED: &[&str] = &["from"];
@@ -76,7 +77,10 @@ impl Lowering<'_> {
         for clause in &block.clauses {
             text(out, clause.event);
             text(out, clause.word.unwrap_or_default());
-            formula(out, &clause.formula);
+            if let Some(id) = clause.subject {
+                out.extend_from_slice(&self.digest(id));
+            }
+            self.formula(out, &clause.formula);
         }
         for child in &block.children {
             out.push(b'{');
@@ -122,12 +126,42 @@ impl Lowering<'_> {
             }
             Value::Formula(condition) => {
                 tag(out, 13);
-                formula(out, condition);
+                self.formula(out, condition);
             }
             // The whole of it, down to the scale of each comparison.
             Value::Requirement(requirement) => {
                 tag(out, 14);
                 text(out, &format!("{requirement:?}"));
+            }
+        }
+    }
+
+    fn formula(&mut self, out: &mut Vec<u8>, whole: &Formula) {
+        match whole {
+            Formula::Constant(value) => numbers(out, 0, &[*value]),
+            Formula::Variable(id) => match robustness_of(*id) {
+                Some(requirement) => {
+                    tag(out, 6);
+                    out.extend_from_slice(&self.digest(DeclarationId(requirement)));
+                }
+                None => numbers(out, 1, &[id.0 as f64]),
+            },
+            Formula::Negate(inner) => {
+                tag(out, 2);
+                self.formula(out, inner);
+            }
+            Formula::Not(inner) => {
+                tag(out, 3);
+                self.formula(out, inner);
+            }
+            Formula::Binary(operator, left, right) => {
+                out.extend_from_slice(&[4, *operator as u8]);
+                self.formula(out, left);
+                self.formula(out, right);
+            }
+            Formula::Call(function, arguments) => {
+                out.extend_from_slice(&[5, *function as u8, arguments.len() as u8]);
+                arguments.iter().for_each(|argument| self.formula(out, argument));
             }
         }
     }
@@ -160,30 +194,6 @@ fn drawn(out: &mut Vec<u8>, distribution: &Distribution) {
                 numbers(out, 4, &[*weight]);
                 drawn(out, part);
             }
-        }
-    }
-}
-
-fn formula(out: &mut Vec<u8>, whole: &Formula) {
-    match whole {
-        Formula::Constant(value) => numbers(out, 0, &[*value]),
-        Formula::Variable(id) => numbers(out, 1, &[id.0 as f64]),
-        Formula::Negate(inner) => {
-            tag(out, 2);
-            formula(out, inner);
-        }
-        Formula::Not(inner) => {
-            tag(out, 3);
-            formula(out, inner);
-        }
-        Formula::Binary(operator, left, right) => {
-            out.extend_from_slice(&[4, *operator as u8]);
-            formula(out, left);
-            formula(out, right);
-        }
-        Formula::Call(function, arguments) => {
-            out.extend_from_slice(&[5, *function as u8, arguments.len() as u8]);
-            arguments.iter().for_each(|argument| formula(out, argument));
         }
     }
 }

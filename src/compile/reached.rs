@@ -1,8 +1,10 @@
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
-use base::signature::{Arguments, DeclarationId, Value};
+use base::signature::{Arguments, DeclarationId, Formula, Value};
 use lang::Setting;
 use lang::hir::{Block, ParamId, Program};
+use world::env::robustness_of;
 
 /// A declaration and all that it refers to, directly or not.
 pub(super) fn reached(program: &Program, from: DeclarationId) -> BTreeSet<DeclarationId> {
@@ -32,6 +34,16 @@ pub(super) fn reaches(program: &Program, from: DeclarationId, setting: &Setting)
     }
 }
 
+/// The requirements of which a formula names the robustness.
+fn requirements_in(formula: &Formula, found: &mut Vec<DeclarationId>) {
+    let named = RefCell::new(Vec::new());
+    formula.mentions(&|id| {
+        named.borrow_mut().extend(robustness_of(id).map(DeclarationId));
+        false
+    });
+    found.extend(named.into_inner());
+}
+
 fn references(block: &Block, found: &mut Vec<DeclarationId>) {
     let mut note = |arguments: &Arguments| {
         for (_, value) in arguments.iter() {
@@ -46,6 +58,13 @@ fn references(block: &Block, found: &mut Vec<DeclarationId>) {
         }
     };
     note(&block.arguments);
+    let formulas = block.clauses.iter().map(|clause| &clause.formula);
+    let given = block.arguments.iter().filter_map(|(_, value)| match value {
+        Value::Formula(formula) => Some(formula),
+        _ => None,
+    });
+    found.extend(block.clauses.iter().filter_map(|clause| clause.subject));
+    formulas.chain(given).for_each(|formula| requirements_in(formula, found));
     for child in &block.children {
         references(child, found);
     }

@@ -7,7 +7,7 @@ use base::signature::{
     Bounds, Comparison, DeclarationId, Form, Formula, Keys, Requirement, Temporal, VariableId, Within, short,
 };
 use lang::diagnostics;
-use lang::hir::Block;
+use lang::hir::{Block, Declaration};
 use world::env::EpisodeRule;
 use world::requirement::{NamedRequirement, ticks_within};
 
@@ -28,6 +28,12 @@ pub fn form() -> Form {
     Form::plain(RequirementKeys::signature())
 }
 
+/// The requirement of a declaration.
+pub fn named(declaration: &Declaration) -> NamedRequirement {
+    let RequirementKeys { formula: requirement, priority } = declaration.block.keys();
+    NamedRequirement { name: declaration.name.as_str().into(), priority, requirement }
+}
+
 impl Lowering<'_> {
     /// The requirements that a key of a block names, after checks that need the episode.
     pub(super) fn requirements(
@@ -37,12 +43,7 @@ impl Lowering<'_> {
         ids: &[DeclarationId],
         rule: &EpisodeRule,
     ) -> Vec<NamedRequirement> {
-        let lower = |id: &DeclarationId| {
-            let declaration = self.program.get(*id);
-            let RequirementKeys { formula: requirement, priority } = declaration.block.keys();
-            NamedRequirement { name: declaration.name.as_str().into(), priority, requirement }
-        };
-        let all: Vec<NamedRequirement> = ids.iter().map(lower).collect();
+        let all: Vec<NamedRequirement> = ids.iter().map(|id| named(self.program.get(*id))).collect();
         let places = block.members(key);
         let place = |index: usize| places.get(index).copied().unwrap_or_else(|| block.place(key));
         for (index, (each, id)) in all.iter().zip(ids).enumerate() {

@@ -1,7 +1,8 @@
+use super::requirement;
 use base::keys;
-use base::signature::{Form, Formula, Keys, Signature};
-use lang::hir::Block;
-use world::env::{HitClass, RewardRule};
+use base::signature::{DeclarationId, Form, Formula, Keys, Signature};
+use lang::hir::{Block, Declaration};
+use world::env::{HitClass, RewardRule, robustness, robustness_of};
 
 keys! {
     /// What the pedestrian is paid for: `on event => formula`, a plain number each. An event without a clause is worth nothing.
@@ -17,16 +18,44 @@ pub fn form() -> Form {
     Form::plain(Signature { clauses: true, ..RewardKeys::signature() })
 }
 
-pub fn lower(block: &Block) -> RewardRule {
-    let find = |event: &str, word: Option<&str>| {
-        let found = block.clauses.iter().find(|clause| clause.event == event && clause.word == word);
-        found.map(|clause| clause.formula.clone())
+/// Makes the rule of a reward; `find` gives the declaration of a requirement that it names.
+pub fn lower<'a>(block: &Block, find: impl Fn(DeclarationId) -> &'a Declaration) -> RewardRule {
+    let mut named: Vec<DeclarationId> = Vec::new();
+    let mut place = |id: DeclarationId| {
+        named.iter().position(|known| *known == id).unwrap_or_else(|| {
+            named.push(id);
+            named.len() - 1
+        })
     };
-    RewardRule {
-        hit: HitClass::ALL.map(|class| find("hit", class.word())),
-        step: find("step", None),
-        lost: find("lost", None),
-        timeout: find("timeout", None),
-        potential: block.keys::<RewardKeys>().potential,
+    let violated = block.clauses.iter().filter_map(|clause| Some((clause.subject?, &clause.formula)));
+    let violated: Vec<(usize, Formula)> =
+        violated.map(|(subject, formula)| (place(subject), placed(formula, &mut place))).collect();
+    let mut clause = |event: &str, word: Option<&str>| {
+        let found = block.clauses.iter().find(|clause| clause.event == event && clause.word == word);
+        found.map(|clause| placed(&clause.formula, &mut place))
+    };
+    let hit = HitClass::ALL.map(|class| clause("hit", class.word()));
+    let [step, lost, timeout] = ["step", "lost", "timeout"].map(|event| clause(event, None));
+    let potential = block.keys::<RewardKeys>().potential.map(|formula| placed(&formula, &mut place));
+    let requirements = named.into_iter().map(|id| requirement::named(find(id))).collect();
+    RewardRule { hit, step, lost, timeout, potential, requirements, violated }
+}
+
+/// A formula in which the robustness of a requirement is named by its place among those of the reward, and not by its declaration.
+fn placed(formula: &Formula, place: &mut impl FnMut(DeclarationId) -> usize) -> Formula {
+    match formula {
+        Formula::Constant(value) => Formula::Constant(*value),
+        Formula::Variable(id) => Formula::Variable(match robustness_of(*id) {
+            Some(declaration) => robustness(place(DeclarationId(declaration))),
+            None => *id,
+        }),
+        Formula::Negate(inner) => Formula::Negate(placed(inner, place).into()),
+        Formula::Not(inner) => Formula::Not(placed(inner, place).into()),
+        Formula::Binary(operator, left, right) => {
+            Formula::Binary(*operator, placed(left, place).into(), placed(right, place).into())
+        }
+        Formula::Call(function, arguments) => {
+            Formula::Call(*function, arguments.iter().map(|argument| placed(argument, place)).collect())
+        }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::ast::{self, Entry, ExpressionKind, Name};
 use super::defaults::Defaults;
 use super::diagnostics::KeyOf;
-use super::formula::Scope;
+use super::formula::{Scope, named};
 use super::hir::ParamId;
 use super::hir::{Block, Clause, Declaration, Program};
 use super::names::names_of_all;
@@ -458,9 +458,19 @@ impl<'f> Checker<'_, '_, 'f> {
             plain_number(&written.formula, &scope, self.diagnostics);
             return None;
         };
-        let word = match &written.word {
-            None => None,
-            Some(word) => match event.words.iter().find(|known| **known == word.text) {
+        let mut subject = None;
+        let word = match (&written.word, event.declared) {
+            (None, Some(form)) => {
+                let known = self.context.names.of_form(form);
+                self.diagnostics.push(diagnostics::nameless_event(name.span, event.name, form, known));
+                return None;
+            }
+            (Some(word), Some(form)) => {
+                subject = Some(named(&word.text, word.span, form, self.context.names, self.diagnostics)?);
+                None
+            }
+            (None, None) => None,
+            (Some(word), None) => match event.words.iter().find(|known| **known == word.text) {
                 Some(known) => Some(*known),
                 None => {
                     let unknown = diagnostics::unknown_event_word(word.span, event.name, &word.text, event.words);
@@ -469,13 +479,15 @@ impl<'f> Checker<'_, '_, 'f> {
                 }
             },
         };
-        if let Some(first) = earlier.iter().find(|clause| clause.event == event.name && clause.word == word) {
+        if let Some(first) =
+            earlier.iter().find(|clause| (clause.event, clause.word, clause.subject) == (event.name, word, subject))
+        {
             self.diagnostics.push(diagnostics::duplicate_clause(name.span, first.span));
         }
         let Context { vocabulary, names, .. } = *self.context;
         let scope = Scope { vocabulary, available: &event.variables, event: event.name, names, whole: true };
         let formula = plain_number(&written.formula, &scope, self.diagnostics)?;
-        Some(Clause { event: event.name, word, formula, span: name.span })
+        Some(Clause { event: event.name, word, subject, formula, span: name.span })
     }
 }
 

@@ -5,7 +5,7 @@ use super::diagnostics;
 use super::names::Names;
 use super::requirement::is_temporal;
 use base::diagnostic::{Diagnostic, Span};
-use base::signature::{BinaryOperator, Bounds, Formula, Function, VariableId, Vocabulary};
+use base::signature::{BinaryOperator, Bounds, DeclarationId, Formula, Function, VariableId, Vocabulary};
 use base::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
 
 /// The type of a formula's value.
@@ -30,7 +30,10 @@ pub(super) struct Scope<'a> {
 
 /// The names of the functions that formulas may call, and their values.
 pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
-    FUNCTIONS.iter().map(|(name, _, doc)| (*name, *doc))
+    FUNCTIONS.iter().map(|(name, _, doc)| (*name, *doc)).chain([(
+        ROBUSTNESS,
+        "robustness(slow_pass), in a reward: the robustness of a requirement over the episode up to now, as a plain number from -100 to 100.",
+    )])
 }
 
 const FUNCTIONS: &[(&str, Function, &str)] = &[
@@ -46,9 +49,29 @@ const FUNCTIONS: &[(&str, Function, &str)] = &[
     ),
 ];
 
+/// The robustness of a requirement, in a reward.
+const ROBUSTNESS: &str = "robustness";
+/// Its bounds there.
+pub(super) const ROBUST: Bounds = (-100.0, 100.0);
+
+/// The declaration of a form with this name; none when there is none, which has been reported.
+pub(super) fn named(
+    word: &str,
+    span: Span,
+    form: &str,
+    names: &Names,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<DeclarationId> {
+    let found = names.find(form, word);
+    if found.is_none() {
+        diagnostics.push(diagnostics::unknown_name(span, form, word, names.of_form(form)));
+    }
+    found
+}
+
 /// Whether formulas have a function of this name.
 pub(super) fn is_function(name: &str) -> bool {
-    FUNCTIONS.iter().any(|(known, ..)| *known == name)
+    name == ROBUSTNESS || FUNCTIONS.iter().any(|(known, ..)| *known == name)
 }
 
 /// Checks an expression as a formula; `None` when something was wrong and has been reported.
@@ -348,11 +371,33 @@ impl Checker<'_> {
         Some(part)
     }
 
+    /// `robustness(slow_pass)`
+    fn robustness(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<Part> {
+        if !self.scope.whole || self.scope.event == "tick" {
+            return self.say(diagnostics::robustness_outside(name.span));
+        }
+        let [requirement] = arguments else {
+            return self.say(diagnostics::wrong_arity(span, ROBUSTNESS, "the name of a requirement", arguments.len()));
+        };
+        let id = match &requirement.kind {
+            ExpressionKind::Known(Known::Declaration("requirement", id)) => *id,
+            ExpressionKind::Name(word) => {
+                named(word, requirement.span, "requirement", self.scope.names, self.diagnostics)?
+            }
+            _ => return self.say(diagnostics::not_a(requirement.span, "name of a requirement", "value")),
+        };
+        let formula = Formula::Variable(VariableId(self.scope.vocabulary.variables.len() + id.0));
+        Some(Part { formula, sort: Sort::Quantity(Dimension::RATIO), bounds: ROBUST })
+    }
+
     fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<Part> {
         if is_temporal(&name.text) {
             return self.say(diagnostics::temporal_in_formula(name.span, &name.text));
         }
-        let known: Vec<&str> = FUNCTIONS.iter().map(|(name, ..)| *name).collect();
+        if name.text == ROBUSTNESS {
+            return self.robustness(name, arguments, span);
+        }
+        let known: Vec<&str> = FUNCTIONS.iter().map(|(name, ..)| *name).chain([ROBUSTNESS]).collect();
         let Some((_, function, _)) = FUNCTIONS.iter().find(|(known, ..)| *known == name.text) else {
             return self.say(diagnostics::unknown_function(name.span, &name.text, &known));
         };

@@ -128,6 +128,9 @@ pub struct Clause {
     pub event: &'static str,
     /// The word in parentheses.
     pub word: Option<&'static str>,
+    /// The declaration in parentheses.
+    pub subject: Option<DeclarationId>,
+    /// Its variables after those of the vocabulary are the robustness of requirements, by their declarations.
     pub formula: Formula,
     /// The event's place.
     pub span: Span,

@@ -8,7 +8,7 @@ mod suggested;
 
 use super::ast::{Expression, ExpressionKind, Known};
 use super::diagnostics;
-use super::formula::{Scope, Sort, formula};
+use super::formula::{ROBUST, Scope, Sort, formula};
 use super::names::Names;
 use super::requirement::requirement;
 use base::diagnostic::{Diagnostic, Sources};
@@ -111,7 +111,7 @@ pub(super) fn plain_number(
     match formula(expression, scope, diagnostics)? {
         (formula, Sort::Quantity(Dimension::RATIO)) => {
             let (low, high) = formula.bounds(&|id| {
-                let variable = &scope.vocabulary.variables[id.0];
+                let Some(variable) = scope.vocabulary.variables.get(id.0) else { return ROBUST };
                 let (most, (low, high)) = (everyday(variable.dimension), variable.bounds);
                 (low.max(-most), high.min(most))
             });

@@ -10,11 +10,13 @@ use compile::{Catalog, Plan, compile};
 use falsify::session::{
     CompareOptions, FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session,
 };
+use learn::Env;
 use results::campaign::{self, InMemory, Silent, repeat_failure, watch};
 use results::report::{FailureFilter, Gate, narrative};
-use world::env::{Outcome, Trace as EpisodeTrace};
+use world::env::{Outcome, PedestrianEnv, Trace as EpisodeTrace};
 use world::judge::{LaneDeparture, NearMiss, Question, ViolationVerdict, judge};
 use world::requirement::Trace;
+use world::sim::WalkCommand;
 
 /// The plan of a campaign in the harbour with these requirements.
 fn plan(declared: &str, names: &str, policies: &str) -> Plan {
@@ -267,6 +269,16 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     let blamed = listed("fault");
     assert_eq!(faults as usize, blamed.iter().filter(|failure| !failure.searched).count());
     assert!(blamed.iter().all(|failure| failure.word() == "fault"), "{blamed:?}");
+    let page = table(&again, "report.html");
+    let link = page.split("href=\"#play-").skip(1).filter_map(|rest| rest.split_once('"'));
+    let links: std::collections::BTreeSet<&str> = link.map(|(name, _)| name).collect();
+    let is_played = |failure: &&results::report::ListedFailure| {
+        links.contains(failure.name().replace(':', "-").as_str()) && page.contains(&failure.name())
+    };
+    assert!(evaluated.iter().copied().filter(|failure| is_played(failure)).count() > 0, "{links:?}");
+    for link in links {
+        assert_eq!(page.matches(&format!("id=\"play-{link}\"")).count(), 1, "{link} has one player");
+    }
     let avoidable = listed("preventable");
     assert!(!avoidable.is_empty() && avoidable.len() >= blamed.len() && listed("no_verdict").is_empty());
     let found = slow.iter().filter(|failure| failure.searched && failure.fault).count();
@@ -435,4 +447,65 @@ fn careful_humans_are_asked_whose_fault_a_violation_is() {
     assert!(collisions - same <= collisions / 20, "{same} of {collisions}");
     // The plausible pedestrian moves as people do, so what is preventable is a fault unless a collision decides.
     assert!(slow[0] > 2 && slow[2] > 2, "violations that nobody avoids, and faults: {slow:?}");
+}
+
+#[test]
+fn a_reward_pays_for_violations_and_robustness() {
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+        requirement other = always(gap > 0.5 m)\n\
+        requirement slow_pass = always(gap < 1.5 m implies ego_speed < 3 m/s)\n\
+        reward paid {\n  potential: -robustness(slow_pass)\n  on lost => 10 - robustness(slow_pass)\n\
+        on timeout => 10 - robustness(slow_pass)\n  on violated(slow_pass) => 1000\n  on violated(other) => 0.5\n}\n\
+        spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }\n\
+        episode until_passed { ticks: 160  hold: 10  end_when: ahead < -6 m }\n\
+        falsifier kinds = archive(reward: paid)\n\
+        campaign mine {\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed\n\
+        requirements: [slow_pass, other]\n\
+        search { towns: [harbour]  policies: [idm]  falsifiers: [kinds]  budget: 6_000  runs: 1 }\n}\n";
+    let compiled = |text: &str| {
+        let own = text.to_string();
+        let read =
+            |path: &Path| if path == Path::new("my.scn") { Ok(own.clone()) } else { std::fs::read_to_string(path) };
+        compile(&["my.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap()
+    };
+    let found = compiled(text);
+    let plan = found.plan.unwrap_or_else(|| panic!("{:?}", found.diagnostics));
+    let scenario = &plan.campaigns[0].searches[0].scenario;
+    let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(4));
+    let (mut violations, mut ends) = (0, 0);
+    for episode in 0..60 {
+        env.begin(episode);
+        let mut last = env.potential();
+        let outcome = loop {
+            let world = env.world();
+            let (car, walker) = (&world.ego().state.pose, &world.pedestrians[0].state.pose);
+            let ahead = car.position() + car.forward() * 6.0;
+            env.begin_decision(&[WalkCommand { heading: walker.yaw + walker.bearing_to(ahead), speed: 1.4 }]);
+            while env.tick().is_none() {}
+            let now = env.potential();
+            assert!(now >= last, "what must always be true becomes no truer: {last} {now}");
+            last = now;
+            if let Some(outcome) = env.outcome() {
+                break *outcome;
+            }
+        };
+        let [slow, other] = env.degrees() else { panic!("two requirements") };
+        assert_eq!(last, -slow.robustness.clamp(-100.0, 100.0));
+        let end = if outcome.is_touch() { 0.0 } else { 10.0 - slow.robustness.clamp(-100.0, 100.0) };
+        let paid = |is: bool, worth: f64| if is { worth } else { 0.0 };
+        let wanted = end + (paid(slow.is_violated(), 1000.0) + paid(other.is_violated(), 0.5));
+        if outcome.left_out.is_none() {
+            assert!((outcome.reward - wanted).abs() < 1e-9, "{wanted} {outcome:?}");
+            violations += u32::from(slow.is_violated());
+            ends += u32::from(!outcome.is_touch());
+        }
+    }
+    assert!(violations > 2 && ends > 10, "{violations} {ends}");
+    // Another requirement of the same name is another task.
+    let changed = compiled(&text.replace("gap < 1.5 m", "gap < 1.6 m")).plan.unwrap();
+    let fingerprint = |plan: &Plan| plan.campaigns[0].searches[0].fingerprint;
+    assert_ne!(fingerprint(&plan), fingerprint(&changed));
+    let apart = compiled(&text.replace("requirements: [slow_pass, other]\n", "")).plan.unwrap();
+    let other = compiled(&text.replace("requirements: [slow_pass, other]\n", "").replace("gap < 1.5 m", "gap < 1.6 m"));
+    assert_ne!(fingerprint(&apart), fingerprint(&other.plan.unwrap()), "the reward alone names it");
 }

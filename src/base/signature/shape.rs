@@ -142,6 +142,8 @@ pub struct Event {
     pub name: &'static str,
     /// The words it takes in parentheses, such as `front`; empty when it takes none.
     pub words: &'static [&'static str],
+    /// The form of which it takes a declaration in parentheses instead, such as `requirement`.
+    pub declared: Option<&'static str>,
     /// The names of the variables that have a value when it happens.
     pub variables: Vec<&'static str>,
     /// Whether `on` clauses can answer to it; conditions can use all events.

@@ -99,7 +99,11 @@ impl Lowering<'_> {
     }
 
     pub(super) fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
-        Axis { id, name: self.axis_name(id), value: reward::lower(&self.program.get(id).block) }
+        Axis {
+            id,
+            name: self.axis_name(id),
+            value: reward::lower(&self.program.get(id).block, |id| self.program.get(id)),
+        }
     }
 
     pub(super) fn spawn(&mut self, id: DeclarationId) -> Option<Axis<SpawnRule>> {

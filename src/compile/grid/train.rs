@@ -5,7 +5,7 @@ use super::ground::{Place, note_towns};
 use crate::campaign::{Together, TrainKeys};
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, Training, TrainingKey};
-use base::signature::{DeclarationId, Formula};
+use base::signature::{DeclarationId, Formula, VariableId};
 use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{EpisodeRule, RewardRule};
@@ -70,7 +70,11 @@ impl Lowering<'_> {
 
     /// Warns of a reward that pays for every step, and so much that no touch is worth ending an episode.
     fn warn_of_paid_waiting(&mut self, reward: &Axis<RewardRule>, rule: &EpisodeRule) {
-        let bounds = |formula: &Formula| formula.bounds(&|id| self.catalog.vocabulary.variables[id.0].bounds);
+        // The robustness of a requirement is no variable of the vocabulary, and has no bounds.
+        let known = |id: VariableId| self.catalog.vocabulary.variables.get(id.0);
+        let bounds = |formula: &Formula| {
+            formula.bounds(&|id| known(id).map_or((f64::NEG_INFINITY, f64::INFINITY), |variable| variable.bounds))
+        };
         let declaration = self.program.get(reward.id);
         let clauses = || declaration.block.clauses.iter();
         let Some(step) = clauses().find(|clause| clause.event == "step") else { return };

@@ -405,6 +405,22 @@ pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -
     )
 }
 
+/// An event needs the name of a declaration in parentheses.
+pub fn nameless_event<'a>(span: Span, event: &str, form: &str, known: impl Iterator<Item = &'a str>) -> Diagnostic {
+    let known: Vec<&str> = known.collect();
+    let said = Diagnostic::error("unknown-event-word", span, format!("the event `{event}` needs the name of a {form}"));
+    match known.first() {
+        Some(first) => said.help(format!("write `on {event}({first})`; known here: `{}`", known.join("`, `"))),
+        None => said.help(format!("declare a {form}, and write its name in parentheses: `on {event}(name)`")),
+    }
+}
+
+/// The robustness of a requirement is used outside of rewards.
+pub fn robustness_outside(span: Span) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, "`robustness` belongs in a reward")
+        .help("there it is how far an episode is from violating the requirement: `on lost => -robustness(slow_pass)`")
+}
+
 /// A temporal operator stands inside a formula of quantities.
 pub fn temporal_in_formula(span: Span, word: &str) -> Diagnostic {
     Diagnostic::error("wrong-type", span, format!("`{word}` belongs in a requirement, around conditions"))

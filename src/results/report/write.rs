@@ -73,7 +73,7 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
         folder.table(PROTOCOL, &protocol_table(&all))?;
         sections.extend(protocol(&gathered.protocol, &found.layers, &|_| None));
     }
-    sections.extend(requirements(&found.cells, &gathered.requirements));
+    sections.extend(requirements(&found.cells, &gathered.requirements, &|_, _| None));
     sections.extend(modes_sections);
     if !finished.searches.is_empty() {
         folder.table("searches", &searches(&finished.searches))?;

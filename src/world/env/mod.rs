@@ -52,7 +52,9 @@ pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};
 pub use scenario::{EpisodeRule, Scenario};
-pub use signal::{Situation, is_about_braking, is_about_map, is_about_pedestrian, vocabulary};
+pub use signal::{
+    Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
+};
 pub use spawn::{
     Constraint, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn, SpawnError,
     SpawnRule, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,

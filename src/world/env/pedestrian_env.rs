@@ -85,6 +85,10 @@ pub struct PedestrianEnv {
     signals: Option<SignalMeter>,
     /// The requirements of the scenario; none without any.
     monitor: Option<Monitor>,
+    /// The requirements that the reward names; none without any.
+    paid: Option<Monitor>,
+    /// Their robustness over the samples up to the last decision, as plain numbers from -100 to 100.
+    robustness: Vec<f64>,
     /// The moment of each sample; empty without a goal.
     moments: Vec<Moment>,
 }
@@ -200,6 +204,8 @@ impl PedestrianEnv {
         Self {
             signals: wanted.map(|wanted| SignalMeter::new(wanted, rule.moving_above, &world, samples)),
             monitor,
+            paid: requirements::paid(&scenario),
+            robustness: Vec::with_capacity(scenario.reward.requirements.len()),
             moments: Vec::with_capacity(if scenario.goal.is_some() { samples } else { 0 }),
             trace: scenario.oracle.is_some().then(|| Trace::new(&scenario)),
             motions,
@@ -491,6 +497,8 @@ impl PedestrianEnv {
             trace: self.trace.clone(),
             signals: self.signals.clone(),
             monitor: self.monitor.clone(),
+            paid: self.paid.clone(),
+            robustness: self.robustness.clone(),
             moments: self.moments.clone(),
             motions: self.motions.clone(),
             ..*self
@@ -666,7 +674,7 @@ impl Env for PedestrianEnv {
 
     fn potential(&self) -> f64 {
         match &self.scenario.reward.potential {
-            Some(formula) => RewardRule::worth(Some(formula), &self.situation(self.contact())),
+            Some(formula) => RewardRule::worth(Some(formula), &self.situation(self.contact()), &self.robustness),
             None => 0.0,
         }
     }

@@ -1,7 +1,10 @@
 //! Rewards are formulas of the scenario, evaluated at events.
 
 use super::Judgement;
-use super::signal::{Situation, is_judgement, is_motion};
+use std::sync::Arc;
+
+use super::signal::{Situation, is_judgement, is_motion, robustness_of};
+use crate::requirement::NamedRequirement;
 use base::signature::Formula;
 
 /// A class of hits that a clause of a reward can name.
@@ -75,12 +78,21 @@ pub struct RewardRule {
     pub timeout: Option<Formula>,
     /// The potential of a state. It shapes the reward of a learner and is not part of the reward.
     pub potential: Option<Formula>,
+    /// The requirements that it names.
+    pub requirements: Arc<[NamedRequirement]>,
+    /// The end of an episode that violates the requirement in this place among them.
+    pub violated: Vec<(usize, Formula)>,
 }
 
 impl RewardRule {
-    /// The value of a formula in a situation; 0 without a formula.
-    pub fn worth(formula: Option<&Formula>, situation: &Situation) -> f64 {
-        formula.map_or(0.0, |formula| formula.evaluate(&|id| situation.value(id)))
+    /// The value of a formula in a situation, with the robustness of each requirement; 0 without a formula.
+    pub fn worth(formula: Option<&Formula>, situation: &Situation, robustness: &[f64]) -> f64 {
+        formula.map_or(0.0, |formula| {
+            formula.evaluate(&|id| match robustness_of(id) {
+                Some(place) => robustness.get(place).copied().unwrap_or(0.0),
+                None => situation.value(id),
+            })
+        })
     }
 
     /// The formula for a hit: that of the first class that applies and has one.
@@ -104,7 +116,7 @@ impl RewardRule {
     /// All its formulas.
     pub(super) fn formulas(&self) -> impl Iterator<Item = &Formula> {
         let rest = [&self.step, &self.lost, &self.timeout, &self.potential];
-        self.hit.iter().chain(rest).flatten()
+        self.hit.iter().chain(rest).flatten().chain(self.violated.iter().map(|(_, formula)| formula))
     }
 }
 

@@ -173,13 +173,15 @@ const TOUCHING: f64 = 0.1;
 pub fn vocabulary() -> Vocabulary {
     let until =
         |last: Since| VARIABLES.iter().filter(|each| each.1 <= last).map(|each| each.0.name).collect::<Vec<_>>();
-    let moving = |name, doc| Event { name, words: &[], variables: until(Since::Motion), answered: true, doc };
+    let moving =
+        |name, doc| Event { name, words: &[], declared: None, variables: until(Since::Motion), answered: true, doc };
     Vocabulary {
         variables: VARIABLES.iter().map(|(variable, _)| variable.clone()).collect(),
         events: vec![
             Event {
                 name: "hit",
                 words: HitClass::WORDS,
+                declared: None,
                 variables: until(Since::Judgement),
                 answered: true,
                 doc: "The pedestrian and the ego touch. One clause counts, the first of these that is written and true: `fault` \
@@ -190,8 +192,16 @@ pub fn vocabulary() -> Vocabulary {
             moving("lost", "The episode ends because its `end_when` condition holds."),
             moving("timeout", "The episode's time is up."),
             Event {
+                declared: Some("requirement"),
+                ..moving(
+                    "violated",
+                    "The episode ends, however it does, and violates the requirement in parentheses. It is paid beside the other clauses.",
+                )
+            },
+            Event {
                 name: "tick",
                 words: &[],
+                declared: None,
                 variables: until(Since::Condition),
                 answered: false,
                 doc: "The start of an episode and the end of every tick; for requirements.",
@@ -199,6 +209,7 @@ pub fn vocabulary() -> Vocabulary {
             Event {
                 name: "begin",
                 words: &[],
+                declared: None,
                 variables: until(Since::Begin),
                 answered: false,
                 doc: "An episode is about to begin; for the `require` of a spawn.",
@@ -229,9 +240,19 @@ impl Situation {
     }
 }
 
+/// The place of a requirement among those of a reward whose robustness a formula of that reward names: the variables after all others.
+pub fn robustness_of(id: VariableId) -> Option<usize> {
+    id.0.checked_sub(VARIABLES.len())
+}
+
+/// The variable for the robustness of the requirement in this place.
+pub fn robustness(place: usize) -> VariableId {
+    VariableId(VARIABLES.len() + place)
+}
+
 /// Whether a variable must be measured in every tick.
 pub(super) fn is_measured(id: VariableId) -> bool {
-    matches!(VARIABLES[id.0].1, Since::Tick | Since::Condition)
+    VARIABLES.get(id.0).is_some_and(|found| matches!(found.1, Since::Tick | Since::Condition))
 }
 
 /// The variables that say nothing of a pedestrian.
@@ -280,12 +301,12 @@ pub fn is_about_braking(id: VariableId) -> bool {
 
 /// Whether a variable is about the motion in all ticks of a decision.
 pub(super) fn is_motion(id: VariableId) -> bool {
-    VARIABLES[id.0].1 == Since::Motion
+    VARIABLES.get(id.0).is_some_and(|found| found.1 == Since::Motion)
 }
 
 /// Whether a variable needs the judgement of a hit.
 pub(super) fn is_judgement(id: VariableId) -> bool {
-    VARIABLES[id.0].1 == Since::Judgement
+    VARIABLES.get(id.0).is_some_and(|found| found.1 == Since::Judgement)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use polars::prelude::{DataFrame, PolarsResult};
 
 use crate::record::{CellKey, RunKey};
-use crate::report::listed_failure::{ListedFailure, listed, searched};
+use crate::report::listed_failure::{ListedFailure, listed, searched, violations};
 use compile::RunId;
 
 /// The most failures of a driver that are listed. The tables `episodes` and `search_failures` have all.
@@ -19,6 +19,8 @@ pub struct Failures {
     last: Option<(RunKey, bool)>,
     /// The worst failure of each cell that has any.
     worst: Vec<(CellKey, ListedFailure)>,
+    /// The worst violation of each requirement in each cell that has any, but those that the touch of a collision decides.
+    violations: Vec<(CellKey, ListedFailure)>,
 }
 
 impl Failures {
@@ -57,6 +59,29 @@ impl Failures {
     pub fn add_searches(&mut self, failures: &DataFrame) -> PolarsResult<()> {
         searched(failures)?.into_iter().for_each(|found| self.insert(found));
         Ok(())
+    }
+
+    /// Adds the violations of a run or of a part of it: rows of a table of requirements, which have the same key.
+    ///
+    /// # Errors
+    /// As [`Failures::add`], for a table made by `requirement_table`.
+    pub fn add_violations(&mut self, key: &CellKey, rows: &DataFrame) -> PolarsResult<()> {
+        let name = |failure: &ListedFailure| failure.violation.as_ref().map(|found| found.requirement.clone());
+        let is_own = |failure: &ListedFailure| failure.violation.as_ref().is_some_and(|found| !found.at_collision);
+        for found in violations(rows)?.into_iter().filter(is_own) {
+            let same = |(cell, other): &&mut (CellKey, ListedFailure)| cell == key && name(other) == name(&found);
+            match self.violations.iter_mut().find(same) {
+                Some((_, worst)) if found.worse_first(worst).is_lt() => *worst = found,
+                Some(_) => {}
+                None => self.violations.push((key.clone(), found)),
+            }
+        }
+        Ok(())
+    }
+
+    /// The worst violation of each requirement in each cell that has any, with its cell.
+    pub fn violations(&self) -> &[(CellKey, ListedFailure)] {
+        &self.violations
     }
 
     /// The failure of a cell's evaluation that counts most against its driver; none without a collision.

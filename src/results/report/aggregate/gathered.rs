@@ -118,7 +118,9 @@ pub fn gather(
                 for (index, row) in rows.iter().enumerate().filter(|(_, row)| row.counts) {
                     violations[index % named.len()].add(row);
                 }
-                file.add(&table.frame(&rows))?;
+                let rows = table.frame(&rows);
+                gathered.failures.add_violations(&run.key.cell, &rows).map_err(failed)?;
+                file.add(&rows)?;
             }
             kinds.add(&part).map_err(failed)?;
             evidence.add(&part).map_err(failed)?;

@@ -11,7 +11,11 @@ pub(super) fn wanted(scenario: &Scenario) -> Option<Wanted> {
     let formulas = || scenario.reward.formulas().chain(end.clone());
     let wanted = Wanted::new(|id| {
         is_measured(id) && formulas().any(|formula| formula.mentions(&|other| other == id))
-            || scenario.requirements.iter().any(|each| each.requirement.mentions(&|other| other == id))
+            || scenario
+                .requirements
+                .iter()
+                .chain(&*scenario.reward.requirements)
+                .any(|each| each.requirement.mentions(&|other| other == id))
     });
     (wanted != Wanted::default()).then_some(wanted)
 }
@@ -21,6 +25,15 @@ pub(super) fn monitor(scenario: &Scenario) -> Option<Monitor> {
     let (all, rule) = (&scenario.requirements, &scenario.episode);
     (!all.is_empty()).then(|| Monitor::new(all.clone(), rule.tick, rule.ticks.min(MOST_ROOM) as usize + 1))
 }
+
+/// Watches the requirements that the reward names; none without any.
+pub(super) fn paid(scenario: &Scenario) -> Option<Monitor> {
+    let (all, rule) = (&scenario.reward.requirements, &scenario.episode);
+    (!all.is_empty()).then(|| Monitor::new(all.clone(), rule.tick, rule.ticks.min(MOST_ROOM) as usize + 1))
+}
+
+/// The greatest size of a robustness in a reward; an infinite one has it.
+const MOST_ROBUST: f64 = 100.0;
 
 /// The ego and the nearest pedestrian at a sample.
 #[derive(Debug, Clone, Copy)]
@@ -50,11 +63,25 @@ impl PedestrianEnv {
         if let Some(signals) = &mut self.signals {
             signals.begin(&self.world);
         }
-        if let Some(monitor) = &mut self.monitor {
-            monitor.clear();
-        }
+        self.monitor.iter_mut().chain(&mut self.paid).for_each(Monitor::clear);
         self.moments.clear();
         self.watch_requirements(None);
+        self.measure_robustness();
+    }
+
+    /// Evaluates the requirements of the reward over the samples up to now.
+    pub(super) fn measure_robustness(&mut self) {
+        if let Some(monitor) = &mut self.paid {
+            monitor.conclude();
+            self.robustness.clear();
+            let held = |degree: &Degree| degree.robustness.clamp(-MOST_ROBUST, MOST_ROBUST);
+            self.robustness.extend(monitor.degrees().iter().map(held));
+        }
+    }
+
+    /// Whether the samples up to the last decision violate the requirement in this place among those of the reward.
+    pub(super) fn violates_paid(&self, place: usize) -> bool {
+        self.paid.as_ref().and_then(|monitor| monitor.degrees().get(place)).is_some_and(Degree::is_violated)
     }
 
     /// Takes the sample after a tick.
@@ -67,10 +94,11 @@ impl PedestrianEnv {
     }
 
     fn watch_requirements(&mut self, contact: Option<&Contact>) {
-        let Some(mut monitor) = self.monitor.take() else { return };
+        if self.monitor.is_none() && self.paid.is_none() {
+            return;
+        }
         let values = self.sample(contact).values();
-        monitor.push(&|id| values[id.0]);
-        self.monitor = Some(monitor);
+        self.monitor.iter_mut().chain(&mut self.paid).for_each(|monitor| monitor.push(&|id| values[id.0]));
         if self.scenario.goal.is_some() {
             let (ego, number) = (self.world.ego(), SignalMeter::pedestrian(&self.world, contact));
             let walker = &self.world.pedestrians[number].state;

@@ -9,6 +9,7 @@ impl PedestrianEnv {
     /// Computes the reward of the decision, and ends the episode when it is over.
     pub(super) fn settle(&mut self, contact: Option<Contact>) -> Step {
         self.episode.state_hashes.mark(self.episode.digest);
+        self.measure_robustness();
         let (rule, reward) = (&self.scenario.episode, &self.scenario.reward);
         let hit = contact.filter(|contact| contact.pedestrian_at_ego().is_some());
         let judgement = hit.and_then(|_| self.judgement()).unwrap_or_default();
@@ -21,7 +22,7 @@ impl PedestrianEnv {
             ..self.situation(contact.as_ref())
         };
         let lost = || rule.end_when.as_ref().is_some_and(|condition| situation.satisfies(condition));
-        let worth = |formula| RewardRule::worth(formula, &situation);
+        let worth = |formula| RewardRule::worth(formula, &situation, &self.robustness);
         let (earned, ending) = match (hit, contact) {
             (Some(hit), _) => {
                 let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > rule.moving_above);
@@ -40,6 +41,9 @@ impl PedestrianEnv {
             }
             (None, None) => (worth(reward.step.as_ref()), None),
         };
+        let counts = ending.is_some() && self.episode.left_out.is_none();
+        let violated = reward.violated.iter().filter(|(place, _)| counts && self.violates_paid(*place));
+        let earned = earned + violated.map(|(_, formula)| worth(Some(formula))).sum::<f64>();
         // A goal takes the place of the reward.
         let earned = match (self.scenario.goal, ending) {
             (None, _) => earned,

@@ -159,6 +159,11 @@ fn blame(named: &NamedRequirement, verdict: Option<ViolationVerdict>) -> String 
     }
 }
 
+/// What an episode violates, and whose fault that is, each in a sentence; empty without a violation.
+pub fn violations_in_words(scenario: &Scenario, trace: &Trace) -> String {
+    violated(&violations(scenario, trace))
+}
+
 /// The violated requirements of an episode, each in a sentence; empty without any.
 fn violated(violations: &[Violated<'_>]) -> String {
     let sentence = |Violated { named, verdict, .. }: &Violated<'_>| {

@@ -1,6 +1,6 @@
 use serde::Serialize;
 
-use super::super::episode::in_short;
+use super::super::episode::{in_short, violations_in_words};
 use super::super::town::{Scenery, Surface};
 use world::env::{Ending, Frame, Outcome, Scenario, Trace};
 use world::geometry::{Point, Pose};
@@ -102,6 +102,11 @@ impl Replay {
         // The touch is within the last tick. The danger started this time before it.
         let ticks = |seconds: f64| (seconds / scenario.episode.tick).ceil() as usize;
         let shown = verdict.map_or(LONGEST, |verdict| (verdict.warning + BEFORE).clamp(SHORTEST, LONGEST));
+        let violated = trace.degrees().iter().filter(|degree| degree.is_violated());
+        let opens = match violated.map(|degree| degree.sample as usize).min().filter(|_| !touch) {
+            Some(sample) => sample.saturating_sub(ticks(SHORTEST)),
+            None => (frames.len() - 1).saturating_sub(ticks(shown)),
+        };
         Self {
             origin: [origin.x, origin.y],
             dt: scenario.episode.tick,
@@ -122,14 +127,14 @@ impl Replay {
                 .filter(|(_, degree)| degree.is_violated())
                 .map(|(named, degree)| (degree.sample, named.name.to_string()))
                 .collect(),
-            opens: (frames.len() - 1).saturating_sub(ticks(shown)),
+            opens,
             verdict: verdict.map(|verdict| verdict.label.name()),
             drivers: verdict.map_or_else(Vec::new, |verdict| {
                 let fared = |driver: Reference| (driver.name(), verdict.trial(driver).impact_speed);
                 Reference::ALL.map(fared).into()
             }),
             touch,
-            short: in_short(scenario, outcome, trace, verdict),
+            short: [in_short(scenario, outcome, trace, verdict), violations_in_words(scenario, trace)].concat(),
         }
     }
 

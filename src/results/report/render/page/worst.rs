@@ -8,10 +8,13 @@ use crate::report::{DriverResult, Failures, ListedFailure, worst_failure};
 
 /// The most failures in the list of the drivers under test, and in that of drivers that see no pedestrians.
 const LISTED: (usize, usize) = (150, 20);
+/// The most violations of evaluations in the list.
+const VIOLATIONS: usize = 30;
 /// The most drivers whose worst failure has a player.
 pub const DRIVERS: usize = 8;
 
-/// The failures of a page in their order: one of each driver, then all others, the worst first; drivers that see no pedestrians follow.
+/// The failures of a page in their order: one of each driver, then all others, the worst first; drivers that see no pedestrians follow, and
+/// the worst violation of each requirement in each cell.
 pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a ListedFailure> {
     let of = |blind: bool, most: usize| {
         let drivers = drivers.iter().filter(move |result| result.driver.sees_no_pedestrians() == blind);
@@ -20,7 +23,8 @@ pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a L
         ranked.sort_by(|a, b| one_of_each_first(*a, *b));
         ranked.into_iter().map(|(_, found)| found).take(most)
     };
-    of(false, LISTED.0).chain(of(true, LISTED.1)).collect()
+    let violations = failures.violations().iter().map(|(_, found)| found).take(VIOLATIONS);
+    of(false, LISTED.0).chain(of(true, LISTED.1)).chain(violations).collect()
 }
 
 fn one_of_each_first((rank, found): (usize, &ListedFailure), (other_rank, other): (usize, &ListedFailure)) -> Ordering {
@@ -54,9 +58,18 @@ pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[&str], p
 /// The card of a failure.
 pub fn card(found: &ListedFailure) -> PlayerCard {
     PlayerCard {
-        title: format!("{}, hit at {:.1} m/s", found.policy, found.impact_speed),
+        title: match &found.violation {
+            Some(violation) => format!("{}, violates {}", found.policy, violation.requirement),
+            None => format!("{}, hit at {:.1} m/s", found.policy, found.impact_speed),
+        },
         verdict: (found.class(), found.word()),
-        place: format!("{} · {} · contact {:.1} s after the start", found.finder(), found.town, found.length),
+        place: format!(
+            "{} · {} · {} {:.1} s after the start",
+            found.finder(),
+            found.town,
+            if found.violation.is_some() { "violation" } else { "contact" },
+            found.length
+        ),
         about: String::new(),
         name: found.name(),
     }
@@ -80,11 +93,18 @@ fn list(listed: &[&ListedFailure], cards: &[&str], players: &Players) -> Markup 
                 tbody {
                     @for found in listed {
                         @let name = found.name();
-                        @let own = players.get(&name).filter(|_| !cards.contains(&name.as_str()));
+                        // A player has one place on the page: that of the first failure of its episode.
+                        @let is_first = listed.iter().find(|other| other.name() == name).is_some_and(|first| std::ptr::eq(*first, *found));
+                        @let own = players.get(&name).filter(|_| is_first && !cards.contains(&name.as_str()));
                         tr id=[own.map(|_| Players::id(&name))] {
                             th scope="row" { (found.policy) }
-                            td data-label=(heads[1]) data-value=(found.class() as usize) { (found.word()) }
-                            td.number data-label=(heads[2]) { (format!("{:.1}", found.impact_speed)) }
+                            td data-label=(heads[1]) data-value=(found.class() as usize) {
+                                (found.word())
+                                @if let Some(violation) = &found.violation { ", " code { (violation.requirement) } }
+                            }
+                            td.number data-label=(heads[2]) {
+                                @if found.violation.is_some() { "–" } @else { (format!("{:.1}", found.impact_speed)) }
+                            }
                             td.number data-label=(heads[3]) { (format!("{:.1}", found.length)) }
                             td data-label=(heads[4]) { (found.town) }
                             td data-label=(heads[5]) { (found.finder()) }
@@ -99,7 +119,7 @@ fn list(listed: &[&ListedFailure], cards: &[&str], players: &Players) -> Markup 
             }
         }
         p.lead {
-            "One failure of each driver, then the others: faults first, then preventable ones; in each class the fastest car first. "
+            "One failure of each driver, then the others: faults first, then preventable ones; in each class the fastest car first; then violations of requirements. "
             code { "falsify replay NAME" } " describes a failure, " code { "falsify export NAME --as animation" } " draws it. The tables "
             code { "episodes" } " and " code { "search_failures" } " have all failures."
         }

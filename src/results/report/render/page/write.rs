@@ -15,6 +15,8 @@ use crate::report::{
 /// The most failures that have cards, and the most that can be played, so that the page stays small.
 const CARDS: usize = 14;
 const PLAYED: usize = 44;
+/// The most violations of evaluations that can be played.
+const VIOLATIONS: usize = 12;
 
 /// The names of the failures that the page plays, each once, the most important first: those with cards, then the first of the list. A program of the user
 /// may take long to start, so of its failures only those with cards are played.
@@ -39,6 +41,9 @@ pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
         !found.drivers.iter().any(|each| each.driver.name == cell.policy && each.driver.is_external())
     });
     of_cells.for_each(|(_, name)| add(&mut names, name, PLAYED));
+    let violations = found.gathered.failures.violations().iter().map(|(_, failure)| failure);
+    let own = violations.filter(|failure| !is_external(&failure.policy)).take(VIOLATIONS);
+    own.for_each(|failure| add(&mut names, failure.name(), PLAYED));
     let of_list = listed(&found.drivers, &found.gathered.failures).into_iter();
     of_list.filter(|failure| !is_external(&failure.policy)).for_each(|failure| add(&mut names, failure.name(), PLAYED));
     names
@@ -76,7 +81,14 @@ pub fn write_page(
     let searches = (!found.searches.is_empty()).then(|| search_section(&found.searches, &found.search_comparisons));
     let sections: Vec<_> = [
         protocol(&gathered.protocol, &found.layers, &|name| players.link(name)),
-        requirements(cells, &gathered.requirements),
+        requirements(cells, &gathered.requirements, &|cell, name| {
+            let violations = gathered.failures.violations().iter();
+            let named = |failure: &ListedFailure| {
+                failure.violation.as_ref().is_some_and(|violation| violation.requirement == name)
+            };
+            let mut found = violations.filter(|(key, failure)| key == cell && named(failure));
+            found.next().and_then(|(_, failure)| players.link(&failure.name()))
+        }),
         searches,
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),

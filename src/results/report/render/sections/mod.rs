@@ -59,7 +59,7 @@ pub fn protocol_for_terminal(cells: &[ProtocolCell], layers: &[ProtocolCell], wi
 
 /// The rates of violations of a campaign's requirements as text for a terminal of this width (columns); empty without requirements.
 pub fn requirements_for_terminal(cells: &[Cell], found: &[CellRequirement], width: u16) -> String {
-    let tables = requirements(cells, found).map_or_else(Vec::new, |section| section.tables);
+    let tables = requirements(cells, found, &|_, _| None).map_or_else(Vec::new, |section| section.tables);
     tables.iter().map(|table| format!("violations of requirements\n{}", table.to_terminal(width))).collect()
 }
 

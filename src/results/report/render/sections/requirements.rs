@@ -1,11 +1,15 @@
 use super::{distinct, place, who};
+use crate::record::CellKey;
 use crate::report::aggregate::Counted;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellRequirement};
 use world::judge::Question;
 
+/// The link to the player of the worst violation of a requirement in a cell; none where it is not played.
+pub type ViolationOf<'a> = &'a dyn Fn(&CellKey, &str) -> Option<String>;
+
 /// The rates of violations of a campaign's requirements; none without requirements.
-pub fn requirements(cells: &[Cell], found: &[CellRequirement]) -> Option<Section> {
+pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf<'_>) -> Option<Section> {
     let mut names: Vec<(&str, Question)> = Vec::new();
     for each in found {
         if !names.iter().any(|(name, _)| *name == each.name) {
@@ -35,7 +39,11 @@ pub fn requirements(cells: &[Cell], found: &[CellRequirement]) -> Option<Section
     let row = |cell: &&Cell| {
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
         for (name, question) in &names {
-            row.push(rate(cell, name, CellRequirement::ALL));
+            let shown = rate(cell, name, CellRequirement::ALL);
+            row.push(match link(&cell.key, name) {
+                Some(place) => Value::Played(Box::new(shown), place),
+                None => shown,
+            });
             if *question == Question::Asked {
                 row.push(rate(cell, name, CellRequirement::FAULTS));
             }

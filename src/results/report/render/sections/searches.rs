@@ -17,7 +17,9 @@ pub fn search_section(cells: &[SearchCell], compared: &[SearchComparison]) -> Se
         "Compare these two between methods. *Faults found* may be many variations of one start, and a falsifier that leaves a start when it has failed \
          spends few episodes on failures. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver did at the touch. \
          A *fault* is a failure that counts against the driver. \
-         *Evaluated afterwards* are the collision rate and the rate of faults of the controller with which the falsifier \
+         Where a search has a goal, failures are its violations, and faults those of them that count against the driver; a goal without a verdict has none. \
+         *Simulations to it* are finished episodes, over the runs with a failure, as ARCH-COMP counts them. \
+         *Evaluated afterwards* are the failure rate and the rate of faults of the controller with which the falsifier \
          ends, in fresh episodes; `–` if there is none.",
         "*Pairs:* one falsifier less another one against the same driver, and one driver less another one with the same falsifier, run by run: \
          equal runs have the same starts. p is Student's, after Holm's correction for all pairs of falsifiers, or of drivers, in all towns: in 95 % of \
@@ -40,6 +42,7 @@ pub fn falsifiers(cells: &[SearchCell]) -> Table {
         Column::number("runs × ticks").detail(),
         Column::number("runs with a failure"),
         Column::text("ticks to first failure"),
+        Column::text("simulations to it, mean and median").page_only(),
         Column::text("failures of episodes").detail(),
         Column::text("failed starts"),
         Column::text("kinds of failures").page_only(),
@@ -57,6 +60,9 @@ pub fn falsifiers(cells: &[SearchCell]) -> Table {
             Value::Times(cell.runs as u64, cell.budget),
             Value::Of((cell.runs - cell.censored) as u64, cell.runs as u64),
             median(cell.first_failure).into(),
+            cell.simulations_to_first()
+                .map_or_else(|| "–".into(), |(mean, median)| format!("{mean:.0}, {median:.0}"))
+                .into(),
             average(&cell.failure_rate, 3),
             failed_starts(cell),
             average(&cell.distinct, 1),
