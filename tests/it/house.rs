@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_150),
     ("src/learn", 6_000),
-    ("src/world", 29_800),
+    ("src/world", 29_900),
     ("src/ported", 6_000),
     ("src/lang", 8_200),
     ("src/compile", 6_500),
