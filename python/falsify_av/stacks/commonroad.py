@@ -1,9 +1,9 @@
 """The reactive planner of CommonRoad as a driver under test: a sampling-based planner in Frenet coordinates with kinematic checks.
 
-It plans every sixth tick (3.3 Hz), as its authors do, and goes on from its last plan while the car follows it; the adapter follows the plan's speeds and its path. When it
-finds none, the car keeps the last plan while that meets no one, and otherwise brakes hard. Its reference path is the route, smoothed as its authors smooth theirs: a plan must not turn the wheel faster than 0.4 rad/s, and no
-path does that on a line whose bends begin at once. Other road users are forecast at constant velocity and enlarged by 0.3 m on each side. Lanes and limits are
-those of revision 2 of the protocol.
+It plans every sixth tick (3.3 Hz), as its authors do, and goes on from its last plan while the car follows it; the adapter follows the plan's speeds and its path. When it finds
+none, the car keeps the last plan while that meets no one, and otherwise brakes hard. Its reference path is the route, smoothed as its authors smooth theirs: a plan must not turn
+the wheel faster than 0.4 rad/s, and no path does that on a line whose bends begin at once. Other road users are forecast at constant velocity and enlarged by 0.3 m on each
+side. Lanes and limits are those of revision 2 of the protocol.
 
 Source: Würsching and Althoff, "Sampling-Based Optimal Trajectory Generation for Autonomous Vehicles Using Reachable Sets", IEEE ITSC 2021.
 Install it with `pip install commonroad-reactive-planner==2025.1`.
@@ -76,7 +76,7 @@ class World:
     def __init__(self, vehicle: dict[str, float]) -> None:
         self.vehicle, self.settings = vehicle, settings(vehicle)
         self.planner = ReactivePlanner(self.settings)
-        self.acceleration, self.wheel, self.age = 0.0, 0.0, 0
+        self.acceleration, self.wheel, self.age = 0.0, 0.0, 0.0
         self.plan: list[Any] | None = None
         self.past: Any = None
 
