@@ -82,6 +82,16 @@ def test_a_bend_ahead_bounds_the_speed() -> None:
     assert seen.bends(3.0, 2.0)[1] > 50.0, "no bend is known"
 
 
+def test_a_lower_limit_ahead_bounds_the_speed() -> None:
+    numbers = np.zeros((3, 14 + 9 * ACTORS + 8 * POINTS))
+    numbers[:, 7], numbers[:, 13], numbers[2, 13] = 13.9, POINTS, 5
+    numbers[:, -5 * POINTS :].reshape(3, POINTS, 5)[:, :, 4] = 13.9
+    numbers[1:, -5 * POINTS :].reshape(2, POINTS, 5)[:, 10:, 4] = 5.0
+    seen = Frame(numbers, ACTORS, POINTS)
+    assert seen.limits(2.0) == pytest.approx([13.9, math.sqrt(25.0 + 4.0 * 20.0), 13.9]), "20 m ahead; beyond the known route"
+    assert frame(2, 5.0, {}).limits(2.0).tolist() == [13.9, 13.9], "no lanes are known in revision 1"
+
+
 def test_a_stack_that_is_not_there_is_named_with_what_installs_it(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("falsify_av.stacks.find_spec", lambda _: None)
     assert main(["--missing", "sumo"]) == 3
@@ -159,6 +169,40 @@ def test_fiss_gains_speed_on_an_empty_road_and_stops_for_a_person() -> None:
     assert 7.5 < drive([], 8.0)[1] < 8.6, "a car that follows half of a plan is at 5 m/s"
     x, speed = drive([person], 20.0)
     assert speed < 0.1 and 45.0 < x + VEHICLE["length"] / 2 < 59.5
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_commonroad_drives_through_a_tight_turn_and_stops_for_a_person_behind_it() -> None:
+    needs("commonroad")
+    from falsify_av.stacks.commonroad import Driver
+
+    lane = {"width": 3.5, "left": 0, "right": 0, "junction": False, "speed_limit": 8.33}
+    # 20 m, a quarter of a circle of 6 m to the right, 60 m: on its line the wheel would have to turn at once.
+    bend = np.concatenate([np.zeros(80), np.full(38, -1.0 / 6.0), np.zeros(240)])
+    yaw = 0.25 * np.cumsum(bend)
+    line = np.column_stack([0.25 * np.cumsum(np.cos(yaw)), 0.25 * np.cumsum(np.sin(yaw)), yaw])
+
+    def drive(actors: list[dict[str, Any]]) -> tuple[Any, float, float]:
+        driver, (x, y, yaw), speed, least, place = Driver(), line[0], 6.0, 6.0, 0
+        driver.reset({"vehicle": VEHICLE, "tick_s": 0.05}, 0)
+        for tick in range(300):
+            place += int(np.argmin(np.hypot(*(line[place : place + 20, :2] - [x, y]).T)))
+            assert math.dist(line[place, :2], (x, y)) < 1.1, "it is near its line"
+            route, ego = line[place::8][:40].tolist(), {"x": x, "y": y, "yaw": yaw, "speed": speed}
+            if len(route) < 15:
+                break
+            answer = driver.drive({"tick": tick, "ego": ego, "route": route, "lanes": [lane] * len(route), "actors": actors})
+            speed = max(speed + 0.05 * answer["acceleration"], 0.0)
+            least = min(least, speed)
+            slip = math.atan(math.tan(answer["steer"] * VEHICLE["greatest_wheel_angle"]) / 2)
+            x, y, yaw = x + 0.05 * speed * math.cos(yaw + slip), y + 0.05 * speed * math.sin(yaw + slip), yaw + 0.05 * speed * math.sin(slip) / 1.5
+        return (x, y), least, speed
+
+    place, _, speed = drive([])
+    assert place[1] < -30.0 and speed > 5.0, "it comes through the turn"
+    person = {"id": 0, "kind": "pedestrian", "x": float(line[200, 0]), "y": float(line[200, 1]), "yaw": 0.0, "vx": 0.0, "vy": 0.0, "length": 0.4, "width": 0.4}
+    place, least, _ = drive([person])
+    assert least < 0.2 and 0.2 < math.dist(place, line[200, :2]) - VEHICLE["length"] / 2 < 8.0
 
 
 class Names:

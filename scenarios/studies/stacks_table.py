@@ -19,7 +19,7 @@ from pathlib import Path
 
 FIRST = 20  # starts of each town and seed
 SPARE, LATER = 2.0, 1.0  # m, s: needless braking, as in scenarios/external/stack_table.py
-COLUMNS = "driver pedestrian town seed starts faults collisions fastest_fault_mps shortest_fault_s first_starts first_faults first_collisions".split()
+COLUMNS = "campaign driver pedestrian town seed starts faults collisions fastest_fault_mps shortest_fault_s first_starts first_faults first_collisions".split()
 
 
 def read(folder, table):
@@ -40,6 +40,10 @@ def share(count, of):
         return "–"
     low, high = wilson(count, of)
     return f"{count} of {of} ({low:.3f}..{high:.3f})"
+
+
+def share_of(count, of):
+    return f"{count} of {of}" if of else "–"
 
 
 def least(values, better):
@@ -149,7 +153,7 @@ def table(rows, braked, passed):
             cells.append(share(sum(row["faults"] for row in those), sum(row["starts"] for row in those)))
         fastest, shortest = least([row["fastest_fault_mps"] for row in own], max), least([row["shortest_fault_s"] for row in own], min)
         late, of = braked.get(driver, (0, 0))
-        tail = [str(fastest or "–"), str(shortest or "–"), "{} of {}".format(*passed[driver]), f"{late} of {of}" if of else "–"]
+        tail = [str(fastest or "–"), str(shortest or "–"), share_of(*passed.get(driver, (0, 0))), share_of(late, of)]
         print(f"| `{driver}` | {' | '.join([*cells, *tail])} |")
 
 
@@ -164,6 +168,35 @@ def collisions(rows):
                 of = sum(row[f"{prefix}starts"] for row in those)
                 cells.append(f"{sum(row[f'{prefix}{counted}'] for row in those)} of {of}" if of else "–")
         print(f"| `{driver}` | {' | '.join(cells)} |")
+
+
+def guarded(folders):
+    """The table of the emergency brake in front of drivers: the same starts with and without it, of all reports of a seed, the last of which counts."""
+    found = {}
+    for folder in folders:
+        for row in read(folder, "episodes"):
+            if not row["error"] and row["left_out"] in ("", "false"):
+                key = Path(folder).parent.name, row["controller"], row["town"], row["episode"]
+                found.setdefault(row["policy"], {})[key] = row
+    names = [name for name in found if "_aeb_" in name]
+    if not names:
+        return
+    print("\nwith an emergency brake in front, at the same starts\n")
+    print("| driver | faults: alone | with the brake | collisions: alone | with the brake | brakes needlessly: alone | with the brake |")
+    print(f"|---|{'--:|' * 6}")
+    for name in names:
+        pairs = [(found[name.replace("_aeb", "")].get(key), row, key) for key, row in found[name].items()]
+        pairs = [pair for pair in pairs if pair[0] is not None]
+        cells = []
+        for hit in (lambda row: row["fault"] == "true", lambda row: row["outcome"] == "collision" and row["collision"] == "true"):
+            cells += [f"{sum(hit(pair[side]) for pair in pairs)} of {len(pairs)}" for side in (0, 1)]
+        free = []
+        for alone, with_it, key in pairs:
+            blind = found["blind"].get(key)
+            if key[1] == "natural" and blind and blind["collision"] == "false" and float(blind["least_gap_m"] or "inf") >= SPARE:
+                free.append([float(row["episode_length_s"]) >= float(blind["episode_length_s"]) + LATER for row in (alone, with_it)])
+        cells += [f"{sum(pair[side] for pair in free)} of {len(free)}" for side in (0, 1)]
+        print(f"| `{name.replace('_aeb', '')}` | {' | '.join(cells)} |")
 
 
 def by_seed(rows):
@@ -184,7 +217,7 @@ def main(out, folders):
     rows = []
     for folder in folders:
         seed = Path(folder).parent.name
-        rows += [*episodes(folder, seed), *searches(folder, seed)]
+        rows += [{"campaign": Path(folder).name, **row} for row in [*episodes(folder, seed), *searches(folder, seed)]]
     with open(out, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
@@ -196,6 +229,7 @@ def main(out, folders):
         table(part, needless(those), spared(those))
         collisions(part)
         by_seed(part)
+    guarded(folders)
 
 
 main(sys.argv[1], sys.argv[2:])

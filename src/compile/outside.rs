@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::lowering::Lowering;
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
+use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys, with_external_data};
 use world::env::PolicyMaker;
@@ -13,8 +14,16 @@ use world::env::PolicyMaker;
 /// A program, if the user allows programs. It is not started here.
 pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let (program, opener) = lowering.allowed_program(declaration)?;
-    let settings = Settings::from(declaration.block.keys::<ExternalKeys>());
-    Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
+    let keys: ExternalKeys = declaration.block.keys();
+    let brake = keys.aeb.then(BrakeKeys::default);
+    let settings = Settings::from(keys);
+    Some(Arc::new(move || {
+        let driver = External::new(program.clone(), settings, opener.clone());
+        Box::new(match brake {
+            Some(brake) => driver.guarded(brake),
+            None => driver,
+        })
+    }))
 }
 
 impl Lowering<'_> {

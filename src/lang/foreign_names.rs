@@ -63,6 +63,7 @@ pub(super) fn own_words(word: &str) -> &'static [&'static str] {
         "headway" => &["time_headway"],
         "reaction" | "reaction_time" => &["reaction_allowance"],
         "delay" => &["actuation_delay"],
+        "emergency_brake" | "brake_guard" | "guard" => &["aeb"],
         "Range" | "Uniform" | "between" | "random" => &["uniform"],
         "Normal" | "Gaussian" | "gaussian" => &["normal"],
         "Options" | "Choice" | "uniform_choice" | "one_of" => &["choice"],

@@ -1,12 +1,12 @@
 """A driver for the tests, which fails in the way that its first argument names, in about every third episode or at once.
 
-Further arguments: `binary` for the binary encoding, a file's name to leave a mark in.
+Further arguments: `binary` for the binary encoding, `second` for revision 2, a file's name to leave a mark in.
 """
 import json, os, random, signal, struct, sys
 
 mode, binary = sys.argv[1], "binary" in sys.argv[2:]
 for name in sys.argv[2:]:
-    if name != "binary":
+    if name not in ("binary", "second"):
         open(name, "a").write("started\n")
 
 out = sys.stdout.buffer
@@ -62,15 +62,20 @@ if mode == "gone":
 answer = {"protocol": "falsify-av/9" if mode == "version" else "falsify-av/1", "name": "test", "novelty": 1}
 if binary:
     answer["encoding"] = "binary"
+if "second" in sys.argv[2:]:
+    answer["revision"] = 2
 say(json.dumps(answer).encode() + b"\n")
 
 if binary:
-    size = 14 + 8 * hello["actors"] + 3 * hello["route_points"]
+    lanes = hello["actors"] + 5 * hello["route_points"] if "revision" in answer else 0
+    size = 14 + 8 * hello["actors"] + 3 * hello["route_points"] + lanes
     while head := sys.stdin.buffer.read(4):
         numbers = sys.stdin.buffer.read(struct.unpack("<I", head)[0])
         answer = b""
         for world in struct.iter_unpack(f"<{size}d", numbers):
             seed = None if world[2] < 0 else int(world[2])
+            if lanes:
+                assert world[13] > 0 and world[size - 5 * hello["route_points"] + 4] == world[7], "the limit here, again"
             answer += struct.pack("<4d", world[0], *control(int(world[0]), int(world[1]), seed, world[3], world[6], world[7]))
         say(struct.pack("<I", len(answer)) + answer)
 else:

@@ -7,11 +7,12 @@ use std::sync::Arc;
 
 use base::diagnostic::Sources;
 use base::seed::Seed;
+use base::signature::Keys;
 use compile::{Catalog, Plan, compile};
 use process::ProcessOpener;
-use world::av::Fault;
-use world::env::{Outcome, Scenario};
-use world::falsifier::{Random, TrainError, evaluate, train};
+use world::av::{BrakeKeys, DrivingMode, Fault};
+use world::env::{Ending, Outcome, Scenario};
+use world::falsifier::{Intercept, Random, TrainError, evaluate, train};
 
 use crate::program::falsify;
 
@@ -45,8 +46,11 @@ fn text(command: &str, settings: &str) -> String {
 }
 
 fn plan(command: &str, settings: &str) -> Plan {
+    plan_of(text(command, settings))
+}
+
+fn plan_of(scenario: String) -> Plan {
     let root = folder("tests/external/test.scn");
-    let scenario = text(command, settings);
     let read = |path: &Path| if path == root { Ok(scenario.clone()) } else { std::fs::read_to_string(path) };
     let catalog = Catalog::builtin().with_opener(Arc::new(ProcessOpener::default()));
     let compiled = compile(std::slice::from_ref(&root), &catalog, &read, &mut Sources::default()).unwrap();
@@ -82,6 +86,41 @@ fn encodings_company_and_the_size_of_writes_change_no_outcome() {
     assert_eq!(outcomes("reversed", "worlds: 3, timeout: 60 s"), alone, "answers may come in any order");
     assert_eq!(mode_free(outcomes("good binary", "worlds: 1, timeout: 60 s")), digests);
     assert_eq!(mode_free(outcomes("bytewise binary", "worlds: 7, timeout: 60 s")), digests);
+    assert_eq!(mode_free(outcomes("good binary second", "worlds: 7, timeout: 60 s")), digests, "with lanes");
+}
+
+#[test]
+fn the_emergency_brake_of_a_program_is_that_of_the_kind() {
+    let text = text("python3 driver.py good", "aeb: true").replace("policies: [mine]", "policies: [mine, aeb]");
+    let plan = plan_of(text);
+    let settings = |name: &str| &plan.campaigns[0].drivers.iter().find(|driver| driver.name == name).unwrap().settings;
+    assert!(settings("mine").read::<bool>("aeb"), "reports name it");
+    assert_eq!(BrakeKeys::read(settings("aeb")), BrakeKeys::default());
+}
+
+#[test]
+fn an_emergency_brake_in_front_of_a_program_spares_people_and_moves_nothing_else() {
+    if python().is_none() {
+        return;
+    }
+    let hits = |outcomes: &[Outcome]| {
+        outcomes.iter().filter(|outcome| matches!(outcome.ending, Ending::Touch { moving: true, .. })).count()
+    };
+    let run = |settings: &str, worlds: u32| {
+        let command = "python3 follower.py";
+        let scenario = scenario(command, &format!("worlds: {worlds}, timeout: 60 s{settings}"));
+        let seed = Seed::root(5);
+        evaluate(&mut Intercept, &scenario, 30, &seed, &seed.child("walker"), &mut |_| ControlFlow::Continue(()))
+    };
+    let (bare, guarded) = (run("", 4), run(", aeb: true", 4));
+    assert_eq!(run(", aeb: false", 4), bare);
+    assert_eq!(run(", aeb: true", 1), guarded, "each world has a brake of its own");
+    assert!(hits(&bare) >= 5, "the program sees no one: {bare:?}");
+    assert!(2 * hits(&guarded) < hits(&bare), "{} of {}", hits(&guarded), hits(&bare));
+    let stopped = guarded.iter().any(|outcome| outcome.last_mode == DrivingMode::EmergencyStop);
+    assert!(stopped, "the tables name its manoeuvre: {guarded:?}");
+    let same = bare.iter().zip(&guarded).filter(|(bare, guarded)| bare.digest == guarded.digest).count();
+    assert!(same > 0, "it moves nothing where nobody comes near: {guarded:?}");
 }
 
 #[test]

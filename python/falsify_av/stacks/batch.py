@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_HEAD, _ACTOR, _POINT = 14, 8, 3
+_HEAD, _ACTOR, _POINT, _LANE = 14, 8, 3, 5
 PEDESTRIAN, VEHICLE = 1.0, 2.0
 GREEN, YELLOW, RED = 1.0, 2.0, 3.0
 STOP, YIELD = 1.0, 2.0
@@ -40,7 +40,10 @@ class Frame:
         self.light, self.light_distance = numbers[:, 8], numbers[:, 9]
         self.sign, self.sign_distance = numbers[:, 10], numbers[:, 11]
         self.points = numbers[:, 13].astype(np.int64)
-        self.route = numbers[:, _HEAD + _ACTOR * actors :].reshape(-1, points, _POINT)
+        first = _HEAD + _ACTOR * actors + _POINT * points
+        self.route = numbers[:, _HEAD + _ACTOR * actors : first].reshape(-1, points, _POINT)
+        # Revision 2 adds the ids of the road users, and of each point: width, lanes to the left and to the right, junction, speed limit.
+        self.lanes = numbers[:, first + actors :].reshape(-1, points, _LANE) if numbers.shape[1] > first else None
         everybody = numbers[:, _HEAD : _HEAD + _ACTOR * actors].reshape(-1, actors, _ACTOR)
         # One row for each road user in sight: of which world it is, and the protocol's eight numbers.
         self.world_of, self.place_of = np.nonzero(everybody[:, :, 0])
@@ -72,6 +75,15 @@ class Frame:
         turns[places[None, :] >= (self.points - 1)[:, None]] = 0.0
         squares = lateral * APART / np.maximum(turns, 1e-3) + 2.0 * braking * APART * places
         return np.asarray(np.sqrt(np.min(squares, axis=1, initial=1e4)))
+
+    def limits(self, braking: float) -> Array:
+        """The greatest speed from which braking (m/s^2) keeps the speed limit here and every one along the route ahead; m/s."""
+        if self.lanes is None:
+            return self.limit
+        places = np.arange(self.lanes.shape[1])
+        ahead = self.lanes[:, :, 4] ** 2 + 2.0 * braking * APART * places
+        ahead[places[None, :] >= self.points[:, None]] = np.inf
+        return np.asarray(np.minimum(self.limit, np.sqrt(np.min(ahead, axis=1))))
 
     def steer(self, vehicle: dict[str, float]) -> Array:
         """Steering along the route by pure pursuit, -1 to 1, positive to the left."""
@@ -138,10 +150,11 @@ def serve(name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[A
     os.dup2(2, 1)
     hello = json.loads(source.readline())
     decide = start(hello)
-    answers.write(json.dumps({"protocol": hello["protocol"], "name": name, "encoding": "binary", "control": "acceleration"}).encode() + b"\n")
+    greeting = {"protocol": hello["protocol"], "name": name, "encoding": "binary", "control": "acceleration", "revision": 2}
+    answers.write(json.dumps(greeting).encode() + b"\n")
     answers.flush()
     actors, points = int(hello["actors"]), int(hello["route_points"])
-    width = _HEAD + _ACTOR * actors + _POINT * points
+    width = _HEAD + (_ACTOR + 1) * actors + (_POINT + _LANE) * points
     while (body := _frame(source)) is not None:
         frame = Frame(np.frombuffer(body, np.dtype("<f8")).reshape(-1, width), actors, points)
         acceleration, steer = decide(frame)

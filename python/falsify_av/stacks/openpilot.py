@@ -33,7 +33,7 @@ LIMITS = (1e6, 1e6, 1e6, 100.0)  # of a broken constraint: speed, least and grea
 FADING = 1.5  # 1/s^2: how fast a lead's acceleration is assumed to fade
 DELAY = 0.15  # s: of the actuators, openpilot's default
 PULL_AT, PULL = (0.0, 10.0, 25.0, 40.0), (1.6, 1.2, 0.8, 0.6)  # m/s, m/s^2: greatest acceleration at a speed
-LATERAL, EASY = 3.0, 1.0  # m/s^2: ISO 11270's limit, which openpilot keeps when it steers; the braking for a bend, which it does by its set speed
+LATERAL, EASY = 3.0, 1.0  # m/s^2: ISO 11270's limit, which openpilot keeps when it steers; the braking for a bend or a lower limit, which it does by its set speed
 STOPPING, HOLD = 0.5, -2.0  # m/s, m/s^2: below this speed the car is held
 
 Lead = tuple[float, float, float]  # m to its rear, m/s, m/s^2
@@ -214,7 +214,7 @@ class Openpilot:
 
     def decide(self, frame: Frame) -> tuple[Array, Array]:
         """Accelerations (m/s^2) and steers."""
-        leads, limits = self._leads(frame), np.minimum(frame.limit, frame.bends(LATERAL, EASY))
+        leads, limits = self._leads(frame), np.minimum(frame.limits(EASY), frame.bends(LATERAL, EASY))
         accelerations = np.zeros(len(frame.ids))
         for row, number in enumerate(frame.ids.tolist()):
             starts = bool(frame.starts[row])

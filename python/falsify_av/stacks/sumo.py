@@ -143,7 +143,7 @@ class Sumo:
         walks = kind == PEDESTRIAN
         shown = walks & (np.abs(left) - wide_half < LANE / 2) & (np.abs(gap) < SIGHT)
         blocks = ~walks & (np.abs(left) - side < self.vehicle["width"] / 2) & (ahead > 0.0) & (gap < SIGHT)
-        fronts = self._impose(frame, np.minimum(frame.limit, frame.bends(TURNING, DECELERATION)))
+        fronts = self._impose(frame, np.minimum(frame.limits(DECELERATION), frame.bends(TURNING, DECELERATION)))
         for row in np.flatnonzero(walks):
             front, world = fronts[frame.world_of[row]]
             name = f"person{frame.place_of[row]}"

@@ -1,7 +1,7 @@
 //! The messages after the greeting as 64-bit floats, low byte first, with their length in bytes before them as `u32`.
 
-use super::message::{Choice, Decision, Pedals};
-use crate::av::view::{Kind, View};
+use super::message::{Choice, Decision, Pedals, Revision};
+use crate::av::view::{Kind, LaneAhead, View};
 use crate::av::{DrivingMode, Fault};
 use crate::geometry::Pose;
 use crate::road::GiveWay;
@@ -17,8 +17,16 @@ pub(super) struct Room {
     pub points: usize,
 }
 
-/// Appends a world to a request; the seed is −1 except at the start of an episode.
-pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u64>, view: &View, room: Room) {
+/// Appends a world to a request; the seed is −1 except at the start of an episode. From revision 2 on the ids of the actors and the lanes follow.
+pub(super) fn write_world(
+    out: &mut Vec<u8>,
+    id: u32,
+    tick: u32,
+    seed: Option<u64>,
+    view: &View,
+    room: Room,
+    revision: Revision,
+) {
     let mut put = |number: f64| out.extend_from_slice(&number.to_le_bytes());
     let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
         let colour = match light.colour {
@@ -57,6 +65,19 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
         let numbers = view.route.get(place).map_or([0.0; 3], |pose| [pose.x, pose.y, pose.yaw]);
         numbers.into_iter().for_each(&mut put);
     }
+    if revision < Revision::Second {
+        return;
+    }
+    for place in 0..room.actors {
+        put(view.actors.get(place).map_or(0.0, |seen| f64::from(seen.id)));
+    }
+    for place in 0..room.points {
+        let numbers = view.lanes.get(place).map_or([0.0; 5], |ahead| {
+            let LaneAhead { width, left, right, is_junction, speed_limit } = *ahead;
+            [width, f64::from(left), f64::from(right), f64::from(u8::from(is_junction)), speed_limit]
+        });
+        numbers.into_iter().for_each(&mut put);
+    }
 }
 
 /// Length in bytes of the answer for this number of worlds.
@@ -89,4 +110,45 @@ pub(super) fn read_decisions(
         decisions.push(Decision { pedals, steer, mode: DrivingMode::Unknown }.finite()?);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::av::view::Seen;
+    use crate::geometry::Vector;
+
+    /// A change of these numbers is a change of the protocol and needs a new version or description.
+    #[test]
+    fn a_world_is_written_as_the_protocol_says() {
+        let seen = Seen {
+            id: 3,
+            kind: Kind::Pedestrian,
+            pose: Pose::new(12.0, 1.5, -1.5),
+            velocity: Vector::new(0.0, -1.25),
+            half: Vector::new(0.25, 0.25),
+        };
+        let view = View {
+            ego: Pose::new(1.0, 2.0, 0.5),
+            speed: 8.0,
+            speed_limit: 10.0,
+            actors: vec![seen],
+            route: vec![Pose::new(3.0, 4.0, 0.25)],
+            lanes: vec![LaneAhead { width: 3.5, left: 1, right: 0, is_junction: true, speed_limit: 8.5 }],
+            ..View::default()
+        };
+        let numbers = |revision| {
+            let (mut bytes, room) = (Vec::new(), Room { actors: 2, points: 2 });
+            write_world(&mut bytes, 7, 0, Some(99), &view, room, revision);
+            bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)).collect::<Vec<_>>()
+        };
+        let first = numbers(Revision::First);
+        assert_eq!(first[..8], [7.0, 0.0, 99.0, 1.0, 2.0, 0.5, 8.0, 10.0]);
+        assert_eq!(first[8..14], [0.0, 0.0, 0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(first[14..22], [1.0, 12.0, 1.5, -1.5, 0.0, -1.25, 0.5, 0.5]);
+        assert_eq!(first[22..], [[0.0; 8].as_slice(), &[3.0, 4.0, 0.25, 0.0, 0.0, 0.0]].concat());
+        let second = numbers(Revision::Second);
+        assert_eq!(second[..first.len()], first, "what is new comes last");
+        assert_eq!(second[first.len()..], [3.0, 0.0, 3.5, 1.0, 0.0, 1.0, 8.5, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
 }

@@ -4,6 +4,7 @@ use rand::Rng;
 
 use super::session::Session;
 use super::{Opener, Program, ProgramKeys, Settings};
+use crate::av::emergency_brake::{BrakeKeys, Guard};
 use crate::av::view::View;
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
 use crate::sim::Control;
@@ -21,13 +22,16 @@ keys! {
         actors: usize as whole(1, 64) = "8",
         /// Number of points of the route ahead in a message, 2 m apart.
         route_points: usize as whole(1, 40) = "20",
+        /// Whether the emergency brake of the kind `aeb`, with its defaults, is in front of the program. It sees what the sensors give to the program, along
+        /// the same route, and overrides the pedals where it brakes harder.
+        aeb: bool = "false",
     }
     .explained("timeout", "Time that it has for the answer to a tick.")
 }
 
 impl From<ExternalKeys> for Settings {
     fn from(keys: ExternalKeys) -> Self {
-        let ExternalKeys { program, worlds, actors, route_points } = keys;
+        let ExternalKeys { program, worlds, actors, route_points, aeb: _ } = keys;
         Self { timeout: program.timeout, start_timeout: program.start_timeout, worlds, actors, route_points }
     }
 }
@@ -39,6 +43,7 @@ pub struct External {
     id: u32,
     path: Path,
     view: View,
+    guard: Option<Guard>,
     /// The seed of an episode that has not been sent to the program.
     seed: Option<u64>,
     /// The number of the program's start in which the episode started.
@@ -52,10 +57,15 @@ pub struct External {
 impl External {
     /// Makes one. The program is not started before the first tick.
     pub fn new(program: Program, settings: Settings, opener: Arc<dyn Opener>) -> Self {
-        Self::within(Arc::new(Mutex::new(Session::new(opener, program, settings))), settings)
+        Self::within(Arc::new(Mutex::new(Session::new(opener, program, settings))), settings, None)
     }
 
-    fn within(session: Arc<Mutex<Session>>, settings: Settings) -> Self {
+    /// The same with an emergency brake in front of it.
+    pub fn guarded(self, brake: BrakeKeys) -> Self {
+        Self { guard: Some(Guard::new(brake)), ..self }
+    }
+
+    fn within(session: Arc<Mutex<Session>>, settings: Settings, guard: Option<Guard>) -> Self {
         let id = locked(&session).enter();
         Self {
             session,
@@ -63,6 +73,7 @@ impl External {
             id,
             path: Path::default(),
             view: View::default(),
+            guard,
             seed: None,
             generation: 0,
             asked: None,
@@ -99,6 +110,7 @@ impl DrivingPolicy for External {
         // Numbers in every language represent 53 bits exactly.
         self.seed = Some(stream.next_u64() >> 11);
         self.path.reset(perception, stream);
+        self.guard.iter_mut().for_each(Guard::reset);
         self.asked = None;
         self.mode = DrivingMode::Unknown;
         self.fault = None;
@@ -121,7 +133,11 @@ impl DrivingPolicy for External {
         match decision {
             Ok(decision) => {
                 self.mode = decision.mode;
-                decision.control(perception)
+                let control = decision.control(perception);
+                let Some(guard) = &mut self.guard else { return control };
+                let (control, mode) = guard.guard(control, &self.path, perception);
+                self.mode = mode.unwrap_or(self.mode);
+                control
             }
             Err(fault) => {
                 self.fault = Some(fault);
@@ -139,7 +155,7 @@ impl DrivingPolicy for External {
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
-        Some(Box::new(Self::within(self.session.clone(), self.settings)))
+        Some(Box::new(Self::within(self.session.clone(), self.settings, self.guard.clone())))
     }
 
     fn batch_size(&self) -> usize {

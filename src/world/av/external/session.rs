@@ -95,9 +95,6 @@ impl Session {
             if greeting.protocol != PROTOCOL {
                 return Err(Fault::Greeting("another protocol than falsify-av/1"));
             }
-            if greeting.encoding == Encoding::Binary && greeting.revision != Revision::First {
-                return Err(Fault::Greeting("the binary form has revision 1 only"));
-            }
             (*encoding, *control, *revision) = (greeting.encoding, greeting.control, greeting.revision);
             Ok(())
         };
@@ -127,7 +124,7 @@ impl Session {
                     self.request.extend_from_slice(&[0; 4]);
                 }
                 let room = Room { actors: self.settings.actors, points: self.settings.route_points };
-                binary::write_world(&mut self.request, id, tick, seed, view, room);
+                binary::write_world(&mut self.request, id, tick, seed, view, room, self.revision);
             }
         }
         self.asked.push(id);
