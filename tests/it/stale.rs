@@ -82,9 +82,9 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     let Some(place) = folder("python3 drv.py", "") else { return };
     let here = place.path();
     let again = run(here, &[], 0);
-    assert!(
-        again.contains("1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, params.py")
-    );
+    assert!(again.contains(
+        "1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, gains.json, params.py"
+    ));
     let name = failure(here);
 
     std::fs::write(here.join("params.py"), "GAP = 14.0\n").unwrap();

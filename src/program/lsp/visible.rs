@@ -1,8 +1,9 @@
 //! The names that a file can use: declarations and parameters, its own and imported ones.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use base::diagnostic::Sources;
+use base::diagnostic::{SourceId, Sources};
 use base::signature::Type;
 use base::units::Dimension;
 use lang::{DIMENSIONS, Loaded, ast};
@@ -21,8 +22,32 @@ impl<'a> Visible<'a> {
         self.loaded.files.iter().flat_map(|file| file.declarations.iter().map(Arc::as_ref))
     }
 
+    /// The declarations of a form that the file may name: not those that its imports leave out.
     pub fn of_form(self, form: &str) -> impl Iterator<Item = &'a ast::Declaration> {
-        self.declarations().filter(move |each| each.form.text == form)
+        let (whole, names) = self.taken_over();
+        let seen = move |file: &ast::File, declaration: &ast::Declaration| {
+            let is_named = |name: &ast::Name| names.contains(name.text.as_str());
+            whole.contains(&file.source) || declaration.name.as_ref().is_some_and(is_named)
+        };
+        let files = self.loaded.files.iter();
+        let all = files.flat_map(|file| file.declarations.iter().map(move |declaration| (file, declaration.as_ref())));
+        all.filter(move |(file, each)| each.form.text == form && seen(file, each)).map(|(_, each)| each)
+    }
+
+    /// The files of which the named ones see all declarations, and the names that they take over from others.
+    fn taken_over(self) -> (BTreeSet<SourceId>, BTreeSet<&'a str>) {
+        let mut whole: BTreeSet<SourceId> = BTreeSet::new();
+        let mut names = BTreeSet::new();
+        let mut open = self.loaded.roots.clone();
+        while let Some(source) = open.pop() {
+            let file = self.loaded.files.iter().find(|file| file.source == source);
+            let Some(file) = file.filter(|_| whole.insert(source)) else { continue };
+            for import in &file.imports {
+                names.extend(import.names.iter().map(|name| name.text.as_str()));
+                open.extend(import.source.filter(|_| import.names.is_empty()));
+            }
+        }
+        (whole, names)
     }
 
     /// The declaration of this name, of a form if one is given.

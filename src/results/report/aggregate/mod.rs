@@ -32,9 +32,9 @@ pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references, run_c
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
 pub use requirements::{
-    AT_COLLISION, COUNTS, CellRequirement, Counted, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY, REQUIREMENT,
-    REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE, no_verdict,
-    rate_columns, requirement_table, unit_of, with_rates,
+    AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
+    REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
+    no_verdict, rate_columns, requirement_table, unit_of, with_rates,
 };
 pub use results::{RESULTS, results, results_table};
 pub use search_comparisons::{

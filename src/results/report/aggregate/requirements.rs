@@ -261,14 +261,33 @@ pub fn add_run(
     }
 }
 
-/// The columns of the rate of violations of a requirement that gates know: the rate, and both ends of its interval.
-pub fn rate_columns(requirement: &str) -> [ColumnReference; 3] {
-    ["", "_wilson_low", "_wilson_high"].map(|suffix| ColumnReference {
-        name: format!("violation_rate({requirement}){suffix}").into(),
-        unit: "".into(),
-        doc: "episodes that violate the requirement of all *episodes*, with Wilson's 95 % interval".into(),
-        holds: polars::prelude::DataType::Float64,
-    })
+/// The rates of a requirement that gates know: the word before its name, what it counts, whether that needs a verdict, and what it means.
+pub const GATED: [(&str, Counted, bool, &str); 2] = [
+    (
+        "violation_rate",
+        CellRequirement::ALL,
+        false,
+        "episodes that violate the requirement of all *episodes*, with Wilson's 95 % interval",
+    ),
+    (
+        "fault_rate",
+        CellRequirement::FAULTS,
+        true,
+        "violations that count against the driver of all *episodes*, with Wilson's 95 % interval; missing where the requirement has no verdict",
+    ),
+];
+
+/// The columns of the rates of a requirement that gates know: each rate, and both ends of its interval.
+pub fn rate_columns(requirement: &str) -> Vec<ColumnReference> {
+    let columns = |(word, _, _, doc): (&'static str, Counted, bool, &'static str)| {
+        ["", "_wilson_low", "_wilson_high"].map(|suffix| ColumnReference {
+            name: format!("{word}({requirement}){suffix}").into(),
+            unit: "".into(),
+            doc: doc.into(),
+            holds: polars::prelude::DataType::Float64,
+        })
+    };
+    GATED.into_iter().flat_map(columns).collect()
 }
 
 /// Adds the columns of gates to the table of cells.
@@ -288,13 +307,15 @@ pub fn with_rates(table: DataFrame, keys: &[&CellKey], cells: &[CellRequirement]
             let found = |key: &&CellKey| cells.iter().find(|cell| cell.key == **key && cell.name == name);
             keys.iter().map(|key| found(key).and_then(value)).collect()
         };
-        let [rate, low, high] = rate_columns(name).map(|column| column.name.into_owned());
-        for (column, values) in [
-            (rate, of(&|cell| cell.rate(CellRequirement::ALL).0)),
-            (low, of(&|cell| Some(cell.interval(CellRequirement::ALL).0))),
-            (high, of(&|cell| Some(cell.interval(CellRequirement::ALL).1))),
-        ] {
-            table.with_column(Values::new(column.into(), values))?;
+        for (word, counted, needs_verdict, _) in GATED {
+            let is_known = |cell: &CellRequirement| !needs_verdict || cell.is_judged();
+            for (suffix, values) in [
+                ("", of(&|cell| cell.rate(counted).0.filter(|_| is_known(cell)))),
+                ("_wilson_low", of(&|cell| is_known(cell).then(|| cell.interval(counted).0))),
+                ("_wilson_high", of(&|cell| is_known(cell).then(|| cell.interval(counted).1))),
+            ] {
+                table.with_column(Values::new(format!("{word}({name}){suffix}").into(), values))?;
+            }
         }
     }
     Ok(table)

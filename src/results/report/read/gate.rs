@@ -4,7 +4,9 @@ use super::condition::{Bound, Comparison, Condition, Extreme, P_HOLM};
 use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key, metrics};
-use crate::report::aggregate::{FIRST_FAILURE, STARTS, rate_columns, references, search_cell_columns, search_key};
+use crate::report::aggregate::{
+    FIRST_FAILURE, GATED, STARTS, rate_columns, references, search_cell_columns, search_key,
+};
 use crate::report::compare::COMMON_STARTS;
 use crate::report::infer::cell_table;
 use base::statistics::{LEAST_RUNS, mcnemar};
@@ -389,9 +391,12 @@ fn absent(cells: &DataFrame, column: &str, row: usize) -> Judged {
     TooFewRuns::of(cells, column, row).map_or_else(|| Judged::Missing(column.to_string()), Judged::TooFewRuns)
 }
 
-/// The requirements whose rates a gate names: `violation_rate(NAME)`.
+/// The requirements whose rates a gate names: `violation_rate(NAME)`, `fault_rate(NAME)`.
 fn requirements_in(text: &str) -> Vec<&str> {
-    text.split("violation_rate(").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0)).collect()
+    let named = |word: &'static str| {
+        text.split(word).skip(1).filter_map(|rest| Some(rest.strip_prefix('(')?.split_once(')')?.0))
+    };
+    GATED.into_iter().flat_map(|(word, ..)| named(word)).collect()
 }
 
 fn value<'a>(cells: &'a DataFrame, column: &str, row: usize) -> AnyValue<'a> {
