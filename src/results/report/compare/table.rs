@@ -12,8 +12,8 @@ const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less firs
 const LOW: Family<f64> = Family::new(
     "_low",
     "",
-    "low end of an interval of the difference: in 95 % of comparisons those of all rows and rates hold the truth (Bonferroni; exact for one run, \
-     given the number of starts that differ, else Student's; missing for two and three runs)",
+    "low end of an interval of the difference: in 95 % of comparisons those of all rows and rates hold the truth (Bonferroni; Bonett and Price's for \
+     one run, else Student's; missing for two and three runs)",
 );
 const HIGH: Family<f64> = Family::new("_high", "", "high end of the same");
 const HOLM: Family<f64> = Family::new(

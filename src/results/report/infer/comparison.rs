@@ -57,7 +57,7 @@ impl Comparison {
         self.runs.iter().any(few) && self.discordant != Some((0, 0))
     }
 
-    /// An interval that misses the difference with a probability of at most `alpha`: exact for single runs, else Student's.
+    /// An interval that misses the difference with a probability of at most `alpha`: Bonett and Price's for single runs, else Student's.
     fn interval_at(&self, alpha: f64) -> Option<(f64, f64)> {
         if let Some((only_first, only_second)) = self.discordant {
             return Some(disagreement(only_second, only_first, self.episodes, alpha));
