@@ -17,7 +17,7 @@ keys! {
     .rising(&["full", "partial", "warning"])
 }
 
-/// A driver that ignores all road users, with [`EmergencyBrake`] for road users that will be in its way.
+/// A driver that ignores all road users, with an emergency brake for road users that will be in its way.
 #[derive(Debug, Clone)]
 pub struct Aeb {
     brake: EmergencyBrake,
