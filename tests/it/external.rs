@@ -120,7 +120,7 @@ fn an_emergency_brake_in_front_of_a_program_spares_people_and_moves_nothing_else
     let stopped = guarded.iter().any(|outcome| outcome.last_mode == DrivingMode::EmergencyStop);
     assert!(stopped, "the tables name its manoeuvre: {guarded:?}");
     let same = bare.iter().zip(&guarded).filter(|(bare, guarded)| bare.digest == guarded.digest).count();
-    assert!(same > 0, "it moves nothing where nobody comes near: {guarded:?}");
+    assert!(same > 0, "it changes nothing where no pedestrian comes near: {guarded:?}");
 }
 
 #[test]

@@ -424,7 +424,7 @@ fn careful_humans_are_asked_whose_fault_a_violation_is() {
                 assert!(verdict.is_none_or(|verdict| verdict.danger <= degree.sample), "{verdict:?} {degree:?}");
             }
             assert_eq!((found("comfort"), found("keeps_lane")), (None, None));
-            assert!(!found("impossible").unwrap().preventable, "nobody satisfies it");
+            assert!(!found("impossible").unwrap().preventable, "no careful human satisfies it");
             let collision = judge(&pair).filter(|_| outcome.is_collision());
             assert_eq!(found("no_collision").is_some(), collision.is_some());
             if let (Some(found), Some(collision)) = (found("no_collision"), collision) {
@@ -446,7 +446,7 @@ fn careful_humans_are_asked_whose_fault_a_violation_is() {
     assert!(preventable > 3 && faults > 3, "{preventable} {faults}");
     assert!(collisions - same <= collisions / 20, "{same} of {collisions}");
     // The plausible pedestrian moves as people do, so what is preventable is a fault unless a collision decides.
-    assert!(slow[0] > 2 && slow[2] > 2, "violations that nobody avoids, and faults: {slow:?}");
+    assert!(slow[0] > 2 && slow[2] > 2, "violations that no careful human avoids, and faults: {slow:?}");
 }
 
 #[test]

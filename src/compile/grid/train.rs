@@ -7,7 +7,7 @@ use crate::lowering::Lowering;
 use crate::plan::{Campaign, Training, TrainingKey};
 use base::signature::{DeclarationId, Formula, VariableId};
 use lang::diagnostics;
-use lang::hir::Block;
+use lang::hir::{Block, Clause};
 use world::env::{EpisodeRule, RewardRule};
 
 impl Lowering<'_> {
@@ -68,7 +68,7 @@ impl Lowering<'_> {
         rewards.extend(paid.into_iter().map(|reward| (reward.name.to_string(), reward)));
     }
 
-    /// Warns of a reward that pays for every step, and so much that no touch is worth ending an episode.
+    /// Warns of a reward that pays for every step, and so much that no touch or violation is worth ending an episode.
     fn warn_of_paid_waiting(&mut self, reward: &Axis<RewardRule>, rule: &EpisodeRule) {
         // The robustness of a requirement is no variable of the vocabulary, and has no bounds.
         let known = |id: VariableId| self.catalog.vocabulary.variables.get(id.0);
@@ -79,7 +79,8 @@ impl Lowering<'_> {
         let clauses = || declaration.block.clauses.iter();
         let Some(step) = clauses().find(|clause| clause.event == "step") else { return };
         let waiting = bounds(&step.formula).0 * f64::from(rule.ticks / rule.hold.max(1));
-        let hits = clauses().filter(|clause| clause.event == "hit").map(|clause| bounds(&clause.formula).1);
+        let is_goal = |clause: &&Clause| clause.event == "hit" || clause.subject.is_some();
+        let hits = clauses().filter(is_goal).map(|clause| bounds(&clause.formula).1);
         let hit = hits.fold(0.0, f64::max);
         if waiting > 0.0 && waiting >= hit {
             self.said.push(diagnostics::paid_waiting(step.span, &declaration.name, waiting, hit));

@@ -128,7 +128,7 @@ pub(super) struct Seen {
     pub least_gap: f64,
 }
 
-/// Nobody watches.
+/// A trial without a watcher.
 struct Unwatched;
 
 impl Watch for Unwatched {}

@@ -1,6 +1,6 @@
 use std::cmp::Ordering;
 
-use super::searches::Figures;
+use super::search_figures::Figures;
 use super::{Cell, Failures};
 use crate::campaign::SearchResult;
 use crate::report::ListedFailure;

@@ -15,7 +15,9 @@ mod gathered;
 mod run_totals;
 mod learning_curve;
 mod survival;
+mod search_figures;
 mod searches;
+mod search_cells;
 mod search_kinds;
 mod search_comparisons;
 mod published;
@@ -37,15 +39,16 @@ pub use requirements::{
     no_verdict, rate_columns, requirement_table, unit_of, with_rates,
 };
 pub use results::{RESULTS, results, results_table};
+pub use search_cells::{Average, SearchCell, search_cell_columns, search_cell_table, search_cells};
 pub use search_comparisons::{
     SEARCH_COMPARISONS, SearchComparison, search_comparison_columns, search_comparison_table, search_comparisons,
 };
+pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
 pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
-    Average, BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_FAILURE, FIRST_FAULT, FIRST_START, FOUND_AFTER,
-    GOAL_FAULT, GOAL_FORESEEABLE, GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, SearchCell,
-    TRIED, failure_table, search_cell_columns, search_cell_table, search_cells, search_failure, search_failures,
-    search_key, search_references, search_table, searches,
+    BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
+    GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, TRIED, failure_table, search_failure,
+    search_failures, search_key, search_references, search_table, searches,
 };
 pub use survival::MedianTime;
 pub use tick_file::{Wanted, write_ticks};

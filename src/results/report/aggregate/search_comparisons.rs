@@ -3,8 +3,8 @@ use std::collections::BTreeMap;
 use polars::prelude::DataFrame;
 
 #[cfg(test)]
-use super::searches::FAILED_STARTS;
-use super::searches::Figures;
+use super::search_figures::FAILED_STARTS;
+use super::search_figures::Figures;
 use crate::campaign::SearchResult;
 use crate::record::columns::TOWN;
 use crate::record::{Column, Interval, Table};

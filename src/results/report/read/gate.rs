@@ -350,11 +350,12 @@ impl Gate {
         }
     }
 
-    /// The share of a row's episodes in which the driver left the road, if that is half of them or more and the gate does not ask for it.
+    /// The share of a row's episodes in which the driver left the road, if that is half of them or more and the gate is about failures.
     fn off_road(&self, cells: &DataFrame, row: usize) -> Option<f64> {
         let column = MEAN.name(LEFT_ROAD_RATE);
-        let asked = self.conditions.iter().any(|condition| condition.column.starts_with(LEFT_ROAD_RATE));
-        number(&value(cells, &column, row)).filter(|share| *share >= MOSTLY && !asked)
+        let is_of_failures = |condition: &Condition| OF_FAILURES.iter().any(|word| condition.column.starts_with(word));
+        let is_about_failures = self.conditions.iter().any(is_of_failures);
+        number(&value(cells, &column, row)).filter(|share| *share >= MOSTLY && is_about_failures)
     }
 
     /// The number of a row's episodes, if they are so few that a single failure would have made a condition on a rate true.
@@ -376,6 +377,8 @@ const PLACE: [&str; 5] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, 
 /// The share of episodes in which the driver left the road, and from which share on a row says nothing about the driver's failures.
 const LEFT_ROAD_RATE: &str = "left_road_rate";
 const MOSTLY: f64 = 0.5;
+/// How the columns begin that are about failures.
+const OF_FAILURES: [&str; 5] = ["fault", "preventable", "collision", "violation", "avoidable_injury"];
 
 /// The column of the number of runs, in each table that has gates.
 const RUNS: &str = "runs";

@@ -120,7 +120,7 @@ fn worst(found: &ListedFailure, players: &Players) -> Markup {
         p {
             (badge(found.class(), found.word())) " "
             @match players.get(&found.name()) {
-                Some(replay) => (replay.short),
+                Some(replay) => (prose(&replay.short)),
                 None => (format!("The car hit at {:.1} m/s.", found.impact_speed)),
             }
             @if let Some(link) = players.link(&found.name()) { "\u{a0}" a.play href=(link) { "play" } }

@@ -1,7 +1,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::frames::frames;
-use super::markup::json;
+use super::markup::{json, prose};
 use super::{Players, Replay};
 use crate::report::FailureClass;
 
@@ -29,7 +29,7 @@ impl PlayerCard {
                     h3 id={ (id) "-title" } { (self.title) }
                     (badge(self.verdict.0, self.verdict.1))
                 }
-                p { (replay.short) }
+                p { (prose(&replay.short)) }
                 p.where { (self.place) @if !self.about.is_empty() { ". " (self.about) } }
                 div.player data-replay={ (id) "-data" } {}
                 (frames(replay, &format!("{id}-ground")))
@@ -46,7 +46,7 @@ impl PlayerCard {
     /// What the player needs, with the words that it shows above the picture.
     pub fn data(&self, replay: &Replay) -> Markup {
         html! {
-            script type="application/json" id={ (Players::id(&self.name)) "-data" } data-title={ (self.title) ", " (self.verdict.1) } data-short=(replay.short) {
+            script type="application/json" id={ (Players::id(&self.name)) "-data" } data-title={ (self.title) ", " (self.verdict.1) } data-short=(replay.short.replace('`', "")) {
                 (PreEscaped(json(replay)))
             }
         }
