@@ -5,6 +5,7 @@ use rand::Rng;
 
 use super::stream::Played;
 use super::{Seed, Stream};
+use crate::statistics::{normal_below, normal_quantile};
 
 /// The random words that something draws, as a point that can be moved.
 ///
@@ -22,6 +23,8 @@ pub struct Tape {
 
 /// The lower bits of a word that a shift keeps: no draw of a number in [0, 1) reads them.
 const KEPT: u64 = 0x7ff;
+/// The step between two numbers in [0, 1) that words give.
+const SHARE: f64 = 1.0 / (1u64 << 53) as f64;
 
 impl Tape {
     /// Fresh words.
@@ -31,6 +34,7 @@ impl Tape {
 
     /// A stream that draws the words from number `from` on. The tape notes how many it draws; only the stream that was made last counts.
     pub fn stream(&mut self, from: usize) -> Stream {
+        self.settle();
         self.drawn = Arc::new(AtomicUsize::new(from));
         let played = Played { words: self.words.as_slice().into(), drawn: self.drawn.clone(), next: from };
         self.rest.stream().playing(played)
@@ -65,27 +69,47 @@ impl Tape {
         Self { words: tape.words, rest: seed, drawn: Arc::new(AtomicUsize::new(from)) }
     }
 
-    /// The words that were drawn, each shifted by `shift` of its range (on a circle, so that the uniform law stays), and fresh ones beyond. The bits that
-    /// no number in [0, 1) reads stay.
-    pub fn shifted(&self, seed: Seed, mut shift: impl FnMut(usize) -> f64) -> Self {
-        let mut tape = self.redrawn(self.drawn(), seed);
+    /// The words that were drawn, each moved by a step of this size (0 for none, 1 for a fresh word), and fresh ones beyond. The bits that no number in
+    /// [0, 1) reads stay.
+    ///
+    /// A word is moved as the share of a standard normal number `z` below it, which becomes √(1 − s²) z + s ξ: the uniform law stays as it is,
+    /// and a step there and back are equally likely (Papaioannou et al., *MCMC algorithms for subset simulation*, Probabilistic Engineering
+    /// Mechanics 41, 2015).
+    pub fn varied(&self, seed: Seed, mut step: impl FnMut(usize) -> f64) -> Self {
+        let mut tape = self.redrawn(self.drawn(), seed.child("rest"));
+        let mut stream = seed.stream();
         for (number, word) in tape.words.iter_mut().enumerate() {
-            *word = word.wrapping_add(turned(shift(number)) & !KEPT);
+            let step = step(number);
+            if step > 0.0 {
+                let moved = (1.0 - step * step).max(0.0).sqrt() * normal_quantile(share(*word))
+                    + step * normal_quantile(share(stream.next_u64()));
+                *word = word_of(normal_below(moved)) | (*word & KEPT);
+            }
         }
         tape
     }
 
-    /// A tape of given words, then fresh ones.
-    pub fn of(words: Vec<u64>, seed: Seed) -> Self {
-        Self { words, rest: seed, drawn: Arc::default() }
+    /// A tape whose words give these numbers of the standard normal distribution, then fresh ones.
+    pub fn of_normals(normals: impl Iterator<Item = f64>, seed: Seed) -> Self {
+        let mut stream = seed.stream();
+        let words = normals.map(|normal| word_of(normal_below(normal)) | (stream.next_u64() & KEPT)).collect();
+        Self { words, rest: seed.child("rest"), drawn: Arc::default() }
+    }
+
+    /// The words that its last stream has drawn, as numbers of the standard normal distribution.
+    pub fn normals(&mut self) -> impl Iterator<Item = f64> {
+        self.words().iter().map(|word| normal_quantile(share(*word)))
     }
 }
 
-/// A share of the range of a word, positive or negative, as a word.
-fn turned(share: f64) -> u64 {
-    let share = share - share.floor();
-    // 2⁵³ steps, as a number in [0, 1) has.
-    ((share * (1u64 << 53) as f64) as u64) << 11
+/// The middle of the number in [0, 1) that a word gives.
+fn share(word: u64) -> f64 {
+    ((word >> 11) as f64 + 0.5) * SHARE
+}
+
+/// The word that gives a number in [0, 1).
+fn word_of(share: f64) -> u64 {
+    ((share / SHARE) as u64).min((1 << 53) - 1) << 11
 }
 
 #[cfg(test)]
@@ -115,17 +139,31 @@ mod tests {
     }
 
     #[test]
-    fn a_redrawn_tape_keeps_its_first_words_and_a_shifted_one_moves_them_a_little() {
+    fn a_redrawn_tape_keeps_its_first_words_and_a_varied_one_moves_them_a_little() {
         let mut tape = Tape::new(Seed::root(6));
         let first = draw(&mut tape, 10);
         let redrawn = draw(&mut tape.redrawn(4, Seed::root(7)), 10);
         assert_eq!(redrawn[..4], first[..4]);
         assert!(redrawn[4..].iter().zip(&first[4..]).all(|(a, b)| a != b));
-        let shifted = draw(&mut tape.shifted(Seed::root(8), |number| if number == 3 { -0.25 } else { 0.001 }), 10);
-        for (number, (before, after)) in first.iter().zip(shifted).enumerate() {
-            let wanted: f64 = before + if number == 3 { 0.75 } else { 0.001 };
-            assert!((after - (wanted - wanted.floor())).abs() < 1e-12, "{number}: {before} to {after}");
+        let varied = draw(&mut tape.varied(Seed::root(8), |number| if number == 3 { 1.0 } else { 0.01 }), 10);
+        for (number, (before, after)) in first.iter().zip(varied).enumerate() {
+            assert!((after - before).abs() < 0.02 || number == 3, "{number}: {before} to {after}");
         }
+    }
+
+    #[test]
+    fn a_walk_over_tapes_keeps_the_uniform_law() {
+        let (steps, mut tape) = (20_000, Tape::new(Seed::root(11)));
+        let (mut sum, mut squares, mut low) = (0.0, 0.0, 0);
+        for step in 0..steps {
+            let drawn = draw(&mut tape, 1)[0];
+            (sum, squares) = (sum + drawn, squares + drawn * drawn);
+            low += u32::from(drawn < 0.01);
+            tape = tape.varied(Seed::root(12).index(step), |_| 0.9);
+        }
+        let (mean, square) = (sum / steps as f64, squares / steps as f64);
+        assert!((mean - 0.5).abs() < 0.01 && (square - 1.0 / 3.0).abs() < 0.01, "{mean} {square}");
+        assert!((f64::from(low) / steps as f64 - 0.01).abs() < 0.003, "{low}");
     }
 
     #[test]

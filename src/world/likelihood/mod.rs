@@ -1,0 +1,35 @@
+//! How likely failures are: the probability of an event in an encounter with a pedestrian who walks as people do.
+//!
+//! An encounter is drawn by a [`Lot`]: tapes of random words. So it is a point that can be moved, and the methods need no density of
+//! starts, commands or sensors. What is estimated is a [`TestBed`]: begin, step, level, outcome, mark. Our simulator is one ([`Encounters`]); a
+//! test with a known answer is another.
+//!
+//! | method | what it does | when |
+//! |---|---|---|
+//! | [`MonteCarlo`] | fresh encounters | down to about 1 in 10,000 |
+//! | [`SubsetSimulation`] | populations that climb from level to level | below |
+//! | [`Importance`] | fresh encounters near those in which a falsifier found failures, weighted | where it knows all ways to fail |
+
+mod encounters;
+mod estimate;
+mod estimator;
+mod event;
+mod importance;
+mod lot;
+mod monte_carlo;
+mod moves;
+mod subset_simulation;
+mod test_bed;
+
+#[cfg(test)]
+mod tests;
+
+pub use encounters::{Encounters, Question};
+pub use estimate::{Estimate, Likelihood};
+pub use estimator::{Estimator, Limits};
+pub use event::{Event, Events};
+pub use importance::{Importance, ImportanceKeys};
+pub use lot::Lot;
+pub use monte_carlo::{MonteCarlo, MonteCarloKeys};
+pub use subset_simulation::{SubsetSimulation, SubsetSimulationKeys};
+pub use test_bed::{TestBed, Trial};
