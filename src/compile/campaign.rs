@@ -1,5 +1,6 @@
 use base::signature::{DeclarationId, Form, Keys, Value};
 use base::{choice, keys};
+use world::likelihood::Event;
 
 choice! {
     /// What a pedestrian is trained for at once.
@@ -116,6 +117,37 @@ keys! {
 }
 
 keys! {
+    /// Estimates how likely failures are in an encounter with a pedestrian who walks as people do.
+    pub struct EstimateKeys = "estimate" {
+        ..places: PlaceKeys,
+        /// Who walks, each by itself: pedestrians that learn nothing, such as `natural`, or a `controller` of the file. The probability is that of an encounter with
+        /// this pedestrian, from a start that the `spawn` draws.
+        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[natural]",
+        /// How it is estimated.
+        estimators: Vec<DeclarationId> as Reference("estimator") = "[monte_carlo()]",
+        /// The requirement whose violations are estimated, instead of collisions.
+        requirement: Option<DeclarationId> as Reference("requirement"),
+        /// What the `relative_error` is about: any failure, one that a careful human would have avoided, or a fault. All three are estimated.
+        event: Event = "fault",
+        /// Standard error, as a share of the probability, at which it ends.
+        relative_error: f64 as within(RATIO, 0.001, 1.0) = "0.1",
+        /// Simulator ticks after which it ends; a batch that has begun is finished.
+        budget: u64 as ticks(1, 1_000_000_000_000) = "20_000_000",
+        /// Estimates of each, with different seeds.
+        runs: u32 as whole(1, 10_000) = "1",
+        /// Encounters per hour of driving, if you know them: then failures per hour are stated.
+        encounters_per_hour: Option<f64> as within(RATIO, 0.0, 1_000_000.0),
+        /// Encounters per 1,000 km, if you know them: then failures per 1,000 km are stated.
+        encounters_per_1000_km: Option<f64> as within(RATIO, 0.0, 1_000_000_000.0),
+        /// The pedestrian, instead of the campaign's `adversary`.
+        adversary: Option<DeclarationId> as Reference("adversary"),
+        ..start: StartKeys,
+    }
+    .explained("towns", "Towns in which they meet.")
+    .explained("policies", "Drivers whose failures are estimated.")
+}
+
+keys! {
     /// Runs the campaign once for every combination of values: `name: [value, …]`, each the name of a `param`.
     struct MatrixKeys = "matrix" {}
 }
@@ -128,7 +160,12 @@ pub const UNTRAINED: &str = "untrained";
 
 /// The form `campaign`.
 pub fn form() -> Form {
-    let blocks =
-        vec![MatrixKeys::signature(), TrainKeys::signature(), EvaluateKeys::signature(), SearchKeys::signature()];
+    let blocks = vec![
+        MatrixKeys::signature(),
+        TrainKeys::signature(),
+        EvaluateKeys::signature(),
+        SearchKeys::signature(),
+        EstimateKeys::signature(),
+    ];
     Form { multiplies: true, ..Form::plain(CampaignKeys::signature().holding(blocks)) }
 }

@@ -6,8 +6,8 @@ use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
 use super::walker::WalkerKind;
 use super::{
-    adversary, campaign, controller, episode, falsifier, policy, published, requirement, reward, sensors, spawn, town,
-    training, vehicle, walker,
+    adversary, campaign, controller, episode, estimator, falsifier, policy, published, requirement, reward, sensors,
+    spawn, town, training, vehicle, walker,
 };
 use base::signature::{Form, Signature, Type, Vocabulary};
 use world::av::external::Opener;
@@ -53,6 +53,7 @@ impl Catalog {
             training::form(),
             controller::form(),
             falsifier::form(),
+            estimator::form(),
             published::form(),
             campaign::form(),
         ];
@@ -107,7 +108,7 @@ impl Catalog {
         Ok(self)
     }
 
-    /// The same with one more kind of pedestrian that walks: a word for the `pedestrians` of an evaluation, and a kind of falsifier.
+    /// The same with one more kind of pedestrian that walks: a word for the `pedestrians` of an evaluation or an estimate, and a kind of falsifier.
     ///
     /// # Errors
     /// A pedestrian or a falsifier of this name exists.

@@ -12,6 +12,7 @@ use world::av::external::ExternalKeys;
 use world::av::sensors::SensorModel;
 use world::env::Scenario;
 use world::falsifier::{Controller, Falsifier};
+use world::likelihood::{Estimator, Event, Question};
 use world::requirement::NamedRequirement;
 use world::road::Town;
 
@@ -83,8 +84,9 @@ impl Campaign {
         let trained = self.trainings.iter().flat_map(|each| each.programs.iter());
         let evaluated = self.evaluations.iter().flat_map(|each| each.programs.iter());
         let searched = self.searches.iter().flat_map(|each| each.programs.iter());
+        let estimated = self.estimations.iter().flat_map(|each| each.programs.iter());
         let mut all: Vec<&Arc<ExternalProgram>> = Vec::new();
-        for program in trained.chain(evaluated).chain(searched) {
+        for program in trained.chain(evaluated).chain(searched).chain(estimated) {
             if !all.contains(&program) {
                 all.push(program);
             }
@@ -97,8 +99,9 @@ impl Campaign {
         let trained = self.trainings.iter().flat_map(Training::places);
         let tried = self.evaluations.iter().map(|evaluation| (&*evaluation.town, &evaluation.scenario));
         let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
+        let estimated = self.estimations.iter().map(|estimation| (estimation.key.town.as_str(), &estimation.scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
-        for (town, scenario) in trained.chain(tried).chain(searched) {
+        for (town, scenario) in trained.chain(tried).chain(searched).chain(estimated) {
             if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
                 all.push((town, scenario));
             }
@@ -107,7 +110,7 @@ impl Campaign {
     }
 }
 
-/// A campaign: trainings, evaluations of their results, and searches.
+/// A campaign: trainings, evaluations of their results, searches, and estimates.
 #[derive(Debug, Clone)]
 pub struct Campaign {
     pub name: String,
@@ -129,6 +132,8 @@ pub struct Campaign {
     pub evaluations: Vec<Evaluation>,
     /// The searches, in order of block, town, policy, falsifier, run.
     pub searches: Vec<Search>,
+    /// The estimates, in order of block, town, policy, pedestrian, estimator, run.
+    pub estimations: Vec<Estimation>,
     /// Published results, to be compared with its figures.
     pub published: Vec<Published>,
 }
@@ -401,6 +406,78 @@ impl Search {
     pub fn own(&self, seed: &Seed) -> Seed {
         let key = &self.key;
         seed.child("falsifier").child(&key.town).child(&key.policy).child(&key.falsifier).index(key.run.into())
+    }
+}
+
+/// The names that distinguish an estimate from the others of its campaign.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct EstimationKey {
+    /// Its short name.
+    pub id: RunId,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Its kind.
+    pub method: &'static str,
+    /// Name of the pedestrian.
+    pub walker: String,
+    /// The requirement whose violations are estimated; empty for collisions.
+    pub requirement: String,
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Number of the `estimate` block in its campaign, from 0.
+    pub block: u32,
+    /// Number of the run, from 0.
+    pub run: u32,
+}
+
+/// `splitting of natural in harbour against idm, run 0`.
+impl fmt::Display for EstimationKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { estimator, walker, town, policy, run, .. } = self;
+        write!(f, "{estimator} of {walker} in {town} against {policy}, run {run}")
+    }
+}
+
+/// An estimate of how likely failures of a driver are in a town.
+#[derive(Debug, Clone)]
+pub struct Estimation {
+    /// Its names.
+    pub key: EstimationKey,
+    pub scenario: Arc<Scenario>,
+    /// The pedestrian.
+    pub walker: Controller,
+    pub question: Question,
+    pub estimator: Estimator,
+    /// The search that goes before it, for an estimator that needs one.
+    pub search: Option<FirstSearch>,
+    /// What the relative error is about.
+    pub event: Event,
+    pub relative_error: f64,
+    /// The number of simulator ticks after which it ends.
+    pub budget: u64,
+    /// Encounters per hour and per 1,000 km, as far as the user states them.
+    pub exposure: [Option<f64>; 2],
+    /// The digest of what the files say about it.
+    pub fingerprint: Fingerprint,
+    /// The programs of the user that it depends on.
+    pub programs: Programs,
+}
+
+/// A search whose failures tell an estimator where to look.
+#[derive(Debug, Clone)]
+pub struct FirstSearch {
+    pub falsifier: Arc<dyn Falsifier>,
+    pub scenario: Arc<Scenario>,
+    pub budget: u64,
+}
+
+impl Estimation {
+    /// The seed of what it draws. Equal pedestrians have equal starts against all drivers.
+    pub fn drawn(&self, seed: &Seed) -> Seed {
+        let key = &self.key;
+        let place = seed.child("estimate").child(&key.town).child(&key.walker);
+        place.child(&key.estimator).index(key.block.into()).index(key.run.into())
     }
 }
 

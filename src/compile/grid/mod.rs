@@ -1,10 +1,11 @@
-//! A campaign's grid: its trainings, its evaluations with their controllers, and its searches.
+//! A campaign's grid: its trainings, its evaluations with their controllers, its searches and its estimates.
 
 mod axis;
 mod ground;
 mod train;
 mod evaluate;
 mod search;
+mod estimate;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,6 +17,9 @@ use axis::{Required, Usual};
 use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
+
+/// The blocks of a campaign that run episodes.
+const BLOCKS: [&str; 4] = ["train", "evaluate", "search", "estimate"];
 
 /// The greatest number of trainings, evaluations or searches of one block.
 const MOST_CELLS: usize = 200_000;
@@ -46,6 +50,7 @@ impl Lowering<'_> {
             trainings: Vec::new(),
             evaluations: Vec::new(),
             searches: Vec::new(),
+            estimations: Vec::new(),
             published: self.published(keys.beside),
         };
         let mut rewards = BTreeMap::new();
@@ -56,10 +61,11 @@ impl Lowering<'_> {
         if !campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
-        if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
+        if BLOCKS.iter().all(|word| block.nested(word).next().is_none()) {
             let message =
-                "this campaign trains no pedestrian, evaluates no controller and searches for nothing".to_string();
-            let help = "give it a block: `train { … }`, `evaluate { … }` or `search { … }`";
+                "this campaign trains no pedestrian, evaluates no controller, searches for nothing and estimates nothing"
+                    .to_string();
+            let help = "give it a block: `train { … }`, `evaluate { … }`, `search { … }` or `estimate { … }`";
             self.said.push(diagnostics::contradiction(block.head, message).help(help));
         }
         for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
@@ -67,6 +73,9 @@ impl Lowering<'_> {
         }
         for (number, search) in (0..).zip(block.nested("search")) {
             self.search(block, search, number, &usual, &mut campaign);
+        }
+        for (number, estimate) in (0..).zip(block.nested("estimate")) {
+            self.estimate(block, estimate, number, &usual, &mut campaign);
         }
         campaign
     }
@@ -82,7 +91,7 @@ impl Lowering<'_> {
 
     /// The drivers that a campaign names, each once, in order.
     fn drivers(&self, campaign: &Block) -> Vec<Driver> {
-        let blocks = ["train", "evaluate", "search"].into_iter().flat_map(|word| campaign.nested(word));
+        let blocks = BLOCKS.into_iter().flat_map(|word| campaign.nested(word));
         let mut seen = BTreeSet::new();
         let all = blocks.flat_map(|block| block.keys::<PlaceKeys>().policies);
         all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()

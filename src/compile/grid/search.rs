@@ -15,13 +15,13 @@ use world::falsifier::Falsifier;
 use world::requirement::NamedRequirement;
 
 /// A falsifier of a `search` block.
-struct Rival {
+pub(super) struct Rival {
     name: String,
     method: &'static str,
-    reward: (String, RewardRule),
+    pub reward: (String, RewardRule),
     /// It, and the training of its pedestrians if it does not name one itself.
-    declarations: Vec<DeclarationId>,
-    falsifier: Arc<dyn Falsifier>,
+    pub declarations: Vec<DeclarationId>,
+    pub falsifier: Arc<dyn Falsifier>,
 }
 
 /// The requirement of the library that every search has for its goal where no other is stated.
@@ -111,7 +111,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn falsifiers(
+    pub(super) fn falsifiers(
         &mut self,
         campaign: &Block,
         ids: &[DeclarationId],

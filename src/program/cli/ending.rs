@@ -19,6 +19,7 @@ pub fn show(report: &CampaignReport) {
         protocol,
         requirements,
         searched,
+        report::estimates_for_terminal(&report.estimates, width),
         report::drivers_for_terminal(drivers, cells, width),
     ] {
         if !text.is_empty() {
@@ -27,6 +28,7 @@ pub fn show(report: &CampaignReport) {
     }
     match report::worst_failure(drivers) {
         Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
+        None if drivers.iter().all(|driver| driver.episodes == 0) && !report.estimates.is_empty() => {}
         None if drivers.iter().all(|driver| driver.episodes == 0) => console::say("nothing was evaluated"),
         None => console::say("no collision was found"),
     }

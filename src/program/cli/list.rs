@@ -27,6 +27,10 @@ pub fn list(listing: &Listing) {
         let state = told(&known(Task::Search(number)), "episodes");
         console::say(&format!("  search   {}: {} ticks [{state}]", search.key, search.budget));
     }
+    for (number, estimation) in campaign.estimations.iter().enumerate() {
+        let state = told(&known(Task::Estimate(number)), "ticks");
+        console::say(&format!("  estimate {}: at most {} ticks [{state}]", estimation.key, estimation.budget));
+    }
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();
     console::say(&format!("  {} of {all} tasks to run, {there} to reuse", all - there));

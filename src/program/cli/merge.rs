@@ -113,6 +113,7 @@ fn unit(task: Task) -> &'static str {
     match task {
         Task::Training(_) => "updates",
         Task::Chunk { .. } | Task::Search(_) => "episodes",
+        Task::Estimate(_) => "ticks",
     }
 }
 

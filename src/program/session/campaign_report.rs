@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use super::OverviewFiles;
-use results::campaign::Shard;
+use results::campaign::{EstimateResult, Shard};
 use results::report::{
     Cell, CellRequirement, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell, SearchComparison,
 };
@@ -56,6 +56,8 @@ pub struct CampaignReport {
     pub searches: Vec<SearchCell>,
     /// Pairs of these, run by run.
     pub search_comparisons: Vec<SearchComparison>,
+    /// The estimates of how likely failures are.
+    pub estimates: Vec<EstimateResult>,
     /// The results in the tests of a protocol, nominal and within the layers.
     pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
     /// The violations of each requirement in each cell; empty without requirements.

@@ -30,6 +30,8 @@ fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) ->
         && gathered.every_driver_drove
         && finished.searches.len() == campaign.searches.len()
         && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
+        && finished.estimates.len() == campaign.estimations.len()
+        && finished.estimates.iter().all(|estimate| estimate.error.is_none())
 }
 
 impl Session {
@@ -101,7 +103,8 @@ impl Session {
 /// The evaluations and the searches of a campaign.
 pub fn runs(campaign: &Campaign) -> Vec<RunRecord> {
     let evaluations = campaign.evaluations.iter().map(RunRecord::of_evaluation);
-    evaluations.chain(campaign.searches.iter().map(RunRecord::of_search)).collect()
+    let searches = campaign.searches.iter().map(RunRecord::of_search);
+    evaluations.chain(searches).chain(campaign.estimations.iter().map(RunRecord::of_estimation)).collect()
 }
 
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {

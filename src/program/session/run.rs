@@ -134,6 +134,7 @@ impl<'a> CampaignRun<'a> {
             drivers,
             searches,
             search_comparisons,
+            estimates: finished.estimates.clone(),
             requirements: gathered.requirements,
             protocol: (gathered.protocol, layers),
             doubts,
@@ -227,7 +228,7 @@ impl<'a> CampaignRun<'a> {
         let gathered = gathered.map_err(|error| self.options.keep(error))?;
         self.check(results)?;
         let trained = finished.trainings.iter().any(|training| training.result.is_ok());
-        if gathered.episodes == 0 && finished.searches.is_empty() && !trained {
+        if gathered.episodes == 0 && finished.searches.is_empty() && finished.estimates.is_empty() && !trained {
             return Ok(None);
         }
         self.notice_errors(&gathered);
@@ -319,4 +320,5 @@ pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
 fn has_failed(finished: &Finished) -> bool {
     finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some())
+        || finished.estimates.iter().any(|estimate| estimate.error.is_some())
 }

@@ -1,8 +1,8 @@
-use super::{SearchResult, Task, TaskError, TrainingResult};
+use super::{EstimateResult, SearchResult, Task, TaskError, TrainingResult};
 use compile::Training;
 use learn::UpdateLog;
 
-/// What happens in a campaign. Trainings, evaluations and searches are named by their places in it.
+/// What happens in a campaign. Trainings, evaluations, searches and estimates are named by their places in it.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
     /// A task starts.
@@ -28,6 +28,10 @@ pub enum Event<'a> {
     Searching { search: usize, ticks: u64 },
     /// A search has ended.
     Searched { search: usize, result: &'a SearchResult },
+    /// An estimate has used this number of simulator ticks.
+    Estimating { estimation: usize, ticks: u64 },
+    /// An estimate has ended.
+    Estimated { estimation: usize, result: &'a EstimateResult },
 }
 
 /// Observes a running campaign.

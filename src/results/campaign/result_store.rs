@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::{SearchResult, Task, TaskError};
+use super::{EstimateResult, SearchResult, Task, TaskError};
 use crate::record::{EpisodeRow, Tally};
 use learn::Trained;
 use world::falsifier::TrainingRun;
@@ -51,6 +51,14 @@ pub trait ResultStore: Sync {
 
     /// Stores a finished search.
     fn keep_search(&self, _search: usize, _result: &SearchResult) {}
+
+    /// A finished estimate.
+    fn estimate(&self, _estimation: usize) -> Option<EstimateResult> {
+        None
+    }
+
+    /// Stores a finished estimate.
+    fn keep_estimate(&self, _estimation: usize, _result: &EstimateResult) {}
 
     /// The limit of time or of ticks that a task has reached, if any.
     fn limit(&self, _task: Task, _ticks: u64) -> Option<TaskError> {

@@ -1,6 +1,6 @@
 use compile::{Campaign, ControllerKind};
 
-/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes.
+/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes, estimates of a single batch.
 pub fn smoke(campaign: &mut Campaign) {
     let kept: Vec<usize> =
         (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
@@ -21,5 +21,11 @@ pub fn smoke(campaign: &mut Campaign) {
         search.budget =
             search.budget.min(10 * u64::from(search.scenario.episode.ticks + search.scenario.most_run_up()));
         search.tries = search.tries.min(5);
+    }
+    campaign.estimations.retain(|estimation| estimation.key.run == 0);
+    for estimation in &mut campaign.estimations {
+        estimation.budget = estimation
+            .budget
+            .min(10 * u64::from(estimation.scenario.episode.ticks + estimation.scenario.most_run_up()));
     }
 }

@@ -12,9 +12,10 @@ pub enum Task {
         chunk: u32,
     },
     Search(usize),
+    Estimate(usize),
 }
 
-/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches.
+/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches, estimates.
 pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
     let chunks = |(evaluation, planned): (usize, &Evaluation)| {
         (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
@@ -23,14 +24,16 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
         .map(Task::Training)
         .chain(campaign.evaluations.iter().enumerate().flat_map(chunks))
         .chain((0..campaign.searches.len()).map(Task::Search))
+        .chain((0..campaign.estimations.len()).map(Task::Estimate))
 }
 
-/// The size of a task: the decisions of a training, the episodes of a chunk, the ticks of a search.
+/// The size of a task: the decisions of a training, the episodes of a chunk, the most ticks of a search or an estimate.
 pub fn units(campaign: &Campaign, task: Task) -> u64 {
     match task {
         Task::Training(place) => campaign.trainings[place].config.total_steps,
         Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
         Task::Search(place) => campaign.searches[place].budget,
+        Task::Estimate(place) => campaign.estimations[place].budget,
     }
 }
 
@@ -46,6 +49,9 @@ pub enum TaskError {
     /// The driver or the controller failed in this number of episodes in a row, so no more were run.
     #[error("not run, since the driver or the controller had failed in ten episodes in a row")]
     Hopeless,
+    /// No encounter counted.
+    #[error("no encounter counts: driver or pedestrian failed, or the driver never arrived")]
+    NoEncounter,
     /// It reached its time limit.
     #[error("not finished within the {seconds} s that a task may take")]
     Time {

@@ -28,6 +28,7 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::search_comparison_columns().reference(),
         aggregate::failure_table().reference(),
         aggregate::search_kind_columns().reference(),
+        aggregate::estimate_columns().reference(),
         aggregate::protocol_columns().reference(),
         aggregate::tick_table().reference(),
     ]);

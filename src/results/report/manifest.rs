@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::record::RunKey;
-use compile::{Evaluation, ExternalProgram, Search};
+use compile::{Estimation, Evaluation, ExternalProgram, Search};
 
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -179,6 +179,17 @@ impl RunRecord {
             what: format!("search {key}, block {}", key.block),
             amount: search.budget,
             fingerprint: search.fingerprint.to_string(),
+        }
+    }
+
+    /// The record of an estimate.
+    pub fn of_estimation(estimation: &Estimation) -> Self {
+        let key = &estimation.key;
+        Self {
+            id: key.id.to_string(),
+            what: format!("estimate {key}, block {}", key.block),
+            amount: estimation.budget,
+            fingerprint: estimation.fingerprint.to_string(),
         }
     }
 }

@@ -7,12 +7,15 @@ use serde::{Deserialize, Serialize};
 
 use super::index::{continues, programs};
 use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
-use crate::campaign::{Claim, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError, goal_of, tasks};
+use crate::campaign::{
+    Claim, EstimateResult, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError, goal_of, tasks,
+};
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use compile::Campaign;
 use learn::Trained;
 use world::falsifier::{SearchOutcome, TrainingRun};
 use world::judge::{Verdict, ViolationVerdict};
+use world::likelihood::Estimate;
 
 /// Time beyond its limit, or after the user asked to stop, in which a training may finish an update.
 const GRACE: Duration = Duration::from_millis(800);
@@ -323,6 +326,27 @@ impl ResultStore for CampaignStore<'_> {
         if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {
             let task = Task::Search(search);
             self.write(task, State::Finished, record.spent.episodes, String::new(), &bytes);
+        }
+    }
+
+    fn estimate(&self, estimation: usize) -> Option<EstimateResult> {
+        let task = Task::Estimate(estimation);
+        let Found::Whole(header, bytes) = self.read(task) else { return None };
+        if header.state != State::Finished {
+            return None;
+        }
+        let estimate = serde_json::from_slice(&bytes).ok();
+        if estimate.is_none() {
+            self.store.damaged(self.id(task));
+        }
+        Some(EstimateResult::new(&self.campaign.estimations[estimation], Ok(estimate?)))
+    }
+
+    fn keep_estimate(&self, estimation: usize, result: &EstimateResult) {
+        let Some(estimate) = &result.estimate else { return };
+        let Ok(bytes) = serde_json::to_vec(estimate) else { return };
+        if serde_json::from_slice::<Estimate>(&bytes).is_ok_and(|read| read == *estimate) {
+            self.write(Task::Estimate(estimation), State::Finished, estimate.ticks, String::new(), &bytes);
         }
     }
 

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use crate::campaign::Task;
-use compile::{CHUNK, Campaign, Evaluation, Search, Training};
+use compile::{CHUNK, Campaign, Estimation, Evaluation, Search, Training};
 
 /// The version of the code that affects numbers, as 16 hexadecimal digits.
 pub const CODE: &str = env!("FALSIFY_CODE");
@@ -42,6 +42,7 @@ pub struct Ids {
     trainings: Vec<Id>,
     evaluations: Vec<Id>,
     searches: Vec<Id>,
+    estimations: Vec<Id>,
 }
 
 impl Ids {
@@ -55,6 +56,7 @@ impl Ids {
         Self {
             evaluations: campaign.evaluations.iter().map(evaluation).collect(),
             searches: campaign.searches.iter().map(|each| search(each, seed)).collect(),
+            estimations: campaign.estimations.iter().map(|each| estimation(each, seed)).collect(),
             trainings,
         }
     }
@@ -70,6 +72,7 @@ impl Ids {
                 Id::of(&[b"chunk", &self.evaluations[evaluation].0, &first.to_le_bytes()])
             }
             Task::Search(index) => self.searches[index],
+            Task::Estimate(index) => self.estimations[index],
         }
     }
 }
@@ -121,6 +124,26 @@ fn search(search: &Search, seed: u64) -> Id {
         search.fingerprint.bytes(),
         &search.budget.to_le_bytes(),
         &search.tries.to_le_bytes(),
+    ])
+}
+
+fn estimation(estimation: &Estimation, seed: u64) -> Id {
+    let key = &estimation.key;
+    Id::of(&[
+        b"estimate",
+        // The falsifier of a first search may learn.
+        vector_instructions().as_bytes(),
+        &seed.to_le_bytes(),
+        key.estimator.as_bytes(),
+        key.walker.as_bytes(),
+        key.town.as_bytes(),
+        key.policy.as_bytes(),
+        &key.block.to_le_bytes(),
+        &key.run.to_le_bytes(),
+        estimation.fingerprint.bytes(),
+        &estimation.budget.to_le_bytes(),
+        &estimation.relative_error.to_bits().to_le_bytes(),
+        estimation.event.name().as_bytes(),
     ])
 }
 

@@ -105,7 +105,8 @@ impl Importance {
     ) -> Estimate {
         let mut ticks = found.map_or(0, |(outcome, _)| outcome.ticks);
         let mut encounters = found.map_or(0, |(outcome, _)| outcome.episodes);
-        let mut proposal = found.map_or_else(Proposal::default, |(outcome, starts)| self.near_starts(make, outcome, starts));
+        let mut proposal =
+            found.map_or_else(Proposal::default, |(outcome, starts)| self.near_starts(make, outcome, starts));
         let mut stopped = false;
         let mut last = false;
         for round in 0..MOST_ROUNDS {
@@ -146,8 +147,8 @@ impl Importance {
             count += BATCH;
             (limits.progress)(ticks);
             let target = &sums[limits.event as usize];
-            enough = target.relative_error(count).is_some_and(|error| error <= limits.relative_error)
-                && target.is_sound();
+            enough =
+                target.relative_error(count).is_some_and(|error| error <= limits.relative_error) && target.is_sound();
         }
         let counting = fresh as f64 / plain.max(1) as f64;
         let likelihood = |event: &Event| sums[*event as usize].likelihood(*event, count, fresh, counting.max(1e-9));
@@ -166,7 +167,12 @@ impl Importance {
     }
 
     /// Centres at the starts from which failures were found. Nothing is known of the walker's words.
-    fn near_starts<B: TestBed>(&self, make: &(dyn Fn() -> B + Sync), outcome: &SearchOutcome, starts: &Seed) -> Proposal {
+    fn near_starts<B: TestBed>(
+        &self,
+        make: &(dyn Fn() -> B + Sync),
+        outcome: &SearchOutcome,
+        starts: &Seed,
+    ) -> Proposal {
         let mut numbers: Vec<u64> = outcome.failures.iter().map(|failure| failure.start).collect();
         numbers.sort_unstable();
         numbers.dedup();
@@ -211,7 +217,15 @@ impl Importance {
                 let point = [normals(&mut lot.start, WORDS[0]), normals(&mut lot.walk, WORDS[1])];
                 let weight = 1.0 / (plain + (1.0 - plain) * proposal.likelier(&point));
                 let events = if judged && trial.fails() { bed.judge(&mut lot) } else { [false; Event::COUNT] };
-                Draw { height: trial.height(), counts: trial.counts, plain: is_plain, weight, point, events, ticks: bed.ticks() - before }
+                Draw {
+                    height: trial.height(),
+                    counts: trial.counts,
+                    plain: is_plain,
+                    weight,
+                    point,
+                    events,
+                    ticks: bed.ticks() - before,
+                }
             };
             numbers.iter().map(run).collect::<Vec<_>>()
         });

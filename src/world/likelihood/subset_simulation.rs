@@ -154,7 +154,8 @@ impl SubsetSimulation {
             encounters += 1;
         }
         let counting = all.iter().filter(|particle| particle.counts).count() as u64;
-        let longest = if schedule.is_some() { longest } else { all.iter().map(|each| each.climb.len()).max().unwrap_or(1) };
+        let longest =
+            if schedule.is_some() { longest } else { all.iter().map(|each| each.climb.len()).max().unwrap_or(1) };
         let mut made = Schedule::new();
         let mut steps = Steps::new();
         let mut probability = 1.0;

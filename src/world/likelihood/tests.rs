@@ -80,13 +80,8 @@ fn repeat(problem: &Problem, estimator: &Estimator, budget: u64, repetitions: u6
     let make = || Function { numbers, height, drawn: Vec::new(), calls: 0 };
     let all: Vec<Estimate> = (0..repetitions)
         .map(|repetition| {
-            let limits = Limits {
-                event: Event::Failure,
-                relative_error: 0.001,
-                budget,
-                stop: &|| false,
-                progress: &|_| {},
-            };
+            let limits =
+                Limits { event: Event::Failure, relative_error: 0.001, budget, stop: &|| false, progress: &|_| {} };
             estimator.estimate(&make, None, &Seed::root(repetition), limits)
         })
         .collect();
@@ -135,9 +130,17 @@ fn importance_sampling_is_right_where_the_answer_is_known() {
     for problem in &PROBLEMS {
         let figures = repeat(problem, &Estimator::Importance(Importance::from_keys(keys())), 30_000, 40);
         let [mean, error, covered, ..] = figures;
-        assert!((mean - 1.0).abs() < 3.0 * error.max(0.01), "{}: {mean} of the answer, with an error of {error}", problem.0);
+        assert!(
+            (mean - 1.0).abs() < 3.0 * error.max(0.01),
+            "{}: {mean} of the answer, with an error of {error}",
+            problem.0
+        );
         // In ten dimensions a few heavy weights are often missing: 34 of 40 intervals have the answer there.
-        assert!(covered >= if problem.1 == 10 { 0.8 } else { 0.9 }, "{}: {covered} of the intervals have the answer", problem.0);
+        assert!(
+            covered >= if problem.1 == 10 { 0.8 } else { 0.9 },
+            "{}: {covered} of the intervals have the answer",
+            problem.0
+        );
     }
 }
 

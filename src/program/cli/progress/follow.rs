@@ -58,6 +58,7 @@ impl Progress {
                 trainings: board.count(Kind::Training),
                 evaluations: board.count(Kind::Evaluation),
                 searches: board.count(Kind::Search),
+                estimates: board.count(Kind::Estimate),
             }
             .tell();
         }
@@ -210,6 +211,18 @@ impl Progress {
                 let told = format!("{found} in {} episodes", spent.episodes);
                 let error = result.error.as_ref();
                 self.end(Task::Search(search), error.map_or(Ok(told), |error| Err(error.to_string())));
+            }
+            Event::Estimating { estimation, ticks } => {
+                self.board.job(Task::Estimate(estimation)).rise(ticks);
+                self.glance();
+            }
+            Event::Estimated { estimation, result } => {
+                let told = result.estimate.as_ref().map_or_else(String::new, |estimate| {
+                    self.job(Task::Estimate(estimation)).reach(estimate.ticks);
+                    format!("{} encounters", estimate.encounters)
+                });
+                let error = result.error.as_ref();
+                self.end(Task::Estimate(estimation), error.map_or(Ok(told), |error| Err(error.to_string())));
             }
         }
     }

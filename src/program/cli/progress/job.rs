@@ -15,6 +15,8 @@ pub enum Kind {
     Evaluation,
     /// A search.
     Search,
+    /// An estimate.
+    Estimate,
 }
 
 impl Kind {
@@ -24,6 +26,7 @@ impl Kind {
             Self::Training => "training",
             Self::Evaluation => "trying",
             Self::Search => "searching",
+            Self::Estimate => "estimating",
         }
     }
 
@@ -33,6 +36,7 @@ impl Kind {
             Self::Training => "trained",
             Self::Evaluation => "tried",
             Self::Search => "searched",
+            Self::Estimate => "estimated",
         }
     }
 
@@ -41,7 +45,7 @@ impl Kind {
         match self {
             Self::Training => "decisions",
             Self::Evaluation => "episodes",
-            Self::Search => "ticks",
+            Self::Search | Self::Estimate => "ticks",
         }
     }
 }
@@ -90,6 +94,7 @@ impl Job {
             Task::Training(place) => (Kind::Training, place),
             Task::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
             Task::Search(place) => (Kind::Search, place),
+            Task::Estimate(place) => (Kind::Estimate, place),
         }
     }
 
@@ -98,6 +103,7 @@ impl Job {
             Kind::Training => campaign.trainings[place].key.to_string(),
             Kind::Evaluation => evaluation(&campaign.evaluations[place]),
             Kind::Search => campaign.searches[place].key.to_string(),
+            Kind::Estimate => campaign.estimations[place].key.to_string(),
         };
         Self {
             kind,

@@ -20,6 +20,7 @@ mod searches;
 mod search_cells;
 mod search_kinds;
 mod search_comparisons;
+mod estimates;
 mod published;
 mod protocol;
 mod ticks;
@@ -27,6 +28,7 @@ mod tick_file;
 
 pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
+pub use estimates::{ESTIMATES, estimate_columns, estimate_doubts, estimate_table};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_table};

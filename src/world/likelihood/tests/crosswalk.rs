@@ -67,7 +67,8 @@ impl Crosswalk {
         let place = Pose::new(25.0 - t, s - 10.0, std::f64::consts::FRAC_PI_2 + heading);
         let (car, walker) = (Pose::new(x, 0.0, 0.0), place);
         let outlines = (OrientedBox::new(car, 2.0, 0.9), OrientedBox::new(walker, 0.5, 0.5));
-        let gap = if outlines.0.overlaps(&outlines.1) { 0.0 } else { outlines.0.separation(&outlines.1).norm().max(1e-9) };
+        let gap =
+            if outlines.0.overlaps(&outlines.1) { 0.0 } else { outlines.0.separation(&outlines.1).norm().max(1e-9) };
         let hits = gap == 0.0 && v > 0.1;
         self.level = self.level.max(if hits { 0.0 } else { -gap - (0.5 - v).max(0.0) });
         self.over = gap == 0.0 || x > 35.0 || s > 13.0 || self.steps >= STEPS;
@@ -168,7 +169,9 @@ fn without_noise_the_pedestrian_crosses_as_in_the_published_model() {
         trace.push(bed.state);
     }
     assert_eq!(trace.len(), 39);
-    for (step, s, u, x, v) in [(1, 5.290, 1.400, 1.523, 7.234), (10, 7.402, 1.054, 11.050, 3.717), (37, 12.850, 1.0, 17.002, 0.020)] {
+    for (step, s, u, x, v) in
+        [(1, 5.290, 1.400, 1.523, 7.234), (10, 7.402, 1.054, 11.050, 3.717), (37, 12.850, 1.0, 17.002, 0.020)]
+    {
         let state = trace[step];
         let close = |a: f64, b: f64| (a - b).abs() < 6e-4;
         assert!(close(state.s, s) && close(state.u, u) && close(state.x, x) && close(state.v, v), "{step}: {state:?}");

@@ -1,7 +1,7 @@
 use polars::prelude::DataFrame;
 
 use super::{ModeCard, Players, Tally};
-use crate::campaign::TrainingResult;
+use crate::campaign::{EstimateResult, TrainingResult};
 use crate::report::render::table::Section;
 use crate::report::{Caution, Cell, Doubt, DriverResult, Failures, Manifest, PublishedComparison};
 use compile::Campaign;
@@ -29,6 +29,8 @@ pub struct Contents<'a> {
     pub modes: &'a [ModeCard],
     /// Tables that the summary has, too, each a section.
     pub sections: &'a [Section],
+    /// The estimates of how likely failures are.
+    pub estimates: &'a [EstimateResult],
     /// What a reader must know first.
     pub cautions: &'a [Caution],
     /// The doubts about the trainings.

@@ -6,6 +6,7 @@ use super::closing::{data, meaning};
 use super::first::first;
 use super::head::{OWN_SCRIPTS, head as head_of_file};
 use super::identity::{named, run_rates};
+use super::likelihood::likelihoods;
 use super::learning::learning;
 use super::markup::{count, prose};
 use super::modes::modes;
@@ -80,6 +81,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
         parts.push(Part::new("results", "Results", "How often cars are hit", results(contents, &cells, &rates)));
     }
     parts.extend(contents.published_section.as_ref().map(Part::of));
+    parts.extend(figures("likely", "How likely", "How likely faults are", LIKELY, likelihoods(contents.estimates)));
     parts.extend(figures(
         "verdicts",
         "Avoidable?",
@@ -140,6 +142,8 @@ const DOUBTS: usize = 3;
 const VERDICTS: &str = "Each collision was run again with reference drivers, from the instant at which the danger starts. Until one brakes, its car is the \
 recorded one. The pedestrian is at the same places at the same times. The careful human is that of UN R157, in both readings. R157 is not written for roads with \
 pedestrians, so read the labels as a comparison.";
+const LIKELY: &str = "The probability of a fault in an encounter that the scenario draws, with a pedestrian who walks by itself. It is no rate per hour or \
+kilometre: that needs a number of encounters.";
 const NEAR: &str = "Episodes that end without a collision. Least time to collision: the shortest time to a touch at any tick while the car moves, \
 if both kept their velocities. Post-encroachment time: between the instant at which one leaves a place and the instant at which the other enters it.";
 const SPEED: &str =

@@ -13,6 +13,7 @@ mod verdicts;
 mod severity;
 mod spawns;
 mod learning;
+mod likelihood;
 mod replay;
 mod frames;
 mod modes;

@@ -6,7 +6,7 @@ use crate::analysis::{Impact, Kind};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
 use crate::report::render::sections::{
-    comparisons, learnt, protocol, published_section, requirements, search_section, transfer,
+    comparisons, estimates, learnt, protocol, published_section, requirements, search_section, transfer,
 };
 use crate::report::{
     Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError, worst_failure,
@@ -90,6 +90,7 @@ pub fn write_page(
             found.next().and_then(|(_, failure)| players.link(&failure.name()))
         }),
         searches,
+        estimates(&finished.estimates),
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),
         transfer(&gathered.evidence),
@@ -111,6 +112,7 @@ pub fn write_page(
         published,
         published_section: published_section(published),
         sections: &sections,
+        estimates: &finished.estimates,
         cautions: &found.cautions,
         doubts,
         files: &folder.names()?,

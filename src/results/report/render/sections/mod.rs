@@ -16,11 +16,13 @@ mod requirements;
 mod protocol;
 mod searches;
 mod search_pairs;
+mod estimates;
 mod trainings;
 mod failures;
 
 pub use comparisons::comparisons;
 pub use drivers::{drivers, injury, injury_scale};
+pub use estimates::{estimates, rounded};
 pub use failures::failures_for_terminal;
 pub use learnt::learnt;
 pub use names::{distinct, place, who};
@@ -34,6 +36,7 @@ pub use trainings::trainings_section;
 pub use transfer::transfer;
 
 use super::table::{Section, Table};
+use crate::campaign::EstimateResult;
 use crate::report::{Cell, CellRequirement, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell, SearchComparison};
 
 /// The rates of a campaign's controllers as text for a terminal of this width (columns); empty without cells.
@@ -72,6 +75,16 @@ pub fn searches_for_terminal(cells: &[SearchCell], compared: &[SearchComparison]
     let known = !cells.iter().any(SearchCell::is_empty);
     let told = search_pairs::findings_of_pairs(compared).filter(|_| known).map(|told| format!("{told}\n"));
     searches::falsifiers(cells).to_terminal(width) + &told.unwrap_or_default()
+}
+
+/// How likely failures are as text for a terminal of this width (columns); empty without an estimate.
+pub fn estimates_for_terminal(results: &[EstimateResult], width: u16) -> String {
+    let ended: Vec<&EstimateResult> = results.iter().filter(|result| result.estimate.is_some()).collect();
+    if ended.is_empty() {
+        String::new()
+    } else {
+        format!("how likely in an encounter\n{}", estimates::table(&ended).to_terminal(width))
+    }
 }
 
 /// The conclusions from the cells, one section each.

@@ -1,0 +1,86 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::run::Shared;
+use super::{Event, Task, TaskError};
+use compile::{Estimation, EstimationKey};
+use world::falsifier::Simulator;
+use world::likelihood::{Encounters, Estimate, Limits};
+
+/// The result of an estimate.
+#[derive(Debug, Clone)]
+pub struct EstimateResult {
+    pub key: EstimationKey,
+    /// Encounters per hour and per 1,000 km, as far as the user states them.
+    pub exposure: [Option<f64>; 2],
+    /// The relative error that was wanted.
+    pub wanted: f64,
+    /// None when it failed.
+    pub estimate: Option<Estimate>,
+    /// Why it failed.
+    pub error: Option<TaskError>,
+}
+
+impl EstimateResult {
+    /// The result of an estimate of the plan.
+    pub fn new(plan: &Estimation, estimate: Result<Estimate, TaskError>) -> Self {
+        let (estimate, error) = match estimate {
+            Ok(estimate) => (Some(estimate), None),
+            Err(error) => (None, Some(error)),
+        };
+        Self { key: plan.key.clone(), exposure: plan.exposure, wanted: plan.relative_error, estimate, error }
+    }
+}
+
+/// Makes an estimate; none when the user asks to stop before its end.
+pub(super) fn estimate(shared: Shared<'_>, index: usize) -> Option<EstimateResult> {
+    let Shared { campaign, seed, results, .. } = shared;
+    let plan = &campaign.estimations[index];
+    let task = Task::Estimate(index);
+    if shared.stop() {
+        return None;
+    }
+    if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, plan.budget) {
+        return Some(EstimateResult::new(plan, Err(limit)));
+    }
+    shared.tell(Event::Begun(task));
+    let late = || shared.stop() || results.limit(task, 0).is_some();
+    let seed = plan.drawn(seed);
+    let starts = seed.child("search").child("starts");
+    let mut before = 0;
+    let found = match &plan.search {
+        None => None,
+        Some(search) => {
+            let used = AtomicU64::new(0);
+            let progress = |ticks: u64| {
+                let used = used.fetch_add(ticks, Ordering::Relaxed) + ticks;
+                shared.tell(Event::Estimating { estimation: index, ticks: used });
+            };
+            let mut simulator =
+                Simulator::new(search.scenario.clone(), starts, search.budget, &late).with_progress(&progress);
+            if let Err(error) = search.falsifier.search(&mut simulator, &seed.child("search")) {
+                return Some(EstimateResult::new(plan, Err(TaskError::Training(error))));
+            }
+            let spent = simulator.into_spent();
+            before = spent.ticks;
+            Some(spent)
+        }
+    };
+    let progress = |ticks: u64| shared.tell(Event::Estimating { estimation: index, ticks: ticks.max(before) });
+    let limits = Limits {
+        event: plan.event,
+        relative_error: plan.relative_error,
+        budget: plan.budget,
+        stop: &late,
+        progress: &progress,
+    };
+    let make = || Encounters::new(&plan.scenario, plan.walker.walk_policy(), plan.question);
+    let estimate = plan.estimator.estimate(&make, found.as_ref().map(|found| (found, &starts)), &seed, limits);
+    if let Some(limit) = results.limit(task, 0).filter(|_| !shared.stop()) {
+        return Some(EstimateResult::new(plan, Err(limit)));
+    }
+    if estimate.stopped {
+        return None;
+    }
+    let estimate = if estimate.fresh == 0 { Err(TaskError::NoEncounter) } else { Ok(estimate) };
+    Some(EstimateResult::new(plan, estimate))
+}

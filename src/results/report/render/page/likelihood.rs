@@ -1,0 +1,94 @@
+use maud::html;
+
+use crate::campaign::EstimateResult;
+use crate::report::render::sections::rounded;
+use crate::report::render::svg::{Figure, Panel, px};
+use world::likelihood::{Event, Likelihood};
+
+/// Width of a panel, and the start and the end of its axis.
+const WIDTH: f64 = 640.0;
+const AXIS: (f64, f64) = (210.0, 620.0);
+/// Height of a row, and of the axis below.
+const ROW: f64 = 24.0;
+const FOOT: f64 = 34.0;
+
+/// How likely a fault is, a line for each estimate, on an axis in orders of magnitude; none without an estimate.
+pub fn likelihoods(results: &[EstimateResult]) -> Option<Figure> {
+    let mut towns: Vec<&str> = Vec::new();
+    for result in results.iter().filter(|result| result.estimate.is_some()) {
+        if !towns.contains(&result.key.town.as_str()) {
+            towns.push(&result.key.town);
+        }
+    }
+    if towns.is_empty() {
+        return None;
+    }
+    let panels = towns.into_iter().map(|town| panel(town, results));
+    Some(Figure {
+        name: "figure-likelihood".into(),
+        title: "How likely a fault is in an encounter, with the 95 % interval.".into(),
+        notes: vec![
+            "An arrow to the left is the 95 % bound where no fault was seen. The hollow mark is any failure.".into(),
+        ],
+        columns: 1,
+        panels: panels.collect(),
+        ..Figure::default()
+    })
+}
+
+fn panel(town: &str, results: &[EstimateResult]) -> Panel {
+    let rows: Vec<_> = results
+        .iter()
+        .filter(|result| result.key.town == town)
+        .filter_map(|result| Some((result, result.estimate.as_ref()?)))
+        .collect();
+    let several = |of: fn(&EstimateResult) -> &str| rows.iter().any(|(result, _)| of(result) != of(rows[0].0));
+    let (walkers, methods) = (several(|each| &each.key.walker), several(|each| &each.key.estimator));
+    let name = |result: &EstimateResult| {
+        let mut name = result.key.policy.clone();
+        for (shown, word) in [(walkers, &result.key.walker), (methods, &result.key.estimator)] {
+            if shown {
+                name = format!("{name}, {word}");
+            }
+        }
+        name
+    };
+    let least = |likelihood: &Likelihood| if likelihood.seen > 0 { likelihood.low.max(1e-9) } else { likelihood.high };
+    let lowest = rows.iter().map(|(_, estimate)| least(estimate.of(Event::Fault))).fold(0.1, f64::min);
+    let decades = (-libm::log10(lowest)).ceil().max(1.0);
+    let at = |probability: f64| {
+        let share = 1.0 + libm::log10(probability.clamp(lowest / 3.0, 1.0)) / decades;
+        AXIS.0 + share.max(0.0) * (AXIS.1 - AXIS.0)
+    };
+    let floor = ROW * rows.len() as f64;
+    let says = rows.iter().map(|(result, estimate)| {
+        let fault = estimate.of(Event::Fault);
+        format!(" {}: {:.1e}, {:.1e} to {:.1e}.", name(result), fault.probability, fault.low, fault.high)
+    });
+    let says = format!("Probability of a fault in an encounter.{}", says.collect::<String>());
+    let body = html! {
+        @for decade in 0..=decades as i32 {
+            @let x = at(libm::pow(10.0, f64::from(-decade)));
+            path.grid d={ "M" (px(x)) " 0V" (px(floor)) } {}
+            text.muted.middle x=(px(x)) y=(px(floor + 16.0)) {
+                @if decade == 0 { "always" } @else { "1 in " (rounded(libm::pow(10.0, f64::from(decade)))) }
+            }
+        }
+        @for (row, (result, estimate)) in rows.iter().enumerate() {
+            @let middle = ROW * row as f64 + 12.0;
+            @let (fault, any) = (estimate.of(Event::Fault), estimate.of(Event::Failure));
+            text.ink x="0" y=(px(middle + 4.0)) { (name(result)) }
+            @if any.seen > 0 {
+                circle.line.s1 cx=(px(at(any.probability))) cy=(px(middle)) r="4" fill="none" {}
+            }
+            @if fault.seen > 0 {
+                path.line.s0 d={ "M" (px(at(fault.low))) " " (px(middle)) "H" (px(at(fault.high))) } {}
+                circle.f0 cx=(px(at(fault.probability))) cy=(px(middle)) r="4" {}
+            } @else {
+                @let x = at(fault.high);
+                path.line.s0 d={ "M" (px(x)) " " (px(middle - 5.0)) "v10M" (px(x)) " " (px(middle)) "h-22m6 -4l-6 4 6 4" } fill="none" {}
+            }
+        }
+    };
+    Panel { title: town.into(), says, size: (WIDTH, floor + FOOT), body }
+}
