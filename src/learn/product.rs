@@ -119,16 +119,24 @@ impl<T: Real, const B_TRANSPOSED: bool> Kernel for Product<'_, T, B_TRANSPOSED> 
     #[inline(always)]
     fn run<A: Arithmetic>(mut self) {
         let mut row = 0;
-        // Eight registers of eight numbers hide the latency of an addition. Four columns of sixteen rows need the fewest
-        // loads, but with debug assertions the compiler keeps their sums in memory, which is twenty times slower. Without
-        // wide instructions the registers hold four columns of eight rows.
+        // Eight registers or more hide the latency of an addition. Four columns of sixteen rows need the fewest loads of registers of
+        // eight numbers, and four of sixty-four rows of the thirty-two that hold sixteen. But with debug assertions the compiler keeps
+        // their sums in memory, which is twenty times slower. Narrow registers hold four columns of eight rows.
         while cfg!(debug_assertions) && row + 64 <= self.rows {
             for at in 0..self.columns {
                 self.one_column::<A, 64>(row, at);
             }
             row += 64;
         }
-        while A::FUSED && row + 16 <= self.rows {
+        while A::LANES >= 16 && row + 64 <= self.rows {
+            self.rows::<A, 64>(row);
+            row += 64;
+        }
+        while A::LANES >= 16 && row + 32 <= self.rows {
+            self.rows::<A, 32>(row);
+            row += 32;
+        }
+        while A::LANES >= 8 && row + 16 <= self.rows {
             self.rows::<A, 16>(row);
             row += 16;
         }
@@ -260,7 +268,7 @@ pub(super) fn transpose<T: Real>(a: &[T], out: &mut [T], rows: usize, columns: u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arithmetic::{Path, all_paths};
+    use crate::arithmetic::{Path, all_paths, assert_width_changes_nothing};
     use crate::normal::standard_normal;
     use base::seed::Seed;
     use nalgebra::DMatrix;
@@ -307,6 +315,24 @@ mod tests {
                 let (a, b) = (transposed_a.as_slice(), b.as_slice());
                 path.run(ProductOfTranspose { a, b, init: &init, c: &mut c, rows, inner });
                 assert_close(&c, &shifted);
+            });
+        }
+    }
+
+    #[test]
+    fn wider_registers_change_no_bit() {
+        let mut stream = Seed::root(4).stream();
+        for (rows, inner, columns) in [(64, 64, 64), (128, 4, 37), (200, 130, 9), (7, 65, 30)] {
+            let mut draw = |count: usize| (0..count).map(|_| standard_normal(&mut stream) as f32).collect::<Vec<f32>>();
+            let (a, b, init, at) = (draw(rows * inner), draw(inner * columns), draw(rows), draw(rows * inner));
+            assert_width_changes_nothing(|path| {
+                let mut c =
+                    [vec![f32::NAN; rows * columns], vec![f32::NAN; rows * columns], vec![f32::NAN; rows * columns]];
+                let [c0, c1, c2] = &mut c;
+                path.run(Product::<_, false> { a: &a, b: &b, init: Some(&init), c: c0, rows, inner, columns });
+                path.run(Product::<_, true> { a: &a, b: &b, init: None, c: c1, rows, inner, columns });
+                path.run(ProductOfTranspose { a: &at, b: &b, init: &init, c: c2, rows, inner });
+                (c, path.run(SquaredNorm(&b)))
             });
         }
     }
