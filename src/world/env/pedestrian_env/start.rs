@@ -6,16 +6,39 @@ use crate::env::motion::Motion;
 use crate::env::{EgoSpeed, LeftOut};
 use crate::geometry::Pose;
 use crate::sim::{ActorStart, Control, Start, WalkCommand};
-use base::seed::Stream;
+use base::seed::{Seed, Stream};
 
 /// The start of an episode: the draw, the run-up of the ego alone, and the moment at which the pedestrians appear.
 impl PedestrianEnv {
     /// Starts the episode with this number, and drives its run-up.
     pub fn begin(&mut self, number: u64) {
+        if self.begin_with_copy(number) {
+            return;
+        }
         self.place(number);
         while self.is_running_up() {
             self.tick_run_up();
         }
+    }
+
+    /// Starts the episode with this number with a copy of a start of the bank, if there is a bank for it.
+    fn begin_with_copy(&mut self, number: u64) -> bool {
+        let bank = self.bank.clone().filter(|_| self.near.is_none());
+        let Some(copy) = bank.as_ref().and_then(|bank| bank.copy(&self.seed.index(number))) else { return false };
+        let Self { seed, width, faults_in_a_row, last_fault, .. } = *self;
+        *self = Self { seed, width, faults_in_a_row, last_fault, bank, next_episode: number + 1, ..copy };
+        self.episode.width = width;
+        for vehicle in 0..self.policies.len() {
+            let stream = self.policy_seed(vehicle).stream();
+            self.policies[vehicle].reseed(stream);
+        }
+        true
+    }
+
+    /// The seed of the random numbers of a vehicle's driver in this episode. The ego's do not depend on whether there is other traffic.
+    fn policy_seed(&self, vehicle: usize) -> Seed {
+        let seed = self.seed.index(self.next_episode - 1);
+        if vehicle == 0 { seed.child("policy") } else { seed.child("traffic").index(vehicle as u64) }
     }
 
     /// Draws the start of the episode with this number and places the actors. Where that is at the start of a run-up,
@@ -91,13 +114,11 @@ impl PedestrianEnv {
     }
 
     fn reset_policies(&mut self) {
-        let seed = self.seed.index(self.next_episode - 1);
-        for (number, policy) in self.policies.iter_mut().enumerate() {
-            // The ego's random numbers do not depend on whether there is other traffic.
-            let seed = if number == 0 { seed.child("policy") } else { seed.child("traffic").index(number as u64) };
+        for number in 0..self.policies.len() {
+            let stream = self.policy_seed(number).stream();
             let perception =
                 perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, number);
-            policy.reset(&perception, seed.stream());
+            self.policies[number].reset(&perception, stream);
         }
     }
 
