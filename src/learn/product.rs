@@ -87,7 +87,8 @@ impl<T: Real, const B_TRANSPOSED: bool> Product<'_, T, B_TRANSPOSED> {
         from: usize,
         a: impl Iterator<Item = &'b [T; R]>,
     ) {
-        let [mut s0, mut s1, mut s2, mut s3] = [0, 1, 2, 3].map(|j| self.first_sums(row, at + j, from));
+        let (mut s0, mut s1) = (self.first_sums(row, at, from), self.first_sums(row, at + 1, from));
+        let (mut s2, mut s3) = (self.first_sums(row, at + 2, from), self.first_sums(row, at + 3, from));
         if B_TRANSPOSED {
             for (a, b) in a.zip(self.b[from * self.columns..].chunks_exact(self.columns)) {
                 let [b0, b1, b2, b3] = *block(&b[at..]);
@@ -138,9 +139,12 @@ impl<T: Real, const B_TRANSPOSED: bool> Product<'_, T, B_TRANSPOSED> {
     #[inline(always)]
     fn first_sums<const R: usize>(&self, row: usize, at: usize, from: usize) -> [T; R] {
         if from > 0 {
-            return *block(&self.c[at * self.rows + row..]);
+            *block(&self.c[at * self.rows + row..])
+        } else if let Some(init) = self.init {
+            *block(&init[row..])
+        } else {
+            [T::zero(); R]
         }
-        self.init.map_or([T::zero(); R], |init| *block(&init[row..]))
     }
 
     #[inline(always)]
