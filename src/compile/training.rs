@@ -51,6 +51,10 @@ keys! {
         /// Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances
         /// to all of them. A `search` has no curriculum.
         curriculum: f64 as share() = "0",
+        /// Starts of moving cars that are kept for each driver and town: an episode begins with a copy of one, drawn at random, instead of a
+        /// run-up of its own, which takes more ticks than most encounters. Without it every start is fresh, as it is in a curriculum, in a
+        /// `search`, in evaluations, for drivers that cannot be copied and for cars without a run-up.
+        starts: Option<usize> as whole(1, 100_000),
         /// Whether states are standardised by what was seen so far.
         normalize_observations: bool = "false",
         /// Whether rewards are scaled by the spread of returns so far.
@@ -100,6 +104,7 @@ pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
         target_kl: keys.target_kl,
         clip_range_vf: keys.value_clip,
         curriculum: keys.curriculum,
+        starts: keys.starts,
         frame_stack: keys.frame_stack,
         adam_eps: keys.adam_epsilon,
         stats_window: keys.statistics_window,
@@ -160,7 +165,7 @@ mod tests {
             "ppo(steps: 1000, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
             gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
             max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
-            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, curriculum: 0.5, normalize_observations: true,
+            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, curriculum: 0.5, starts: 512, normalize_observations: true,
             normalize_rewards: true, adam_epsilon: 1e-8, statistics_window: 50, threads: 2, portable_bits: true,
             hidden: [32, 16])";
         let config = PpoConfig {
@@ -184,6 +189,7 @@ mod tests {
             normalize_obs: true,
             normalize_reward: true,
             curriculum: 0.5,
+            starts: Some(512),
             frame_stack: 4,
             stats_window: 50,
             threads: Some(2),

@@ -167,6 +167,12 @@ impl<T: Real> ActorCritic<T> {
         }
     }
 
+    /// Calls `each` with the number and the mean action of every input of a batch (obs_dim × batch): the bits of [`ActorCritic::mean`].
+    pub(super) fn means(&self, inputs: &[T], scratch: &mut MlpScratch<T>, mut each: impl FnMut(usize, &[T])) {
+        let means = self.actor.forward_each(&self.parameters[self.actor_range()], inputs, scratch);
+        means.chunks_exact(self.action_dim()).enumerate().for_each(|(i, mean)| each(i, mean));
+    }
+
     /// Draws an action for one observation into `out`, not clipped to any bounds.
     pub fn sample(&self, obs: &[f64], out: &mut [f64], scratch: &mut Scratch<T>, stream: &mut Stream) {
         self.act(obs, out, scratch);

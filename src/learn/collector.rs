@@ -10,6 +10,7 @@ use super::config::PpoConfig;
 use super::env::Env;
 use super::lane::Lane;
 use super::log::FinishedEpisode;
+use super::mlp::MlpScratch;
 use super::moments::RunningMoments;
 use super::rollout::Rollout;
 use super::train_error::Quantity;
@@ -25,6 +26,9 @@ pub(super) struct Collector {
     pub(super) recent: VecDeque<FinishedEpisode>,
     /// The moments of the discounted sums of rewards, when rewards are normalised.
     pub(super) return_moments: Option<RunningMoments>,
+    /// The inputs of the networks for all environments in one step (obs_dim × environments).
+    inputs: Vec<f32>,
+    actor: MlpScratch<f32>,
     gamma: f64,
     lambda: f64,
     path: Path,
@@ -43,6 +47,8 @@ impl Collector {
             lanes: (0..).zip(envs).map(lane).collect(),
             recent: VecDeque::with_capacity(config.stats_window + 1),
             return_moments: config.normalize_reward.then(|| RunningMoments::new(1)),
+            inputs: Vec::with_capacity(policy.obs_dim() * envs.len()),
+            actor: MlpScratch::new(policy.actor(), envs.len()),
             gamma: config.gamma,
             lambda: config.gae_lambda,
             path,
@@ -78,7 +84,9 @@ impl Collector {
             let policy = &*policy;
             side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
                 for t in 0..steps {
-                    if let Err(quantity) = lane.step(env, policy, rollout, t, gamma) {
+                    let input = lane.look(policy, rollout, t);
+                    lane.ask(policy, input);
+                    if let Err(quantity) = lane.step(env, rollout, t, gamma) {
                         lane.failure = Some((t, quantity));
                         return;
                     }
@@ -89,8 +97,9 @@ impl Collector {
             self.failure()?;
         } else {
             for t in 0..steps {
+                self.think(policy, rollouts, t);
                 side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
-                    lane.failure = lane.step(env, policy, rollout, t, gamma).err().map(|quantity| (t, quantity));
+                    lane.failure = lane.step(env, rollout, t, gamma).err().map(|quantity| (t, quantity));
                 });
                 self.failure()?;
                 observe(policy, &self.lanes);
@@ -101,6 +110,16 @@ impl Collector {
             });
         }
         Ok(self.finished())
+    }
+
+    /// Asks the actor for the means of the next actions of all environments at once.
+    fn think(&mut self, policy: &ActorCritic, rollouts: &mut [Rollout], t: usize) {
+        self.inputs.clear();
+        for (lane, rollout) in self.lanes.iter().zip(rollouts) {
+            self.inputs.extend_from_slice(lane.look(policy, rollout, t));
+        }
+        let lanes = &mut self.lanes;
+        policy.means(&self.inputs, &mut self.actor, |i, mean| lanes[i].set_mean(mean));
     }
 
     /// Records the rewards of a step, normalised if the settings ask for it.

@@ -60,6 +60,9 @@ pub struct PpoConfig {
     pub normalize_reward: bool,
     /// The share of the training over which starts widen from the easiest to all; 0 for all from the first episode.
     pub curriculum: f64,
+    /// The number of starts that an environment keeps and begins its episodes with copies of, where it can; none for a fresh start each time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub starts: Option<usize>,
     /// The number of last observations that the policy sees, the newest included.
     pub frame_stack: usize,
     /// The number of ended episodes over which reward and length are averaged in the report of an update.
@@ -105,6 +108,7 @@ impl PpoConfig {
             normalize_obs: false,
             normalize_reward: false,
             curriculum: 0.0,
+            starts: None,
             frame_stack: 1,
             stats_window: 100,
             threads: None,

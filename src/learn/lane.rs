@@ -90,18 +90,33 @@ impl Lane {
         self.spread.set(policy.log_std());
     }
 
-    /// Takes step `t` of a rollout; [`Lane::settle`] does the part that depends on normalised numbers.
+    /// Writes the input of the networks in step `t` of a rollout, and returns it.
+    pub(super) fn look<'a>(&self, policy: &ActorCritic, rollout: &'a mut Rollout, t: usize) -> &'a [f32] {
+        let input = &mut rollout.obs[t * rollout.obs_dim..(t + 1) * rollout.obs_dim];
+        policy.prepare(self.stack.as_slice(), input);
+        input
+    }
+
+    /// Asks the actor for the mean of the next action.
+    pub(super) fn ask(&mut self, policy: &ActorCritic, input: &[f32]) {
+        policy.mean(input, &mut self.mean, &mut self.scratch.actor);
+    }
+
+    /// Sets the mean of the next action.
+    pub(super) fn set_mean(&mut self, mean: &[f32]) {
+        for (slot, mean) in self.mean.iter_mut().zip(mean) {
+            *slot = f64::from(*mean);
+        }
+    }
+
+    /// Takes step `t` of a rollout with an action around the mean; [`Lane::settle`] does the part that depends on normalised numbers.
     pub(super) fn step<E: Env>(
         &mut self,
         env: &mut E,
-        policy: &ActorCritic,
         rollout: &mut Rollout,
         t: usize,
         gamma: f64,
     ) -> Result<(), Quantity> {
-        let input = &mut rollout.obs[t * rollout.obs_dim..(t + 1) * rollout.obs_dim];
-        policy.prepare(self.stack.as_slice(), input);
-        policy.mean(input, &mut self.mean, &mut self.scratch.actor);
         let action = &mut rollout.actions[t * rollout.action_dim..(t + 1) * rollout.action_dim];
         for ((action, mean), std) in action.iter_mut().zip(&self.mean).zip(self.spread.std()) {
             *action = mean + std * standard_normal(&mut self.noise);

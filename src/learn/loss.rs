@@ -1,10 +1,11 @@
 //! The loss of PPO and its gradient.
 
-use super::actor_critic::{ActorCritic, Scratch};
+use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
 use super::config::PpoConfig;
 use super::gaussian::{Gaussian, Spread};
 use super::minibatch::Minibatch;
+use super::mlp::MlpScratch;
 use super::product::SquaredNorm;
 use super::real::Real;
 
@@ -36,11 +37,31 @@ pub(super) struct LossGradient<T: Real> {
     /// One element per parameter, in the order of [`ActorCritic::parameters`].
     pub(super) gradient: Vec<T>,
     path: Path,
-    scratch: Scratch<T>,
+    actor: ActorLoss<T>,
+    critic: MlpScratch<T>,
+}
+
+/// The memory for the loss of the actor.
+#[derive(Debug, Clone)]
+struct ActorLoss<T> {
+    scratch: MlpScratch<T>,
     mean: Vec<f64>,
     spread: Spread,
     log_std_gradient: Vec<f64>,
 }
+
+/// What the losses of actor and critic are computed from.
+#[derive(Clone, Copy)]
+struct Task<'a, T: Real> {
+    policy: &'a ActorCritic<T>,
+    batch: &'a Minibatch<T>,
+    config: &'a PpoConfig,
+    clip_coef: f64,
+    path: Path,
+}
+
+/// The number of samples times parameters from which actor and critic are computed beside each other: some 50 µs each.
+const WORTH_A_THREAD: usize = 1_000_000;
 
 impl<T: Real> LossGradient<T> {
     /// Makes room for minibatches of at most `capacity` samples.
@@ -48,16 +69,20 @@ impl<T: Real> LossGradient<T> {
         Self {
             gradient: vec![T::zero(); policy.parameters().len()],
             path,
-            scratch: policy.scratch(capacity),
-            mean: vec![0.0; policy.action_dim()],
-            spread: Spread::new(policy.action_dim()),
-            log_std_gradient: vec![0.0; policy.action_dim()],
+            actor: ActorLoss {
+                scratch: MlpScratch::new(policy.actor(), capacity),
+                mean: vec![0.0; policy.action_dim()],
+                spread: Spread::new(policy.action_dim()),
+                log_std_gradient: vec![0.0; policy.action_dim()],
+            },
+            critic: MlpScratch::new(policy.critic(), capacity),
         }
     }
 
     /// Computes the loss on a minibatch and its gradient, which replaces the previous one.
     ///
-    /// `clip_coef` is the one in `config` after its schedule.
+    /// `clip_coef` is the one in `config` after its schedule. Actor and critic share nothing, so large minibatches take two threads of the
+    /// current rayon pool.
     ///
     /// # Source
     /// Schulman et al. (2017), equations 7 and 9; `PPO.train` of stable-baselines3.
@@ -68,30 +93,37 @@ impl<T: Real> LossGradient<T> {
         config: &PpoConfig,
         clip_coef: f64,
     ) -> LossTerms {
-        self.spread.set(policy.log_std());
-        let mut terms = self.actor(policy, batch, config, clip_coef);
-        terms.value = self.critic(policy, batch, config);
-        terms
+        let task = Task { policy, batch, config, clip_coef, path: self.path };
+        let (networks, log_std) = self.gradient.split_at_mut(policy.log_std_range().start);
+        let (actor, critic) = networks.split_at_mut(policy.actor_range().end);
+        let work = batch.len() * policy.parameters().len();
+        let mut of_actor = || self.actor.compute(task, actor, log_std);
+        let mut of_critic = || critic_loss(&mut self.critic, task, critic);
+        let (terms, value) = if work < WORTH_A_THREAD || config.threads == Some(1) {
+            (of_actor(), of_critic())
+        } else {
+            rayon::join(of_actor, of_critic)
+        };
+        LossTerms { value, ..terms }
     }
 
     /// Returns the Euclidean norm of the gradient.
     pub(super) fn norm(&self) -> f64 {
         self.path.run(SquaredNorm(&self.gradient)).widened().sqrt()
     }
+}
 
-    fn actor(
-        &mut self,
-        policy: &ActorCritic<T>,
-        batch: &Minibatch<T>,
-        config: &PpoConfig,
-        clip_coef: f64,
-    ) -> LossTerms {
+impl<T: Real> ActorLoss<T> {
+    /// Computes all terms but that of the critic, and the gradients of the actor and of the logarithms of the standard deviations.
+    fn compute(&mut self, task: Task<'_, T>, gradient: &mut [T], log_std: &mut [T]) -> LossTerms {
+        let Task { policy, batch, config, clip_coef, path } = task;
+        self.spread.set(policy.log_std());
         let share = 1.0 / batch.len() as f64;
         let dim = policy.action_dim();
         let parameters = &policy.parameters()[policy.actor_range()];
-        policy.actor().forward(parameters, &batch.obs, &mut self.scratch.actor, self.path);
+        policy.actor().forward(parameters, &batch.obs, &mut self.scratch, path);
         // The derivative overwrites its mean, sample by sample.
-        let slots = self.scratch.actor.output_to_gradient(policy.actor());
+        let slots = self.scratch.output_to_gradient(policy.actor());
 
         let mut terms = LossTerms::default();
         self.log_std_gradient.fill(-config.ent_coef);
@@ -120,35 +152,35 @@ impl<T: Real> LossGradient<T> {
         }
         terms.entropy = Gaussian { mean: &self.mean, spread: &self.spread }.entropy();
 
-        let gradient = &mut self.gradient[policy.actor_range()];
-        policy.actor().backward(parameters, gradient, &mut self.scratch.actor, self.path);
-        for (slot, value) in self.gradient[policy.log_std_range()].iter_mut().zip(&self.log_std_gradient) {
+        policy.actor().backward(parameters, gradient, &mut self.scratch, path);
+        for (slot, value) in log_std.iter_mut().zip(&self.log_std_gradient) {
             *slot = T::rounded(*value);
         }
         terms
     }
+}
 
-    fn critic(&mut self, policy: &ActorCritic<T>, batch: &Minibatch<T>, config: &PpoConfig) -> f64 {
-        let share = 1.0 / batch.len() as f64;
-        let parameters = &policy.parameters()[policy.critic_range()];
-        policy.critic().forward(parameters, &batch.obs, &mut self.scratch.critic, self.path);
-        let mut loss = 0.0;
-        let slots = self.scratch.critic.output_to_gradient(policy.critic());
-        let targets = batch.returns.iter().zip(&batch.old_values);
-        for (slot, (expected, old)) in slots.iter_mut().zip(targets) {
-            let change = slot.widened() - old;
-            let limit = config.clip_range_vf.unwrap_or(f64::INFINITY);
-            // Beyond the limit the value is taken as constant.
-            let (value, moves) =
-                if change.abs() <= limit { (slot.widened(), 1.0) } else { (old + change.clamp(-limit, limit), 0.0) };
-            let error = value - expected;
-            loss += share * error * error;
-            *slot = T::rounded(config.vf_coef * 2.0 * share * error * moves);
-        }
-        let gradient = &mut self.gradient[policy.critic_range()];
-        policy.critic().backward(parameters, gradient, &mut self.scratch.critic, self.path);
-        loss
+/// Computes the critic's mean squared error and its gradient.
+fn critic_loss<T: Real>(scratch: &mut MlpScratch<T>, task: Task<'_, T>, gradient: &mut [T]) -> f64 {
+    let Task { policy, batch, config, path, .. } = task;
+    let share = 1.0 / batch.len() as f64;
+    let parameters = &policy.parameters()[policy.critic_range()];
+    policy.critic().forward(parameters, &batch.obs, scratch, path);
+    let mut loss = 0.0;
+    let slots = scratch.output_to_gradient(policy.critic());
+    let targets = batch.returns.iter().zip(&batch.old_values);
+    for (slot, (expected, old)) in slots.iter_mut().zip(targets) {
+        let change = slot.widened() - old;
+        let limit = config.clip_range_vf.unwrap_or(f64::INFINITY);
+        // Beyond the limit the value is taken as constant.
+        let (value, moves) =
+            if change.abs() <= limit { (slot.widened(), 1.0) } else { (old + change.clamp(-limit, limit), 0.0) };
+        let error = value - expected;
+        loss += share * error * error;
+        *slot = T::rounded(config.vf_coef * 2.0 * share * error * moves);
     }
+    policy.critic().backward(parameters, gradient, scratch, path);
+    loss
 }
 
 #[cfg(test)]

@@ -26,39 +26,81 @@ pub(super) struct Product<'a, T, const B_TRANSPOSED: bool> {
     pub(super) columns: usize,
 }
 
+/// The terms of a sum between which its value is in memory, where parts of `a` are copied: 32 KiB of `f32` are a part of 64 rows.
+const DEPTH: usize = 128;
+
+/// The number of columns from which copying `a` saves time.
+const WORTH_A_COPY: usize = 16;
+
+/// A copy of `R` rows of some columns of a matrix, in whole lines of the cache.
+#[repr(align(64))]
+struct Panel<T, const R: usize>([[T; R]; DEPTH]);
+
 impl<T: Real, const B_TRANSPOSED: bool> Product<'_, T, B_TRANSPOSED> {
     /// Computes the rows `row..row + R` of four columns at a time, then of single ones.
     #[inline(always)]
     fn rows<A: Arithmetic, const R: usize>(&mut self, row: usize) {
+        let (a, rows) = (&self.a[..self.rows * self.inner], self.rows);
+        self.columns::<A, R, _>(row, 0, || a.chunks_exact(rows).map(move |a| block(&a[row..])));
+    }
+
+    /// Computes the rows `row..row + R` as [`Product::rows`] does, with copies of parts of `a`: a part lies in whole lines of the cache and
+    /// stays in it for all columns.
+    #[inline(always)]
+    fn packed_rows<A: Arithmetic, const R: usize>(&mut self, row: usize, panel: &mut Panel<T, R>) {
+        for from in (0..self.inner).step_by(DEPTH) {
+            let panel = &mut panel.0[..DEPTH.min(self.inner - from)];
+            for (slot, a) in panel.iter_mut().zip(self.a[from * self.rows..].chunks_exact(self.rows)) {
+                *slot = *block(&a[row..]);
+            }
+            let panel = &*panel;
+            self.columns::<A, R, _>(row, from, || panel.iter());
+        }
+    }
+
+    /// Adds the terms from number `from` of the inner dimension on to all columns in rows `row..row + R`; `a` has these rows of its columns from
+    /// there on.
+    #[inline(always)]
+    fn columns<'b, A: Arithmetic, const R: usize, I: Iterator<Item = &'b [T; R]>>(
+        &mut self,
+        row: usize,
+        from: usize,
+        a: impl Fn() -> I,
+    ) {
         let mut at = 0;
         while at + 4 <= self.columns {
-            self.four_columns::<A, R>(row, at);
+            self.four_columns::<A, R>(row, at, from, a());
             at += 4;
         }
         while at < self.columns {
-            self.one_column::<A, R>(row, at);
+            self.one_column::<A, R>(row, at, from, a());
             at += 1;
         }
     }
 
-    /// Computes the columns `at..at + 4` in rows `row..row + R`, unrolled so that the sums get registers.
+    /// Adds to the columns `at..at + 4`, unrolled so that the sums get registers.
     #[inline(always)]
-    fn four_columns<A: Arithmetic, const R: usize>(&mut self, row: usize, at: usize) {
-        let [mut s0, mut s1, mut s2, mut s3] = [self.first_sums(row); 4];
-        let a = self.a[..self.rows * self.inner].chunks_exact(self.rows);
+    fn four_columns<'b, A: Arithmetic, const R: usize>(
+        &mut self,
+        row: usize,
+        at: usize,
+        from: usize,
+        a: impl Iterator<Item = &'b [T; R]>,
+    ) {
+        let (mut s0, mut s1) = (self.first_sums(row, at, from), self.first_sums(row, at + 1, from));
+        let (mut s2, mut s3) = (self.first_sums(row, at + 2, from), self.first_sums(row, at + 3, from));
         if B_TRANSPOSED {
-            for (a, b) in a.zip(self.b.chunks_exact(self.columns)) {
-                let (a, [b0, b1, b2, b3]) = (block(&a[row..]), *block(&b[at..]));
+            for (a, b) in a.zip(self.b[from * self.columns..].chunks_exact(self.columns)) {
+                let [b0, b1, b2, b3] = *block(&b[at..]);
                 add_multiple::<A, T, R>(&mut s0, a, b0);
                 add_multiple::<A, T, R>(&mut s1, a, b1);
                 add_multiple::<A, T, R>(&mut s2, a, b2);
                 add_multiple::<A, T, R>(&mut s3, a, b3);
             }
         } else {
-            let column = |j: usize| &self.b[(at + j) * self.inner..][..self.inner];
+            let column = |j: usize| &self.b[(at + j) * self.inner..][from..self.inner];
             let columns = column(0).iter().zip(column(1)).zip(column(2)).zip(column(3));
             for (a, (((b0, b1), b2), b3)) in a.zip(columns) {
-                let a = block(&a[row..]);
                 add_multiple::<A, T, R>(&mut s0, a, *b0);
                 add_multiple::<A, T, R>(&mut s1, a, *b1);
                 add_multiple::<A, T, R>(&mut s2, a, *b2);
@@ -71,26 +113,38 @@ impl<T: Real, const B_TRANSPOSED: bool> Product<'_, T, B_TRANSPOSED> {
         self.store(row, at + 3, &s3);
     }
 
-    /// Computes the column `at` in rows `row..row + R`.
+    /// Adds to the column `at`.
     #[inline(always)]
-    fn one_column<A: Arithmetic, const R: usize>(&mut self, row: usize, at: usize) {
-        let mut sums = self.first_sums(row);
-        let a = self.a[..self.rows * self.inner].chunks_exact(self.rows);
+    fn one_column<'b, A: Arithmetic, const R: usize>(
+        &mut self,
+        row: usize,
+        at: usize,
+        from: usize,
+        a: impl Iterator<Item = &'b [T; R]>,
+    ) {
+        let mut sums = self.first_sums(row, at, from);
         if B_TRANSPOSED {
-            for (a, b) in a.zip(self.b.chunks_exact(self.columns)) {
-                add_multiple::<A, T, R>(&mut sums, block(&a[row..]), b[at]);
+            for (a, b) in a.zip(self.b[from * self.columns..].chunks_exact(self.columns)) {
+                add_multiple::<A, T, R>(&mut sums, a, b[at]);
             }
         } else {
-            for (a, b) in a.zip(&self.b[at * self.inner..][..self.inner]) {
-                add_multiple::<A, T, R>(&mut sums, block(&a[row..]), *b);
+            for (a, b) in a.zip(&self.b[at * self.inner..][from..self.inner]) {
+                add_multiple::<A, T, R>(&mut sums, a, *b);
             }
         }
         self.store(row, at, &sums);
     }
 
+    /// The sums of a column before the terms from number `from` on.
     #[inline(always)]
-    fn first_sums<const R: usize>(&self, row: usize) -> [T; R] {
-        self.init.map_or([T::zero(); R], |init| *block(&init[row..]))
+    fn first_sums<const R: usize>(&self, row: usize, at: usize, from: usize) -> [T; R] {
+        if from > 0 {
+            *block(&self.c[at * self.rows + row..])
+        } else if let Some(init) = self.init {
+            *block(&init[row..])
+        } else {
+            [T::zero(); R]
+        }
     }
 
     #[inline(always)]
@@ -119,16 +173,32 @@ impl<T: Real, const B_TRANSPOSED: bool> Kernel for Product<'_, T, B_TRANSPOSED> 
     #[inline(always)]
     fn run<A: Arithmetic>(mut self) {
         let mut row = 0;
-        // Eight registers of eight numbers hide the latency of an addition. Four columns of sixteen rows need the fewest
-        // loads, but with debug assertions the compiler keeps their sums in memory, which is twenty times slower. Without
-        // wide instructions the registers hold four columns of eight rows.
+        // Eight registers or more hide the latency of an addition. Four columns of sixteen rows need the fewest loads of registers of
+        // eight numbers, and four of sixty-four rows of the thirty-two that hold sixteen. But with debug assertions the compiler keeps
+        // their sums in memory, which is twenty times slower. Narrow registers hold four columns of eight rows.
         while cfg!(debug_assertions) && row + 64 <= self.rows {
+            let (a, rows) = (&self.a[..self.rows * self.inner], self.rows);
             for at in 0..self.columns {
-                self.one_column::<A, 64>(row, at);
+                self.one_column::<A, 64>(row, at, 0, a.chunks_exact(rows).map(|a| block(&a[row..])));
             }
             row += 64;
         }
-        while A::FUSED && row + 16 <= self.rows {
+        if A::LANES >= 16 && row + 64 <= self.rows && self.columns >= WORTH_A_COPY {
+            let mut panel = Panel([[T::zero(); 64]; DEPTH]);
+            while row + 64 <= self.rows {
+                self.packed_rows::<A, 64>(row, &mut panel);
+                row += 64;
+            }
+        }
+        while A::LANES >= 16 && row + 64 <= self.rows {
+            self.rows::<A, 64>(row);
+            row += 64;
+        }
+        while A::LANES >= 16 && row + 32 <= self.rows {
+            self.rows::<A, 32>(row);
+            row += 32;
+        }
+        while A::LANES >= 8 && row + 16 <= self.rows {
             self.rows::<A, 16>(row);
             row += 16;
         }
@@ -260,7 +330,7 @@ pub(super) fn transpose<T: Real>(a: &[T], out: &mut [T], rows: usize, columns: u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arithmetic::{Path, all_paths};
+    use crate::arithmetic::{Path, all_paths, assert_width_changes_nothing};
     use crate::normal::standard_normal;
     use base::seed::Seed;
     use nalgebra::DMatrix;
@@ -307,6 +377,55 @@ mod tests {
                 let (a, b) = (transposed_a.as_slice(), b.as_slice());
                 path.run(ProductOfTranspose { a, b, init: &init, c: &mut c, rows, inner });
                 assert_close(&c, &shifted);
+            });
+        }
+    }
+
+    /// The product by copies of its rows alone, which programs with debug assertions do not use.
+    struct Packed<'a, const B_TRANSPOSED: bool>(Product<'a, f32, B_TRANSPOSED>);
+
+    impl<const B_TRANSPOSED: bool> Kernel for Packed<'_, B_TRANSPOSED> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<A: Arithmetic>(mut self) {
+            let mut panel = Panel([[0.0; 64]; DEPTH]);
+            (0..self.0.rows).step_by(64).for_each(|row| self.0.packed_rows::<A, 64>(row, &mut panel));
+        }
+    }
+
+    #[test]
+    fn copies_of_rows_change_no_bit() {
+        let mut stream = Seed::root(5).stream();
+        for (rows, inner, columns) in [(64, 64, 20), (128, 300, 18), (64, 4, 17), (128, 128, 16), (64, 129, 21)] {
+            let mut draw = |count: usize| (0..count).map(|_| standard_normal(&mut stream) as f32).collect::<Vec<f32>>();
+            let (a, b, init) = (draw(rows * inner), draw(inner * columns), draw(rows));
+            for (path, init) in all_paths().into_iter().flat_map(|path| [(path, None), (path, Some(init.as_slice()))]) {
+                let (mut found, mut expected) = (vec![f32::NAN; rows * columns], vec![f32::NAN; rows * columns]);
+                path.run(Packed(Product::<_, false> { a: &a, b: &b, init, c: &mut found, rows, inner, columns }));
+                path.run(Product::<_, false> { a: &a, b: &b, init, c: &mut expected, rows, inner, columns });
+                assert_eq!(found, expected, "{path:?}");
+                path.run(Packed(Product::<_, true> { a: &a, b: &b, init, c: &mut found, rows, inner, columns }));
+                path.run(Product::<_, true> { a: &a, b: &b, init, c: &mut expected, rows, inner, columns });
+                assert_eq!(found, expected, "{path:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn wider_registers_change_no_bit() {
+        let mut stream = Seed::root(4).stream();
+        for (rows, inner, columns) in [(64, 64, 64), (128, 4, 37), (200, 130, 9), (135, 300, 22), (7, 65, 30)] {
+            let mut draw = |count: usize| (0..count).map(|_| standard_normal(&mut stream) as f32).collect::<Vec<f32>>();
+            let (a, b, init, at) = (draw(rows * inner), draw(inner * columns), draw(rows), draw(rows * inner));
+            assert_width_changes_nothing(|path| {
+                let mut c =
+                    [vec![f32::NAN; rows * columns], vec![f32::NAN; rows * columns], vec![f32::NAN; rows * columns]];
+                let [c0, c1, c2] = &mut c;
+                path.run(Product::<_, false> { a: &a, b: &b, init: Some(&init), c: c0, rows, inner, columns });
+                path.run(Product::<_, true> { a: &a, b: &b, init: None, c: c1, rows, inner, columns });
+                path.run(ProductOfTranspose { a: &at, b: &b, init: &init, c: c2, rows, inner });
+                (c, path.run(SquaredNorm(&b)))
             });
         }
     }

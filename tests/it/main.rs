@@ -87,6 +87,7 @@ mod shards;
 mod shipped;
 mod spawns;
 mod stale;
+mod start_bank;
 mod steady_starts;
 mod stepping;
 mod stopping;

@@ -35,6 +35,12 @@ campaign rich {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: rich
   train { towns: [harbour] policies: [behavior, idm] rewards: [led] runs: 1 }
 }
+training copied = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, starts: 5, normalize_observations: true)
+spawn ahead_of_a_moving_car { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
+campaign copied {
+  vehicle: model3  adversary: suicidal  spawn: ahead_of_a_moving_car  episode: thirty_seconds  training: copied
+  train { towns: [harbour] policies: [behavior, idm] rewards: [r2] runs: 1 }
+}
 "#;
 
 fn plan() -> Plan {

@@ -147,8 +147,9 @@ fn the_norm_of_the_gradient_is_bounded() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    for normalize in [false, true] {
-        let config = PpoConfig { normalize_obs: normalize, normalize_reward: normalize, ..config(1_500) };
+    let wide = PpoConfig { hidden: vec![128, 64], batch_size: 250, epochs: 2, ..config(1_500) };
+    for (normalize, config) in [(false, config(1_500)), (true, config(1_500)), (true, wide)] {
+        let config = PpoConfig { normalize_obs: normalize, normalize_reward: normalize, ..config };
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut envs = [0, 1, 2, 3, 4].map(Identity::new);

@@ -28,6 +28,7 @@ mod signal_meter;
 mod lane_watch;
 mod reward;
 mod motion;
+mod start_bank;
 mod state_hashes;
 mod outcome;
 mod failure_cell;
@@ -59,6 +60,7 @@ pub use spawn::{
     Constraint, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn, SpawnError,
     SpawnRule, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
+pub use start_bank::StartBank;
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};
 pub use trace::{Driven, Trace, VehicleFrame};

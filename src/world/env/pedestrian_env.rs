@@ -14,7 +14,7 @@ use super::signal_meter::SignalMeter;
 use super::spawn::{Pacing, Release};
 use super::{
     Controller, Driven, Ending, LeftOut, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario,
-    Spawn, SpawnRule, StateHashes, Trace,
+    Spawn, SpawnRule, StartBank, StateHashes, Trace,
 };
 use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -79,6 +79,8 @@ pub struct PedestrianEnv {
     width: f64,
     /// The spawn rule with that part of the distances, if that is not all.
     near: Option<SpawnRule>,
+    /// The starts that episodes from all distances begin with copies of; none for fresh starts.
+    bank: Option<Arc<StartBank>>,
     /// The running episode so far, if the reward depends on the judgement of a hit.
     trace: Option<Trace>,
     /// The motion of each pedestrian with the ego; empty if nothing depends on it.
@@ -243,7 +245,13 @@ impl PedestrianEnv {
             decisions: Vec::with_capacity(decisions),
             width: 1.0,
             near: None,
+            bank: None,
         }
+    }
+
+    /// The same environment, whose episodes begin with copies of the bank's starts while they are drawn from all distances.
+    pub fn with_bank(self, bank: Option<Arc<StartBank>>) -> Self {
+        Self { bank, ..self }
     }
 
     pub fn scenario(&self) -> &Scenario {
@@ -442,7 +450,7 @@ impl PedestrianEnv {
     }
 
     #[inline]
-    fn failed_run_up(&self) -> Option<Fault> {
+    pub(super) fn failed_run_up(&self) -> Option<Fault> {
         match self.stage {
             Stage::Failed(fault) => Some(fault),
             Stage::RunUp | Stage::Encounter => None,
@@ -509,6 +517,7 @@ impl PedestrianEnv {
             bounds: self.bounds.clone(),
             decisions: self.decisions.clone(),
             near: self.near.clone(),
+            bank: self.bank.clone(),
             trace: self.trace.clone(),
             signals: self.signals.clone(),
             monitor: self.monitor.clone(),

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use crate::av::Fault;
-use crate::env::{PedestrianEnv, Scenario};
+use crate::env::{PedestrianEnv, Scenario, StartBank};
 use base::seed::Seed;
 use learn::{Env, Step};
 
@@ -16,14 +16,18 @@ pub(super) struct TrainingGround {
 }
 
 impl TrainingGround {
-    /// The environment with this number, of scenarios with equal states and actions; `episodes` is its own seed.
+    /// The environment with this number, of scenarios with equal states and actions; `episodes` is its own seed. Each scenario has the
+    /// bank of starts that all environments share, if it has one.
     ///
     /// # Panics
     /// When there is no scenario.
-    pub fn new(scenarios: &[Arc<Scenario>], number: usize, episodes: &Seed) -> Self {
+    pub fn new(scenarios: &[Arc<Scenario>], banks: &[Option<Arc<StartBank>>], number: usize, episodes: &Seed) -> Self {
         assert!(!scenarios.is_empty(), "training needs a scenario");
         let seed = |place: u64| if place == 0 { *episodes } else { episodes.child("place").index(place) };
-        let envs = (0..).zip(scenarios).map(|(place, scenario)| PedestrianEnv::new(scenario.clone(), seed(place)));
+        let envs = (0..)
+            .zip(scenarios)
+            .zip(banks)
+            .map(|((place, scenario), bank)| PedestrianEnv::new(scenario.clone(), seed(place)).with_bank(bank.clone()));
         // The first reset moves on to the scenario of the number.
         Self { current: (number + scenarios.len() - 1) % scenarios.len(), envs: envs.collect() }
     }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::TrainError;
 use super::training_ground::TrainingGround;
-use crate::env::{Cast, Scenario};
+use crate::env::{Cast, Scenario, StartBank};
 use base::seed::Seed;
 use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
 
@@ -53,7 +53,7 @@ impl TrainingRun {
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, TrainError> {
-        let mut envs = environments_of(scenarios, environments, seed);
+        let mut envs = environments_of(scenarios, environments, config, seed);
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
@@ -74,7 +74,7 @@ impl TrainingRun {
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, CheckpointError> {
-        let mut envs = environments_of(scenarios, environments, seed);
+        let mut envs = environments_of(scenarios, environments, config, seed);
         Ok(Self { trainer: Trainer::from_state(state, &mut envs, config)?, envs })
     }
 
@@ -208,7 +208,14 @@ impl std::fmt::Debug for TrainingRun {
     }
 }
 
-fn environments_of(scenarios: &[Arc<Scenario>], environments: usize, seed: &Seed) -> Vec<TrainingGround> {
-    let episodes = seed.child("episodes");
-    (0..environments).map(|env| TrainingGround::new(scenarios, env, &episodes.index(env as u64))).collect()
+fn environments_of(
+    scenarios: &[Arc<Scenario>],
+    environments: usize,
+    config: &PpoConfig,
+    seed: &Seed,
+) -> Vec<TrainingGround> {
+    let (episodes, starts) = (seed.child("episodes"), seed.child("starts"));
+    let bank = |(place, scenario)| StartBank::new(scenario, config.starts?, starts.index(place)).map(Arc::new);
+    let banks: Vec<_> = (0..).zip(scenarios).map(bank).collect();
+    (0..environments).map(|env| TrainingGround::new(scenarios, &banks, env, &episodes.index(env as u64))).collect()
 }

@@ -75,7 +75,7 @@ impl SensorWrapper {
     fn update(&mut self, perception: &Perception<'_>, dt: f64) {
         let model = &*self.model;
         let (people, cars) = (perception.pedestrians, perception.vehicles);
-        let seeds = (self.seed.child("pedestrian"), self.seed.child("vehicle"));
+        let seed = self.seed;
         let place = self.updates as usize % self.history.len();
         let snapshot = &mut self.history[place];
         snapshot.pedestrians.clear();
@@ -88,7 +88,7 @@ impl SensorWrapper {
             track.update(model, kind, actor, miss_rate(model, perception, kind, actor))
         };
         for actor in people {
-            let track = track_of(&mut self.people, actor.id, &seeds.0);
+            let track = track_of(&mut self.people, actor.id, || seed.child("pedestrian"));
             let Some(belief) = look_for(track, Kind::Pedestrian, actor) else { continue };
             if belief.confused {
                 let half = model.confused_half;
@@ -99,7 +99,7 @@ impl SensorWrapper {
             }
         }
         for actor in cars {
-            let track = track_of(&mut self.cars, actor.id, &seeds.1);
+            let track = track_of(&mut self.cars, actor.id, || seed.child("vehicle"));
             snapshot.vehicles.extend(look_for(track, Kind::Vehicle, actor).map(|belief| belief.actor));
         }
         if model.false_alarms > 0.0 {
@@ -129,11 +129,11 @@ fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor
     enough.then(|| model.miss_rate(distance, visible, seam))
 }
 
-/// The track of an actor; a new one when the actor has none.
-fn track_of<'a>(tracks: &'a mut Vec<Track>, id: ActorId, seed: &Seed) -> &'a mut Track {
+/// The track of an actor; a new one, which needs the seed of all tracks, when the actor has none.
+fn track_of(tracks: &mut Vec<Track>, id: ActorId, seed: impl FnOnce() -> Seed) -> &mut Track {
     let known = tracks.iter().position(|track| track.id == id);
     let place = known.unwrap_or_else(|| {
-        tracks.push(Track::new(id, seed));
+        tracks.push(Track::new(id, &seed()));
         tracks.len() - 1
     });
     &mut tracks[place]

@@ -12,6 +12,9 @@ use base::seed::{Seed, Stream};
 impl PedestrianEnv {
     /// Starts the episode with this number, and drives its run-up.
     pub fn begin(&mut self, number: u64) {
+        if self.begin_with_copy(number) {
+            return;
+        }
         self.place(number);
         self.drive_run_up();
     }
@@ -27,6 +30,19 @@ impl PedestrianEnv {
         while self.is_running_up() {
             self.tick_run_up();
         }
+    }
+
+    /// Starts the episode with this number with a copy of a start of the bank, if there is a bank for it.
+    fn begin_with_copy(&mut self, number: u64) -> bool {
+        let bank = self.bank.clone().filter(|_| self.near.is_none());
+        let Some(copy) = bank.as_ref().and_then(|bank| bank.copy(&self.seed.index(number))) else { return false };
+        let Self { seed, width, faults_in_a_row, last_fault, .. } = *self;
+        *self = Self { seed, width, faults_in_a_row, last_fault, bank, next_episode: number + 1, ..copy };
+        self.episode.width = width;
+        let drivers = self.seed.index(number);
+        self.drivers = drivers;
+        self.reseed(drivers);
+        true
     }
 
     /// Draws the start of the episode with this number and places the actors. Where that is at the start of a run-up,
@@ -107,10 +123,10 @@ impl PedestrianEnv {
 
     fn reset_policies(&mut self) {
         for (number, policy) in self.policies.iter_mut().enumerate() {
-            let seed = driver_seed(&self.drivers, number);
+            let stream = driver_seed(&self.drivers, number).stream();
             let perception =
                 perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, number);
-            policy.reset(&perception, seed.stream());
+            policy.reset(&perception, stream);
         }
     }
 
