@@ -8,3 +8,4 @@ pub mod requirement;
 pub mod env;
 pub mod judge;
 pub mod falsifier;
+pub mod likelihood;
