@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::campaign::{STOCHASTIC, TRAINED, UNTRAINED};
-use super::{ExternalProgram, Fingerprint, Programs, RunId};
+use super::{Cover, ExternalProgram, Fingerprint, Programs, RunId};
 use base::seed::Seed;
 use base::signature::{Arguments, Keys};
 use learn::PpoConfig;
@@ -83,8 +83,9 @@ impl Campaign {
         let trained = self.trainings.iter().flat_map(|each| each.programs.iter());
         let evaluated = self.evaluations.iter().flat_map(|each| each.programs.iter());
         let searched = self.searches.iter().flat_map(|each| each.programs.iter());
+        let covered = self.covers.iter().flat_map(|each| each.programs.iter());
         let mut all: Vec<&Arc<ExternalProgram>> = Vec::new();
-        for program in trained.chain(evaluated).chain(searched) {
+        for program in trained.chain(evaluated).chain(searched).chain(covered) {
             if !all.contains(&program) {
                 all.push(program);
             }
@@ -97,8 +98,9 @@ impl Campaign {
         let trained = self.trainings.iter().flat_map(Training::places);
         let tried = self.evaluations.iter().map(|evaluation| (&*evaluation.town, &evaluation.scenario));
         let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
+        let covered = self.covers.iter().map(|cover| (cover.key.town.as_str(), &cover.scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
-        for (town, scenario) in trained.chain(tried).chain(searched) {
+        for (town, scenario) in trained.chain(tried).chain(searched).chain(covered) {
             if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
                 all.push((town, scenario));
             }
@@ -129,6 +131,8 @@ pub struct Campaign {
     pub evaluations: Vec<Evaluation>,
     /// The searches, in order of block, town, policy, falsifier, run.
     pub searches: Vec<Search>,
+    /// The covers, in order of block, town, policy.
+    pub covers: Vec<Cover>,
     /// Published results, to be compared with its figures.
     pub published: Vec<Published>,
 }

@@ -5,6 +5,7 @@ mod ground;
 mod train;
 mod evaluate;
 mod search;
+mod cover;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -46,6 +47,7 @@ impl Lowering<'_> {
             trainings: Vec::new(),
             evaluations: Vec::new(),
             searches: Vec::new(),
+            covers: Vec::new(),
             published: self.published(keys.beside),
         };
         let mut rewards = BTreeMap::new();
@@ -56,10 +58,11 @@ impl Lowering<'_> {
         if !campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
-        if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
+        if ["train", "evaluate", "search", "cover"].iter().all(|word| block.nested(word).next().is_none()) {
             let message =
-                "this campaign trains no pedestrian, evaluates no controller and searches for nothing".to_string();
-            let help = "give it a block: `train { … }`, `evaluate { … }` or `search { … }`";
+                "this campaign trains no pedestrian, evaluates no controller, searches for nothing and covers nothing"
+                    .to_string();
+            let help = "give it a block: `train { … }`, `evaluate { … }`, `search { … }` or `cover { … }`";
             self.said.push(diagnostics::contradiction(block.head, message).help(help));
         }
         for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
@@ -67,6 +70,9 @@ impl Lowering<'_> {
         }
         for (number, search) in (0..).zip(block.nested("search")) {
             self.search(block, search, number, &usual, &mut campaign);
+        }
+        for (number, cover) in (0..).zip(block.nested("cover")) {
+            self.cover(block, cover, number, &usual, &mut campaign);
         }
         campaign
     }
@@ -82,7 +88,7 @@ impl Lowering<'_> {
 
     /// The drivers that a campaign names, each once, in order.
     fn drivers(&self, campaign: &Block) -> Vec<Driver> {
-        let blocks = ["train", "evaluate", "search"].into_iter().flat_map(|word| campaign.nested(word));
+        let blocks = ["train", "evaluate", "search", "cover"].into_iter().flat_map(|word| campaign.nested(word));
         let mut seen = BTreeSet::new();
         let all = blocks.flat_map(|block| block.keys::<PlaceKeys>().policies);
         all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()

@@ -30,6 +30,8 @@ fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) ->
         && gathered.every_driver_drove
         && finished.searches.len() == campaign.searches.len()
         && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
+        && finished.covers.len() == campaign.covers.len()
+        && finished.covers.iter().all(|cover| cover.error.is_none() && !cover.found.coverage.stopped)
 }
 
 impl Session {
@@ -98,10 +100,11 @@ impl Session {
     }
 }
 
-/// The evaluations and the searches of a campaign.
+/// The evaluations, the searches and the covers of a campaign.
 pub fn runs(campaign: &Campaign) -> Vec<RunRecord> {
     let evaluations = campaign.evaluations.iter().map(RunRecord::of_evaluation);
-    evaluations.chain(campaign.searches.iter().map(RunRecord::of_search)).collect()
+    let searches = campaign.searches.iter().map(RunRecord::of_search);
+    evaluations.chain(searches).chain(campaign.covers.iter().map(RunRecord::of_cover)).collect()
 }
 
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {

@@ -125,7 +125,7 @@ impl<'a> CampaignRun<'a> {
         let manifest = self.write(&draft, &results, &found, &times)?;
         let folder = self.publish(draft, &manifest)?;
         let gates = self.judge_gates(&found);
-        let Findings { cells, drivers, searches, search_comparisons, doubts, gathered, layers, .. } = found;
+        let Findings { cells, drivers, searches, search_comparisons, covers, doubts, gathered, layers, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name: self.name.clone(),
             folder,
@@ -134,6 +134,7 @@ impl<'a> CampaignRun<'a> {
             drivers,
             searches,
             search_comparisons,
+            covers,
             requirements: gathered.requirements,
             protocol: (gathered.protocol, layers),
             doubts,
@@ -227,7 +228,7 @@ impl<'a> CampaignRun<'a> {
         let gathered = gathered.map_err(|error| self.options.keep(error))?;
         self.check(results)?;
         let trained = finished.trainings.iter().any(|training| training.result.is_ok());
-        if gathered.episodes == 0 && finished.searches.is_empty() && !trained {
+        if gathered.episodes == 0 && finished.searches.is_empty() && finished.covers.is_empty() && !trained {
             return Ok(None);
         }
         self.notice_errors(&gathered);
@@ -319,4 +320,5 @@ pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
 fn has_failed(finished: &Finished) -> bool {
     finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some())
+        || finished.covers.iter().any(|cover| cover.error.is_some())
 }

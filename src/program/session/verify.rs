@@ -134,7 +134,13 @@ fn retrain(source: &Source) -> Retrained {
     let of_report = |training: &&Training| source.report.pedestrian(&training.key).is_ok();
     let trainings: Vec<Training> = source.campaign.trainings.iter().filter(of_report).cloned().collect();
     let repeated = trainings.len();
-    let alone = Campaign { trainings, evaluations: Vec::new(), searches: Vec::new(), ..source.campaign.clone() };
+    let alone = Campaign {
+        trainings,
+        evaluations: Vec::new(),
+        searches: Vec::new(),
+        covers: Vec::new(),
+        ..source.campaign.clone()
+    };
     let finished = campaign::run(&alone, &source.seed, &InMemory::default(), &Silent);
     let mut different = Vec::new();
     for training in finished.trainings {

@@ -1,4 +1,4 @@
-use super::{SearchResult, Task, TaskError, TrainingResult};
+use super::{CoverResult, SearchResult, Task, TaskError, TrainingResult};
 use compile::Training;
 use learn::UpdateLog;
 
@@ -28,6 +28,10 @@ pub enum Event<'a> {
     Searching { search: usize, ticks: u64 },
     /// A search has ended.
     Searched { search: usize, result: &'a SearchResult },
+    /// A cover has finished this number of episodes.
+    Covering { cover: usize, episodes: u64 },
+    /// A cover has ended.
+    Covered { cover: usize, result: &'a CoverResult },
 }
 
 /// Observes a running campaign.

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::{SearchResult, Task, TaskError};
+use super::{CoverResult, SearchResult, Task, TaskError};
 use crate::record::{EpisodeRow, Tally};
 use learn::Trained;
 use world::falsifier::TrainingRun;
@@ -51,6 +51,14 @@ pub trait ResultStore: Sync {
 
     /// Stores a finished search.
     fn keep_search(&self, _search: usize, _result: &SearchResult) {}
+
+    /// A finished cover.
+    fn cover(&self, _cover: usize) -> Option<CoverResult> {
+        None
+    }
+
+    /// Stores a finished cover.
+    fn keep_cover(&self, _cover: usize, _result: &CoverResult) {}
 
     /// The limit of time or of ticks that a task has reached, if any.
     fn limit(&self, _task: Task, _ticks: u64) -> Option<TaskError> {

@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::Yield;
 
 use super::chunk::try_chunk;
+use super::cover;
 use super::queue::{Next, Queue};
 use super::search::search;
-use super::{Event, Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks, units};
+use super::{CoverResult, Event, Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks, units};
 use base::seed::Seed;
 use compile::{Campaign, Training, TrainingKey};
 use learn::Trained;
@@ -31,6 +32,8 @@ pub struct Finished {
     pub trainings: Vec<TrainingResult>,
     /// The searches, in the plan's order. Searches that never started are missing.
     pub searches: Vec<SearchResult>,
+    /// The covers, in the plan's order. Covers that never started are missing.
+    pub covers: Vec<CoverResult>,
     /// Whether the user asked to stop.
     pub interrupted: bool,
 }
@@ -66,11 +69,13 @@ pub fn run_tasks(
         waiting,
         trainings: campaign.trainings.iter().map(|_| OnceLock::new()).collect(),
         searches: campaign.searches.iter().map(|_| OnceLock::new()).collect(),
+        covers: campaign.covers.iter().map(|_| OnceLock::new()).collect(),
     };
     rayon::broadcast(|_| work.carry_on());
     Finished {
         trainings: work.trainings.into_iter().filter_map(OnceLock::into_inner).collect(),
         searches: work.searches.into_iter().filter_map(OnceLock::into_inner).collect(),
+        covers: work.covers.into_iter().filter_map(OnceLock::into_inner).collect(),
         interrupted: observer.stop(),
     }
 }
@@ -84,6 +89,7 @@ pub fn collect(campaign: &Campaign, results: &dyn ResultStore) -> Finished {
     Finished {
         trainings: campaign.trainings.iter().enumerate().filter_map(training).collect(),
         searches: (0..campaign.searches.len()).filter_map(|index| results.search(index)).collect(),
+        covers: (0..campaign.covers.len()).filter_map(|index| results.cover(index)).collect(),
         interrupted: false,
     }
 }
@@ -153,6 +159,7 @@ struct Work<'a> {
     waiting: Vec<Vec<Task>>,
     trainings: Vec<OnceLock<TrainingResult>>,
     searches: Vec<OnceLock<SearchResult>>,
+    covers: Vec<OnceLock<CoverResult>>,
 }
 
 /// Ends all workers when one of them panics, so that none waits for it.
@@ -201,6 +208,11 @@ impl Work<'_> {
             Task::Search(index) => {
                 if let Some(result) = self.search(index) {
                     let _ = self.searches[index].set(result);
+                }
+            }
+            Task::Cover(index) => {
+                if let Some(result) = self.cover(index) {
+                    let _ = self.covers[index].set(result);
                 }
             }
         }
@@ -299,6 +311,19 @@ impl Work<'_> {
             self.shared.results.keep_search(index, &result);
         }
         self.shared.tell(Event::Searched { search: index, result: &result });
+        Some(result)
+    }
+
+    fn cover(&self, index: usize) -> Option<CoverResult> {
+        if let Some(result) = self.shared.results.cover(index) {
+            self.shared.tell_reused(Task::Cover(index));
+            return Some(result);
+        }
+        let result = cover::carry_out(self.shared, index)?;
+        if result.error.is_none() && !result.found.coverage.stopped {
+            self.shared.results.keep_cover(index, &result);
+        }
+        self.shared.tell(Event::Covered { cover: index, result: &result });
         Some(result)
     }
 }

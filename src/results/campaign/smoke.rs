@@ -1,6 +1,6 @@
 use compile::{Campaign, ControllerKind};
 
-/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes.
+/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes, covers of thirty.
 pub fn smoke(campaign: &mut Campaign) {
     let kept: Vec<usize> =
         (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
@@ -21,5 +21,8 @@ pub fn smoke(campaign: &mut Campaign) {
         search.budget =
             search.budget.min(10 * u64::from(search.scenario.episode.ticks + search.scenario.most_run_up()));
         search.tries = search.tries.min(5);
+    }
+    for cover in &mut campaign.covers {
+        cover.budget = cover.budget.min(30);
     }
 }

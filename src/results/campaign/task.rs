@@ -12,9 +12,10 @@ pub enum Task {
         chunk: u32,
     },
     Search(usize),
+    Cover(usize),
 }
 
-/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches.
+/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches, covers.
 pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
     let chunks = |(evaluation, planned): (usize, &Evaluation)| {
         (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
@@ -23,14 +24,16 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
         .map(Task::Training)
         .chain(campaign.evaluations.iter().enumerate().flat_map(chunks))
         .chain((0..campaign.searches.len()).map(Task::Search))
+        .chain((0..campaign.covers.len()).map(Task::Cover))
 }
 
-/// The size of a task: the decisions of a training, the episodes of a chunk, the ticks of a search.
+/// The size of a task: the decisions of a training, the episodes of a chunk, the ticks of a search, the episodes of a cover.
 pub fn units(campaign: &Campaign, task: Task) -> u64 {
     match task {
         Task::Training(place) => campaign.trainings[place].config.total_steps,
         Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
         Task::Search(place) => campaign.searches[place].budget,
+        Task::Cover(place) => campaign.covers[place].budget.into(),
     }
 }
 

@@ -28,6 +28,8 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::search_comparison_columns().reference(),
         aggregate::failure_table().reference(),
         aggregate::search_kind_columns().reference(),
+        aggregate::cover_columns().reference(),
+        aggregate::cover_point_columns().reference(),
         aggregate::protocol_columns().reference(),
         aggregate::tick_table().reference(),
     ]);

@@ -1,12 +1,15 @@
 use std::collections::BTreeMap;
 
-use super::aggregate::{PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, protocol_table, results};
+use super::aggregate::{
+    COVER_POINTS, COVERS, PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, cover_point_table, cover_table, protocol_table,
+    results,
+};
 use super::failure_modes::{self, CellModes};
 use super::metric_table::METRICS;
 use super::played::played;
 use super::render::{
-    Section, file_names, mode_panels, modes_section, page_examples, protocol, published_section, requirements,
-    rule_bars, search_section, summary, trainings_section, write_page,
+    Section, cover_section, file_names, mode_panels, modes_section, page_examples, protocol, published_section,
+    requirements, rule_bars, search_section, summary, trainings_section, write_page,
 };
 use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
@@ -82,6 +85,11 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
         folder.table("search_failures", &search_failures(&finished.searches))?;
         folder.table(SEARCH_KINDS, &search_kind_table(&found.search_kinds))?;
         sections.push(search_section(&found.searches, &found.search_comparisons));
+    }
+    if !finished.covers.is_empty() {
+        folder.table(COVERS, &cover_table(&found.covers))?;
+        folder.table(COVER_POINTS, &cover_point_table(&finished.covers))?;
+        sections.push(cover_section(&found.covers));
     }
     sections.extend(trainings_section(&finished.trainings));
     folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use crate::campaign::Task;
-use compile::{CHUNK, Campaign, Evaluation, Search, Training};
+use compile::{CHUNK, Campaign, Cover, Evaluation, Search, Training};
 
 /// The version of the code that affects numbers, as 16 hexadecimal digits.
 pub const CODE: &str = env!("FALSIFY_CODE");
@@ -42,6 +42,7 @@ pub struct Ids {
     trainings: Vec<Id>,
     evaluations: Vec<Id>,
     searches: Vec<Id>,
+    covers: Vec<Id>,
 }
 
 impl Ids {
@@ -55,6 +56,7 @@ impl Ids {
         Self {
             evaluations: campaign.evaluations.iter().map(evaluation).collect(),
             searches: campaign.searches.iter().map(|each| search(each, seed)).collect(),
+            covers: campaign.covers.iter().map(|each| cover(each, seed)).collect(),
             trainings,
         }
     }
@@ -70,6 +72,7 @@ impl Ids {
                 Id::of(&[b"chunk", &self.evaluations[evaluation].0, &first.to_le_bytes()])
             }
             Task::Search(index) => self.searches[index],
+            Task::Cover(index) => self.covers[index],
         }
     }
 }
@@ -121,6 +124,22 @@ fn search(search: &Search, seed: u64) -> Id {
         search.fingerprint.bytes(),
         &search.budget.to_le_bytes(),
         &search.tries.to_le_bytes(),
+    ])
+}
+
+fn cover(cover: &Cover, seed: u64) -> Id {
+    let key = &cover.key;
+    Id::of(&[
+        b"cover",
+        &seed.to_le_bytes(),
+        key.pedestrian.as_bytes(),
+        key.town.as_bytes(),
+        key.policy.as_bytes(),
+        &key.block.to_le_bytes(),
+        cover.fingerprint.bytes(),
+        cover.failure_name().as_bytes(),
+        &cover.epsilon.to_le_bytes(),
+        &cover.budget.to_le_bytes(),
     ])
 }
 

@@ -162,6 +162,7 @@ pub(super) fn programs(campaign: &Campaign, task: Task) -> impl Iterator<Item = 
             (&campaign.evaluations[evaluation].programs, campaign.evaluations[evaluation].training())
         }
         Task::Search(index) => (&campaign.searches[index].programs, None),
+        Task::Cover(index) => (&campaign.covers[index].programs, None),
     };
     own.iter().chain(training.into_iter().flat_map(|index| campaign.trainings[index].programs.iter()))
 }
@@ -194,6 +195,7 @@ fn amount(campaign: &Campaign, task: Task) -> u64 {
         }
         Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
         Task::Search(index) => campaign.searches[index].budget,
+        Task::Cover(index) => campaign.covers[index].budget.into(),
     }
 }
 
@@ -215,6 +217,7 @@ fn fingerprint(campaign: &Campaign, task: Task) -> String {
         Task::Training(index) => campaign.trainings[index].fingerprint.to_string(),
         Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].fingerprint.to_string(),
         Task::Search(index) => campaign.searches[index].fingerprint.to_string(),
+        Task::Cover(index) => campaign.covers[index].fingerprint.to_string(),
     }
 }
 
@@ -232,6 +235,10 @@ pub fn task_name(campaign: &Campaign, task: Task) -> String {
         Task::Search(index) => {
             let key = &campaign.searches[index].key;
             format!("search {key}, block {}", key.block)
+        }
+        Task::Cover(index) => {
+            let key = &campaign.covers[index].key;
+            format!("cover {key}, block {}", key.block)
         }
     }
 }

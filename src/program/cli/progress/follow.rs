@@ -58,6 +58,7 @@ impl Progress {
                 trainings: board.count(Kind::Training),
                 evaluations: board.count(Kind::Evaluation),
                 searches: board.count(Kind::Search),
+                covers: board.count(Kind::Cover),
             }
             .tell();
         }
@@ -210,6 +211,18 @@ impl Progress {
                 let told = format!("{found} in {} episodes", spent.episodes);
                 let error = result.error.as_ref();
                 self.end(Task::Search(search), error.map_or(Ok(told), |error| Err(error.to_string())));
+            }
+            Event::Covering { cover, episodes } => {
+                self.board.job(Task::Cover(cover)).rise(episodes);
+                self.glance();
+            }
+            Event::Covered { cover, result } => {
+                let job = self.job(Task::Cover(cover));
+                // It may end before its budget.
+                job.reach(job.total);
+                let told = results::report::cover_in_words(result);
+                let error = result.error.as_ref();
+                self.end(Task::Cover(cover), error.map_or(Ok(told), |error| Err(error.to_string())));
             }
         }
     }

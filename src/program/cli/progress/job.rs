@@ -15,6 +15,8 @@ pub enum Kind {
     Evaluation,
     /// A search.
     Search,
+    /// A cover.
+    Cover,
 }
 
 impl Kind {
@@ -24,6 +26,7 @@ impl Kind {
             Self::Training => "training",
             Self::Evaluation => "trying",
             Self::Search => "searching",
+            Self::Cover => "covering",
         }
     }
 
@@ -33,6 +36,7 @@ impl Kind {
             Self::Training => "trained",
             Self::Evaluation => "tried",
             Self::Search => "searched",
+            Self::Cover => "covered",
         }
     }
 
@@ -40,13 +44,13 @@ impl Kind {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Training => "decisions",
-            Self::Evaluation => "episodes",
+            Self::Evaluation | Self::Cover => "episodes",
             Self::Search => "ticks",
         }
     }
 }
 
-/// A job of a campaign's work: a training, an evaluation or a search.
+/// A job of a campaign's work: a training, an evaluation, a search or a cover.
 #[derive(Debug)]
 pub struct Job {
     /// What it is.
@@ -90,6 +94,7 @@ impl Job {
             Task::Training(place) => (Kind::Training, place),
             Task::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
             Task::Search(place) => (Kind::Search, place),
+            Task::Cover(place) => (Kind::Cover, place),
         }
     }
 
@@ -98,6 +103,7 @@ impl Job {
             Kind::Training => campaign.trainings[place].key.to_string(),
             Kind::Evaluation => evaluation(&campaign.evaluations[place]),
             Kind::Search => campaign.searches[place].key.to_string(),
+            Kind::Cover => campaign.covers[place].key.to_string(),
         };
         Self {
             kind,

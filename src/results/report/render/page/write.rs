@@ -6,7 +6,7 @@ use crate::analysis::{Impact, Kind};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
 use crate::report::render::sections::{
-    comparisons, learnt, protocol, published_section, requirements, search_section, transfer,
+    comparisons, cover_section, learnt, protocol, published_section, requirements, search_section, transfer,
 };
 use crate::report::{
     Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError, worst_failure,
@@ -90,6 +90,7 @@ pub fn write_page(
             found.next().and_then(|(_, failure)| players.link(&failure.name()))
         }),
         searches,
+        (!found.covers.is_empty()).then(|| cover_section(&found.covers)),
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),
         transfer(&gathered.evidence),
@@ -108,6 +109,8 @@ pub fn write_page(
         tally: &gathered.tally,
         trainings: &finished.trainings,
         modes: &cards,
+        covered: &finished.covers,
+        covers: &found.covers,
         published,
         published_section: published_section(published),
         sections: &sections,

@@ -18,8 +18,10 @@ mod searches;
 mod search_pairs;
 mod trainings;
 mod failures;
+mod covers;
 
 pub use comparisons::comparisons;
+pub use covers::{cover_section, covers_for_terminal};
 pub use drivers::{drivers, injury, injury_scale};
 pub use failures::failures_for_terminal;
 pub use learnt::learnt;
