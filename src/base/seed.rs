@@ -3,11 +3,11 @@
 //! A stream depends only on the path of names that leads to it: not on the order of calls and not on the number of threads.
 //! Adding a task to a campaign therefore changes no other task.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+mod stream;
+mod tape;
 
-/// The generator of every stream: ChaCha with eight rounds, the same numbers on every machine.
-pub type Stream = ChaCha8Rng;
+pub use stream::Stream;
+pub use tape::Tape;
 
 /// A node in the tree of random streams.
 ///
@@ -48,12 +48,12 @@ impl Seed {
 
     /// The node that a stream started at, so that its owner can branch off further streams.
     pub fn of(stream: &Stream) -> Self {
-        Self(stream.get_seed())
+        Self(stream.seed())
     }
 
     /// The random stream at this node, from its start.
     pub fn stream(&self) -> Stream {
-        ChaCha8Rng::from_seed(self.0)
+        Stream::at(self.0, 0)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use rand::SeedableRng;
 use safetensors::SafeTensors;
 
 use super::actor_critic::ActorCritic;
@@ -152,9 +151,9 @@ impl Trainer {
 
 /// Returns a stream's seed and its position in 32-bit words, as four words and two.
 fn position(stream: &Stream) -> [u64; 6] {
-    let seed = stream.get_seed();
+    let seed = stream.seed();
     let (words, _) = seed.as_chunks::<8>();
-    let at = stream.get_word_pos();
+    let at = stream.word();
     let mut position = [0, 0, 0, 0, at as u64, (at >> 64) as u64];
     for (slot, word) in position.iter_mut().zip(words) {
         *slot = u64::from_le_bytes(*word);
@@ -168,7 +167,5 @@ fn read_stream(tensors: &SafeTensors<'_>, name: &str) -> Result<Stream, Checkpoi
     for (bytes, word) in seed.chunks_exact_mut(8).zip(&position) {
         bytes.copy_from_slice(&word.to_le_bytes());
     }
-    let mut stream = Stream::from_seed(seed);
-    stream.set_word_pos(u128::from(position[4]) | u128::from(position[5]) << 64);
-    Ok(stream)
+    Ok(Stream::at(seed, u128::from(position[4]) | u128::from(position[5]) << 64))
 }

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use rand::{Rng, SeedableRng};
+use rand::Rng;
 
 use super::*;
 use crate::checkpoint::CheckpointError;
@@ -63,17 +63,16 @@ impl Env for Walk {
     }
 
     fn save(&self) -> Option<Vec<u8>> {
-        let at = self.stream.get_word_pos() as u64;
+        let at = self.stream.word() as u64;
         let numbers = [at, self.place[0].to_bits(), self.place[1].to_bits()];
         let bytes = numbers.into_iter().flat_map(u64::to_le_bytes);
-        self.saves.then(|| bytes.chain(self.stream.get_seed()).collect())
+        self.saves.then(|| bytes.chain(self.stream.seed()).collect())
     }
 
     fn load(&mut self, state: &[u8]) -> bool {
         let (numbers, seed) = state.split_at(24);
         let (numbers, _) = numbers.as_chunks::<8>();
-        self.stream = Stream::from_seed(seed.try_into().unwrap());
-        self.stream.set_word_pos(u128::from(u64::from_le_bytes(numbers[0])));
+        self.stream = Stream::at(seed.try_into().unwrap(), u128::from(u64::from_le_bytes(numbers[0])));
         self.place = [1, 2].map(|i| f64::from_bits(u64::from_le_bytes(numbers[i])));
         true
     }

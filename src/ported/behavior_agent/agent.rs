@@ -221,6 +221,10 @@ impl DrivingPolicy for BehaviorAgent {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.planner.reseed(stream);
+    }
 }
 
 #[cfg(test)]

@@ -66,6 +66,13 @@ enum Source {
 }
 
 impl Planner {
+    /// Draws the turns or destinations that are not known yet from another stream.
+    pub fn reseed(&mut self, fresh: Stream) {
+        if let Source::Walk { stream, .. } | Source::Destinations { stream, .. } = &mut self.source {
+            *stream = fresh;
+        }
+    }
+
     /// Starts at a lane: along the given lanes if there are any, and then to find its own way. Without a start there is no way.
     pub fn begin(
         &mut self,

@@ -174,6 +174,10 @@ impl DrivingPolicy for InterFuser {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.path.reseed(stream);
+    }
 }
 
 fn mode(reason: Reason) -> DrivingMode {

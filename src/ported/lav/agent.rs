@@ -209,6 +209,10 @@ impl DrivingPolicy for Lav {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.path.reseed(stream);
+    }
 }
 
 #[cfg(test)]

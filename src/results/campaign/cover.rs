@@ -6,7 +6,7 @@ use super::{CoverResult, Event, Task, TaskError};
 use compile::{Cover, CoveredFailure};
 use world::env::{Outcome, Trace};
 use world::judge::{Verdict, judge};
-use world::likelihood::{CoverConfig, Coverage, Encounters, cover};
+use world::likelihood::{BoxOfStarts, CoverConfig, Coverage, cover};
 use world::requirement::Degree;
 
 /// Number of episodes in a row that a driver or a controller may fail; then no more are run.
@@ -23,12 +23,9 @@ pub(super) fn carry_out(shared: Shared<'_>, index: usize) -> Option<CoverResult>
     shared.tell(Event::Begun(task));
     let seed = planned.seed(seed);
     let walker = planned.walker.walk_policy();
-    let mut encounters = Encounters::new(&planned.scenario, walker, seed.child("encounters"));
-    let config = CoverConfig {
-        dimensions: encounters.parameters().len(),
-        epsilon: planned.epsilon,
-        budget: planned.budget.into(),
-    };
+    let mut starts = BoxOfStarts::new(&planned.scenario, walker, seed.child("starts"));
+    let config =
+        CoverConfig { dimensions: starts.parameters().len(), epsilon: planned.epsilon, budget: planned.budget.into() };
     let [mut unplaced, mut left_out, mut errors, mut ticks] = [0; 4];
     let (mut in_a_row, mut error) = (0, None);
     let mut experiment = |at: &[f64], number: u64| {
@@ -37,7 +34,7 @@ pub(super) fn carry_out(shared: Shared<'_>, index: usize) -> Option<CoverResult>
         if shared.stop() || error.is_some() {
             return ControlFlow::Break(());
         }
-        let Some((outcome, trace)) = encounters.run(at, number) else {
+        let Some((outcome, trace)) = starts.run(at, number) else {
             unplaced += 1;
             return ControlFlow::Continue(false);
         };

@@ -56,6 +56,10 @@ impl DrivingPolicy for ActuationDelay {
         Some(Box::new(Self { driver, waiting, ..*self }))
     }
 
+    fn reseed(&mut self, stream: Stream) {
+        self.driver.reseed(stream);
+    }
+
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(Self::new(self.driver.clone_for_batch()?, self.delay)))
     }

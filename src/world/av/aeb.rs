@@ -58,4 +58,8 @@ impl DrivingPolicy for Aeb {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.driver.reseed(stream);
+    }
 }

@@ -142,4 +142,8 @@ impl DrivingPolicy for CarefulHuman {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.driver.reseed(stream);
+    }
 }

@@ -66,4 +66,8 @@ impl DrivingPolicy for Cruise {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.path.reseed(stream);
+    }
 }

@@ -62,6 +62,12 @@ pub trait DrivingPolicy: Send {
         None
     }
 
+    /// Draws all that it draws from now on from another stream; its memory stays. It does nothing for a driver that draws nothing after
+    /// [`DrivingPolicy::reset`], and for one whose random numbers are elsewhere, as in another process.
+    fn reseed(&mut self, stream: Stream) {
+        let _ = stream;
+    }
+
     /// Makes another policy like this one for a batch. Policies of a batch drive at the same time, each in its own world. None
     /// when a batch is no faster than one episode after another.
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {

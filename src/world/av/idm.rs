@@ -213,4 +213,8 @@ impl DrivingPolicy for Idm {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.path.reseed(stream);
+    }
 }

@@ -70,6 +70,11 @@ impl LaneFollower {
         self.signs = GiveWayMemory::default();
     }
 
+    /// Draws from another stream from now on.
+    pub fn reseed(&mut self, stream: Stream) {
+        self.path.reseed(stream);
+    }
+
     /// Looks along the lane and returns its intention.
     pub fn intend(&mut self, perception: &Perception<'_>) -> Intent {
         self.path.advance(perception);

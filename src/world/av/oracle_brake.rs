@@ -126,4 +126,8 @@ impl DrivingPolicy for OracleBrake {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.driver.reseed(stream);
+    }
 }

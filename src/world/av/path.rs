@@ -36,6 +36,11 @@ impl Path {
         self.extend(perception.town);
     }
 
+    /// Draws the turns that are not known yet from another stream.
+    pub fn reseed(&mut self, stream: Stream) {
+        self.stream = Some(stream);
+    }
+
     /// Drops the points behind the ego and adds points ahead.
     pub fn advance(&mut self, perception: &Perception<'_>) {
         let here = perception.ego.pose.position();

@@ -117,4 +117,8 @@ impl DrivingPolicy for Predictive {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.driver.reseed(stream);
+    }
 }

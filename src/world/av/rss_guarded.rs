@@ -114,4 +114,8 @@ impl DrivingPolicy for RssGuarded {
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(self.clone()))
     }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.driver.reseed(stream);
+    }
 }

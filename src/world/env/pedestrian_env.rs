@@ -43,6 +43,8 @@ pub struct PedestrianEnv {
     policies: Vec<Box<dyn DrivingPolicy>>,
     sensors: PerfectSensors,
     seed: Seed,
+    /// The seed of what the drivers of the running episode draw.
+    drivers: Seed,
     next_episode: u64,
     episode: Episode,
     /// The start of each vehicle and each pedestrian of the running episode.
@@ -98,6 +100,9 @@ const MOST_FAULTS: u32 = 10;
 /// Commands of an episode for which memory is reserved; longer episodes reserve more once.
 const MOST_ROOM: u32 = 4096;
 
+/// A car below this speed (m/s) is farther from a collision than its gap says.
+const SLOW: f64 = 0.5;
+
 /// The commands that the pedestrians carry out, in the order of their numbers.
 #[derive(Debug, Clone)]
 struct Walks {
@@ -138,6 +143,8 @@ struct Episode {
     contact: Option<Contact>,
     reward: f64,
     least_gap: f64,
+    /// Least [`PedestrianEnv::nearness`] up to now (m).
+    nearest: f64,
     digest: u64,
     state_hashes: StateHashes,
     outcome: Option<Outcome>,
@@ -158,6 +165,7 @@ impl Episode {
             contact: None,
             reward: 0.0,
             least_gap: f64::INFINITY,
+            nearest: f64::INFINITY,
             digest: 0,
             state_hashes: StateHashes::default(),
             outcome: None,
@@ -215,6 +223,7 @@ impl PedestrianEnv {
             policies,
             sensors: PerfectSensors::default(),
             seed,
+            drivers: seed,
             next_episode: 0,
             episode: Episode::new(nowhere, 1.0),
             starts,
@@ -295,6 +304,12 @@ impl PedestrianEnv {
     /// The outcome of the episode; none while it runs.
     pub fn outcome(&self) -> Option<&Outcome> {
         self.episode.outcome.as_ref()
+    }
+
+    /// How near the running episode came to a collision (m): the least gap at any tick, with what the car's speed lacked then of
+    /// 0.5 m/s added, a metre for each m/s. A pedestrian who touches a standing car is not near to one.
+    pub fn nearness(&self) -> f64 {
+        self.episode.nearest
     }
 
     /// The actors that touched in the last tick, and how; none when there was no touch.
@@ -537,9 +552,12 @@ impl PedestrianEnv {
                 digest = mix(digest, value.to_bits());
             }
             // The distance of the centres bounds the gap from below; most ticks need no more.
-            let reach = self.episode.least_gap + size + pedestrian.body.reach();
+            let slow = (SLOW - ego.state.speed).max(0.0);
+            let reach = self.episode.least_gap.max(self.episode.nearest - slow) + size + pedestrian.body.reach();
             if (middle - place).norm_squared() < reach * reach {
-                self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, number));
+                let gap = self.world.gap(0, number);
+                self.episode.least_gap = self.episode.least_gap.min(gap);
+                self.episode.nearest = self.episode.nearest.min(gap + slow);
             }
         }
         self.episode.digest = digest;

@@ -279,7 +279,7 @@ mod tests {
                 };
                 for seed in 0..8 {
                     let (arrived, stream) = walk(&[start, before, inside, goal], seed);
-                    assert!(arrived && stream == Seed::root(seed).stream(), "the way is given, so nothing is drawn");
+                    assert!(arrived && stream.word() == 0, "the way is given, so nothing is drawn");
                 }
                 let elsewhere = (0..16).any(|seed| !walk(&[], seed).0);
                 assert!(rule == ForkRule::NamedTurn || elsewhere, "without lanes it goes elsewhere, too");

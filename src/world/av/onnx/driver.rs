@@ -104,6 +104,16 @@ impl DrivingPolicy for Onnx {
         self.fault
     }
 
+    /// A network has no memory beside its route.
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        let copy = Self::within(self.model.clone(), self.shared.clone(), self.worlds);
+        Some(Box::new(Self { path: self.path.clone(), fault: self.fault, ..copy }))
+    }
+
+    fn reseed(&mut self, stream: Stream) {
+        self.path.reseed(stream);
+    }
+
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(Self::within(self.model.clone(), self.shared.clone(), self.worlds)))
     }

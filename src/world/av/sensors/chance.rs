@@ -21,6 +21,11 @@ impl Luck {
         Self { u: stream.random(), stream }
     }
 
+    /// Draws from another stream from now on.
+    pub fn reseed(&mut self, stream: Stream) {
+        self.stream = stream;
+    }
+
     /// Advances to the next update; `keep` is the probability that nothing is drawn anew.
     pub fn advance(&mut self, keep: f64) {
         let (change, fresh): (f64, f64) = (self.stream.random(), self.stream.random());
@@ -51,6 +56,11 @@ impl Drift {
         let mut drift = Self { errors: [0.0; Self::COUNT], stream };
         drift.advance(0.0);
         drift
+    }
+
+    /// Draws from another stream from now on.
+    pub fn reseed(&mut self, stream: Stream) {
+        self.stream = stream;
     }
 
     /// Advances to the next update; `keep` is the correlation with the last one.

@@ -25,6 +25,11 @@ impl Ghost {
         Self { actor: None, stream: seed.child("false_alarms").stream() }
     }
 
+    /// Draws from below another seed from now on.
+    pub fn reseed(&mut self, seed: Seed) {
+        self.stream = seed.child("false_alarms").stream();
+    }
+
     /// Advances by the time `dt` (s) to the next update of an ego at this pose.
     pub fn update(&mut self, model: &SensorModel, ego: &Pose, dt: f64) -> Option<Actor> {
         let [change, distance, bearing, heading]: [f64; 4] = self.stream.random();

@@ -46,6 +46,14 @@ impl Track {
         }
     }
 
+    /// Draws from below another seed from now on; what it knows stays.
+    pub fn reseed(&mut self, seed: &Seed) {
+        let seed = seed.index(self.id.number() as u64);
+        self.miss.reseed(seed.child("miss").stream());
+        self.confusion.reseed(seed.child("confusion").stream());
+        self.drift.reseed(seed.child("noise").stream());
+    }
+
     /// Advances by the time `dt` (s) to the next update.
     pub fn advance(&mut self, model: &SensorModel, dt: f64) {
         self.miss.advance(correlation(dt, model.miss_correlation));

@@ -200,6 +200,15 @@ impl DrivingPolicy for SensorWrapper {
         }))
     }
 
+    fn reseed(&mut self, stream: Stream) {
+        self.seed = Seed::of(&stream).child("sensors");
+        let seeds = (self.seed.child("pedestrian"), self.seed.child("vehicle"));
+        self.people.iter_mut().for_each(|track| track.reseed(&seeds.0));
+        self.cars.iter_mut().for_each(|track| track.reseed(&seeds.1));
+        self.ghost.reseed(self.seed);
+        self.driver.reseed(stream);
+    }
+
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         let driver = self.driver.clone_for_batch()?;
         Some(Box::new(Self::new(driver, self.model.clone())))

@@ -6,13 +6,24 @@ use crate::env::motion::Motion;
 use crate::env::{EgoSpeed, LeftOut};
 use crate::geometry::Pose;
 use crate::sim::{ActorStart, Control, Start, WalkCommand};
-use base::seed::Stream;
+use base::seed::{Seed, Stream};
 
 /// The start of an episode: the draw, the run-up of the ego alone, and the moment at which the pedestrians appear.
 impl PedestrianEnv {
     /// Starts the episode with this number, and drives its run-up.
     pub fn begin(&mut self, number: u64) {
         self.place(number);
+        self.drive_run_up();
+    }
+
+    /// Starts the episode with this number as [`PedestrianEnv::begin`] does, but from other random numbers: the start is drawn from `start`, and all
+    /// that drivers draw, the way to the start included, comes from below `drivers`.
+    pub fn begin_drawn(&mut self, number: u64, start: Stream, drivers: Seed) {
+        self.place_drawn(number, start, drivers);
+        self.drive_run_up();
+    }
+
+    fn drive_run_up(&mut self) {
         while self.is_running_up() {
             self.tick_run_up();
         }
@@ -22,8 +33,12 @@ impl PedestrianEnv {
     /// [`PedestrianEnv::tick_run_up`] drives it.
     pub fn place(&mut self, number: u64) {
         let seed = self.seed.index(number);
+        self.place_drawn(number, seed.child("spawn").stream(), seed);
+    }
+
+    fn place_drawn(&mut self, number: u64, mut stream: Stream, seed: Seed) {
+        self.drivers = seed;
         let scenario = &self.scenario;
-        let mut stream = seed.child("spawn").stream();
         let first = scenario.cast.pedestrian.first_heading;
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let test = scenario.spawn.target_walk.as_ref();
@@ -91,13 +106,18 @@ impl PedestrianEnv {
     }
 
     fn reset_policies(&mut self) {
-        let seed = self.seed.index(self.next_episode - 1);
         for (number, policy) in self.policies.iter_mut().enumerate() {
-            // The ego's random numbers do not depend on whether there is other traffic.
-            let seed = if number == 0 { seed.child("policy") } else { seed.child("traffic").index(number as u64) };
+            let seed = driver_seed(&self.drivers, number);
             let perception =
                 perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, number);
             policy.reset(&perception, seed.stream());
+        }
+    }
+
+    /// Lets all drivers draw from below another seed from now on, each from a stream of its own.
+    pub fn reseed(&mut self, drivers: Seed) {
+        for (number, policy) in self.policies.iter_mut().enumerate() {
+            policy.reseed(driver_seed(&drivers, number).stream());
         }
     }
 
@@ -158,4 +178,9 @@ impl PedestrianEnv {
         self.begin_samples();
         self.begin_watch();
     }
+}
+
+/// The seed of what a vehicle's driver draws. That of the ego does not depend on whether there is other traffic.
+fn driver_seed(drivers: &Seed, number: usize) -> Seed {
+    if number == 0 { drivers.child("policy") } else { drivers.child("traffic").index(number as u64) }
 }
