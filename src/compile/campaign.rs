@@ -1,5 +1,6 @@
 use base::signature::{DeclarationId, Form, Keys, Value};
 use base::{choice, keys};
+use world::env::StartParameter;
 use world::likelihood::Event;
 
 choice! {
@@ -148,6 +149,30 @@ keys! {
 }
 
 keys! {
+    /// Shows with 95 % confidence how little of a box of starts can fail where its picture says that they pass. The box are the ranges of the spawn
+    /// rule, and for the target of a test also the speeds and headings of the adversary. Places on the road and all else that is drawn are chance.
+    pub struct CoverKeys = "cover" {
+        ..places: PlaceKeys,
+        // The catalogue adds the words.
+        /// Who walks, as in `evaluate`: a word, or a `controller` of the file. The target of a test walks as the point of the box says.
+        pedestrian: Value as WordOrReference(Vec::new(), "controller") = "natural",
+        /// What counts: a `fault`, any `collision`, or the violation of a requirement.
+        failure: Value as WordOrReference(vec![FAULT, COLLISION], "requirement") = "fault",
+        /// The share of the box that is small enough: it ends when the bound is not above it.
+        epsilon: f64 as within(RATIO, 0.000_1, 0.5) = "1 percent",
+        /// Episodes that it may use at most.
+        budget: u32 as whole(20, 10_000_000) = "20_000",
+        /// One or two parameters in which the page draws pass and fail, instead of the first two of the box.
+        picture: Option<Vec<StartParameter>>,
+        /// The pedestrian, instead of the campaign's `adversary`.
+        adversary: Option<DeclarationId> as Reference("adversary"),
+        ..start: StartKeys,
+    }
+    .explained("towns", "Towns to cover.")
+    .explained("policies", "Drivers to cover.")
+}
+
+keys! {
     /// Runs the campaign once for every combination of values: `name: [value, …]`, each the name of a `param`.
     struct MatrixKeys = "matrix" {}
 }
@@ -155,6 +180,9 @@ keys! {
 /// The words of trained pedestrians.
 pub(super) const TRAINED: &str = "trained";
 pub(super) const STOCHASTIC: &str = "stochastic";
+/// The words of what a `cover` counts.
+pub(super) const FAULT: &str = "fault";
+pub(super) const COLLISION: &str = "collision";
 /// The word of the networks with which trainings begin.
 pub const UNTRAINED: &str = "untrained";
 
@@ -166,6 +194,7 @@ pub fn form() -> Form {
         EvaluateKeys::signature(),
         SearchKeys::signature(),
         EstimateKeys::signature(),
+        CoverKeys::signature(),
     ];
     Form { multiplies: true, ..Form::plain(CampaignKeys::signature().holding(blocks)) }
 }

@@ -119,9 +119,8 @@ impl Catalog {
         self = self.with_falsifier(kind.falsifier.clone())?;
         let evaluate = self.form_of("campaign").plain.iter_mut().flat_map(|campaign| &mut campaign.children);
         for param in evaluate.flat_map(|block| &mut block.params) {
-            if let Type::List(item) = &mut param.ty
-                && let Type::WordOrReference(words, "controller") = &mut **item
-            {
+            let single = if let Type::List(item) = &mut param.ty { &mut **item } else { &mut param.ty };
+            if let Type::WordOrReference(words, "controller") = single {
                 words.push(kind.word());
             }
         }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::campaign::{STOCHASTIC, TRAINED, UNTRAINED};
-use super::{ExternalProgram, Fingerprint, Programs, RunId};
+use super::{Cover, ExternalProgram, Fingerprint, Programs, RunId};
 use base::seed::Seed;
 use base::signature::{Arguments, Keys};
 use learn::PpoConfig;
@@ -85,8 +85,9 @@ impl Campaign {
         let evaluated = self.evaluations.iter().flat_map(|each| each.programs.iter());
         let searched = self.searches.iter().flat_map(|each| each.programs.iter());
         let estimated = self.estimations.iter().flat_map(|each| each.programs.iter());
+        let covered = self.covers.iter().flat_map(|each| each.programs.iter());
         let mut all: Vec<&Arc<ExternalProgram>> = Vec::new();
-        for program in trained.chain(evaluated).chain(searched).chain(estimated) {
+        for program in trained.chain(evaluated).chain(searched).chain(estimated).chain(covered) {
             if !all.contains(&program) {
                 all.push(program);
             }
@@ -100,8 +101,9 @@ impl Campaign {
         let tried = self.evaluations.iter().map(|evaluation| (&*evaluation.town, &evaluation.scenario));
         let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
         let estimated = self.estimations.iter().map(|estimation| (estimation.key.town.as_str(), &estimation.scenario));
+        let covered = self.covers.iter().map(|cover| (cover.key.town.as_str(), &cover.scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
-        for (town, scenario) in trained.chain(tried).chain(searched).chain(estimated) {
+        for (town, scenario) in trained.chain(tried).chain(searched).chain(estimated).chain(covered) {
             if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
                 all.push((town, scenario));
             }
@@ -134,6 +136,8 @@ pub struct Campaign {
     pub searches: Vec<Search>,
     /// The estimates, in order of block, town, policy, pedestrian, estimator, run.
     pub estimations: Vec<Estimation>,
+    /// The covers, in order of block, town, policy.
+    pub covers: Vec<Cover>,
     /// Published results, to be compared with its figures.
     pub published: Vec<Published>,
 }

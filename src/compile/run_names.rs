@@ -84,6 +84,13 @@ impl Campaign {
             let names = names.and(&key.run.to_string()).and(&estimation.fingerprint.to_string());
             estimation.key.id = register.name(names.and(&estimation.budget.to_string()));
         }
+        for cover in &mut self.covers {
+            let key = &cover.key;
+            let names = campaign.clone().and("cover").and(&key.block.to_string()).and(&key.pedestrian);
+            let names = names.and(&key.town).and(&key.policy).and(&cover.fingerprint.to_string());
+            let names = names.and(cover.failure_name()).and(&format!("{:?}", cover.epsilon));
+            cover.key.id = register.name(names.and(&cover.budget.to_string()));
+        }
     }
 }
 

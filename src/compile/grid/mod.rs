@@ -6,6 +6,7 @@ mod train;
 mod evaluate;
 mod search;
 mod estimate;
+mod cover;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,7 +20,7 @@ use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 
 /// The blocks of a campaign that run episodes.
-const BLOCKS: [&str; 4] = ["train", "evaluate", "search", "estimate"];
+const BLOCKS: [&str; 5] = ["train", "evaluate", "search", "estimate", "cover"];
 
 /// The greatest number of trainings, evaluations or searches of one block.
 const MOST_CELLS: usize = 200_000;
@@ -51,6 +52,7 @@ impl Lowering<'_> {
             evaluations: Vec::new(),
             searches: Vec::new(),
             estimations: Vec::new(),
+            covers: Vec::new(),
             published: self.published(keys.beside),
         };
         let mut rewards = BTreeMap::new();
@@ -63,9 +65,10 @@ impl Lowering<'_> {
         }
         if BLOCKS.iter().all(|word| block.nested(word).next().is_none()) {
             let message =
-                "this campaign trains no pedestrian, evaluates no controller, searches for nothing and estimates nothing"
+                "this campaign trains no pedestrian, evaluates no controller, searches for nothing, estimates nothing and covers nothing"
                     .to_string();
-            let help = "give it a block: `train { … }`, `evaluate { … }`, `search { … }` or `estimate { … }`";
+            let help =
+                "give it a block: `train { … }`, `evaluate { … }`, `search { … }`, `estimate { … }` or `cover { … }`";
             self.said.push(diagnostics::contradiction(block.head, message).help(help));
         }
         for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
@@ -76,6 +79,9 @@ impl Lowering<'_> {
         }
         for (number, estimate) in (0..).zip(block.nested("estimate")) {
             self.estimate(block, estimate, number, &usual, &mut campaign);
+        }
+        for (number, cover) in (0..).zip(block.nested("cover")) {
+            self.cover(block, cover, number, &usual, &mut campaign);
         }
         campaign
     }

@@ -13,6 +13,7 @@ pub fn show(report: &CampaignReport) {
     let width = console::width();
     let searched = report::searches_for_terminal(searches, &report.search_comparisons, width);
     let protocol = report::protocol_for_terminal(nominal, layers, width);
+    let covered = report::covers_for_terminal(&report.covers, width);
     let requirements = report::requirements_for_terminal(cells, &report.requirements, width);
     for text in [
         report::results_for_terminal(drivers, cells, width),
@@ -20,6 +21,7 @@ pub fn show(report: &CampaignReport) {
         requirements,
         searched,
         report::estimates_for_terminal(&report.estimates, width),
+        covered,
         report::drivers_for_terminal(drivers, cells, width),
     ] {
         if !text.is_empty() {
@@ -28,8 +30,11 @@ pub fn show(report: &CampaignReport) {
     }
     match report::worst_failure(drivers) {
         Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
-        None if drivers.iter().all(|driver| driver.episodes == 0) && !report.estimates.is_empty() => {}
-        None if drivers.iter().all(|driver| driver.episodes == 0) => console::say("nothing was evaluated"),
+        None if drivers.iter().all(|driver| driver.episodes == 0) => {
+            if report.covers.is_empty() && report.estimates.is_empty() {
+                console::say("nothing was evaluated");
+            }
+        }
         None => console::say("no collision was found"),
     }
     console::say(&folder.join("report.html").display().to_string());

@@ -31,6 +31,10 @@ pub fn list(listing: &Listing) {
         let state = told(&known(Task::Estimate(number)), "ticks");
         console::say(&format!("  estimate {}: at most {} ticks [{state}]", estimation.key, estimation.budget));
     }
+    for (number, cover) in campaign.covers.iter().enumerate() {
+        let state = told(&known(Task::Cover(number)), "episodes");
+        console::say(&format!("  cover    {}: at most {} episodes [{state}]", cover.key, cover.budget));
+    }
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();
     console::say(&format!("  {} of {all} tasks to run, {there} to reuse", all - there));

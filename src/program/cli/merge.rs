@@ -112,7 +112,7 @@ fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
 fn unit(task: Task) -> &'static str {
     match task {
         Task::Training(_) => "updates",
-        Task::Chunk { .. } | Task::Search(_) => "episodes",
+        Task::Chunk { .. } | Task::Search(_) | Task::Cover(_) => "episodes",
         Task::Estimate(_) => "ticks",
     }
 }

@@ -3,7 +3,8 @@ use std::path::PathBuf;
 use super::OverviewFiles;
 use results::campaign::{EstimateResult, Shard};
 use results::report::{
-    Cell, CellRequirement, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell, SearchComparison,
+    Cell, CellRequirement, CoverRow, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell,
+    SearchComparison,
 };
 
 /// The result of a run of campaigns.
@@ -58,6 +59,8 @@ pub struct CampaignReport {
     pub search_comparisons: Vec<SearchComparison>,
     /// The estimates of how likely failures are.
     pub estimates: Vec<EstimateResult>,
+    /// The covers, in the order of the plan.
+    pub covers: Vec<CoverRow>,
     /// The results in the tests of a protocol, nominal and within the layers.
     pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
     /// The violations of each requirement in each cell; empty without requirements.

@@ -32,6 +32,8 @@ fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) ->
         && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
         && finished.estimates.len() == campaign.estimations.len()
         && finished.estimates.iter().all(|estimate| estimate.error.is_none())
+        && finished.covers.len() == campaign.covers.len()
+        && finished.covers.iter().all(|cover| cover.error.is_none() && !cover.found.coverage.stopped)
 }
 
 impl Session {
@@ -100,11 +102,13 @@ impl Session {
     }
 }
 
-/// The evaluations and the searches of a campaign.
+/// The evaluations, the searches and the covers of a campaign.
 pub fn runs(campaign: &Campaign) -> Vec<RunRecord> {
     let evaluations = campaign.evaluations.iter().map(RunRecord::of_evaluation);
     let searches = campaign.searches.iter().map(RunRecord::of_search);
-    evaluations.chain(searches).chain(campaign.estimations.iter().map(RunRecord::of_estimation)).collect()
+    let estimations = campaign.estimations.iter().map(RunRecord::of_estimation);
+    let covers = campaign.covers.iter().map(RunRecord::of_cover);
+    evaluations.chain(searches).chain(estimations).chain(covers).collect()
 }
 
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {

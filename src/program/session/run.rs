@@ -125,7 +125,7 @@ impl<'a> CampaignRun<'a> {
         let manifest = self.write(&draft, &results, &found, &times)?;
         let folder = self.publish(draft, &manifest)?;
         let gates = self.judge_gates(&found);
-        let Findings { cells, drivers, searches, search_comparisons, doubts, gathered, layers, .. } = found;
+        let Findings { cells, drivers, searches, search_comparisons, covers, doubts, gathered, layers, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name: self.name.clone(),
             folder,
@@ -135,6 +135,7 @@ impl<'a> CampaignRun<'a> {
             searches,
             search_comparisons,
             estimates: finished.estimates.clone(),
+            covers,
             requirements: gathered.requirements,
             protocol: (gathered.protocol, layers),
             doubts,
@@ -228,7 +229,8 @@ impl<'a> CampaignRun<'a> {
         let gathered = gathered.map_err(|error| self.options.keep(error))?;
         self.check(results)?;
         let trained = finished.trainings.iter().any(|training| training.result.is_ok());
-        if gathered.episodes == 0 && finished.searches.is_empty() && finished.estimates.is_empty() && !trained {
+        let nothing = finished.searches.is_empty() && finished.estimates.is_empty() && finished.covers.is_empty();
+        if gathered.episodes == 0 && nothing && !trained {
             return Ok(None);
         }
         self.notice_errors(&gathered);
@@ -321,4 +323,5 @@ fn has_failed(finished: &Finished) -> bool {
     finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some())
         || finished.estimates.iter().any(|estimate| estimate.error.is_some())
+        || finished.covers.iter().any(|cover| cover.error.is_some())
 }

@@ -10,7 +10,8 @@ use results::report::StoredReport;
 use results::store::{CampaignStatus, Store, TaskStatus};
 
 /// Kinds of tasks: the first word of what they are, and what to call several of them.
-const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("evaluate", "evaluations"), ("search", "searches")];
+const KINDS: [(&str, &str); 4] =
+    [("train", "trainings"), ("evaluate", "evaluations"), ("search", "searches"), ("cover", "covers")];
 
 /// Options of [`Session::status`].
 #[derive(Debug, Clone, Default, Args)]
@@ -76,7 +77,7 @@ choice! {
 /// The progress of the tasks of a kind.
 #[derive(Debug, Serialize)]
 pub struct KindProgress {
-    /// `trainings`, `evaluations` or `searches`.
+    /// `trainings`, `evaluations`, `searches` or `covers`.
     pub kind: &'static str,
     /// The number of finished tasks.
     pub finished: usize,

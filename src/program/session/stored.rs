@@ -150,6 +150,9 @@ fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
     for search in &mut campaign.searches {
         search.key.id = name(&RunRecord::of_search(search)).unwrap_or(search.key.id);
     }
+    for cover in &mut campaign.covers {
+        cover.key.id = name(&RunRecord::of_cover(cover)).unwrap_or(cover.key.id);
+    }
 }
 
 impl RepeatOptions {

@@ -139,6 +139,7 @@ fn retrain(source: &Source) -> Retrained {
         evaluations: Vec::new(),
         searches: Vec::new(),
         estimations: Vec::new(),
+        covers: Vec::new(),
         ..source.campaign.clone()
     };
     let finished = campaign::run(&alone, &source.seed, &InMemory::default(), &Silent);

@@ -1,4 +1,4 @@
-use super::{EstimateResult, SearchResult, Task, TaskError, TrainingResult};
+use super::{CoverResult, EstimateResult, SearchResult, Task, TaskError, TrainingResult};
 use compile::Training;
 use learn::UpdateLog;
 
@@ -32,6 +32,10 @@ pub enum Event<'a> {
     Estimating { estimation: usize, ticks: u64 },
     /// An estimate has ended.
     Estimated { estimation: usize, result: &'a EstimateResult },
+    /// A cover has finished this number of episodes.
+    Covering { cover: usize, episodes: u64 },
+    /// A cover has ended.
+    Covered { cover: usize, result: &'a CoverResult },
 }
 
 /// Observes a running campaign.

@@ -1,4 +1,4 @@
-//! Runs a campaign: trainings, evaluations, searches and estimates as tasks, side by side on rayon's threads.
+//! Runs a campaign: trainings, evaluations, searches, estimates and covers as tasks, side by side on rayon's threads.
 //!
 //! A [`ResultStore`] stores finished tasks and returns them in a later run. An [`Observer`] hears every [`Event`]. An evaluation starts when
 //! its pedestrian is trained. Results are in the order of the plan and do not depend on the threads.
@@ -12,11 +12,14 @@ mod chunk;
 mod search_result;
 mod search;
 mod estimate;
+mod cover;
+mod cover_result;
 mod queue;
 mod run;
 mod shard;
 mod smoke;
 
+pub use cover_result::{CoverResult, FoundInBox};
 pub use estimate::EstimateResult;
 pub use event::{Event, Observer, Silent};
 pub use repeat::{networks, repeat_episodes, repeat_failure};

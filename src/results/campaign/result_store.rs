@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::{EstimateResult, SearchResult, Task, TaskError};
+use super::{CoverResult, EstimateResult, SearchResult, Task, TaskError};
 use crate::record::{EpisodeRow, Tally};
 use learn::Trained;
 use world::falsifier::TrainingRun;
@@ -59,6 +59,14 @@ pub trait ResultStore: Sync {
 
     /// Stores a finished estimate.
     fn keep_estimate(&self, _estimation: usize, _result: &EstimateResult) {}
+
+    /// A finished cover.
+    fn cover(&self, _cover: usize) -> Option<CoverResult> {
+        None
+    }
+
+    /// Stores a finished cover.
+    fn keep_cover(&self, _cover: usize, _result: &CoverResult) {}
 
     /// The limit of time or of ticks that a task has reached, if any.
     fn limit(&self, _task: Task, _ticks: u64) -> Option<TaskError> {

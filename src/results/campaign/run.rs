@@ -5,10 +5,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::Yield;
 
 use super::chunk::try_chunk;
+use super::cover;
 use super::estimate::estimate;
 use super::queue::{Next, Queue};
 use super::search::search;
-use super::{EstimateResult, Event, Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks, units};
+use super::{
+    CoverResult, EstimateResult, Event, Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks, units,
+};
 use base::seed::Seed;
 use compile::{Campaign, Training, TrainingKey};
 use learn::Trained;
@@ -34,6 +37,8 @@ pub struct Finished {
     pub searches: Vec<SearchResult>,
     /// The estimates, in the plan's order. Those that never ended are missing.
     pub estimates: Vec<EstimateResult>,
+    /// The covers, in the plan's order. Covers that never started are missing.
+    pub covers: Vec<CoverResult>,
     /// Whether the user asked to stop.
     pub interrupted: bool,
 }
@@ -70,12 +75,14 @@ pub fn run_tasks(
         trainings: campaign.trainings.iter().map(|_| OnceLock::new()).collect(),
         searches: campaign.searches.iter().map(|_| OnceLock::new()).collect(),
         estimates: campaign.estimations.iter().map(|_| OnceLock::new()).collect(),
+        covers: campaign.covers.iter().map(|_| OnceLock::new()).collect(),
     };
     rayon::broadcast(|_| work.carry_on());
     Finished {
         trainings: work.trainings.into_iter().filter_map(OnceLock::into_inner).collect(),
         searches: work.searches.into_iter().filter_map(OnceLock::into_inner).collect(),
         estimates: work.estimates.into_iter().filter_map(OnceLock::into_inner).collect(),
+        covers: work.covers.into_iter().filter_map(OnceLock::into_inner).collect(),
         interrupted: observer.stop(),
     }
 }
@@ -90,6 +97,7 @@ pub fn collect(campaign: &Campaign, results: &dyn ResultStore) -> Finished {
         trainings: campaign.trainings.iter().enumerate().filter_map(training).collect(),
         searches: (0..campaign.searches.len()).filter_map(|index| results.search(index)).collect(),
         estimates: (0..campaign.estimations.len()).filter_map(|index| results.estimate(index)).collect(),
+        covers: (0..campaign.covers.len()).filter_map(|index| results.cover(index)).collect(),
         interrupted: false,
     }
 }
@@ -160,6 +168,7 @@ struct Work<'a> {
     trainings: Vec<OnceLock<TrainingResult>>,
     searches: Vec<OnceLock<SearchResult>>,
     estimates: Vec<OnceLock<EstimateResult>>,
+    covers: Vec<OnceLock<CoverResult>>,
 }
 
 /// Ends all workers when one of them panics, so that none waits for it.
@@ -213,6 +222,11 @@ impl Work<'_> {
             Task::Estimate(index) => {
                 if let Some(result) = self.estimate(index) {
                     let _ = self.estimates[index].set(result);
+                }
+            }
+            Task::Cover(index) => {
+                if let Some(result) = self.cover(index) {
+                    let _ = self.covers[index].set(result);
                 }
             }
         }
@@ -324,6 +338,19 @@ impl Work<'_> {
             self.shared.results.keep_estimate(index, &result);
         }
         self.shared.tell(Event::Estimated { estimation: index, result: &result });
+        Some(result)
+    }
+
+    fn cover(&self, index: usize) -> Option<CoverResult> {
+        if let Some(result) = self.shared.results.cover(index) {
+            self.shared.tell_reused(Task::Cover(index));
+            return Some(result);
+        }
+        let result = cover::carry_out(self.shared, index)?;
+        if result.error.is_none() && !result.found.coverage.stopped {
+            self.shared.results.keep_cover(index, &result);
+        }
+        self.shared.tell(Event::Covered { cover: index, result: &result });
         Some(result)
     }
 }

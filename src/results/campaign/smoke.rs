@@ -1,6 +1,7 @@
 use compile::{Campaign, ControllerKind};
 
-/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes, estimates of a single batch.
+/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes, estimates of a single
+/// batch, covers of thirty.
 pub fn smoke(campaign: &mut Campaign) {
     let kept: Vec<usize> =
         (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
@@ -27,5 +28,8 @@ pub fn smoke(campaign: &mut Campaign) {
         estimation.budget = estimation
             .budget
             .min(10 * u64::from(estimation.scenario.episode.ticks + estimation.scenario.most_run_up()));
+    }
+    for cover in &mut campaign.covers {
+        cover.budget = cover.budget.min(30);
     }
 }

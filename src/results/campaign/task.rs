@@ -13,9 +13,10 @@ pub enum Task {
     },
     Search(usize),
     Estimate(usize),
+    Cover(usize),
 }
 
-/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches, estimates.
+/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches, estimates, covers.
 pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
     let chunks = |(evaluation, planned): (usize, &Evaluation)| {
         (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
@@ -25,15 +26,18 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
         .chain(campaign.evaluations.iter().enumerate().flat_map(chunks))
         .chain((0..campaign.searches.len()).map(Task::Search))
         .chain((0..campaign.estimations.len()).map(Task::Estimate))
+        .chain((0..campaign.covers.len()).map(Task::Cover))
 }
 
-/// The size of a task: the decisions of a training, the episodes of a chunk, the most ticks of a search or an estimate.
+/// The size of a task: the decisions of a training, the episodes of a chunk, the most ticks of a search or an
+/// estimate, the episodes of a cover.
 pub fn units(campaign: &Campaign, task: Task) -> u64 {
     match task {
         Task::Training(place) => campaign.trainings[place].config.total_steps,
         Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
         Task::Search(place) => campaign.searches[place].budget,
         Task::Estimate(place) => campaign.estimations[place].budget,
+        Task::Cover(place) => campaign.covers[place].budget.into(),
     }
 }
 

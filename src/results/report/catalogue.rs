@@ -29,6 +29,8 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::failure_table().reference(),
         aggregate::search_kind_columns().reference(),
         aggregate::estimate_columns().reference(),
+        aggregate::cover_columns().reference(),
+        aggregate::cover_point_columns().reference(),
         aggregate::protocol_columns().reference(),
         aggregate::tick_table().reference(),
     ]);

@@ -1,6 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::aggregate::{run_columns, with_rates};
+use super::aggregate::{CoverRow, cover_rows, run_columns, with_rates};
 use super::caution::{Caution, cautions};
 use super::failure_modes::CellModes;
 use super::metric_table::metric_table;
@@ -40,6 +40,8 @@ pub struct Findings<'a> {
     pub search_comparisons: Vec<SearchComparison>,
     /// Kinds of failures that searches found.
     pub search_kinds: Vec<SearchKind>,
+    /// What covers show.
+    pub covers: Vec<CoverRow>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
     pub doubts: Vec<Doubt>,
     /// What a reader must know first.
@@ -74,6 +76,7 @@ impl<'a> Findings<'a> {
             published: beside(&campaign.published, &cells, evidence),
             layers: layer_cells(campaign, &finished.searches),
             search_kinds: search_kinds(&finished.searches),
+            covers: cover_rows(&finished.covers),
             cautions: cautions(&cells, &finished.searches, &searches),
             search_comparisons: search_comparisons(&finished.searches),
             searches,

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::record::RunKey;
-use compile::{Estimation, Evaluation, ExternalProgram, Search};
+use compile::{Cover, Estimation, Evaluation, ExternalProgram, Search};
 
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -86,14 +86,14 @@ pub struct ScenarioFile {
     pub held: String,
 }
 
-/// An evaluation or a search that was asked for.
+/// An evaluation, a search or a cover that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Its short name.
     pub id: String,
     /// Its full key in words, which no other run of the campaign has.
     pub what: String,
-    /// The number of episodes, the greatest one if a rule stops it; for a search its budget of simulator ticks.
+    /// The number of episodes, the greatest one if a rule stops it; for a search its budget of simulator ticks, for a cover that of episodes.
     pub amount: u64,
     /// Digest of what the files and settings say about it, without its training.
     pub fingerprint: String,
@@ -190,6 +190,17 @@ impl RunRecord {
             what: format!("estimate {key}, block {}", key.block),
             amount: estimation.budget,
             fingerprint: estimation.fingerprint.to_string(),
+        }
+    }
+
+    /// The record of a cover.
+    pub fn of_cover(cover: &Cover) -> Self {
+        let key = &cover.key;
+        Self {
+            id: key.id.to_string(),
+            what: format!("cover {key}, block {}", key.block),
+            amount: cover.budget.into(),
+            fingerprint: cover.fingerprint.to_string(),
         }
     }
 }

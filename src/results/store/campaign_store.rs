@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::index::{continues, programs};
 use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
 use crate::campaign::{
-    Claim, EstimateResult, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError, goal_of, tasks,
+    Claim, CoverResult, EstimateResult, Evaluated, FoundInBox, Progress, ResultStore, SearchResult, Task, TaskError,
+    goal_of, tasks,
 };
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use compile::Campaign;
@@ -348,6 +349,29 @@ impl ResultStore for CampaignStore<'_> {
         if serde_json::from_slice::<Estimate>(&bytes).is_ok_and(|read| read == *estimate) {
             self.write(Task::Estimate(estimation), State::Finished, estimate.ticks, String::new(), &bytes);
         }
+    }
+
+    fn cover(&self, cover: usize) -> Option<CoverResult> {
+        let task = Task::Cover(cover);
+        let Found::Whole(header, bytes) = self.read(task) else { return None };
+        if header.state != State::Finished {
+            return None;
+        }
+        let found: Option<FoundInBox> = serde_json::from_slice(&bytes).ok();
+        if found.is_none() {
+            self.store.damaged(self.id(task));
+        }
+        Some(CoverResult::new(&self.campaign.covers[cover], found?, None))
+    }
+
+    fn keep_cover(&self, cover: usize, result: &CoverResult) {
+        // An episode in error may end otherwise another time. Such a cover is run again.
+        if result.found.errors > 0 {
+            return;
+        }
+        let Ok(bytes) = serde_json::to_vec(&result.found) else { return };
+        let episodes = result.found.coverage.points.len() as u64;
+        self.write(Task::Cover(cover), State::Finished, episodes, String::new(), &bytes);
     }
 
     fn limit(&self, task: Task, ticks: u64) -> Option<TaskError> {

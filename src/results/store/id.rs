@@ -1,7 +1,7 @@
 use std::fmt;
 
 use crate::campaign::Task;
-use compile::{CHUNK, Campaign, Estimation, Evaluation, Search, Training};
+use compile::{CHUNK, Campaign, Cover, Estimation, Evaluation, Search, Training};
 
 /// The version of the code that affects numbers, as 16 hexadecimal digits.
 pub const CODE: &str = env!("FALSIFY_CODE");
@@ -43,6 +43,7 @@ pub struct Ids {
     evaluations: Vec<Id>,
     searches: Vec<Id>,
     estimations: Vec<Id>,
+    covers: Vec<Id>,
 }
 
 impl Ids {
@@ -57,6 +58,7 @@ impl Ids {
             evaluations: campaign.evaluations.iter().map(evaluation).collect(),
             searches: campaign.searches.iter().map(|each| search(each, seed)).collect(),
             estimations: campaign.estimations.iter().map(|each| estimation(each, seed)).collect(),
+            covers: campaign.covers.iter().map(|each| cover(each, seed)).collect(),
             trainings,
         }
     }
@@ -73,6 +75,7 @@ impl Ids {
             }
             Task::Search(index) => self.searches[index],
             Task::Estimate(index) => self.estimations[index],
+            Task::Cover(index) => self.covers[index],
         }
     }
 }
@@ -144,6 +147,22 @@ fn estimation(estimation: &Estimation, seed: u64) -> Id {
         &estimation.budget.to_le_bytes(),
         &estimation.relative_error.to_bits().to_le_bytes(),
         estimation.event.name().as_bytes(),
+    ])
+}
+
+fn cover(cover: &Cover, seed: u64) -> Id {
+    let key = &cover.key;
+    Id::of(&[
+        b"cover",
+        &seed.to_le_bytes(),
+        key.pedestrian.as_bytes(),
+        key.town.as_bytes(),
+        key.policy.as_bytes(),
+        &key.block.to_le_bytes(),
+        cover.fingerprint.bytes(),
+        cover.failure_name().as_bytes(),
+        &cover.epsilon.to_le_bytes(),
+        &cover.budget.to_le_bytes(),
     ])
 }
 

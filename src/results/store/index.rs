@@ -163,6 +163,7 @@ pub(super) fn programs(campaign: &Campaign, task: Task) -> impl Iterator<Item = 
         }
         Task::Search(index) => (&campaign.searches[index].programs, None),
         Task::Estimate(index) => (&campaign.estimations[index].programs, None),
+        Task::Cover(index) => (&campaign.covers[index].programs, None),
     };
     own.iter().chain(training.into_iter().flat_map(|index| campaign.trainings[index].programs.iter()))
 }
@@ -196,6 +197,7 @@ fn amount(campaign: &Campaign, task: Task) -> u64 {
         Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
         Task::Search(index) => campaign.searches[index].budget,
         Task::Estimate(index) => campaign.estimations[index].budget,
+        Task::Cover(index) => campaign.covers[index].budget.into(),
     }
 }
 
@@ -218,6 +220,7 @@ fn fingerprint(campaign: &Campaign, task: Task) -> String {
         Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].fingerprint.to_string(),
         Task::Search(index) => campaign.searches[index].fingerprint.to_string(),
         Task::Estimate(index) => campaign.estimations[index].fingerprint.to_string(),
+        Task::Cover(index) => campaign.covers[index].fingerprint.to_string(),
     }
 }
 
@@ -239,6 +242,10 @@ pub fn task_name(campaign: &Campaign, task: Task) -> String {
         Task::Estimate(index) => {
             let key = &campaign.estimations[index].key;
             format!("estimate {key}, block {}", key.block)
+        }
+        Task::Cover(index) => {
+            let key = &campaign.covers[index].key;
+            format!("cover {key}, block {}", key.block)
         }
     }
 }

@@ -57,8 +57,8 @@ pub use signal::{
     Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
 };
 pub use spawn::{
-    Constraint, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn, SpawnError,
-    SpawnRule, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
+    Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn,
+    SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
 pub use start_bank::StartBank;
 pub use state_hashes::StateHashes;

@@ -618,6 +618,12 @@ impl PedestrianEnv {
         self.origin(number, self.scenario.cast.pedestrian(number).action.frame, speed)
     }
 
+    /// Draws the next episodes by another spawn rule. It is not probed: it must be a part of the present one around whose poses of the car a
+    /// pedestrian can be placed.
+    pub fn respawn(&mut self, rule: SpawnRule) {
+        Arc::make_mut(&mut self.scenario).spawn = rule;
+    }
+
     /// The command that leads the pedestrian as the test or the path of the spawn rule states; none where the rule has neither.
     pub fn scripted(&self) -> Option<WalkCommand> {
         self.scenario.spawn.scripted()

@@ -89,7 +89,7 @@ impl Place {
 
 /// Runs the episode with this number and records its trace. `choose` writes the commands of each decision. None when `choose` returns none
 /// before the end.
-pub(super) fn play(
+pub(crate) fn play(
     env: &mut PedestrianEnv,
     trace: &mut Trace,
     episode: u64,

@@ -37,6 +37,7 @@ pub use archive::Archive;
 pub use controlled::{Controlled, ControlledKeys, Controller};
 pub use crossing::{Crossing, Goal};
 pub use crossings::evaluate_crossings;
+pub(crate) use episodes::play;
 pub use episodes::{evaluate, evaluate_noting};
 pub use exhaustive::{Exhaustive, crossings};
 pub use failure::{Failure, follow, recorded_commands, walk_again};

@@ -4,12 +4,16 @@
 //! starts, commands or sensors. What is estimated is a [`TestBed`]: begin, step, level, outcome, mark. Our simulator is one ([`Encounters`]); a
 //! test with a known answer is another.
 //!
+//! Beside it, [`cover`] shows how much of a [`BoxOfStarts`] can fail where a picture of it says that it passes.
+//!
 //! | method | what it does | when |
 //! |---|---|---|
 //! | [`MonteCarlo`] | fresh encounters | down to about 1 in 10,000 |
 //! | [`SubsetSimulation`] | populations that climb from level to level | below |
 //! | [`Importance`] | fresh encounters near those in which a falsifier found failures, weighted | where it knows all ways to fail |
 
+mod box_of_starts;
+mod cover;
 mod encounters;
 mod estimate;
 mod estimator;
@@ -24,6 +28,8 @@ mod test_bed;
 #[cfg(test)]
 mod tests;
 
+pub use box_of_starts::BoxOfStarts;
+pub use cover::{CoverConfig, Coverage, Look, Picture, Point, Sampled, cover};
 pub use encounters::{Encounters, Question};
 pub use estimate::{Estimate, Likelihood};
 pub use estimator::{Estimator, Limits};

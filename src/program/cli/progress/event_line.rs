@@ -14,7 +14,14 @@ use crate::cli::console;
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum EventLine<'a> {
     /// A campaign starts, with these numbers of jobs.
-    CampaignBegun { campaign: &'a str, trainings: usize, evaluations: usize, searches: usize, estimates: usize },
+    CampaignBegun {
+        campaign: &'a str,
+        trainings: usize,
+        evaluations: usize,
+        searches: usize,
+        estimates: usize,
+        covers: usize,
+    },
     /// Learning curves grow in files of this folder while trainings run.
     LearningCurves { campaign: &'a str, folder: &'a Path },
     /// A job of work begins.

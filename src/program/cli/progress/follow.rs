@@ -59,6 +59,7 @@ impl Progress {
                 evaluations: board.count(Kind::Evaluation),
                 searches: board.count(Kind::Search),
                 estimates: board.count(Kind::Estimate),
+                covers: board.count(Kind::Cover),
             }
             .tell();
         }
@@ -223,6 +224,18 @@ impl Progress {
                 });
                 let error = result.error.as_ref();
                 self.end(Task::Estimate(estimation), error.map_or(Ok(told), |error| Err(error.to_string())));
+            }
+            Event::Covering { cover, episodes } => {
+                self.board.job(Task::Cover(cover)).rise(episodes);
+                self.glance();
+            }
+            Event::Covered { cover, result } => {
+                let job = self.job(Task::Cover(cover));
+                // It may end before its budget.
+                job.reach(job.total);
+                let told = results::report::cover_in_words(result);
+                let error = result.error.as_ref();
+                self.end(Task::Cover(cover), error.map_or(Ok(told), |error| Err(error.to_string())));
             }
         }
     }

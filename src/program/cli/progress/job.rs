@@ -17,6 +17,8 @@ pub enum Kind {
     Search,
     /// An estimate.
     Estimate,
+    /// A cover.
+    Cover,
 }
 
 impl Kind {
@@ -27,6 +29,7 @@ impl Kind {
             Self::Evaluation => "trying",
             Self::Search => "searching",
             Self::Estimate => "estimating",
+            Self::Cover => "covering",
         }
     }
 
@@ -37,6 +40,7 @@ impl Kind {
             Self::Evaluation => "tried",
             Self::Search => "searched",
             Self::Estimate => "estimated",
+            Self::Cover => "covered",
         }
     }
 
@@ -44,13 +48,13 @@ impl Kind {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Training => "decisions",
-            Self::Evaluation => "episodes",
+            Self::Evaluation | Self::Cover => "episodes",
             Self::Search | Self::Estimate => "ticks",
         }
     }
 }
 
-/// A job of a campaign's work: a training, an evaluation or a search.
+/// A job of a campaign's work: a training, an evaluation, a search or a cover.
 #[derive(Debug)]
 pub struct Job {
     /// What it is.
@@ -95,6 +99,7 @@ impl Job {
             Task::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
             Task::Search(place) => (Kind::Search, place),
             Task::Estimate(place) => (Kind::Estimate, place),
+            Task::Cover(place) => (Kind::Cover, place),
         }
     }
 
@@ -104,6 +109,7 @@ impl Job {
             Kind::Evaluation => evaluation(&campaign.evaluations[place]),
             Kind::Search => campaign.searches[place].key.to_string(),
             Kind::Estimate => campaign.estimations[place].key.to_string(),
+            Kind::Cover => campaign.covers[place].key.to_string(),
         };
         Self {
             kind,

@@ -15,6 +15,7 @@ mod gathered;
 mod run_totals;
 mod learning_curve;
 mod survival;
+mod covers;
 mod search_figures;
 mod searches;
 mod search_cells;
@@ -26,6 +27,10 @@ mod protocol;
 mod ticks;
 mod tick_file;
 
+pub use covers::{
+    COVER_POINTS, COVERS, CoverRow, cover_columns, cover_in_words, cover_point_columns, cover_point_table, cover_rows,
+    cover_table, percent_above,
+};
 pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use estimates::{ESTIMATES, estimate_columns, estimate_doubts, estimate_table};

@@ -19,6 +19,7 @@ mod target_walk;
 mod given_path;
 mod survey;
 mod reach;
+mod parameter;
 mod error;
 
 pub use constraint::{Constraint, Ground};
@@ -26,6 +27,7 @@ pub use ego_start::{EgoSpeed, EgoStart, LanePiece, RoadShape};
 pub use error::{Rarity, SpawnError};
 pub(super) use given_path::Pacing;
 pub use given_path::{GivenPath, PathPoint};
+pub use parameter::{DrawnParameter, StartParameter};
 pub use rule::{Measure, Spawn, SpawnRule};
 pub use survey::Survey;
 pub(super) use target_walk::Release;

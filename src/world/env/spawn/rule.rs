@@ -229,7 +229,7 @@ impl SpawnRule {
     }
 
     /// Tries places around poses of the ego.
-    fn search(
+    pub(super) fn search(
         &self,
         (egos, tries): (u32, u32),
         town: &Town,
@@ -262,14 +262,7 @@ impl SpawnRule {
             return path.start().position();
         }
         let bearing = self.bearing.quantile(stream.random());
-        let drawn: f64 = stream.random();
-        let distance = match (self.measure, &self.distance) {
-            (Measure::Area, Distribution::Uniform(near, far)) => {
-                let (near, far) = (near * near, far * far);
-                (near + (far - near) * drawn).sqrt()
-            }
-            (_, distance) => distance.quantile(drawn),
-        };
+        let distance = by_area(self.measure, &self.distance, stream.random());
         ego.to_world(Vector::new(distance * libm::cos(bearing), distance * libm::sin(bearing)))
     }
 
@@ -292,5 +285,16 @@ impl SpawnRule {
             EgoSpeed::Steady => 0.0,
         };
         Spawn { ego: *ego, ego_speed, pedestrian: Pose::new(place.x, place.y, yaw) }
+    }
+}
+
+/// The value of a distance below which a share of all draws lies.
+pub(super) fn by_area(measure: Measure, distance: &Distribution, share: f64) -> f64 {
+    match (measure, distance) {
+        (Measure::Area, Distribution::Uniform(near, far)) => {
+            let (near, far) = (near * near, far * far);
+            (near + (far - near) * share).sqrt()
+        }
+        (_, distance) => distance.quantile(share),
     }
 }

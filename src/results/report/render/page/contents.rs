@@ -1,9 +1,9 @@
 use polars::prelude::DataFrame;
 
 use super::{ModeCard, Players, Tally};
-use crate::campaign::{EstimateResult, TrainingResult};
+use crate::campaign::{CoverResult, EstimateResult, TrainingResult};
 use crate::report::render::table::Section;
-use crate::report::{Caution, Cell, Doubt, DriverResult, Failures, Manifest, PublishedComparison};
+use crate::report::{Caution, Cell, CoverRow, Doubt, DriverResult, Failures, Manifest, PublishedComparison};
 use compile::Campaign;
 
 /// The data of a page.
@@ -27,6 +27,9 @@ pub struct Contents<'a> {
     pub trainings: &'a [TrainingResult],
     /// The kinds of collisions.
     pub modes: &'a [ModeCard],
+    /// The covers, and what they show.
+    pub covered: &'a [CoverResult],
+    pub covers: &'a [CoverRow],
     /// Tables that the summary has, too, each a section.
     pub sections: &'a [Section],
     /// The estimates of how likely failures are.

@@ -3,11 +3,12 @@ use polars::prelude::PolarsResult;
 
 use super::Contents;
 use super::closing::{data, meaning};
+use super::covers::covers;
 use super::first::first;
 use super::head::{OWN_SCRIPTS, head as head_of_file};
 use super::identity::{named, run_rates};
-use super::likelihood::likelihoods;
 use super::learning::learning;
+use super::likelihood::likelihoods;
 use super::markup::{count, prose};
 use super::modes::modes;
 use super::results::results;
@@ -98,6 +99,13 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let starts = spawns(contents.tally, &cells, &contents.campaign.towns);
     parts.extend(figures("places", "Starts", "Where episodes start", "", starts));
     parts.extend(figures("learning", "Learning", "How the controllers learnt", "", learning(contents.trainings)));
+    parts.extend(figures(
+        "pictures",
+        "Pictures",
+        "Where starts pass and fail",
+        "",
+        covers(contents.covered, contents.covers),
+    ));
     parts.extend(others.into_iter().map(Part::of));
     parts.push(Part::new("meaning", "Names", "Names of the scenario", meaning(contents.campaign)));
     parts.push(Part::new("data", "Data", "Data", data(contents.manifest, contents.files)));

@@ -12,6 +12,7 @@ mod results;
 mod verdicts;
 mod severity;
 mod spawns;
+mod covers;
 mod learning;
 mod likelihood;
 mod replay;

@@ -6,7 +6,7 @@ use crate::analysis::{Impact, Kind};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
 use crate::report::render::sections::{
-    comparisons, estimates, learnt, protocol, published_section, requirements, search_section, transfer,
+    comparisons, cover_section, estimates, learnt, protocol, published_section, requirements, search_section, transfer,
 };
 use crate::report::{
     Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError, worst_failure,
@@ -91,6 +91,7 @@ pub fn write_page(
         }),
         searches,
         estimates(&finished.estimates),
+        (!found.covers.is_empty()).then(|| cover_section(&found.covers)),
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),
         transfer(&gathered.evidence),
@@ -109,6 +110,8 @@ pub fn write_page(
         tally: &gathered.tally,
         trainings: &finished.trainings,
         modes: &cards,
+        covered: &finished.covers,
+        covers: &found.covers,
         published,
         published_section: published_section(published),
         sections: &sections,

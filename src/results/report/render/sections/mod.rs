@@ -19,8 +19,10 @@ mod search_pairs;
 mod estimates;
 mod trainings;
 mod failures;
+mod covers;
 
 pub use comparisons::comparisons;
+pub use covers::{cover_section, covers_for_terminal};
 pub use drivers::{drivers, injury, injury_scale};
 pub use estimates::{estimates, rounded};
 pub use failures::failures_for_terminal;

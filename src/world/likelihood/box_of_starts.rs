@@ -1,0 +1,81 @@
+use std::sync::Arc;
+
+use crate::env::{DrawnParameter, Outcome, PedestrianEnv, Scenario, SpawnRule, StartParameter, Trace};
+use crate::falsifier::{WalkPolicy, play};
+use crate::geometry::wrap_angle;
+use crate::sim::WalkCommand;
+use base::seed::Seed;
+
+/// Episodes whose starts are points of the box of a scenario's parameters ([`Scenario::start_parameters`]). A coordinate is a share: the value is that
+/// quantile of what the spawn rule draws the parameter from, so equal parts of the box are equally likely.
+pub struct BoxOfStarts {
+    spawn: SpawnRule,
+    parameters: Vec<DrawnParameter>,
+    walker: Box<dyn WalkPolicy>,
+    env: PedestrianEnv,
+    trace: Trace,
+    seed: Seed,
+}
+
+impl BoxOfStarts {
+    /// Prepares for a scenario. Where the spawn rule is a test, its target walks as the point says, and the walk policy is not asked.
+    pub fn new(scenario: &Arc<Scenario>, walker: Box<dyn WalkPolicy>, seed: Seed) -> Self {
+        Self {
+            spawn: scenario.spawn.clone(),
+            parameters: scenario.start_parameters(),
+            walker,
+            env: PedestrianEnv::new(scenario.clone(), seed.child("episodes")),
+            trace: Trace::new(scenario),
+            seed,
+        }
+    }
+
+    pub fn parameters(&self) -> &[DrawnParameter] {
+        &self.parameters
+    }
+
+    /// The values of the parameters (SI) at a point of the unit box.
+    pub fn values(&self, at: &[f64]) -> Vec<(StartParameter, f64)> {
+        self.parameters.iter().zip(at).map(|(drawn, share)| (drawn.parameter, drawn.value(*share))).collect()
+    }
+
+    /// Runs the episode with this number from a point of the unit box; none where no place on the road has such a start. The number decides over
+    /// everything that is chance.
+    pub fn run(&mut self, at: &[f64], number: u64) -> Option<(Outcome, &Trace)> {
+        let values = self.values(at);
+        let rule = self.spawn.fixed(&values);
+        let scenario = self.env.scenario();
+        let (town, obstacles) = (&scenario.town, &scenario.obstacles);
+        let first = scenario.cast.pedestrian.first_heading;
+        let place = &mut self.seed.child("place").index(number).stream();
+        let rule = rule.settled(town, obstacles, first, place)?;
+        let target = rule.target_walk.as_ref().map(|walk| stated(walk.command(), &values));
+        self.env.respawn(rule);
+        let walker = self.walker.as_mut();
+        walker.begin(self.seed.child("walker").index(number).stream());
+        let played = play(&mut self.env, &mut self.trace, number, |env, commands| match target {
+            Some(target) => {
+                commands.fill(target);
+                Some(())
+            }
+            None => {
+                walker.choose(env, commands);
+                walker.fault().is_none().then_some(())
+            }
+        });
+        if let (None, Some(fault)) = (played, self.walker.fault()) {
+            self.env.abandon(fault);
+        }
+        let outcome = *self.env.outcome().expect("an episode ends, or its walk policy fails");
+        Some((outcome, &self.trace))
+    }
+}
+
+/// The first command of a target with the stated speed and turn.
+fn stated(nominal: WalkCommand, values: &[(StartParameter, f64)]) -> WalkCommand {
+    let value = |wanted| values.iter().find(|(parameter, _)| *parameter == wanted).map(|(_, value)| *value);
+    WalkCommand {
+        heading: wrap_angle(nominal.heading + value(StartParameter::Turn).unwrap_or(0.0)),
+        speed: value(StartParameter::WalkingSpeed).unwrap_or(nominal.speed),
+    }
+}
