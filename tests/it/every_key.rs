@@ -375,6 +375,12 @@ fn results(campaign: &Campaign) -> String {
             text.push_str(&shown(&evaluated.outcome, evaluated.verdict.as_ref()));
         }
     }
+    for each in &finished.estimates {
+        let _ = writeln!(text, "{} {:?} {:?}", each.key, each.exposure, each.estimate);
+    }
+    for each in &finished.covers {
+        let _ = writeln!(text, "{:?} {:?} {:?}", each.key, each.picture, each.found);
+    }
     text
 }
 
@@ -492,6 +498,7 @@ forms! {
     keys_of_trainings_change_outcomes: "training",
     keys_of_controllers_change_outcomes: "controller",
     keys_of_falsifiers_change_outcomes: "falsifier",
+    keys_of_estimators_change_outcomes: "estimator",
     keys_of_requirements_change_outcomes: "requirement",
     keys_of_published_figures_change_tables: "published",
     keys_of_campaigns_change_outcomes: "campaign",

@@ -4,18 +4,20 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Each package with the greatest number of lines of Rust that it may have, tests included. Who needs more raises it in the same commit and says why.
+///
+/// Estimates of how likely failures are, covers of boxes, and products for large trainings raised those of base, learn, world, compile and results.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 4_150),
-    ("src/learn", 6_000),
-    ("src/world", 30_700),
+    ("src/base", 4_450),
+    ("src/learn", 6_200),
+    ("src/world", 33_500),
     ("src/ported", 6_000),
     ("src/lang", 8_450),
-    ("src/compile", 6_600),
+    ("src/compile", 7_150),
     ("src/process", 1_050),
     ("src/export", 4_000),
-    ("src/results", 28_000),
-    ("src/program", 13_000),
-    ("tests/it", 18_500),
+    ("src/results", 29_200),
+    ("src/program", 13_100),
+    ("tests/it", 18_600),
 ];
 
 /// Crates that only some places may name.
