@@ -132,7 +132,8 @@ impl Work<'_> {
             let allowed = (1..=MOST_WORSE).take_while(|worse| size(*worse, epsilon, alpha) <= learnt.min(left)).last();
             let allowed = allowed.unwrap_or(0);
             let last = left < size(allowed, epsilon, alpha);
-            let planned = if last { left } else { size(allowed, epsilon, alpha) };
+            // The last look uses what is left, whatever it finds: nothing could be learnt from it.
+            let (planned, allowed) = if last { (left, left) } else { (size(allowed, epsilon, alpha), allowed) };
             let bound = self.look(&seed.child("look"), planned, allowed, alpha)?;
             if bound <= epsilon || last || self.used() >= budget {
                 return ControlFlow::Continue(());

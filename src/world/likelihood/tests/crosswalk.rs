@@ -182,15 +182,15 @@ fn without_noise_the_pedestrian_crosses_as_in_the_published_model() {
 fn the_crosswalk_is_as_dangerous_as_published() {
     let limits =
         |budget| Limits { event: Event::Failure, relative_error: 0.1, budget, stop: &|| false, progress: &|_| {} };
-    let all: Vec<Likelihood> = (0..40)
+    let all: Vec<Likelihood> = (0..20)
         .map(|seed| {
             let estimate = subset_simulation().estimate(&Crosswalk::new, None, &Seed::root(seed), limits(2_000_000));
             *estimate.of(Event::Failure)
         })
         .collect();
     // What 50 million plain encounters gave, and what is published.
-    let mean = all.iter().map(|each| each.probability).sum::<f64>() / 40.0;
+    let mean = all.iter().map(|each| each.probability).sum::<f64>() / 20.0;
     assert!((5.3e-5..6.9e-5).contains(&mean), "{mean}");
     let covered = all.iter().filter(|each| (each.low..=each.high).contains(&6.22e-5)).count();
-    assert!(covered >= 36, "{covered} of 40");
+    assert!(covered >= 18, "{covered} of 20");
 }
