@@ -236,7 +236,7 @@ impl Key<'_> {
             for (block, written) in &TABLES.campaign {
                 if self.block.is_some_and(|own| own.name == block) {
                     let _ = writeln!(text, "{block} {{\n{}}}", self.body(&need.with, own));
-                } else if matches!(block.as_str(), "train" | "evaluate" | "search" | "cover") {
+                } else if matches!(block.as_str(), "train" | "evaluate" | "search") {
                     let _ = writeln!(text, "{written}");
                 }
             }

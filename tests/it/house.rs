@@ -10,12 +10,12 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/world", 30_700),
     ("src/ported", 6_000),
     ("src/lang", 8_450),
-    ("src/compile", 7_000),
+    ("src/compile", 6_600),
     ("src/process", 1_050),
     ("src/export", 4_000),
     ("src/results", 28_000),
     ("src/program", 13_000),
-    ("tests/it", 18_700),
+    ("tests/it", 18_500),
 ];
 
 /// Crates that only some places may name.
