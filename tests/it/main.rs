@@ -22,6 +22,7 @@ mod cast;
 mod case_book;
 mod comparing;
 mod controllers;
+mod covers;
 mod command_line;
 mod determinism;
 mod external;

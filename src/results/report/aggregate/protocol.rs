@@ -4,6 +4,7 @@ use crate::campaign::SearchResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
 use crate::record::{Column, EpisodeTable, Table};
 use base::choice;
+use base::statistics::clopper_pearson;
 use compile::{Campaign, Evaluation};
 use world::env::{TargetWalk, TestCriterion};
 
@@ -26,6 +27,8 @@ pub struct ProtocolCell {
     pub driven_speed: Option<f64>,
     /// Number of episodes, or of searches.
     pub episodes: u32,
+    /// How many of them the protocol does not pass.
+    pub not_passed: u32,
     /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. None when no episode ended.
     pub impact_speed: Option<f64>,
     /// Whether an episode has no result: an error, of its driver for example, or it is left out.
@@ -103,6 +106,13 @@ impl ProtocolCell {
         self.impact_speed.map(|impact| impact <= self.limit())
     }
 
+    /// The one-sided 95 % upper bound of the share of repetitions that are not passed; none for searches, which choose what they run, and without
+    /// any episode.
+    pub fn not_passed_at_most(&self) -> Option<f64> {
+        let is_sample = self.falsifier.is_none() && self.episodes > 0;
+        is_sample.then(|| clopper_pearson(self.not_passed.into(), self.episodes.into(), 0.1).1)
+    }
+
     /// Whether two results belong to the same cell of the same test.
     pub fn is_same_case(&self, other: &Self) -> bool {
         (&self.policy, self.meeting) == (&other.policy, other.meeting)
@@ -130,6 +140,7 @@ impl ProtocolCell {
             overlap: case.overlap,
             driven_speed: None,
             episodes: 0,
+            not_passed: 0,
             impact_speed: None,
             failed: false,
             criterion: walk.criterion,
@@ -147,6 +158,7 @@ impl ProtocolCell {
     /// Takes the result of an episode, or of a search.
     fn note(&mut self, impact: f64, driven: Option<f64>, name: impl FnOnce() -> Option<String>) {
         self.episodes += 1;
+        self.not_passed += u32::from(impact > self.limit());
         if self.impact_speed.is_none_or(|worst| impact > worst) {
             (self.impact_speed, self.driven_speed) = (Some(impact), driven);
             self.worst = name().filter(|_| impact > 0.0);
@@ -262,6 +274,15 @@ pub fn protocol_columns() -> Table<'static, ProtocolCell> {
                 .of(|row: &Row| row.driven_speed),
         )
         .column(Column::<u32>::new("tested", "", "number of episodes, or of searches").of(|row: &Row| row.episodes))
+        .column(Column::<u32>::new("not_passed", "", "how many of these the protocol does not pass").of(|row: &Row| row.not_passed))
+        .column(
+            Column::<f64>::new(
+                "not_passed_at_most",
+                "",
+                "Clopper and Pearson's one-sided 95 % upper bound of their share; missing for searches, which choose what they run",
+            )
+            .of(|row: &Row| row.not_passed_at_most()),
+        )
         .column(
             Column::<f64>::new(
                 "worst_impact_speed",
@@ -333,6 +354,18 @@ mod tests {
         assert!(one.repeats(&again));
         assert!(!one.repeats(&cell(60.0, 13.0, TestCriterion::EuroNcap)));
         assert!(!one.repeats(&ProtocolCell { policy: "other".into(), ..again }));
+    }
+
+    #[test]
+    fn a_cell_says_how_sure_it_is() {
+        let mut sure = cell(50.0, 0.0, TestCriterion::NoContact);
+        (1..20).for_each(|_| sure.note(0.0, None, || None));
+        // 1 - 0.05^(1/20).
+        assert_eq!((sure.not_passed, sure.episodes), (0, 20));
+        assert!((sure.not_passed_at_most().unwrap() - 0.139_108_3).abs() < 1e-6);
+        sure.note(3.0, None, || None);
+        assert_eq!(sure.not_passed, 1);
+        assert_eq!(ProtocolCell { falsifier: Some("meet".into()), ..sure }.not_passed_at_most(), None);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use crate::report::aggregate::percent_above;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Colour, ProtocolCell};
 use world::env::TestCriterion;
@@ -11,7 +12,9 @@ const READING: &str = "A cell is the impact speed (km/h) at the test speed of it
      of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), and a cell without \
-     points is not passed. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order).";
+     points is not passed. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
+     Where a case was repeated, the worst speed stands there, and below it how many repetitions were not passed and the one-sided 95 % upper bound of their \
+     share: \"0 of 20: at most 14 %\".";
 /// Why colours, passes and verdicts differ.
 const JUDGES: &str = "A number is the impact speed in km/h. *Passed* counts the cells that get points: green has all of them, brown still a quarter, red none. \
      So a driver can pass a cell in which it hits the target. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
@@ -301,9 +304,17 @@ fn changes(all: &[Layered<'_>], link: PlayerOf<'_>) -> Option<Table> {
 
 /// The result of a cell, with a link to the player of its failure.
 fn played(cell: &ProtocolCell, link: PlayerOf<'_>) -> Value {
-    match cell.worst.as_deref().and_then(link) {
+    let worst = match cell.worst.as_deref().and_then(link) {
         Some(place) => Value::Played(Box::new(shown(cell)), place),
         None => shown(cell),
+    };
+    // One episode says nothing about repetitions.
+    match cell.not_passed_at_most().filter(|_| cell.episodes > 1) {
+        Some(most) => {
+            let sure = format!("{} of {}: at most {}", cell.not_passed, cell.episodes, percent_above(most));
+            Value::Lines(vec![worst, sure.into()])
+        }
+        None => worst,
     }
 }
 
