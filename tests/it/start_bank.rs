@@ -52,7 +52,8 @@ fn share(outcomes: &[Outcome], kind: impl Fn(&Outcome) -> bool) -> f64 {
 #[test]
 fn rates_from_the_bank_and_from_fresh_starts_agree() {
     const EPISODES: u64 = 1200;
-    let kinds: [(&str, fn(&Outcome) -> bool); 4] = [
+    type Kind = (&'static str, fn(&Outcome) -> bool);
+    let kinds: [Kind; 4] = [
         ("a touch", |outcome| matches!(outcome.ending, Ending::Touch { .. })),
         ("a collision", |outcome| matches!(outcome.ending, Ending::Touch { moving: true, .. })),
         ("a fast collision", |outcome| matches!(outcome.ending, Ending::Touch { impact_speed: 3.0.., .. })),
@@ -90,7 +91,8 @@ fn rates_from_the_bank_and_from_fresh_starts_agree() {
 fn copies_share_their_start_and_only_what_is_random_differs_after_it() {
     for (driver, random) in [("sharp", false), ("squinting", true)] {
         let scenario = scenario("", driver);
-        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(StartBank::new(&scenario, 1, Seed::root(15)).map(Arc::new));
+        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7))
+            .with_bank(StartBank::new(&scenario, 1, Seed::root(15)).map(Arc::new));
         let copies = outcomes(&mut env, 12);
         assert!(copies.iter().all(|copy| copy.start == copies[0].start && copy.spawn == copies[0].spawn), "{driver}");
         let mut ends: Vec<u64> = copies.iter().map(|copy| copy.digest).collect();

@@ -85,16 +85,15 @@ const CANDIDATES: (u64, u64, u64) = (20, 500, 20_000);
 /// The greatest number of points of a look that may be worse than the picture.
 const MOST_WORSE: u64 = 20;
 
+/// Whether a run at a point of the unit box, with this number, failed; a break to stop.
+pub type Experiment<'a> = dyn FnMut(&[f64], u64) -> ControlFlow<(), bool> + 'a;
+
 /// Learns a picture of where in the unit box an experiment fails, and checks it.
 ///
 /// `experiment` gets a point of the unit box and the number of the experiment, and says whether it failed. It may be random: then "failed" has
 /// a probability at each point, and the bound holds for the share of experiments, over the box and over chance. It may break to stop. The
 /// result depends on the seed and on what the experiment says, on nothing else.
-pub fn cover(
-    config: &CoverConfig,
-    seed: &Seed,
-    experiment: &mut dyn FnMut(&[f64], u64) -> ControlFlow<(), bool>,
-) -> Coverage {
+pub fn cover(config: &CoverConfig, seed: &Seed, experiment: &mut Experiment<'_>) -> Coverage {
     let mut work = Work {
         config,
         picture: Picture::of(config.dimensions, &[]),
@@ -106,15 +105,15 @@ pub fn cover(
 }
 
 /// A cover in progress.
-struct Work<'a> {
+struct Work<'a, 'b> {
     config: &'a CoverConfig,
     /// Knows all points that are no part of a look in progress.
     picture: Picture,
     coverage: Coverage,
-    experiment: &'a mut dyn FnMut(&[f64], u64) -> ControlFlow<(), bool>,
+    experiment: &'a mut Experiment<'b>,
 }
 
-impl Work<'_> {
+impl Work<'_, '_> {
     fn run(&mut self, seed: &Seed) -> ControlFlow<()> {
         let CoverConfig { dimensions, epsilon, budget } = *self.config;
         let design = ((1.0 / epsilon) as u64).max(LEAST_DESIGN).min(budget / 2);
