@@ -127,6 +127,7 @@ pub fn missing_name(span: Span, form: &str) -> Diagnostic {
 }
 
 /// Where a key belongs that is not in the signature.
+#[derive(Clone, Copy)]
 pub enum KeyOf<'a> {
     /// In a block of the same owner.
     Block(&'a str),
@@ -146,7 +147,9 @@ pub fn unknown_key(
     let message = format!("`{owner}` has no key `{}`", cut(word));
     let error = || Diagnostic::error("unknown-key", span, message.clone());
     let is_key = |of: &str| format!("`{word}` is a key of `{of}`");
-    if let Some(KeyOf::Block(block)) = elsewhere {
+    // A word of another language for a key of its own goes before a block's key of that name.
+    let is_own = own_words(word).iter().any(|own| keys.contains(own));
+    if let Some(KeyOf::Block(block)) = elsewhere.filter(|_| !is_own) {
         return nearest(word, keys.iter().copied()).into_iter().fold(error().help(is_key(block)), Diagnostic::fix);
     }
     let block = own_words(word).iter().copied().find(|own| blocks.contains(own));
