@@ -12,8 +12,8 @@ pub struct EstimateResult {
     pub key: EstimationKey,
     /// Encounters per hour and per 1,000 km, as far as the user states them.
     pub exposure: [Option<f64>; 2],
-    /// The relative error that was wanted.
-    pub wanted: f64,
+    /// Whether driver or pedestrian is a program of the user.
+    pub has_program: bool,
     /// None when it failed.
     pub estimate: Option<Estimate>,
     /// Why it failed.
@@ -27,7 +27,8 @@ impl EstimateResult {
             Ok(estimate) => (Some(estimate), None),
             Err(error) => (None, Some(error)),
         };
-        Self { key: plan.key.clone(), exposure: plan.exposure, wanted: plan.relative_error, estimate, error }
+        let has_program = plan.programs.iter().next().is_some();
+        Self { key: plan.key.clone(), exposure: plan.exposure, has_program, estimate, error }
     }
 }
 

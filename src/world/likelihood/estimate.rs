@@ -18,6 +18,9 @@ pub struct Likelihood {
     pub seen: u64,
 }
 
+/// The least effective number of weights of a sum that has an interval, and the greatest share of a single one.
+pub(super) const SOUND: (f64, f64) = (50.0, 0.1);
+
 /// The result of an estimator.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Estimate {
@@ -85,6 +88,12 @@ pub(super) fn around(probability: f64, error: f64, quantile: f64) -> (f64, f64) 
 impl Estimate {
     pub fn of(&self, event: Event) -> &Likelihood {
         self.likelihoods.iter().find(|each| each.event == event).expect("each event has one")
+    }
+
+    /// Whether a few encounters are most of a sum of weights.
+    pub fn is_degenerate(&self) -> bool {
+        let few = |each: &Likelihood| each.seen > 0 && each.effective < SOUND.0;
+        self.greatest_weight > SOUND.1 || self.greatest_weight > 0.0 && self.likelihoods.iter().any(few)
     }
 
     /// Whether the populations disagree: the greatest says more than ten times the median.

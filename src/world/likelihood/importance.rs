@@ -1,7 +1,7 @@
 use rand::RngExt;
 use rayon::prelude::*;
 
-use super::estimate::around;
+use super::estimate::{SOUND, around};
 use super::{Estimate, Event, Events, Likelihood, Limits, Lot, TestBed};
 use crate::falsifier::SearchOutcome;
 use base::keys;
@@ -361,7 +361,7 @@ impl Sum {
 
     /// Whether the weights are not degenerate.
     fn is_sound(&self) -> bool {
-        self.effective() >= 50.0 && self.greatest_share() <= 0.1
+        self.effective() >= SOUND.0 && self.greatest_share() <= SOUND.1
     }
 
     fn relative_error(&self, count: u64) -> Option<f64> {

@@ -16,8 +16,8 @@ keys! {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MonteCarlo;
 
-/// Encounters between two looks at the budget.
-const BATCH: u64 = 1000;
+/// The fewest and the most encounters between two looks at the budget; in between, as many as there were before.
+const BATCH: (u64, u64) = (50, 1000);
 /// Encounters in a row that use one test bed.
 const ROW: usize = 50;
 
@@ -50,7 +50,8 @@ impl MonteCarlo {
             if stopped {
                 break;
             }
-            for fresh in batch(make, seed, encounters..encounters + BATCH) {
+            let next = encounters.clamp(BATCH.0, BATCH.1);
+            for fresh in batch(make, seed, encounters..encounters + next) {
                 ticks += fresh.ticks;
                 if enough {
                     continue;

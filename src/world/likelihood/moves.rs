@@ -64,7 +64,7 @@ enum Kind {
     OtherDrivers(usize),
 }
 
-/// Runs an encounter from its beginning.
+/// Runs an encounter from its start.
 pub(super) fn run<B: TestBed>(bed: &mut B, mut lot: Lot, level: f64) -> Particle<B::Mark> {
     bed.begin(&mut lot);
     go_on(bed, lot, vec![bed.level()], Vec::new(), level)

@@ -81,7 +81,7 @@ impl SubsetSimulation {
         let mut enough = false;
         let batch = self.keys.populations as u64;
         // Without a way up, or without budget for more, fresh encounters bound the probability.
-        while reached && !stopped && !enough && (all.is_empty() || ticks + batch * first.ticks <= limits.budget) {
+        while reached && !stopped && !enough && ticks + batch * first.ticks <= limits.budget {
             let next = all.len() as u64..all.len() as u64 + batch;
             let numbers: Vec<u64> = next.collect();
             let more: Vec<Population> = numbers

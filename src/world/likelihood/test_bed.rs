@@ -19,7 +19,7 @@ pub trait TestBed {
     /// The result of an encounter that is over.
     fn trial(&mut self) -> Trial;
 
-    /// A copy of the present state; none where it cannot be copied. Then encounters are repeated from their beginning.
+    /// A copy of the present state; none where it cannot be copied. Then encounters are repeated from their start.
     fn mark(&self) -> Option<Self::Mark>;
 
     /// Returns to a state, from which an encounter of this lot goes on with its next decision. The lot agrees with the mark's up to there.

@@ -27,10 +27,14 @@ pub fn estimate_table(results: &[EstimateResult]) -> DataFrame {
     estimate_columns().frame(&rows)
 }
 
-/// What a reader must know about an estimate; empty if nothing.
-pub fn estimate_doubts(estimate: &Estimate) -> Vec<&'static str> {
+/// What a reader must know about an estimate; empty if nothing, and if it failed.
+pub fn estimate_doubts(result: &EstimateResult) -> Vec<&'static str> {
+    let Some(estimate) = &result.estimate else { return Vec::new() };
     let mut doubts = Vec::new();
-    if estimate.greatest_weight > 0.1 {
+    if result.has_program {
+        doubts.push("a program draws numbers of its own: over starts, pedestrian and the seeds that it is given");
+    }
+    if estimate.is_degenerate() {
         doubts.push("weights degenerate: the interval is that of the plain encounters alone");
     }
     if estimate.populations_disagree() {
@@ -109,8 +113,8 @@ pub fn estimate_columns<'a>() -> Table<'a, Row<'a>> {
             .of(|row: &Row<'_>| exposed(row, 1)),
     )
     .column(
-        text("doubts", "", "what a reader must know: degenerate weights, populations that disagree, an error that was not reached")
-            .of(|row: &Row<'_>| estimate_doubts(row.estimate).join("; ")),
+        text("doubts", "", "what a reader must know: a program that draws numbers of its own, degenerate weights, populations that disagree, an error that was not reached")
+            .of(|row: &Row<'_>| estimate_doubts(row.result).join("; ")),
     )
 }
 

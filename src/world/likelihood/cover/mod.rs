@@ -164,7 +164,7 @@ impl Work<'_, '_> {
         self.coverage.points[known..].iter().for_each(|point| self.picture.learn(point));
     }
 
-    /// Tries points near the boundary: at most as many as there are, and so many that `reserve` is left. Ends early where the picture is sure.
+    /// Tries points near the boundary: at most as many as there are, and no more than leave `reserve`. Ends early where the picture is sure.
     fn learn(&mut self, seed: &Seed, reserve: u64) -> ControlFlow<()> {
         let mut stream = seed.stream();
         let room = (self.config.budget - self.used()).saturating_sub(reserve);

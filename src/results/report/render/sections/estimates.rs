@@ -52,7 +52,7 @@ pub(super) fn table(results: &[&EstimateResult]) -> Table {
             Some(encounters) => Value::Text(rate(fault, encounters)),
             None => Value::Number(None, 2),
         }));
-        row.push(match estimate_doubts(estimate).as_slice() {
+        row.push(match estimate_doubts(result).as_slice() {
             [] => Value::from("none"),
             doubts => Value::Warning(doubts.join("; ")),
         });
