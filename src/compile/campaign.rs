@@ -125,7 +125,7 @@ keys! {
         /// this pedestrian, from a start that the `spawn` draws.
         pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[natural]",
         /// How it is estimated.
-        estimators: Vec<DeclarationId> as Reference("estimator") = "[monte_carlo()]",
+        estimators: Vec<DeclarationId> as Reference("estimator"),
         /// The requirement whose violations are estimated, instead of collisions.
         requirement: Option<DeclarationId> as Reference("requirement"),
         /// What the `relative_error` is about: any failure, one that a careful human would have avoided, or a fault. All three are estimated.

@@ -6,7 +6,7 @@ use lang::diagnostics;
 use lang::hir::Declaration;
 use world::av::external::ProgramKeys;
 use world::av::onnx::Network;
-use world::falsifier::{Controller, Networked, NetworkedKeys, Programmed, ProgrammedKeys};
+use world::falsifier::{Controller, Natural, NaturalKeys, Networked, NetworkedKeys, Programmed, ProgrammedKeys};
 
 /// A kind of controller: its keys, and how it is made.
 struct ControllerKind {
@@ -17,14 +17,15 @@ struct ControllerKind {
 }
 
 /// All kinds; a new one is a line here.
-const KINDS: [ControllerKind; 2] = [
+const KINDS: [ControllerKind; 3] = [
     ControllerKind { signature: ProgrammedKeys::signature, lower: external },
     ControllerKind { signature: NetworkedKeys::signature, lower: onnx },
+    ControllerKind { signature: NaturalKeys::signature, lower: natural },
 ];
 
 /// The form `controller`.
 pub fn form() -> Form {
-    let doc = "A controller of your own for the pedestrian. `pedestrians` of an `evaluate` block and a falsifier of kind `controlled` name it.";
+    let doc = "A controller for the pedestrian: a program or a network of your own, or a built-in one with other settings. `pedestrians` of an `evaluate` or an `estimate` block and a falsifier of kind `controlled` name it.";
     Form::of_kinds("controller", doc, KINDS.iter().map(|kind| (kind.signature)()).collect())
 }
 
@@ -59,4 +60,10 @@ fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Contro
         Networked::check(&network).map(|()| Arc::new(network)).map_err(|unsuitable| unsuitable.to_string())
     })?;
     Some(Controller::new(&declaration.name, move || Box::new(Networked::new(network.clone())) as _))
+}
+
+/// A pedestrian who walks as recorded ones do, with settings.
+fn natural(declaration: &Declaration, _: &mut Lowering<'_>) -> Option<Controller> {
+    let walker = Natural::from_keys(declaration.block.keys());
+    Some(Controller::new(&declaration.name, move || Box::new(walker.clone()) as _))
 }

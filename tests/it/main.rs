@@ -23,6 +23,7 @@ mod case_book;
 mod comparing;
 mod controllers;
 mod covers;
+mod estimates;
 mod command_line;
 mod determinism;
 mod external;

@@ -35,6 +35,8 @@ pub struct SubsetSimulation {
     keys: SubsetSimulationKeys,
 }
 
+/// The fewest populations whose spread says anything.
+const FEWEST: u64 = 4;
 /// Rows of moves between two changes of their steps in the first population.
 const ADAPTED: usize = 20;
 /// The most levels; then the failure is out of reach.
@@ -79,9 +81,13 @@ impl SubsetSimulation {
             all.iter().map(|population| population.estimates[event as usize]).collect()
         };
         let mut enough = false;
-        let batch = self.keys.populations as u64;
-        // Without a way up, or without budget for more, fresh encounters bound the probability.
-        while reached && !stopped && !enough && ticks + batch * first.ticks <= limits.budget {
+        // Without a way up, or without budget for a few populations, fresh encounters bound the probability.
+        while reached && !stopped && !enough {
+            let possible = limits.budget.saturating_sub(ticks) / first.ticks.max(1);
+            let batch = possible.min(self.keys.populations as u64);
+            if batch < FEWEST {
+                break;
+            }
             let next = all.len() as u64..all.len() as u64 + batch;
             let numbers: Vec<u64> = next.collect();
             let more: Vec<Population> = numbers
