@@ -8,8 +8,8 @@
 //!
 //! | method | what it does | when |
 //! |---|---|---|
-//! | [`MonteCarlo`] | fresh encounters | down to about 1 in 10,000 |
-//! | [`SubsetSimulation`] | populations that climb from level to level | below |
+//! | [`MonteCarlo`] | fresh encounters | wherever it sees anything |
+//! | [`SubsetSimulation`] | populations that climb from level to level | where it sees nothing |
 //! | [`Importance`] | fresh encounters near those in which a falsifier found failures, weighted | where it knows all ways to fail |
 
 mod box_of_starts;

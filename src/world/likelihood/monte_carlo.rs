@@ -5,7 +5,7 @@ use base::keys;
 use base::seed::Seed;
 
 keys! {
-    /// Fresh encounters, counted: exact, and slow for what is rarer than 1 in 10,000.
+    /// Fresh encounters, counted.
     pub struct MonteCarloKeys = "monte_carlo" {}
 }
 

@@ -7,7 +7,7 @@ use base::keys;
 use base::seed::{Seed, Stream};
 
 keys! {
-    /// Populations of encounters that climb from level to level towards a failure: for what is rare.
+    /// Populations of encounters that climb from level to level towards a failure: for what plain encounters never see.
     pub struct SubsetSimulationKeys = "subset_simulation" {
         /// Encounters of a population.
         particles: usize as whole(20, 1_000_000) = "300",

@@ -44,7 +44,7 @@ pub fn estimate_doubts(result: &EstimateResult) -> Vec<&'static str> {
         doubts.push("no population reached a failure: the bound is that of fresh encounters");
     }
     if estimate.short {
-        doubts.push("relative error not reached within the budget");
+        doubts.push("error above the wanted");
     }
     doubts
 }

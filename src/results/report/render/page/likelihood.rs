@@ -1,13 +1,12 @@
 use maud::html;
 
 use crate::campaign::EstimateResult;
-use crate::report::render::sections::rounded;
-use crate::report::render::svg::{Figure, Panel, px};
+use crate::report::render::svg::{Figure, Panel, px, thousands};
 use world::likelihood::{Event, Likelihood};
 
 /// Width of a panel, and the start and the end of its axis.
-const WIDTH: f64 = 640.0;
-const AXIS: (f64, f64) = (210.0, 620.0);
+const WIDTH: f64 = 360.0;
+const AXIS: (f64, f64) = (140.0, 345.0);
 /// Height of a row, and of the axis below.
 const ROW: f64 = 24.0;
 const FOOT: f64 = 34.0;
@@ -28,7 +27,7 @@ pub fn likelihoods(results: &[EstimateResult]) -> Option<Figure> {
         name: "figure-likelihood".into(),
         title: "How likely a fault is in an encounter, with the 95 % interval.".into(),
         notes: vec![
-            "An arrow to the left is the 95 % bound where no fault was seen. The hollow mark is any failure.".into(),
+            "The axis says 1 in how many. An arrow to the left is the 95 % bound where no fault was seen. The hollow mark is any failure.".into(),
         ],
         columns: 1,
         panels: panels.collect(),
@@ -67,28 +66,28 @@ fn panel(town: &str, results: &[EstimateResult]) -> Panel {
     });
     let says = format!("Probability of a fault in an encounter.{}", says.collect::<String>());
     let body = html! {
-        @for decade in 0..=decades as i32 {
-            @let x = at(libm::pow(10.0, f64::from(-decade)));
-            path.grid d={ "M" (px(x)) " 0V" (px(floor)) } {}
-            text.muted.middle x=(px(x)) y=(px(floor + 16.0)) {
-                @if decade == 0 { "always" } @else { "1 in " (rounded(libm::pow(10.0, f64::from(decade)))) }
+            @for decade in 0..=decades as i32 {
+                @let x = at(libm::pow(10.0, f64::from(-decade)));
+                path.grid d={ "M" (px(x)) " 0V" (px(floor)) } {}
+                text.muted.middle x=(px(x)) y=(px(floor + 16.0)) {
+    (thousands(libm::pow(10.0, f64::from(decade))))
+                }
             }
-        }
-        @for (row, (result, estimate)) in rows.iter().enumerate() {
-            @let middle = ROW * row as f64 + 12.0;
-            @let (fault, any) = (estimate.of(Event::Fault), estimate.of(Event::Failure));
-            text.ink x="0" y=(px(middle + 4.0)) { (name(result)) }
-            @if any.seen > 0 {
-                circle.line.s1 cx=(px(at(any.probability))) cy=(px(middle)) r="4" fill="none" {}
+            @for (row, (result, estimate)) in rows.iter().enumerate() {
+                @let middle = ROW * row as f64 + 12.0;
+                @let (fault, any) = (estimate.of(Event::Fault), estimate.of(Event::Failure));
+                text.ink x="0" y=(px(middle + 4.0)) { (name(result)) }
+                @if any.seen > 0 {
+                    circle.line.s1 cx=(px(at(any.probability))) cy=(px(middle)) r="4" fill="none" {}
+                }
+                @if fault.seen > 0 {
+                    path.line.s0 d={ "M" (px(at(fault.low))) " " (px(middle)) "H" (px(at(fault.high))) } {}
+                    circle.f0 cx=(px(at(fault.probability))) cy=(px(middle)) r="4" {}
+                } @else {
+                    @let x = at(fault.high);
+                    path.line.s0 d={ "M" (px(x)) " " (px(middle - 5.0)) "v10M" (px(x)) " " (px(middle)) "h-22m6 -4l-6 4 6 4" } fill="none" {}
+                }
             }
-            @if fault.seen > 0 {
-                path.line.s0 d={ "M" (px(at(fault.low))) " " (px(middle)) "H" (px(at(fault.high))) } {}
-                circle.f0 cx=(px(at(fault.probability))) cy=(px(middle)) r="4" {}
-            } @else {
-                @let x = at(fault.high);
-                path.line.s0 d={ "M" (px(x)) " " (px(middle - 5.0)) "v10M" (px(x)) " " (px(middle)) "h-22m6 -4l-6 4 6 4" } fill="none" {}
-            }
-        }
-    };
+        };
     Panel { title: town.into(), says, size: (WIDTH, floor + FOOT), body }
 }

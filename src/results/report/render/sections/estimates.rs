@@ -17,7 +17,7 @@ pub fn estimates(results: &[EstimateResult]) -> Option<Section> {
     ];
     Some(Section {
         id: "estimates",
-        name: "How likely",
+        name: "Estimates",
         title: "How likely failures are in an encounter",
         tables: vec![table(&ended)],
         notes,
@@ -81,7 +81,7 @@ fn rate(fault: &Likelihood, encounters: f64) -> String {
 }
 
 /// A number to two digits, with commas.
-pub fn rounded(number: f64) -> String {
+fn rounded(number: f64) -> String {
     if number < 10.0 {
         return format!("{number:.1}");
     }

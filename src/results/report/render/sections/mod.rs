@@ -24,7 +24,7 @@ mod covers;
 pub use comparisons::comparisons;
 pub use covers::{cover_section, covers_for_terminal};
 pub use drivers::{drivers, injury, injury_scale};
-pub use estimates::{estimates, rounded};
+pub use estimates::estimates;
 pub use failures::failures_for_terminal;
 pub use learnt::learnt;
 pub use names::{distinct, place, who};
