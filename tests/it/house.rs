@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Each package with the greatest number of lines of Rust that it may have, tests included. Who needs more raises it in the same commit and says why.
 ///
-/// Estimates of how likely failures are, covers of boxes, and products for large trainings raised those of base, learn, world, compile and results.
+/// Estimates of how likely failures are, covers of boxes, and products for large trainings raised those of base, learn, world, compile, results
+/// and tests/it.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_450),
     ("src/learn", 6_200),
@@ -17,7 +18,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 4_000),
     ("src/results", 29_200),
     ("src/program", 13_100),
-    ("tests/it", 18_600),
+    ("tests/it", 18_900),
 ];
 
 /// Crates that only some places may name.
