@@ -45,7 +45,7 @@ pub use homing::{Homing, HomingKeys};
 pub use intercept::{Intercept, InterceptKeys};
 pub use learning::{Learning, LearningKeys};
 pub use method::Falsifier;
-pub use natural::{Natural, NaturalKeys};
+pub use natural::{Gaps, Natural, NaturalKeys, Recording};
 pub use open_loop::OpenLoop;
 pub use outside::{Networked, NetworkedKeys, PROTOCOL, Programmed, ProgrammedKeys, UnsuitableNetwork};
 pub use random::{Random, RandomKeys};

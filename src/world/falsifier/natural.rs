@@ -16,6 +16,21 @@ choice! {
     }
 }
 
+choice! {
+    /// How large the gap before the car must be for a pedestrian that waits.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Gaps {
+        Recorded = "recorded",
+        Hcm = "hcm",
+    }
+}
+
+/// Time that the Highway Capacity Manual adds to the time for the way (s): setting off, and clearance at the end.
+///
+/// # Source
+/// Highway Capacity Manual 2010, chapter 19, critical headway of a pedestrian at an uncontrolled crossing: way by speed, and 3 s.
+const HCM_GAP: f64 = 3.0;
+
 keys! {
     /// Crosses before the car as recorded pedestrians do. Its speed, its accepted gap, and its changes of speed and direction
     /// are drawn from their distributions.
@@ -26,6 +41,9 @@ keys! {
         /// Share of the pedestrians that wait until the gap before the car is large enough for them; the others set off at
         /// once.
         heed: f64 as share() = "100 percent",
+        /// The time that must be left between the pedestrian, once out of the car's width, and the car: as recorded ones accepted it (DUT; median 6.4 s),
+        /// or 3 s, the critical headway of the Highway Capacity Manual.
+        gaps: Gaps = "recorded",
     }
 }
 
@@ -43,6 +61,7 @@ pub struct Natural {
     walking: RecordedWalking,
     /// The probability that a pedestrian waits for a gap.
     heed: f64,
+    gaps: Gaps,
     stream: Option<Stream>,
     /// One for each pedestrian of the episode.
     walks: Vec<Walk>,
@@ -67,19 +86,23 @@ impl Natural {
             Recording::Dut => RecordedWalking::DUT,
             Recording::Vru => RecordedWalking::VRU,
         };
-        Self::new(walking, keys.heed)
+        Self { gaps: keys.gaps, ..Self::new(walking, keys.heed) }
     }
 
-    /// Makes one; `heed` is the probability that a pedestrian waits for a gap.
+    /// Makes one that waits for recorded gaps; `heed` is the probability that a pedestrian waits for a gap.
     pub fn new(walking: RecordedWalking, heed: f64) -> Self {
-        Self { walking, heed, stream: None, walks: Vec::new() }
+        Self { walking, heed, gaps: Gaps::Recorded, stream: None, walks: Vec::new() }
     }
 
     /// The walk of a pedestrian that has just appeared.
     fn first(&mut self, env: &PedestrianEnv, pedestrian: usize) -> Walk {
         let stream = self.stream.as_mut().expect("an episode has started");
         let preferred = self.walking.speed(stream);
-        let gap = self.walking.accepted_gap(stream);
+        let recorded = self.walking.accepted_gap(stream);
+        let gap = match self.gaps {
+            Gaps::Recorded => recorded,
+            Gaps::Hcm => HCM_GAP,
+        };
         let heeds = stream.random::<f64>() < self.heed;
         let (ego, here) = (&env.world().ego().state.pose, env.world().pedestrians[pedestrian].state.pose.position());
         let aside = ego.to_local(here).y;
