@@ -39,7 +39,13 @@ pub fn imitate(policy: &mut ActorCritic, demonstrations: &Demonstrations, config
     let Demonstrations { observations, actions, weights } = demonstrations;
     let (obs_dim, dim) = (policy.obs_dim(), policy.action_dim());
     let mut total = 0.0;
-    let sums: Vec<f64> = weights.iter().map(|weight| { total += weight; total }).collect();
+    let sums: Vec<f64> = weights
+        .iter()
+        .map(|weight| {
+            total += weight;
+            total
+        })
+        .collect();
     if total <= 0.0 {
         return;
     }

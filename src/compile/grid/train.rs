@@ -4,8 +4,8 @@ use super::axis::{Axis, Usual};
 use super::ground::{Place, note_towns};
 use super::search::Rival;
 use crate::campaign::{Together, TrainKeys};
-use crate::lowering::Lowering;
 use crate::falsifier;
+use crate::lowering::Lowering;
 use crate::plan::{Campaign, Training, TrainingKey};
 use crate::training::PpoKeys;
 use base::signature::{DeclarationId, Formula, VariableId};
@@ -90,7 +90,9 @@ impl Lowering<'_> {
         let declaration = self.program.get(training);
         let PpoKeys { teacher, teacher_ticks, .. } = declaration.block.keys();
         let named = self.program.get(teacher?);
-        if falsifier::learns(&self.catalog.falsifiers, named) || falsifier::named(&named.block.arguments, "reward").is_none() {
+        if falsifier::learns(&self.catalog.falsifiers, named)
+            || falsifier::named(&named.block.arguments, "reward").is_none()
+        {
             let message = format!(
                 "`{}` cannot teach: a teacher is a falsifier with a `reward` that trains no pedestrian, such as `archive`",
                 named.name

@@ -117,7 +117,9 @@ pub enum Notice {
         doubt: Box<Doubt>,
     },
     /// The teacher of a training found nothing to imitate.
-    #[error("{training}: its teacher found no failure that earned anything in {ticks} ticks, so it begins as without one; more `teacher_ticks` may help")]
+    #[error(
+        "{training}: its teacher found no failure that earned anything in {ticks} ticks, so it begins as without one; more `teacher_ticks` may help"
+    )]
     Untaught {
         /// The names of the training.
         training: String,

@@ -256,7 +256,8 @@ impl Work<'_> {
         let begin = || match &plan.teacher {
             None => TrainingRun::begin(&scenarios, plan.environments, &plan.config, &seed),
             Some(teacher) => {
-                let taught = TrainingRun::begin_taught(teacher, &scenarios, plan.environments, &plan.config, &seed, &late);
+                let taught =
+                    TrainingRun::begin_taught(teacher, &scenarios, plan.environments, &plan.config, &seed, &late);
                 taught.map(|(run, lesson)| {
                     self.shared.tell(Event::Taught { training: index, plan, lesson });
                     run

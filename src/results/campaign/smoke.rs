@@ -11,8 +11,7 @@ pub fn smoke(campaign: &mut Campaign) {
         training.config.total_steps = training.config.total_steps.min(2 * update);
         if let Some(teacher) = &mut training.teacher {
             let scenario = &teacher.scenarios[0];
-            teacher.budget =
-                teacher.budget.min(10 * u64::from(scenario.episode.ticks + scenario.most_run_up()));
+            teacher.budget = teacher.budget.min(10 * u64::from(scenario.episode.ticks + scenario.most_run_up()));
         }
     }
     campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);

@@ -3,8 +3,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Lesson, Teacher, TrainError};
 use super::training_ground::TrainingGround;
+use super::{Lesson, Teacher, TrainError};
 use crate::env::{Cast, Scenario, StartBank};
 use base::seed::Seed;
 use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
