@@ -11,7 +11,7 @@ use world::av::CruiseKeys;
 use world::av::external::ExternalKeys;
 use world::av::sensors::SensorModel;
 use world::env::Scenario;
-use world::falsifier::{Controller, Falsifier};
+use world::falsifier::{Controller, Falsifier, Teacher};
 use world::likelihood::{Estimator, Event, Question};
 use world::requirement::NamedRequirement;
 use world::road::Town;
@@ -265,6 +265,8 @@ pub struct Training {
     /// Its settings.
     pub config: PpoConfig,
     pub environments: usize,
+    /// What it learns from before its first decision.
+    pub teacher: Option<Teacher>,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
     /// The programs of the user that it depends on.

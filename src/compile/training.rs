@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::lowering::Lowering;
 use base::keys;
-use base::signature::{Form, Keys, LEAST};
+use base::signature::{DeclarationId, Form, Keys, LEAST};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use learn::{ActorCritic, PpoConfig, Schedule};
@@ -10,8 +10,8 @@ use learn::{ActorCritic, PpoConfig, Schedule};
 keys! {
     /// Proximal policy optimisation.
     pub struct PpoKeys = "ppo" {
-        /// Decisions after which no further update begins.
-        steps: u64 as whole(1, 10_000_000_000) = "70_000",
+        /// Decisions after which no further update begins; 0 leaves the first networks as they are, or as a `teacher` made them.
+        steps: u64 as whole(0, 10_000_000_000) = "70_000",
         /// Decisions of every environment between two updates.
         steps_per_update: usize as whole(2, 10_000_000) = "150",
         /// Environments that are stepped side by side.
@@ -71,6 +71,12 @@ keys! {
         /// their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and
         /// `normalize_observations` must be theirs.
         from: Option<String> as Path,
+        /// A falsifier, best an `archive`, that searches every town against every driver of the training before it begins. The pedestrian first
+        /// learns to repeat the commands of the failures that earned at least half of the best; rare kinds of failures count more. Where none is
+        /// found, the training begins as without. It is not used in a `search`.
+        teacher: Option<DeclarationId> as Reference("falsifier"),
+        /// Ticks that the teacher may use in each town against each driver; 200_000 unless given.
+        teacher_ticks: Option<u64> as ticks(1, 1_000_000_000_000),
         /// Widths of the hidden layers.
         hidden: Vec<usize> as whole(1, 4096) = "[64, 64]",
     }

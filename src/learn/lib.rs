@@ -49,6 +49,7 @@ mod recorded;
 mod minibatch;
 mod loss;
 mod adam;
+mod imitation;
 mod log;
 mod event_file;
 
@@ -58,6 +59,7 @@ pub use config::{PpoConfig, UnsuitableNetworks};
 pub use env::{Env, Step};
 pub use event_file::{event_file_start, event_of_update};
 pub use frame_stack::FrameStack;
+pub use imitation::{Demonstrations, imitate};
 pub use log::{FinishedEpisode, UpdateLog};
 pub use moments::RunningMoments;
 pub use normal::standard_normal;

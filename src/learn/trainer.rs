@@ -60,7 +60,23 @@ impl Trainer {
     /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero, or when its first networks are for other dimensions.
     pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
         let (obs_dim, action_dim) = dimensions(envs, config);
-        let policy = first_networks(obs_dim, action_dim, config, seed);
+        Self::with_networks(envs, first_networks(obs_dim, action_dim, config, seed), config, seed)
+    }
+
+    /// As [`Trainer::new`], but these networks are the first ones. The settings that are saved do not name them.
+    ///
+    /// # Errors
+    /// As [`Trainer::new`].
+    ///
+    /// # Panics
+    /// As [`Trainer::new`].
+    pub fn with_networks<E: Env>(
+        envs: &mut [E],
+        policy: ActorCritic,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, TrainError> {
+        let (obs_dim, action_dim) = dimensions(envs, config);
         assert!(
             (policy.obs_dim(), policy.action_dim()) == (obs_dim, action_dim),
             "the first networks fit the environments"

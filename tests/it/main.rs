@@ -90,6 +90,7 @@ mod shipped;
 mod spawns;
 mod stale;
 mod start_bank;
+mod teachers;
 mod steady_starts;
 mod stepping;
 mod stopping;

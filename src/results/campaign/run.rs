@@ -252,13 +252,30 @@ impl Work<'_> {
         let key = &plan.key;
         let scenarios = plan.scenarios();
         let seed = training_seed(seed, key);
-        let begin = || TrainingRun::begin(&scenarios, plan.environments, &plan.config, &seed);
+        let late = || results.is_overdue(task, self.shared.stop());
+        let begin = || match &plan.teacher {
+            None => TrainingRun::begin(&scenarios, plan.environments, &plan.config, &seed),
+            Some(teacher) => {
+                let taught =
+                    TrainingRun::begin_taught(teacher, &scenarios, plan.environments, &plan.config, &seed, &late);
+                taught.map(|(run, lesson)| {
+                    self.shared.tell(Event::Taught { training: index, plan, lesson });
+                    run
+                })
+            }
+        };
         let resume =
             |state: Vec<u8>| TrainingRun::resume(&state, &scenarios, plan.environments, &plan.config, &seed).ok();
         // A state that does not fit counts as missing: the training restarts.
         let mut run = match results.begun(index).and_then(resume) {
             Some(run) => run,
-            None => begin()?,
+            None => match begin() {
+                Err(error) if error.is_stopped() => {
+                    let limit = results.limit(task, 0).filter(|_| !self.shared.stop());
+                    return Err(limit.unwrap_or(TaskError::Training(error)));
+                }
+                begun => begun?,
+            },
         };
         let before = run.learning_curve().last().map_or(0, |log| log.steps);
         self.shared.tell(Event::Continued { task, units: before });

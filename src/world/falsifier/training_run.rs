@@ -3,8 +3,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::TrainError;
 use super::training_ground::TrainingGround;
+use super::{Lesson, Teacher, TrainError};
 use crate::env::{Cast, Scenario, StartBank};
 use base::seed::Seed;
 use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
@@ -55,6 +55,31 @@ impl TrainingRun {
     ) -> Result<Self, TrainError> {
         let mut envs = environments_of(scenarios, environments, config, seed);
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
+    }
+
+    /// As [`TrainingRun::begin`], but the first networks have learnt from a teacher; also returns what it found. `stop` is asked before every
+    /// episode of the teacher.
+    ///
+    /// The saved state of the training has what was learnt, so [`TrainingRun::resume`] needs no teacher.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::begin`] and [`Teacher::teach`].
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn begin_taught(
+        teacher: &Teacher,
+        scenarios: &[Arc<Scenario>],
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(Self, Lesson), TrainError> {
+        let mut envs = environments_of(scenarios, environments, config, seed);
+        let mut policy = first_networks(&scenarios[0].cast, config, seed);
+        let lesson = teacher.teach(&mut policy, config, &seed.child("teacher"), stop)?;
+        let trainer = Trainer::with_networks(&mut envs, policy, config, &seed.child("ppo"))?;
+        Ok((Self { trainer, envs }, lesson))
     }
 
     /// Continues a training that was started with the same scenarios, environments, settings and seed.
