@@ -1,0 +1,61 @@
+use std::fmt;
+use std::sync::Arc;
+
+use crate::env::{PolicyMaker, Scenario};
+
+/// A key of a driver that may be varied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TunableKey {
+    pub name: String,
+    /// The least and the greatest value, in SI; the least may be the end that the user wrote second.
+    pub range: (f64, f64),
+    /// The value that it has, in SI; it may lie outside the range.
+    pub before: f64,
+}
+
+/// A driver with keys that may be varied.
+#[derive(Clone)]
+pub struct Tunable {
+    pub keys: Vec<TunableKey>,
+    make: Arc<dyn Fn(&[f64]) -> PolicyMaker + Send + Sync>,
+}
+
+impl Tunable {
+    /// `make` gets a value for each key, in SI.
+    pub fn new(keys: Vec<TunableKey>, make: impl Fn(&[f64]) -> PolicyMaker + Send + Sync + 'static) -> Self {
+        Self { keys, make: Arc::new(make) }
+    }
+
+    /// The values of the driver as it is.
+    pub fn before(&self) -> Vec<f64> {
+        self.keys.iter().map(|key| key.before).collect()
+    }
+
+    /// The values at a point of the unit cube; coordinates outside are moved to its faces.
+    pub(super) fn values(&self, point: &[f64]) -> Vec<f64> {
+        let value = |(key, at): (&TunableKey, &f64)| key.range.0 + at.clamp(0.0, 1.0) * (key.range.1 - key.range.0);
+        self.keys.iter().zip(point).map(value).collect()
+    }
+
+    /// The point of the unit cube that is nearest to these values.
+    pub(super) fn point(&self, values: &[f64]) -> Vec<f64> {
+        let at = |(key, value): (&TunableKey, &f64)| {
+            let width = key.range.1 - key.range.0;
+            if width > 0.0 { ((value - key.range.0) / width).clamp(0.0, 1.0) } else { 0.0 }
+        };
+        self.keys.iter().zip(values).map(at).collect()
+    }
+
+    /// A scenario whose driver under test has these values.
+    pub(super) fn scenario(&self, scenario: &Arc<Scenario>, values: &[f64]) -> Arc<Scenario> {
+        let mut scenario = Scenario::clone(scenario);
+        scenario.cast.ego.policy = (self.make)(values);
+        Arc::new(scenario)
+    }
+}
+
+impl fmt::Debug for Tunable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tunable").field("keys", &self.keys).finish_non_exhaustive()
+    }
+}
