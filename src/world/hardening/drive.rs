@@ -91,9 +91,8 @@ impl Drive {
         let dt = scenario.episode.tick;
         let window = ((BRAKING_TIME / dt).round() as usize).max(1);
         let speeds = frames.iter().zip(frames.iter().skip(window));
-        let hardest = speeds
-            .map(|(one, later)| (one.state.speed - later.state.speed) / (window as f64 * dt))
-            .fold(0.0, f64::max);
+        let hardest =
+            speeds.map(|(one, later)| (one.state.speed - later.state.speed) / (window as f64 * dt)).fold(0.0, f64::max);
         let steps = frames.iter().zip(frames.iter().skip(1));
         Self {
             counts: outcome.counts(),
@@ -116,8 +115,7 @@ pub(super) fn drives(
     hard_braking: f64,
     stop: &dyn Fn() -> bool,
 ) -> Vec<Drive> {
-    let mut note =
-        |_: u32, outcome: &Outcome, trace: &Trace| Drive::new(scenario, outcome, trace, hard_braking);
+    let mut note = |_: u32, outcome: &Outcome, trace: &Trace| Drive::new(scenario, outcome, trace, hard_braking);
     let mut go_on = |_: u32| if stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let (starts, drawn) = (seed.child("starts"), seed.child("walker"));
     evaluate_noting(walker, scenario, 0..episodes, &starts, &drawn, &mut note, &mut go_on)

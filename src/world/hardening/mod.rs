@@ -18,6 +18,6 @@ mod tunable;
 mod tests;
 
 pub use drive::{Traffic, TrafficRule};
-pub use rounds::{Hardened, Hardening, Round, harden};
+pub use rounds::{Attack, Hardened, Hardening, Round, harden};
 pub use tested::Tested;
 pub use tunable::{Tunable, TunableKey};

@@ -97,7 +97,8 @@ fn searched(
 
 fn pairs(town: &str, attacker: &str, before: &[Drive], after: &[Drive]) -> Tested {
     let both: Vec<_> = before.iter().zip(after).filter(|(one, other)| one.counts && other.counts).collect();
-    let count = |chosen: fn(&Drive, &Drive) -> bool| both.iter().filter(|(one, other)| chosen(one, other)).count() as u64;
+    let count =
+        |chosen: fn(&Drive, &Drive) -> bool| both.iter().filter(|(one, other)| chosen(one, other)).count() as u64;
     Tested {
         town: town.into(),
         attacker: attacker.into(),

@@ -13,6 +13,17 @@ pub struct TunableKey {
     pub before: f64,
 }
 
+impl TunableKey {
+    /// The value at a share of the range, with as many digits as a person would write: a thousandth of the range.
+    fn value(&self, at: f64) -> f64 {
+        let (from, to) = self.range;
+        let value = from + at.clamp(0.0, 1.0) * (to - from);
+        let digits = (3.0 - libm::log10((to - from).abs().max(1e-9)).floor()).clamp(0.0, 12.0) as usize;
+        let written: f64 = format!("{value:.digits$}").parse().unwrap_or(value);
+        written.clamp(from.min(to), from.max(to))
+    }
+}
+
 /// A driver with keys that may be varied.
 #[derive(Clone)]
 pub struct Tunable {
@@ -33,8 +44,7 @@ impl Tunable {
 
     /// The values at a point of the unit cube; coordinates outside are moved to its faces.
     pub(super) fn values(&self, point: &[f64]) -> Vec<f64> {
-        let value = |(key, at): (&TunableKey, &f64)| key.range.0 + at.clamp(0.0, 1.0) * (key.range.1 - key.range.0);
-        self.keys.iter().zip(point).map(value).collect()
+        self.keys.iter().zip(point).map(|(key, at)| key.value(*at)).collect()
     }
 
     /// The point of the unit cube that is nearest to these values.
@@ -47,7 +57,7 @@ impl Tunable {
     }
 
     /// A scenario whose driver under test has these values.
-    pub(super) fn scenario(&self, scenario: &Arc<Scenario>, values: &[f64]) -> Arc<Scenario> {
+    pub(crate) fn scenario(&self, scenario: &Arc<Scenario>, values: &[f64]) -> Arc<Scenario> {
         let mut scenario = Scenario::clone(scenario);
         scenario.cast.ego.policy = (self.make)(values);
         Arc::new(scenario)
