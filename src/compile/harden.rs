@@ -97,6 +97,11 @@ pub enum VariedKey {
 }
 
 impl VariedKey {
+    /// Whether it is the value of this key.
+    pub(super) fn is_key(&self, name: &str) -> bool {
+        matches!(self, Self::Key { key, .. } if *key == name)
+    }
+
     /// The unit of the number.
     pub fn unit(&self) -> &'static str {
         match self {

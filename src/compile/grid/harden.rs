@@ -15,7 +15,7 @@ use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::env::{PedestrianRole, RewardRule, Scenario};
 use world::falsifier::{Controller, Falsifier};
-use world::hardening::{Hardening, TrafficRule, Tunable, TunableKey};
+use world::hardening::{Hardening, Side, TrafficRule, Tunable, TunableKey};
 
 /// The most keys that a repair varies: a search with some dozens of candidates finds nothing in more.
 const MOST_KEYS: usize = 12;
@@ -178,7 +178,15 @@ impl Lowering<'_> {
             varied: varied.clone(),
         };
         let arguments = policy.block.arguments.clone();
-        let tunable = Tunable::new(tuned, move |values| make(&with(&arguments, &varied, values)));
+        let pairs = policy::signature(policy, self.catalog).map_or(&[][..], |signature| &signature.rising);
+        let side = |key: &str| match varied.iter().position(|each| each.is_key(key)) {
+            Some(place) => Side::Varied(place),
+            None => Side::Fixed(arguments.read(key)),
+        };
+        let rising = pairs.iter().map(|pair| pair.map(side)).collect();
+        let varied = varied.clone();
+        let own = arguments.clone();
+        let tunable = Tunable::new(tuned, move |values| make(&with(&own, &varied, values))).rising(rising);
         Some((tunable, written))
     }
 }

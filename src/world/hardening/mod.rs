@@ -20,4 +20,4 @@ mod tests;
 pub use drive::{Traffic, TrafficRule};
 pub use rounds::{Attack, Hardened, Hardening, Round, harden};
 pub use tested::Tested;
-pub use tunable::{Tunable, TunableKey};
+pub use tunable::{Side, Tunable, TunableKey};

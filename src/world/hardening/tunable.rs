@@ -24,17 +24,33 @@ impl TunableKey {
     }
 }
 
+/// A side of a condition between two keys.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Side {
+    /// A varied key, by its place.
+    Varied(usize),
+    /// The value of a key that is not varied, in SI.
+    Fixed(f64),
+}
+
 /// A driver with keys that may be varied.
 #[derive(Clone)]
 pub struct Tunable {
     pub keys: Vec<TunableKey>,
+    /// Pairs of which the first must not be above the second.
+    rising: Vec<[Side; 2]>,
     make: Arc<dyn Fn(&[f64]) -> PolicyMaker + Send + Sync>,
 }
 
 impl Tunable {
     /// `make` gets a value for each key, in SI.
     pub fn new(keys: Vec<TunableKey>, make: impl Fn(&[f64]) -> PolicyMaker + Send + Sync + 'static) -> Self {
-        Self { keys, make: Arc::new(make) }
+        Self { keys, rising: Vec::new(), make: Arc::new(make) }
+    }
+
+    /// The same with pairs of which the first must not be above the second, in the order of a chain that rises.
+    pub fn rising(self, rising: Vec<[Side; 2]>) -> Self {
+        Self { rising, ..self }
     }
 
     /// The values of the driver as it is.
@@ -44,7 +60,17 @@ impl Tunable {
 
     /// The values at a point of the unit cube; coordinates outside are moved to its faces.
     pub(super) fn values(&self, point: &[f64]) -> Vec<f64> {
-        self.keys.iter().zip(point).map(|(key, at)| key.value(*at)).collect()
+        let mut values: Vec<f64> = self.keys.iter().zip(point).map(|(key, at)| key.value(*at)).collect();
+        // The greater of a pair is as it is drawn where both are varied.
+        for [low, high] in self.rising.iter().rev() {
+            match (*low, *high) {
+                (Side::Varied(low), Side::Varied(high)) => values[low] = values[low].min(values[high]),
+                (Side::Varied(low), Side::Fixed(high)) => values[low] = values[low].min(high),
+                (Side::Fixed(low), Side::Varied(high)) => values[high] = values[high].max(low),
+                (Side::Fixed(_), Side::Fixed(_)) => {}
+            }
+        }
+        values
     }
 
     /// The point of the unit cube that is nearest to these values.
