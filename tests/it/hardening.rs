@@ -78,6 +78,7 @@ fn keys_that_cannot_be_varied_are_reported() {
         ("from: aeb(sensors: poor) to: aeb(sensors: good)", "`sensors` is no quantity"),
     ] {
         let said = wrong(keys);
+        assert!(said.contains(message), "{keys}: {said}");
     }
     let same = compiled(
         "harden { towns: [harbour] test_towns: [harbour] falsifiers: [meet] policy: late from: aeb(full: 0.1 s) to: aeb(full: 0.2 s) }",
