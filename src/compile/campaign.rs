@@ -173,6 +173,54 @@ keys! {
 }
 
 keys! {
+    /// Makes a driver with fewer faults: falsifiers attack it in some towns, then its keys are searched, round after round. At the end the driver as it was
+    /// and as it has become meet other pedestrians in other towns. Keys are varied between their values in `from` and in `to`.
+    pub struct HardenKeys = "harden" {
+        /// Towns of the rounds.
+        towns: Vec<DeclarationId> as Reference("town"),
+        /// The driver.
+        policy: DeclarationId as Reference("policy"),
+        /// The same kind with one end of the range of each key that may be varied, such as `idm(time_headway: 1 s)`. Of an `external` driver the
+        /// numbers at the ends of the words of its `command` may differ.
+        from: DeclarationId as Reference("policy"),
+        /// The same kind with the other ends.
+        to: DeclarationId as Reference("policy"),
+        /// Who attacks.
+        falsifiers: Vec<DeclarationId> as Reference("falsifier"),
+        /// Simulator ticks of each attack: of each falsifier in each town, in each round.
+        budget: u64 as ticks(1, 1_000_000_000_000) = "200_000",
+        /// Rounds of attack and repair.
+        rounds: u32 as whole(1, 100) = "3",
+        /// Values of the keys that a repair tries out.
+        candidates: u32 as whole(2, 10_000) = "40",
+        /// Episodes in which each of them meets each pedestrian that an attack ended up with, beside the failures themselves.
+        lessons: u32 as whole(0, 100_000) = "20",
+        /// Natural encounters in each town in which each of them shows its progress and its comfort.
+        traffic: u32 as whole(1, 100_000) = "50",
+        /// Share of the mean speed in natural encounters that a repair may cost.
+        progress: f64 as share() = "5 percent",
+        /// What the share of natural encounters with hard braking may rise by.
+        comfort: f64 as share() = "5 percent",
+        /// Deceleration over half a second above which braking is hard.
+        hard_braking: f64 as positive(ACCELERATION) = "4 m/s^2",
+        /// Towns of the test, in which nothing is repaired.
+        test_towns: Vec<DeclarationId> as Reference("town"),
+        // The catalogue adds the words.
+        /// Who walks in the test, as in `evaluate`: words, or a `controller` of the file.
+        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[intercept]",
+        /// Who searches in the test, with the same `budget` before and after.
+        rivals: Option<Vec<DeclarationId>> as Reference("falsifier"),
+        /// Episodes of the test for each town and pedestrian, and natural ones for each town.
+        episodes: u32 as whole(1, 1_000_000) = "500",
+        /// Repairs of it, with different seeds.
+        runs: u32 as whole(1, 10_000) = "3",
+        /// The pedestrian, instead of the campaign's `adversary`.
+        adversary: Option<DeclarationId> as Reference("adversary"),
+        ..start: StartKeys,
+    }
+}
+
+keys! {
     /// Runs the campaign once for every combination of values: `name: [value, …]`, each the name of a `param`.
     struct MatrixKeys = "matrix" {}
 }
@@ -195,6 +243,7 @@ pub fn form() -> Form {
         SearchKeys::signature(),
         EstimateKeys::signature(),
         CoverKeys::signature(),
+        HardenKeys::signature(),
     ];
     Form { multiplies: true, ..Form::plain(CampaignKeys::signature().holding(blocks)) }
 }

@@ -33,6 +33,7 @@ mod controller;
 mod campaign;
 mod plan;
 mod cover;
+mod harden;
 mod chunks;
 mod stopping;
 mod noting;
@@ -53,6 +54,7 @@ pub use chunks::CHUNK;
 pub use cover::{Cover, CoverKey, CoveredFailure};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
+pub use harden::{Harden, HardenKey, VariedKey, WrittenPolicy};
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, ControllerKind, Documented, Driver, Estimation, EstimationKey, Evaluation, FirstSearch, NO_REWARD,

@@ -4,24 +4,30 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::lowering::Lowering;
+use super::policy_kind::FromArguments;
+use base::signature::{Arguments, Keys};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys, with_external_data};
-use world::env::PolicyMaker;
 
-/// A program, if the user allows programs. It is not started here.
-pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+/// A program, if the user allows programs. It is not started here. Other arguments may have another command for a program in the same folder.
+pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
     let (program, opener) = lowering.allowed_program(declaration)?;
-    let keys: ExternalKeys = declaration.block.keys();
-    let brake = keys.aeb.then(BrakeKeys::default);
-    let settings = Settings::from(keys);
-    Some(Arc::new(move || {
-        let driver = External::new(program.clone(), settings, opener.clone());
-        Box::new(match brake {
-            Some(brake) => driver.guarded(brake),
-            None => driver,
+    Some(Arc::new(move |arguments: &Arguments| {
+        let keys = ExternalKeys::read(arguments);
+        let words = Program::parse(&keys.program.command, program.folder.clone()).map(|program| program.words);
+        let program = Program { words: words.unwrap_or_else(|_| program.words.clone()), ..program.clone() };
+        let brake = keys.aeb.then(BrakeKeys::default);
+        let settings = Settings::from(keys);
+        let opener = opener.clone();
+        Arc::new(move || {
+            let driver = External::new(program.clone(), settings, opener.clone());
+            Box::new(match brake {
+                Some(brake) => driver.guarded(brake),
+                None => driver,
+            })
         })
     }))
 }
@@ -79,9 +85,12 @@ impl Lowering<'_> {
 }
 
 /// A network from a file.
-pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+pub fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
     let OnnxKeys { model, worlds } = declaration.block.keys();
     let model = lowering.network(declaration, &model, |bytes| Model::read(bytes).map_err(|error| error.to_string()))?;
     let model = Arc::new(model);
-    Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
+    Some(Arc::new(move |_: &Arguments| {
+        let model = model.clone();
+        Arc::new(move || Box::new(Onnx::new(worlds, model.clone())))
+    }))
 }

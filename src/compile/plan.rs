@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::campaign::{STOCHASTIC, TRAINED, UNTRAINED};
-use super::{Cover, ExternalProgram, Fingerprint, Programs, RunId};
+use super::{Cover, ExternalProgram, Fingerprint, Harden, Programs, RunId};
 use base::seed::Seed;
 use base::signature::{Arguments, Keys};
 use learn::PpoConfig;
@@ -86,8 +86,9 @@ impl Campaign {
         let searched = self.searches.iter().flat_map(|each| each.programs.iter());
         let estimated = self.estimations.iter().flat_map(|each| each.programs.iter());
         let covered = self.covers.iter().flat_map(|each| each.programs.iter());
+        let hardened = self.hardenings.iter().flat_map(|each| each.programs.iter());
         let mut all: Vec<&Arc<ExternalProgram>> = Vec::new();
-        for program in trained.chain(evaluated).chain(searched).chain(estimated).chain(covered) {
+        for program in trained.chain(evaluated).chain(searched).chain(estimated).chain(covered).chain(hardened) {
             if !all.contains(&program) {
                 all.push(program);
             }
@@ -102,8 +103,11 @@ impl Campaign {
         let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
         let estimated = self.estimations.iter().map(|estimation| (estimation.key.town.as_str(), &estimation.scenario));
         let covered = self.covers.iter().map(|cover| (cover.key.town.as_str(), &cover.scenario));
+        let hardened =
+            self.hardenings.iter().flat_map(|each| each.hardening.towns.iter().chain(&each.hardening.test_towns));
+        let hardened = hardened.map(|(town, scenario)| (town.as_str(), scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
-        for (town, scenario) in trained.chain(tried).chain(searched).chain(estimated).chain(covered) {
+        for (town, scenario) in trained.chain(tried).chain(searched).chain(estimated).chain(covered).chain(hardened) {
             if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
                 all.push((town, scenario));
             }
@@ -138,6 +142,8 @@ pub struct Campaign {
     pub estimations: Vec<Estimation>,
     /// The covers, in order of block, town, policy.
     pub covers: Vec<Cover>,
+    /// The drivers that are hardened, in order of block, run.
+    pub hardenings: Vec<Harden>,
     /// Published results, to be compared with its figures.
     pub published: Vec<Published>,
 }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::Catalog;
 use super::lowering::Lowering;
 use super::plan::Driver;
-use super::policy_kind::{CommonKeys, PolicyKind};
+use super::policy_kind::{CommonKeys, FromArguments, PolicyKind};
 use super::{outside, sensors};
 use base::signature::{Form, Keys, Signature};
 use lang::diagnostics;
@@ -42,20 +42,30 @@ pub fn form() -> Form {
 
 /// A maker of new drivers with their sensors and their delay; none after reporting what is wrong.
 pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let mut make = driver(declaration, lowering)?;
-    let CommonKeys { sensors, actuation_delay } = declaration.block.keys();
-    if actuation_delay > 0.0 {
-        let prompt = make;
-        make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), actuation_delay)));
-    }
-    let Some(sensors) = sensors else { return Some(make) };
+    let make = from_arguments(declaration, lowering)?;
     let written = declaration.block.places.iter().find(|(key, _)| *key == "sensors");
     if let Some((_, span)) = written.filter(|_| declaration.kind == CruiseKeys::KIND) {
         lowering.said.push(diagnostics::sensors_without_effect(*span, declaration.kind));
     }
-    let sensors = lowering.program.get(sensors);
-    let model = Arc::new(sensors::lower(&sensors.block));
-    Some(Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone()))))
+    Some(make(&declaration.block.arguments))
+}
+
+/// What makes drivers such as the declared one, with its sensors, of other arguments; none after reporting what is wrong.
+pub fn from_arguments(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
+    let make = driver(declaration, lowering)?;
+    let CommonKeys { sensors, .. } = declaration.block.keys();
+    let sensors = sensors.map(|sensors| lowering.program.get(sensors));
+    let model = sensors.map(|sensors| Arc::new(sensors::lower(&sensors.block)));
+    Some(Arc::new(move |arguments| {
+        let mut make = make(arguments);
+        let CommonKeys { actuation_delay, .. } = CommonKeys::read(arguments);
+        if actuation_delay > 0.0 {
+            let prompt = make;
+            make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), actuation_delay)));
+        }
+        let Some(model) = model.clone() else { return make };
+        Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone())))
+    }))
 }
 
 /// The signature of a driver's kind.
@@ -84,7 +94,7 @@ pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
     }
 }
 
-fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
     let found = lowering.catalog.policies.iter().find(|kind| kind.signature.name == declaration.kind);
     (found.expect("checked: the kind is in the catalogue").lower)(declaration, lowering)
 }

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::lowering::Lowering;
 use base::keys;
-use base::signature::{DeclarationId, Keys, Signature};
+use base::signature::{Arguments, DeclarationId, Keys, Signature};
 use lang::hir::Declaration;
 use world::av::DrivingPolicy;
 use world::env::PolicyMaker;
@@ -16,22 +16,28 @@ pub struct PolicyKind {
     pub(super) lower: Lower,
 }
 
-/// From a declaration to what makes new drivers; none after reporting what is wrong.
-type Lower = Arc<dyn Fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker> + Send + Sync>;
+/// From a declaration to what makes drivers of arguments such as its own; none after reporting what is wrong.
+type Lower = Arc<dyn Fn(&Declaration, &mut Lowering<'_>) -> Option<FromArguments> + Send + Sync>;
+
+/// From arguments of a kind to what makes new drivers.
+pub(super) type FromArguments = Arc<dyn Fn(&Arguments) -> PolicyMaker + Send + Sync>;
 
 impl PolicyKind {
     /// A kind with these keys. `make` is called once for each driver that is needed, from any thread.
     pub fn new<K: Keys + 'static, P: DrivingPolicy + 'static>(make: impl Fn(K) -> P + Send + Sync + 'static) -> Self {
         let make = Arc::new(make);
-        Self::outside::<K>(move |declaration, _| {
-            let (arguments, make) = (declaration.block.arguments.clone(), make.clone());
-            Some(Arc::new(move || Box::new(make(K::read(&arguments)))))
+        Self::outside::<K>(move |_, _| {
+            let make = make.clone();
+            Some(Arc::new(move |arguments| {
+                let (arguments, make) = (arguments.clone(), make.clone());
+                Arc::new(move || Box::new(make(K::read(&arguments))))
+            }))
         })
     }
 
     /// A kind that needs a program or a file in addition to these keys.
     pub(super) fn outside<K: Keys>(
-        lower: impl Fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker> + Send + Sync + 'static,
+        lower: impl Fn(&Declaration, &mut Lowering<'_>) -> Option<FromArguments> + Send + Sync + 'static,
     ) -> Self {
         Self { signature: K::signature(), lower: Arc::new(lower) }
     }

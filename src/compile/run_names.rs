@@ -91,6 +91,12 @@ impl Campaign {
             let names = names.and(cover.failure_name()).and(&format!("{:?}", cover.epsilon));
             cover.key.id = register.name(names.and(&cover.budget.to_string()));
         }
+        for harden in &mut self.hardenings {
+            let key = &harden.key;
+            let names = campaign.clone().and("harden").and(&key.block.to_string()).and(&key.policy);
+            let names = names.and(&key.run.to_string()).and(&harden.fingerprint.to_string());
+            harden.key.id = register.name(names.and(&harden.settings()));
+        }
     }
 }
 

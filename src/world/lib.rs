@@ -9,3 +9,4 @@ pub mod env;
 pub mod judge;
 pub mod falsifier;
 pub mod likelihood;
+pub mod hardening;

@@ -381,6 +381,9 @@ fn results(campaign: &Campaign) -> String {
     for each in &finished.covers {
         let _ = writeln!(text, "{:?} {:?} {:?}", each.key, each.picture, each.found);
     }
+    for each in &finished.hardened {
+        let _ = writeln!(text, "{:?} {:?}", each.key, each.found);
+    }
     text
 }
 

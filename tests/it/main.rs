@@ -42,6 +42,7 @@ mod every_key;
 mod exports;
 mod first_steps;
 mod format;
+mod hardening;
 mod hostile_input;
 mod house;
 mod initial_networks;

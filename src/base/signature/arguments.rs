@@ -58,6 +58,13 @@ impl Arguments {
         self.values.push((key, value));
     }
 
+    /// Gives a key another value, if there is such a key.
+    pub fn replace(&mut self, key: &str, value: Value) {
+        if let Some((_, place)) = self.values.iter_mut().find(|(name, _)| *name == key) {
+            *place = value;
+        }
+    }
+
     /// All keys and values in the signature's order.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Value)> {
         self.values.iter().map(|(key, value)| (*key, value))

@@ -7,10 +7,11 @@ mod evaluate;
 mod search;
 mod estimate;
 mod cover;
+mod harden;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::campaign::{CampaignKeys, PlaceKeys};
+use super::campaign::{CampaignKeys, HardenKeys, PlaceKeys};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
 use super::{policy, published};
@@ -19,7 +20,7 @@ use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 
-/// The blocks of a campaign that run episodes.
+/// The blocks of a campaign that run episodes against several drivers.
 const BLOCKS: [&str; 5] = ["train", "evaluate", "search", "estimate", "cover"];
 
 /// The greatest number of trainings, evaluations or searches of one block.
@@ -53,6 +54,7 @@ impl Lowering<'_> {
             searches: Vec::new(),
             estimations: Vec::new(),
             covers: Vec::new(),
+            hardenings: Vec::new(),
             published: self.published(keys.beside),
         };
         let mut rewards = BTreeMap::new();
@@ -63,12 +65,11 @@ impl Lowering<'_> {
         if !campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
-        if BLOCKS.iter().all(|word| block.nested(word).next().is_none()) {
+        if BLOCKS.iter().chain(&["harden"]).all(|word| block.nested(word).next().is_none()) {
             let message =
-                "this campaign trains no pedestrian, evaluates no controller, searches for nothing, estimates nothing and covers nothing"
+                "this campaign trains no pedestrian, evaluates no controller, searches for nothing, estimates nothing, covers nothing and hardens nothing"
                     .to_string();
-            let help =
-                "give it a block: `train { … }`, `evaluate { … }`, `search { … }`, `estimate { … }` or `cover { … }`";
+            let help = "give it a block: `train { … }`, `evaluate { … }`, `search { … }`, `estimate { … }`, `cover { … }` or `harden { … }`";
             self.said.push(diagnostics::contradiction(block.head, message).help(help));
         }
         for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
@@ -82,6 +83,9 @@ impl Lowering<'_> {
         }
         for (number, cover) in (0..).zip(block.nested("cover")) {
             self.cover(block, cover, number, &usual, &mut campaign);
+        }
+        for (number, harden) in (0..).zip(block.nested("harden")) {
+            self.harden(block, harden, number, &usual, &mut campaign);
         }
         campaign
     }
@@ -99,7 +103,8 @@ impl Lowering<'_> {
     fn drivers(&self, campaign: &Block) -> Vec<Driver> {
         let blocks = BLOCKS.into_iter().flat_map(|word| campaign.nested(word));
         let mut seen = BTreeSet::new();
-        let all = blocks.flat_map(|block| block.keys::<PlaceKeys>().policies);
+        let hardened = campaign.nested("harden").map(|block| block.keys::<HardenKeys>().policy);
+        let all = blocks.flat_map(|block| block.keys::<PlaceKeys>().policies).chain(hardened);
         all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
     }
 

@@ -16,7 +16,7 @@ use world::requirement::NamedRequirement;
 
 /// A falsifier of a `search` block.
 pub(super) struct Rival {
-    name: String,
+    pub name: String,
     method: &'static str,
     pub reward: (String, RewardRule),
     /// It, and the training of its pedestrians if it does not name one itself.

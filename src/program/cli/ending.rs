@@ -22,6 +22,7 @@ pub fn show(report: &CampaignReport) {
         searched,
         report::estimates_for_terminal(&report.estimates, width),
         covered,
+        report::hardened_for_terminal(&report.hardened, width),
         report::drivers_for_terminal(drivers, cells, width),
     ] {
         if !text.is_empty() {
@@ -31,7 +32,7 @@ pub fn show(report: &CampaignReport) {
     match report::worst_failure(drivers) {
         Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
         None if drivers.iter().all(|driver| driver.episodes == 0) => {
-            if report.covers.is_empty() && report.estimates.is_empty() {
+            if report.covers.is_empty() && report.estimates.is_empty() && report.hardened.is_empty() {
                 console::say("nothing was evaluated");
             }
         }

@@ -35,6 +35,15 @@ pub fn list(listing: &Listing) {
         let state = told(&known(Task::Cover(number)), "episodes");
         console::say(&format!("  cover    {}: at most {} episodes [{state}]", cover.key, cover.budget));
     }
+    for (number, harden) in campaign.hardenings.iter().enumerate() {
+        let state = told(&known(Task::Harden(number)), "ticks");
+        let rounds = harden.hardening.rounds;
+        console::say(&format!(
+            "  harden   {}: {rounds} rounds, {} ticks of searches [{state}]",
+            harden.key,
+            harden.budget()
+        ));
+    }
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();
     console::say(&format!("  {} of {all} tasks to run, {there} to reuse", all - there));

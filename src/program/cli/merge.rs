@@ -113,7 +113,7 @@ fn unit(task: Task) -> &'static str {
     match task {
         Task::Training(_) => "updates",
         Task::Chunk { .. } | Task::Search(_) | Task::Cover(_) => "episodes",
-        Task::Estimate(_) => "ticks",
+        Task::Estimate(_) | Task::Harden(_) => "ticks",
     }
 }
 

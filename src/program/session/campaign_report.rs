@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use super::OverviewFiles;
-use results::campaign::{EstimateResult, Shard};
+use results::campaign::{EstimateResult, HardenResult, Shard};
 use results::report::{
     Cell, CellRequirement, CoverRow, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell,
     SearchComparison,
@@ -61,6 +61,8 @@ pub struct CampaignReport {
     pub estimates: Vec<EstimateResult>,
     /// The covers, in the order of the plan.
     pub covers: Vec<CoverRow>,
+    /// The hardenings, in the order of the plan.
+    pub hardened: Vec<HardenResult>,
     /// The results in the tests of a protocol, nominal and within the layers.
     pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
     /// The violations of each requirement in each cell; empty without requirements.

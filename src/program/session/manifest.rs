@@ -34,6 +34,8 @@ fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) ->
         && finished.estimates.iter().all(|estimate| estimate.error.is_none())
         && finished.covers.len() == campaign.covers.len()
         && finished.covers.iter().all(|cover| cover.error.is_none() && !cover.found.coverage.stopped)
+        && finished.hardened.len() == campaign.hardenings.len()
+        && finished.hardened.iter().all(|result| result.error.is_none())
 }
 
 impl Session {
@@ -108,7 +110,8 @@ pub fn runs(campaign: &Campaign) -> Vec<RunRecord> {
     let searches = campaign.searches.iter().map(RunRecord::of_search);
     let estimations = campaign.estimations.iter().map(RunRecord::of_estimation);
     let covers = campaign.covers.iter().map(RunRecord::of_cover);
-    evaluations.chain(searches).chain(estimations).chain(covers).collect()
+    let hardenings = campaign.hardenings.iter().map(RunRecord::of_harden);
+    evaluations.chain(searches).chain(estimations).chain(covers).chain(hardenings).collect()
 }
 
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {

@@ -136,6 +136,7 @@ impl<'a> CampaignRun<'a> {
             search_comparisons,
             estimates: finished.estimates.clone(),
             covers,
+            hardened: finished.hardened.clone(),
             requirements: gathered.requirements,
             protocol: (gathered.protocol, layers),
             doubts,
@@ -229,7 +230,10 @@ impl<'a> CampaignRun<'a> {
         let gathered = gathered.map_err(|error| self.options.keep(error))?;
         self.check(results)?;
         let trained = finished.trainings.iter().any(|training| training.result.is_ok());
-        let nothing = finished.searches.is_empty() && finished.estimates.is_empty() && finished.covers.is_empty();
+        let nothing = finished.searches.is_empty()
+            && finished.estimates.is_empty()
+            && finished.covers.is_empty()
+            && finished.hardened.is_empty();
         if gathered.episodes == 0 && nothing && !trained {
             return Ok(None);
         }
@@ -324,4 +328,5 @@ fn has_failed(finished: &Finished) -> bool {
         || finished.searches.iter().any(|search| search.error.is_some())
         || finished.estimates.iter().any(|estimate| estimate.error.is_some())
         || finished.covers.iter().any(|cover| cover.error.is_some())
+        || finished.hardened.iter().any(|result| result.error.is_some())
 }

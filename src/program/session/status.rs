@@ -10,8 +10,13 @@ use results::report::StoredReport;
 use results::store::{CampaignStatus, Store, TaskStatus};
 
 /// Kinds of tasks: the first word of what they are, and what to call several of them.
-const KINDS: [(&str, &str); 4] =
-    [("train", "trainings"), ("evaluate", "evaluations"), ("search", "searches"), ("cover", "covers")];
+const KINDS: [(&str, &str); 5] = [
+    ("train", "trainings"),
+    ("evaluate", "evaluations"),
+    ("search", "searches"),
+    ("cover", "covers"),
+    ("harden", "hardenings"),
+];
 
 /// Options of [`Session::status`].
 #[derive(Debug, Clone, Default, Args)]
@@ -77,7 +82,7 @@ choice! {
 /// The progress of the tasks of a kind.
 #[derive(Debug, Serialize)]
 pub struct KindProgress {
-    /// `trainings`, `evaluations`, `searches` or `covers`.
+    /// `trainings`, `evaluations`, `searches`, `covers` or `hardenings`.
     pub kind: &'static str,
     /// The number of finished tasks.
     pub finished: usize,

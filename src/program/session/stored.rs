@@ -153,6 +153,9 @@ fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
     for cover in &mut campaign.covers {
         cover.key.id = name(&RunRecord::of_cover(cover)).unwrap_or(cover.key.id);
     }
+    for harden in &mut campaign.hardenings {
+        harden.key.id = name(&RunRecord::of_harden(harden)).unwrap_or(harden.key.id);
+    }
 }
 
 impl RepeatOptions {

@@ -140,6 +140,7 @@ fn retrain(source: &Source) -> Retrained {
         searches: Vec::new(),
         estimations: Vec::new(),
         covers: Vec::new(),
+        hardenings: Vec::new(),
         ..source.campaign.clone()
     };
     let finished = campaign::run(&alone, &source.seed, &InMemory::default(), &Silent);

@@ -1,4 +1,4 @@
-use super::{CoverResult, EstimateResult, SearchResult, Task, TaskError, TrainingResult};
+use super::{CoverResult, EstimateResult, HardenResult, SearchResult, Task, TaskError, TrainingResult};
 use compile::Training;
 use learn::UpdateLog;
 use world::falsifier::Lesson;
@@ -39,6 +39,10 @@ pub enum Event<'a> {
     Covering { cover: usize, episodes: u64 },
     /// A cover has ended.
     Covered { cover: usize, result: &'a CoverResult },
+    /// A hardening has used this number of simulator ticks.
+    Hardening { harden: usize, ticks: u64 },
+    /// A hardening has ended.
+    Hardened { harden: usize, result: &'a HardenResult },
 }
 
 /// Observes a running campaign.

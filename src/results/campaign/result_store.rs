@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::{CoverResult, EstimateResult, SearchResult, Task, TaskError};
+use super::{CoverResult, EstimateResult, HardenResult, SearchResult, Task, TaskError};
 use crate::record::{EpisodeRow, Tally};
 use learn::Trained;
 use world::falsifier::TrainingRun;
@@ -67,6 +67,14 @@ pub trait ResultStore: Sync {
 
     /// Stores a finished cover.
     fn keep_cover(&self, _cover: usize, _result: &CoverResult) {}
+
+    /// A finished hardening.
+    fn hardened(&self, _harden: usize) -> Option<HardenResult> {
+        None
+    }
+
+    /// Stores a finished hardening.
+    fn keep_hardened(&self, _harden: usize, _result: &HardenResult) {}
 
     /// The limit of time or of ticks that a task has reached, if any.
     fn limit(&self, _task: Task, _ticks: u64) -> Option<TaskError> {

@@ -7,10 +7,12 @@ use rayon::Yield;
 use super::chunk::try_chunk;
 use super::cover;
 use super::estimate::estimate;
+use super::harden;
 use super::queue::{Next, Queue};
 use super::search::search;
 use super::{
-    CoverResult, EstimateResult, Event, Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks, units,
+    CoverResult, EstimateResult, Event, HardenResult, Observer, Progress, ResultStore, SearchResult, Task, TaskError,
+    tasks, units,
 };
 use base::seed::Seed;
 use compile::{Campaign, Training, TrainingKey};
@@ -39,6 +41,8 @@ pub struct Finished {
     pub estimates: Vec<EstimateResult>,
     /// The covers, in the plan's order. Covers that never started are missing.
     pub covers: Vec<CoverResult>,
+    /// The hardenings, in the plan's order. Those that never ended are missing.
+    pub hardened: Vec<HardenResult>,
     /// Whether the user asked to stop.
     pub interrupted: bool,
 }
@@ -76,6 +80,7 @@ pub fn run_tasks(
         searches: campaign.searches.iter().map(|_| OnceLock::new()).collect(),
         estimates: campaign.estimations.iter().map(|_| OnceLock::new()).collect(),
         covers: campaign.covers.iter().map(|_| OnceLock::new()).collect(),
+        hardened: campaign.hardenings.iter().map(|_| OnceLock::new()).collect(),
     };
     rayon::broadcast(|_| work.carry_on());
     Finished {
@@ -83,6 +88,7 @@ pub fn run_tasks(
         searches: work.searches.into_iter().filter_map(OnceLock::into_inner).collect(),
         estimates: work.estimates.into_iter().filter_map(OnceLock::into_inner).collect(),
         covers: work.covers.into_iter().filter_map(OnceLock::into_inner).collect(),
+        hardened: work.hardened.into_iter().filter_map(OnceLock::into_inner).collect(),
         interrupted: observer.stop(),
     }
 }
@@ -98,6 +104,7 @@ pub fn collect(campaign: &Campaign, results: &dyn ResultStore) -> Finished {
         searches: (0..campaign.searches.len()).filter_map(|index| results.search(index)).collect(),
         estimates: (0..campaign.estimations.len()).filter_map(|index| results.estimate(index)).collect(),
         covers: (0..campaign.covers.len()).filter_map(|index| results.cover(index)).collect(),
+        hardened: (0..campaign.hardenings.len()).filter_map(|index| results.hardened(index)).collect(),
         interrupted: false,
     }
 }
@@ -169,6 +176,7 @@ struct Work<'a> {
     searches: Vec<OnceLock<SearchResult>>,
     estimates: Vec<OnceLock<EstimateResult>>,
     covers: Vec<OnceLock<CoverResult>>,
+    hardened: Vec<OnceLock<HardenResult>>,
 }
 
 /// Ends all workers when one of them panics, so that none waits for it.
@@ -227,6 +235,11 @@ impl Work<'_> {
             Task::Cover(index) => {
                 if let Some(result) = self.cover(index) {
                     let _ = self.covers[index].set(result);
+                }
+            }
+            Task::Harden(index) => {
+                if let Some(result) = self.harden(index) {
+                    let _ = self.hardened[index].set(result);
                 }
             }
         }
@@ -368,6 +381,19 @@ impl Work<'_> {
             self.shared.results.keep_cover(index, &result);
         }
         self.shared.tell(Event::Covered { cover: index, result: &result });
+        Some(result)
+    }
+
+    fn harden(&self, index: usize) -> Option<HardenResult> {
+        if let Some(result) = self.shared.results.hardened(index) {
+            self.shared.tell_reused(Task::Harden(index));
+            return Some(result);
+        }
+        let result = harden::carry_out(self.shared, index)?;
+        if result.error.is_none() {
+            self.shared.results.keep_hardened(index, &result);
+        }
+        self.shared.tell(Event::Hardened { harden: index, result: &result });
         Some(result)
     }
 }

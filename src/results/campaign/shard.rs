@@ -36,7 +36,7 @@ pub fn deal(campaign: &Campaign, count: u32) -> Vec<(Task, u32)> {
     row.sort_by_key(|task| match task {
         Task::Training(index) => (0, *index, *task),
         Task::Chunk { .. } => training_of(campaign, *task).map_or((1, 0, *task), |training| (0, training, *task)),
-        Task::Search(_) | Task::Estimate(_) | Task::Cover(_) => (2, 0, *task),
+        Task::Search(_) | Task::Estimate(_) | Task::Cover(_) | Task::Harden(_) => (2, 0, *task),
     });
     let whole: u128 = row.iter().map(|task| work(campaign, *task)).sum();
     let mut before = 0;
@@ -64,6 +64,7 @@ fn work(campaign: &Campaign, task: Task) -> u128 {
         }
         Task::Search(index) => u128::from(campaign.searches[index].budget),
         Task::Estimate(index) => u128::from(campaign.estimations[index].budget),
+        Task::Harden(index) => u128::from(campaign.hardenings[index].budget()),
         Task::Cover(index) => {
             let cover = &campaign.covers[index];
             u128::from(cover.budget) * u128::from(cover.scenario.episode.ticks)

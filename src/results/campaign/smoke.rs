@@ -1,7 +1,7 @@
 use compile::{Campaign, ControllerKind};
 
 /// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes, estimates of a single
-/// batch, covers of thirty.
+/// batch, covers of thirty, one small round of a hardening.
 pub fn smoke(campaign: &mut Campaign) {
     let kept: Vec<usize> =
         (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
@@ -35,5 +35,16 @@ pub fn smoke(campaign: &mut Campaign) {
     }
     for cover in &mut campaign.covers {
         cover.budget = cover.budget.min(30);
+    }
+    campaign.hardenings.retain(|harden| harden.key.run == 0);
+    for harden in &mut campaign.hardenings {
+        let small = std::sync::Arc::make_mut(&mut harden.hardening);
+        let longest = small.towns.iter().map(|(_, town)| u64::from(town.episode.ticks + town.most_run_up())).max();
+        small.budget = small.budget.min(10 * longest.unwrap_or(0));
+        small.rounds = 1;
+        small.candidates = small.candidates.min(3);
+        small.lessons = small.lessons.min(2);
+        small.traffic = small.traffic.min(2);
+        small.episodes = small.episodes.min(5);
     }
 }

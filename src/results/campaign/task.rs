@@ -14,9 +14,10 @@ pub enum Task {
     Search(usize),
     Estimate(usize),
     Cover(usize),
+    Harden(usize),
 }
 
-/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches, estimates, covers.
+/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches, estimates, covers, hardenings.
 pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
     let chunks = |(evaluation, planned): (usize, &Evaluation)| {
         (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
@@ -27,10 +28,11 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
         .chain((0..campaign.searches.len()).map(Task::Search))
         .chain((0..campaign.estimations.len()).map(Task::Estimate))
         .chain((0..campaign.covers.len()).map(Task::Cover))
+        .chain((0..campaign.hardenings.len()).map(Task::Harden))
 }
 
 /// The size of a task: the decisions of a training, the episodes of a chunk, the most ticks of a search or an
-/// estimate, the episodes of a cover.
+/// estimate, the episodes of a cover, the ticks of the searches of a hardening.
 pub fn units(campaign: &Campaign, task: Task) -> u64 {
     match task {
         Task::Training(place) => campaign.trainings[place].config.total_steps,
@@ -38,6 +40,7 @@ pub fn units(campaign: &Campaign, task: Task) -> u64 {
         Task::Search(place) => campaign.searches[place].budget,
         Task::Estimate(place) => campaign.estimations[place].budget,
         Task::Cover(place) => campaign.covers[place].budget.into(),
+        Task::Harden(place) => campaign.hardenings[place].budget(),
     }
 }
 

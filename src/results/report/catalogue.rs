@@ -31,6 +31,7 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::estimate_columns().reference(),
         aggregate::cover_columns().reference(),
         aggregate::cover_point_columns().reference(),
+        aggregate::hardened_columns().reference(),
         aggregate::protocol_columns().reference(),
         aggregate::tick_table().reference(),
     ]);

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::record::RunKey;
-use compile::{Cover, Estimation, Evaluation, ExternalProgram, Search};
+use compile::{Cover, Estimation, Evaluation, ExternalProgram, Harden, Search};
 
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -201,6 +201,17 @@ impl RunRecord {
             what: format!("cover {key}, block {}", key.block),
             amount: cover.budget.into(),
             fingerprint: cover.fingerprint.to_string(),
+        }
+    }
+
+    /// The record of a hardening.
+    pub fn of_harden(harden: &Harden) -> Self {
+        let key = &harden.key;
+        Self {
+            id: key.id.to_string(),
+            what: format!("harden {key}, block {}", key.block),
+            amount: harden.budget(),
+            fingerprint: harden.fingerprint.to_string(),
         }
     }
 }

@@ -32,9 +32,9 @@ pub use aggregate::{
     Agreement, Average, COVERS, Cell, CellRequirement, Colour, CoverRow, DriverResult, Episodes, Failures, Gathered,
     MedianTime, Metrics, ProtocolCell, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchComparison,
     SearchFailures, SearchKind, Spread, Wanted, beside, cover_in_words, driver_results, estimate_doubts, gather,
-    layer_cells, learning_curve, learning_curve_lines, metrics, no_verdict, published, search_cell_table, search_cells,
-    search_comparison_table, search_comparisons, search_failure, search_failures, search_kind_table, search_kinds,
-    searches, ticks, unit_of, worst_failure, write_ticks,
+    hardened_in_words, layer_cells, learning_curve, learning_curve_lines, metrics, no_verdict, published,
+    search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failure, search_failures,
+    search_kind_table, search_kinds, searches, ticks, unit_of, worst_failure, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use caution::Caution;
@@ -67,9 +67,9 @@ pub use recheck::{
 };
 pub use render::{
     MapPage, Narrative, StartLayer, Starts, Suite, Tally, TownView, animation, covers_for_terminal,
-    drivers_for_terminal, estimates_for_terminal, failures_for_terminal, junit, labelled_map, map_page, narrative,
-    overview_for_terminal, overview_page, protocol_for_terminal, requirements_for_terminal, results_for_terminal,
-    searches_for_terminal, shown, spawn_map, strip, town_map,
+    drivers_for_terminal, estimates_for_terminal, failures_for_terminal, hardened_for_terminal, junit, labelled_map,
+    map_page, narrative, overview_for_terminal, overview_page, protocol_for_terminal, requirements_for_terminal,
+    results_for_terminal, searches_for_terminal, shown, spawn_map, strip, town_map,
 };
 pub use render::{
     PlayedPair, Replay, compared_search_title, comparison_for_terminal, comparison_page, comparison_title,

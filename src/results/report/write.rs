@@ -1,15 +1,15 @@
 use std::collections::BTreeMap;
 
 use super::aggregate::{
-    COVER_POINTS, COVERS, ESTIMATES, PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, cover_point_table, cover_table,
-    estimate_table, protocol_table, results,
+    COVER_POINTS, COVERS, ESTIMATES, HARDENED, PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, cover_point_table, cover_table,
+    estimate_table, hardened_table, protocol_table, results,
 };
 use super::failure_modes::{self, CellModes};
 use super::metric_table::METRICS;
 use super::played::played;
 use super::render::{
-    Section, cover_section, estimates, file_names, mode_panels, modes_section, page_examples, protocol,
-    published_section, requirements, rule_bars, search_section, summary, trainings_section, write_page,
+    Section, cover_section, estimates, file_names, hardened_section, mode_panels, modes_section, page_examples,
+    protocol, published_section, requirements, rule_bars, search_section, summary, trainings_section, write_page,
 };
 use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
@@ -94,6 +94,10 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
         folder.table(COVERS, &cover_table(&found.covers))?;
         folder.table(COVER_POINTS, &cover_point_table(&finished.covers))?;
         sections.push(cover_section(&found.covers));
+    }
+    if let Some(section) = hardened_section(&finished.hardened) {
+        folder.table(HARDENED, &hardened_table(&finished.hardened))?;
+        sections.push(section);
     }
     sections.extend(trainings_section(&finished.trainings));
     folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;

@@ -8,13 +8,14 @@ use serde::{Deserialize, Serialize};
 use super::index::{continues, programs};
 use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
 use crate::campaign::{
-    Claim, CoverResult, EstimateResult, Evaluated, FoundInBox, Progress, ResultStore, SearchResult, Task, TaskError,
-    goal_of, tasks,
+    Claim, CoverResult, EstimateResult, Evaluated, FoundInBox, HardenResult, Progress, ResultStore, SearchResult, Task,
+    TaskError, goal_of, tasks,
 };
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use compile::Campaign;
 use learn::Trained;
 use world::falsifier::{SearchOutcome, TrainingRun};
+use world::hardening::Hardened;
 use world::judge::{Verdict, ViolationVerdict};
 use world::likelihood::Estimate;
 
@@ -372,6 +373,33 @@ impl ResultStore for CampaignStore<'_> {
         let Ok(bytes) = serde_json::to_vec(&result.found) else { return };
         let episodes = result.found.coverage.points.len() as u64;
         self.write(Task::Cover(cover), State::Finished, episodes, String::new(), &bytes);
+    }
+
+    fn hardened(&self, harden: usize) -> Option<HardenResult> {
+        let task = Task::Harden(harden);
+        let Found::Whole(header, bytes) = self.read(task) else { return None };
+        if header.state != State::Finished {
+            return None;
+        }
+        let found: Option<Hardened> = serde_json::from_slice(&bytes).ok();
+        if found.is_none() {
+            self.store.damaged(self.id(task));
+        }
+        Some(HardenResult::new(&self.campaign.hardenings[harden], Ok(found?)))
+    }
+
+    fn keep_hardened(&self, harden: usize, result: &HardenResult) {
+        let Some(found) = &result.found else { return };
+        // An episode in error may end otherwise another time. Such a hardening is run again.
+        let errors =
+            found.traffic.iter().map(|traffic| traffic.errors).chain(found.tests.iter().map(|test| test.errors));
+        if errors.sum::<u64>() > 0 {
+            return;
+        }
+        let Ok(bytes) = serde_json::to_vec(found) else { return };
+        if serde_json::from_slice::<Hardened>(&bytes).is_ok_and(|read| read == *found) {
+            self.write(Task::Harden(harden), State::Finished, found.ticks, String::new(), &bytes);
+        }
     }
 
     fn limit(&self, task: Task, ticks: u64) -> Option<TaskError> {

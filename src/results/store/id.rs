@@ -1,7 +1,7 @@
 use std::fmt;
 
 use crate::campaign::Task;
-use compile::{CHUNK, Campaign, Cover, Estimation, Evaluation, Search, Training};
+use compile::{CHUNK, Campaign, Cover, Estimation, Evaluation, Harden, Search, Training};
 
 /// The version of the code that affects numbers, as 16 hexadecimal digits.
 pub const CODE: &str = env!("FALSIFY_CODE");
@@ -44,6 +44,7 @@ pub struct Ids {
     searches: Vec<Id>,
     estimations: Vec<Id>,
     covers: Vec<Id>,
+    hardenings: Vec<Id>,
 }
 
 impl Ids {
@@ -59,6 +60,7 @@ impl Ids {
             searches: campaign.searches.iter().map(|each| search(each, seed)).collect(),
             estimations: campaign.estimations.iter().map(|each| estimation(each, seed)).collect(),
             covers: campaign.covers.iter().map(|each| cover(each, seed)).collect(),
+            hardenings: campaign.hardenings.iter().map(|each| harden(each, seed)).collect(),
             trainings,
         }
     }
@@ -76,6 +78,7 @@ impl Ids {
             Task::Search(index) => self.searches[index],
             Task::Estimate(index) => self.estimations[index],
             Task::Cover(index) => self.covers[index],
+            Task::Harden(index) => self.hardenings[index],
         }
     }
 }
@@ -147,6 +150,19 @@ fn estimation(estimation: &Estimation, seed: u64) -> Id {
         &estimation.budget.to_le_bytes(),
         &estimation.relative_error.to_bits().to_le_bytes(),
         estimation.event.name().as_bytes(),
+    ])
+}
+
+fn harden(harden: &Harden, seed: u64) -> Id {
+    let key = &harden.key;
+    Id::of(&[
+        b"harden",
+        &seed.to_le_bytes(),
+        key.policy.as_bytes(),
+        &key.block.to_le_bytes(),
+        &key.run.to_le_bytes(),
+        harden.fingerprint.bytes(),
+        harden.settings().as_bytes(),
     ])
 }
 

@@ -164,6 +164,7 @@ pub(super) fn programs(campaign: &Campaign, task: Task) -> impl Iterator<Item = 
         Task::Search(index) => (&campaign.searches[index].programs, None),
         Task::Estimate(index) => (&campaign.estimations[index].programs, None),
         Task::Cover(index) => (&campaign.covers[index].programs, None),
+        Task::Harden(index) => (&campaign.hardenings[index].programs, None),
     };
     own.iter().chain(training.into_iter().flat_map(|index| campaign.trainings[index].programs.iter()))
 }
@@ -198,6 +199,7 @@ fn amount(campaign: &Campaign, task: Task) -> u64 {
         Task::Search(index) => campaign.searches[index].budget,
         Task::Estimate(index) => campaign.estimations[index].budget,
         Task::Cover(index) => campaign.covers[index].budget.into(),
+        Task::Harden(index) => campaign.hardenings[index].budget(),
     }
 }
 
@@ -221,6 +223,7 @@ fn fingerprint(campaign: &Campaign, task: Task) -> String {
         Task::Search(index) => campaign.searches[index].fingerprint.to_string(),
         Task::Estimate(index) => campaign.estimations[index].fingerprint.to_string(),
         Task::Cover(index) => campaign.covers[index].fingerprint.to_string(),
+        Task::Harden(index) => campaign.hardenings[index].fingerprint.to_string(),
     }
 }
 
@@ -246,6 +249,10 @@ pub fn task_name(campaign: &Campaign, task: Task) -> String {
         Task::Cover(index) => {
             let key = &campaign.covers[index].key;
             format!("cover {key}, block {}", key.block)
+        }
+        Task::Harden(index) => {
+            let key = &campaign.hardenings[index].key;
+            format!("harden {key}, block {}", key.block)
         }
     }
 }

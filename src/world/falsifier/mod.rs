@@ -25,7 +25,7 @@ mod start_set;
 mod simulator;
 mod failure;
 mod walking;
-mod optimizer;
+pub(crate) mod optimizer;
 mod open_loop;
 mod tree_search;
 mod crossing;

@@ -48,7 +48,7 @@ impl Board {
     /// measurement.
     pub fn left(&self) -> Option<Duration> {
         let mut seconds = 0.0;
-        for kind in [Kind::Training, Kind::Evaluation, Kind::Search, Kind::Estimate, Kind::Cover] {
+        for kind in [Kind::Training, Kind::Evaluation, Kind::Search, Kind::Estimate, Kind::Cover, Kind::Harden] {
             let of_kind = || self.jobs.iter().filter(move |job| job.kind == kind);
             let units: u64 = of_kind().filter(|job| !job.is_ended()).map(|job| job.total - job.done()).sum();
             if units == 0 {

@@ -21,6 +21,8 @@ pub enum EventLine<'a> {
         searches: usize,
         estimates: usize,
         covers: usize,
+        #[serde(skip_serializing_if = "is_none")]
+        hardenings: usize,
     },
     /// Learning curves grow in files of this folder while trainings run.
     LearningCurves { campaign: &'a str, folder: &'a Path },
@@ -103,4 +105,9 @@ impl EventLine<'_> {
     pub fn tell(&self) {
         console::say_object(self);
     }
+}
+
+/// Campaigns without hardenings are told as before.
+fn is_none(count: &usize) -> bool {
+    *count == 0
 }

@@ -60,6 +60,7 @@ impl Progress {
                 searches: board.count(Kind::Search),
                 estimates: board.count(Kind::Estimate),
                 covers: board.count(Kind::Cover),
+                hardenings: board.count(Kind::Harden),
             }
             .tell();
         }
@@ -237,6 +238,17 @@ impl Progress {
                 let told = results::report::cover_in_words(result);
                 let error = result.error.as_ref();
                 self.end(Task::Cover(cover), error.map_or(Ok(told), |error| Err(error.to_string())));
+            }
+            Event::Hardening { harden, ticks } => {
+                self.board.job(Task::Harden(harden)).rise(ticks);
+                self.glance();
+            }
+            Event::Hardened { harden, result } => {
+                let job = self.job(Task::Harden(harden));
+                job.reach(job.total);
+                let told = results::report::hardened_in_words(result);
+                let error = result.error.as_ref();
+                self.end(Task::Harden(harden), error.map_or(Ok(told), |error| Err(error.to_string())));
             }
         }
     }

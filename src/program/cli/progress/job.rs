@@ -19,6 +19,8 @@ pub enum Kind {
     Estimate,
     /// A cover.
     Cover,
+    /// A hardening.
+    Harden,
 }
 
 impl Kind {
@@ -30,6 +32,7 @@ impl Kind {
             Self::Search => "searching",
             Self::Estimate => "estimating",
             Self::Cover => "covering",
+            Self::Harden => "hardening",
         }
     }
 
@@ -41,6 +44,7 @@ impl Kind {
             Self::Search => "searched",
             Self::Estimate => "estimated",
             Self::Cover => "covered",
+            Self::Harden => "hardened",
         }
     }
 
@@ -49,7 +53,7 @@ impl Kind {
         match self {
             Self::Training => "decisions",
             Self::Evaluation | Self::Cover => "episodes",
-            Self::Search | Self::Estimate => "ticks",
+            Self::Search | Self::Estimate | Self::Harden => "ticks",
         }
     }
 }
@@ -100,6 +104,7 @@ impl Job {
             Task::Search(place) => (Kind::Search, place),
             Task::Estimate(place) => (Kind::Estimate, place),
             Task::Cover(place) => (Kind::Cover, place),
+            Task::Harden(place) => (Kind::Harden, place),
         }
     }
 
@@ -110,6 +115,7 @@ impl Job {
             Kind::Search => campaign.searches[place].key.to_string(),
             Kind::Estimate => campaign.estimations[place].key.to_string(),
             Kind::Cover => campaign.covers[place].key.to_string(),
+            Kind::Harden => campaign.hardenings[place].key.to_string(),
         };
         Self {
             kind,

@@ -29,8 +29,8 @@ pub use page::{Replay, Tally, page_examples, write_page};
 pub use recheck_text::{crossed_title, recheck_for_terminal, rechecked_title};
 pub use sections::{
     cover_section, covers_for_terminal, drivers_for_terminal, estimates, estimates_for_terminal, failures_for_terminal,
-    protocol, protocol_for_terminal, published_section, requirements, requirements_for_terminal, results_for_terminal,
-    search_section, searches_for_terminal, trainings_section,
+    hardened_for_terminal, hardened_section, protocol, protocol_for_terminal, published_section, requirements,
+    requirements_for_terminal, results_for_terminal, search_section, searches_for_terminal, trainings_section,
 };
 pub use summary::summary;
 pub use table::Section;

@@ -6,7 +6,8 @@ use crate::analysis::{Impact, Kind};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
 use crate::report::render::sections::{
-    comparisons, cover_section, estimates, learnt, protocol, published_section, requirements, search_section, transfer,
+    comparisons, cover_section, estimates, hardened_section, learnt, protocol, published_section, requirements,
+    search_section, transfer,
 };
 use crate::report::{
     Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, SearchKind, WriteError, worst_failure,
@@ -92,6 +93,7 @@ pub fn write_page(
         searches,
         estimates(&finished.estimates),
         (!found.covers.is_empty()).then(|| cover_section(&found.covers)),
+        hardened_section(&finished.hardened),
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),
         transfer(&gathered.evidence),

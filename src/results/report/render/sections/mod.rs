@@ -20,12 +20,14 @@ mod estimates;
 mod trainings;
 mod failures;
 mod covers;
+mod hardened;
 
 pub use comparisons::comparisons;
 pub use covers::{cover_section, covers_for_terminal};
 pub use drivers::{drivers, injury, injury_scale};
 pub use estimates::estimates;
 pub use failures::failures_for_terminal;
+pub use hardened::{hardened_for_terminal, hardened_section};
 pub use learnt::learnt;
 pub use names::{distinct, place, who};
 pub use protocol::{PROTOCOL, protocol};

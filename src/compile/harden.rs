@@ -1,0 +1,171 @@
+//! Drivers in a plan that are to be hardened.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::{Fingerprint, Programs, RunId};
+use base::seed::Seed;
+use base::signature::short;
+use world::env::Scenario;
+use world::falsifier::Controller;
+use world::hardening::{Attack, Hardening};
+
+/// The names that distinguish a hardening from the others of its campaign.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct HardenKey {
+    /// Its short name.
+    pub id: RunId,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Number of the `harden` block in its campaign, from 0.
+    pub block: u32,
+    /// Number of the run, from 0.
+    pub run: u32,
+}
+
+/// `idm, run 0`.
+impl fmt::Display for HardenKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, run {}", self.policy, self.run)
+    }
+}
+
+/// A driver that is to be hardened.
+#[derive(Debug, Clone)]
+pub struct Harden {
+    /// Its names.
+    pub key: HardenKey,
+    pub hardening: Arc<Hardening>,
+    pub written: Arc<WrittenPolicy>,
+    /// The digest of what the files say about it.
+    pub fingerprint: Fingerprint,
+    /// The programs of the user that it depends on.
+    pub programs: Programs,
+}
+
+impl Harden {
+    /// The seed of all that it draws: the same for all drivers.
+    pub fn seed(&self, seed: &Seed) -> Seed {
+        seed.child("harden").index(self.key.run.into())
+    }
+
+    /// All numbers and names of the block that its results depend on, as a text.
+    pub fn settings(&self) -> String {
+        let Hardening { driver, towns, attacks, test_towns, walkers, rivals, rule, .. } = &*self.hardening;
+        let Hardening { budget, rounds, candidates, lessons, traffic, episodes, .. } = &*self.hardening;
+        let names =
+            |places: &[(String, Arc<Scenario>)]| places.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        let attackers = |all: &[Attack]| all.iter().map(|(name, ..)| name.clone()).collect::<Vec<_>>();
+        format!(
+            "{:?} {:?} {:?} {:?} {:?} {:?} {rule:?} {:?}",
+            driver.keys,
+            names(towns),
+            attackers(attacks),
+            names(test_towns),
+            walkers.iter().map(Controller::name).collect::<Vec<_>>(),
+            attackers(rivals),
+            (budget, rounds, candidates, lessons, traffic, episodes)
+        )
+    }
+
+    /// Simulator ticks that it may use at most, about: the attacks, and the test by falsifiers.
+    pub fn budget(&self) -> u64 {
+        let Hardening { budget, rounds, towns, attacks, test_towns, rivals, .. } = &*self.hardening;
+        let attacks = u64::from(*rounds) * (attacks.len() * towns.len()) as u64;
+        budget.saturating_mul(attacks + 2 * (rivals.len() * test_towns.len()) as u64)
+    }
+}
+
+/// A policy as the files write it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrittenPolicy {
+    pub name: String,
+    pub kind: &'static str,
+    /// Its keys with their values as written.
+    pub keys: Vec<(&'static str, String)>,
+    /// What each varied key is part of, in their order.
+    pub varied: Vec<VariedKey>,
+}
+
+/// Where a varied number stands.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VariedKey {
+    /// It is the value of a key, in this unit of SI.
+    Key { key: &'static str, unit: &'static str },
+    /// It ends a word of a text: the key, the number of the word, and what goes before it in the word.
+    Word { key: &'static str, word: usize, before: String },
+}
+
+impl VariedKey {
+    /// Whether it is the value of this key.
+    pub(super) fn is_key(&self, name: &str) -> bool {
+        matches!(self, Self::Key { key, .. } if *key == name)
+    }
+
+    /// The unit of the number.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::Key { unit, .. } => unit,
+            Self::Word { .. } => "",
+        }
+    }
+}
+
+impl WrittenPolicy {
+    /// The policy with these values (SI) for its varied keys, as a line of a file.
+    pub fn line(&self, values: &[f64]) -> String {
+        let mut keys = self.keys.clone();
+        for (varied, value) in self.varied.iter().zip(values) {
+            match varied {
+                VariedKey::Key { key, unit } => {
+                    let text = format!("{} {unit}", short(*value)).trim_end().to_string();
+                    match keys.iter_mut().find(|(name, _)| name == key) {
+                        Some((_, written)) => *written = text,
+                        None => keys.push((key, text)),
+                    }
+                }
+                VariedKey::Word { key, word, before } => {
+                    if let Some((_, written)) = keys.iter_mut().find(|(name, _)| name == key) {
+                        *written = with_word(written, *word, &format!("{before}{}", short(*value)));
+                    }
+                }
+            }
+        }
+        let keys: Vec<String> = keys.iter().map(|(key, value)| format!("{key}: {value}")).collect();
+        format!("policy {}_hardened = {}({})", self.name, self.kind, keys.join(", "))
+    }
+}
+
+/// A text with another word at a place; words are separated by single blanks.
+pub(super) fn with_word(text: &str, place: usize, word: &str) -> String {
+    let mut words: Vec<&str> = text.split(' ').collect();
+    let ends_text = |old: &str| old.ends_with('"');
+    let quoted;
+    if let Some(old) = words.get_mut(place) {
+        quoted = format!("{word}{}", if ends_text(old) { "\"" } else { "" });
+        *old = &quoted;
+    }
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_repaired_policy_is_a_line_of_a_file() {
+        let written = WrittenPolicy {
+            name: "mine".into(),
+            kind: "external",
+            keys: vec![("command", "\"python my_av.py --gap=1\"".into()), ("sensors", "poor".into())],
+            varied: vec![
+                VariedKey::Word { key: "command", word: 2, before: "--gap=".into() },
+                VariedKey::Key { key: "actuation_delay", unit: "s" },
+            ],
+        };
+        assert_eq!(
+            written.line(&[2.5, 0.1]),
+            "policy mine_hardened = external(command: \"python my_av.py --gap=2.5\", sensors: poor, actuation_delay: 0.1 s)"
+        );
+    }
+}

@@ -1,0 +1,122 @@
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::env::{Outcome, Scenario, Trace};
+use crate::falsifier::{WalkPolicy, evaluate_noting};
+use crate::judge::{Verdict, judge};
+use base::seed::Seed;
+
+/// Time over which a deceleration is averaged (s): a peak of one tick is felt by none.
+const BRAKING_TIME: f64 = 0.5;
+
+/// What the repaired driver may cost in natural traffic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrafficRule {
+    /// Share of its mean speed that it may lose.
+    pub progress: f64,
+    /// What the share of encounters with hard braking may rise by.
+    pub comfort: f64,
+    /// Deceleration over half a second above which braking is hard (m/s²).
+    pub hard_braking: f64,
+}
+
+/// Encounters with natural pedestrians.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Traffic {
+    /// Those that count.
+    pub episodes: u64,
+    /// Those with a fault.
+    pub faults: u64,
+    /// Those in which the car braked hard.
+    pub hard_braking: u64,
+    /// Way of the car in all of them (m).
+    pub distance: f64,
+    /// Their duration (s).
+    pub time: f64,
+    /// Episodes in which a program failed.
+    pub errors: u64,
+}
+
+impl Traffic {
+    /// Mean speed (m/s); none without an episode.
+    pub fn speed(&self) -> Option<f64> {
+        (self.time > 0.0).then(|| self.distance / self.time)
+    }
+
+    /// Share of episodes with hard braking; none without an episode.
+    pub fn braking_rate(&self) -> Option<f64> {
+        (self.episodes > 0).then(|| self.hard_braking as f64 / self.episodes as f64)
+    }
+
+    /// How much it misses what a rule demands after this traffic: 0 when the rule is kept.
+    pub(super) fn excess(&self, before: &Self, rule: &TrafficRule) -> f64 {
+        let (Some(speed), Some(speed_before)) = (self.speed(), before.speed()) else { return f64::INFINITY };
+        let lost = if speed_before > 0.0 { 1.0 - speed / speed_before } else { 0.0 };
+        let braking = self.braking_rate().unwrap_or(1.0) - before.braking_rate().unwrap_or(0.0);
+        (lost - rule.progress).max(0.0) + (braking - rule.comfort).max(0.0)
+    }
+
+    pub(super) fn add(&mut self, episode: &Drive) {
+        self.errors += u64::from(episode.error);
+        if !episode.counts {
+            return;
+        }
+        self.episodes += 1;
+        self.faults += u64::from(episode.fault);
+        self.hard_braking += u64::from(episode.hard_braking);
+        self.distance += episode.distance;
+        self.time += episode.time;
+    }
+}
+
+/// An episode, as far as hardening asks about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Drive {
+    pub counts: bool,
+    pub error: bool,
+    pub fault: bool,
+    pub hard_braking: bool,
+    pub distance: f64,
+    pub time: f64,
+    /// With those of its run-up.
+    pub ticks: u64,
+}
+
+impl Drive {
+    pub fn new(scenario: &Scenario, outcome: &Outcome, trace: &Trace, hard_braking: f64) -> Self {
+        let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(scenario))).flatten();
+        let frames = trace.vehicle(0);
+        let dt = scenario.episode.tick;
+        let window = ((BRAKING_TIME / dt).round() as usize).max(1);
+        let speeds = frames.iter().zip(frames.iter().skip(window));
+        let hardest =
+            speeds.map(|(one, later)| (one.state.speed - later.state.speed) / (window as f64 * dt)).fold(0.0, f64::max);
+        let steps = frames.iter().zip(frames.iter().skip(1));
+        Self {
+            counts: outcome.counts(),
+            error: outcome.fault().is_some(),
+            fault: outcome.counts() && verdict.as_ref().is_some_and(Verdict::is_fault),
+            hard_braking: hardest > hard_braking,
+            distance: steps.map(|(one, next)| (next.state.pose.position() - one.state.pose.position()).norm()).sum(),
+            time: outcome.duration,
+            ticks: u64::from(outcome.ticks) + u64::from(outcome.run_up),
+        }
+    }
+}
+
+/// Evaluates a walk policy in this number of fresh episodes; fewer when `stop` is true before the end.
+pub(super) fn drives(
+    scenario: &Arc<Scenario>,
+    walker: &mut dyn WalkPolicy,
+    episodes: u32,
+    seed: &Seed,
+    hard_braking: f64,
+    stop: &dyn Fn() -> bool,
+) -> Vec<Drive> {
+    let mut note = |_: u32, outcome: &Outcome, trace: &Trace| Drive::new(scenario, outcome, trace, hard_braking);
+    let mut go_on = |_: u32| if stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let (starts, drawn) = (seed.child("starts"), seed.child("walker"));
+    evaluate_noting(walker, scenario, 0..episodes, &starts, &drawn, &mut note, &mut go_on)
+}
