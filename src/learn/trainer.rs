@@ -60,9 +60,24 @@ impl Trainer {
     /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero, or when its first networks are for other dimensions.
     pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
         let (obs_dim, action_dim) = dimensions(envs, config);
-        let policy = first_networks(obs_dim, action_dim, config, seed);
+        Self::with_networks(envs, first_networks(obs_dim, action_dim, config, seed), config, seed)
+    }
+
+    /// As [`Trainer::new`], but with these first networks, which are no part of the settings.
+    ///
+    /// # Errors
+    /// As [`Trainer::new`].
+    ///
+    /// # Panics
+    /// As [`Trainer::new`].
+    pub fn with_networks<E: Env>(
+        envs: &mut [E],
+        policy: ActorCritic,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, TrainError> {
         assert!(
-            (policy.obs_dim(), policy.action_dim()) == (obs_dim, action_dim),
+            (policy.obs_dim(), policy.action_dim()) == dimensions(envs, config),
             "the first networks fit the environments"
         );
         let mut this = Self::assemble(envs, policy, config, seed);
