@@ -8,4 +8,5 @@ pub mod requirement;
 pub mod env;
 pub mod judge;
 pub mod falsifier;
+pub mod driving;
 pub mod likelihood;

@@ -85,7 +85,7 @@ impl Lowering<'_> {
     }
 
     /// The pedestrian of a block, and its declaration if it has one; none after reporting what is wrong.
-    fn covering(
+    pub(super) fn covering(
         &mut self,
         block: &Block,
         word: &Value,

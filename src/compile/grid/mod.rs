@@ -3,6 +3,7 @@
 mod axis;
 mod ground;
 mod train;
+mod drive;
 mod evaluate;
 mod search;
 mod estimate;
@@ -19,7 +20,7 @@ use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 
-/// The blocks of a campaign that run episodes.
+/// The blocks of a campaign that run episodes against drivers.
 const BLOCKS: [&str; 5] = ["train", "evaluate", "search", "estimate", "cover"];
 
 /// The greatest number of trainings, evaluations or searches of one block.
@@ -59,11 +60,14 @@ impl Lowering<'_> {
         for train in block.nested("train") {
             self.train(block, train, &usual, &mut campaign, &mut rewards);
         }
+        for drive in block.nested("drive") {
+            self.drive(block, drive, &usual, &mut campaign);
+        }
         self.forbid_repeated_trainings(block, &campaign);
         if !campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
-        if BLOCKS.iter().all(|word| block.nested(word).next().is_none()) {
+        if BLOCKS.iter().chain(&["drive"]).all(|word| block.nested(word).next().is_none()) {
             let message =
                 "this campaign trains no pedestrian, evaluates no controller, searches for nothing, estimates nothing and covers nothing"
                     .to_string();

@@ -252,9 +252,15 @@ impl Work<'_> {
         let key = &plan.key;
         let scenarios = plan.scenarios();
         let seed = training_seed(seed, key);
-        let begin = || TrainingRun::begin(&scenarios, plan.environments, &plan.config, &seed);
-        let resume =
-            |state: Vec<u8>| TrainingRun::resume(&state, &scenarios, plan.environments, &plan.config, &seed).ok();
+        let (environments, config) = (plan.environments, &plan.config);
+        let begin = || match &plan.drive {
+            None => TrainingRun::begin(&scenarios, environments, config, &seed),
+            Some(rule) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed),
+        };
+        let resume = |state: Vec<u8>| match &plan.drive {
+            None => TrainingRun::resume(&state, &scenarios, environments, config, &seed).ok(),
+            Some(rule) => TrainingRun::resume_driving(&state, &scenarios, rule, environments, config, &seed).ok(),
+        };
         // A state that does not fit counts as missing: the training restarts.
         let mut run = match results.begun(index).and_then(resume) {
             Some(run) => run,
@@ -284,7 +290,7 @@ impl Work<'_> {
             let log = run.learning_curve().last().expect("an update has just ended");
             self.shared.tell(Event::Updated { training: index, plan, curve: run.learning_curve() });
             let update = log.update;
-            let ticks = log.steps * u64::from(plan.scenario.episode.hold);
+            let ticks = log.steps * if plan.drive.is_some() { 1 } else { u64::from(plan.scenario.episode.hold) };
             if let Some(limit) = results.limit(task, ticks).filter(|_| !run.is_done()) {
                 results.checkpoint(index, &run, true);
                 return Err(limit);

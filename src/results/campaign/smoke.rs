@@ -1,4 +1,9 @@
+use std::sync::Arc;
+
 use compile::{Campaign, ControllerKind};
+
+/// The decisions in which a driver is imitated.
+const DEMONSTRATIONS: u32 = 1000;
 
 /// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes, estimates of a single
 /// batch, covers of thirty.
@@ -9,6 +14,10 @@ pub fn smoke(campaign: &mut Campaign) {
     for training in &mut campaign.trainings {
         let update = (training.config.rollout_steps * training.environments) as u64;
         training.config.total_steps = training.config.total_steps.min(2 * update);
+        if let Some(rule) = &mut training.drive {
+            let rule = Arc::make_mut(rule);
+            rule.demonstrations = rule.demonstrations.min(DEMONSTRATIONS);
+        }
     }
     campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);
     for evaluation in &mut campaign.evaluations {
