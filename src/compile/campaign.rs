@@ -85,17 +85,17 @@ keys! {
         /// Other cars in each town.
         cars: usize as whole(0, 100) = "3",
         /// Reward a second of driving at the limit along the route; less for less, and for more than the limit.
-        progress: f64 as within(RATIO, 0.0, 1e6) = "1",
+        progress: f64 as within(RATIO, 0.0, 1e6) = "0.1",
         /// Cost a second of full discomfort: jerk, lateral acceleration, hard braking and turns of the wheel.
-        comfort: f64 as within(RATIO, 0.0, 1e6) = "0.3",
+        comfort: f64 as within(RATIO, 0.0, 1e6) = "0.1",
         /// Cost a second of a metre beside the route or more.
-        lane: f64 as within(RATIO, 0.0, 1e6) = "0.5",
+        lane: f64 as within(RATIO, 0.0, 1e6) = "0.05",
         /// Cost a second of standing without a road user or a light ahead.
-        standing: f64 as within(RATIO, 0.0, 1e6) = "0.3",
+        standing: f64 as within(RATIO, 0.0, 1e6) = "0.03",
         /// Cost of a red light that is passed.
-        red_light: f64 as within(RATIO, 0.0, 1e6) = "5",
+        red_light: f64 as within(RATIO, 0.0, 1e6) = "3",
         /// Cost of a collision at low speed, twice as much at 10 m/s; and of leaving the route.
-        collision: f64 as within(RATIO, 0.0, 1e6) = "20",
+        collision: f64 as within(RATIO, 0.0, 1e6) = "5",
         /// Trainings, with different seeds.
         runs: u32 as whole(1, 10_000) = "1",
         ..start: StartKeys,

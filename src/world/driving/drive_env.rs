@@ -49,7 +49,7 @@ struct Last {
 const LOST: f64 = 3.0;
 /// The measures at which discomfort is 1: jerk (m/s³), lateral acceleration and braking (m/s²), turns of the wheel (1/s).
 const JERK: f64 = 40.0;
-const LATERAL: f64 = 4.0;
+const LATERAL: f64 = 3.0;
 const BRAKING: f64 = 6.0;
 const TURNING: f64 = 2.0;
 /// A car that is slower stands (m/s); a road user or a light so far ahead (m) and so far aside (m) is a reason.
@@ -59,6 +59,8 @@ const ASIDE: f64 = 5.0;
 /// The distance between two other cars at the start (m), and the number of attempts to find a place.
 const APART: f64 = 15.0;
 const ATTEMPTS: usize = 100;
+/// Ticks after which cars have sorted themselves out.
+const SETTLED: u32 = 20;
 
 impl DriveEnv {
     /// Makes an environment whose first episode is number 0 under the seed. The scenario's driver gives way to the learner.
@@ -137,8 +139,11 @@ impl DriveEnv {
     fn run_up(&mut self) -> (Option<bool>, Option<Contact>) {
         self.env.tick_run_up();
         let restarted = !self.env.is_running_up() && self.env.world().run_up == 0;
-        // Two cars that stood in each other at the start are nobody's mistake.
-        (restarted.then(|| self.env.run_up_ticks() > 2), None)
+        // A car that was placed among others, that stood or that waited too long is cut off.
+        let is_fast = self.last.speed > self.env.scenario().episode.moving_above;
+        let ticks = self.env.run_up_ticks();
+        let touched = SETTLED < ticks && ticks < self.env.scenario().most_run_up();
+        (restarted.then_some(is_fast && touched), None)
     }
 
     /// A tick with the pedestrian, as [`DriveEnv::run_up`].
