@@ -79,6 +79,8 @@ keys! {
         imitates: DeclarationId as Reference("policy"),
         /// Decisions in which it imitates; 0 for none.
         demonstrations: u32 as whole(0, 10_000_000) = "200_000",
+        /// Ticks for which an action is kept while it learns by itself, so that its attempts differ; as a driver it chooses anew in every tick.
+        hold: u32 as whole(1, 100) = "4",
         // The catalogue adds the words.
         /// Who walks, as in `evaluate`: a word, or a `controller` of the file.
         pedestrian: Value as WordOrReference(Vec::new(), "controller") = "natural",

@@ -40,6 +40,7 @@ impl Lowering<'_> {
         let rule = Arc::new(DriveRule {
             teacher: first.policy.value.clone(),
             demonstrations: keys.demonstrations,
+            hold: keys.hold,
             walker,
             cars: keys.cars,
             reward: DriveReward {

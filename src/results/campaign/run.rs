@@ -290,7 +290,7 @@ impl Work<'_> {
             let log = run.learning_curve().last().expect("an update has just ended");
             self.shared.tell(Event::Updated { training: index, plan, curve: run.learning_curve() });
             let update = log.update;
-            let ticks = log.steps * if plan.drive.is_some() { 1 } else { u64::from(plan.scenario.episode.hold) };
+            let ticks = log.steps * u64::from(plan.drive.as_ref().map_or(plan.scenario.episode.hold, |rule| rule.hold));
             if let Some(limit) = results.limit(task, ticks).filter(|_| !run.is_done()) {
                 results.checkpoint(index, &run, true);
                 return Err(limit);

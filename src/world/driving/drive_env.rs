@@ -11,8 +11,8 @@ use learn::{Env, Inputs, Step};
 
 /// An environment whose agent drives the ego.
 ///
-/// An episode is that of a [`PedestrianEnv`] with its run-up. A decision is a tick: acceleration and steer, divided by [`ACTION_SCALES`]. The
-/// observation are the numbers of a learnt driver's network, squashed as [`inputs`] says.
+/// An episode is that of a [`PedestrianEnv`] with its run-up. A decision is acceleration and steer, divided by [`ACTION_SCALES`], for the ticks that the
+/// rule says; while a teacher is there, for one tick. The observation are the numbers of a learnt driver's network, squashed as [`inputs`] says.
 ///
 /// An episode ends with a touch, 3 m from the route, when the pedestrian's episode ends, or when the car does not reach the place of the encounter in time.
 pub struct DriveEnv {
@@ -33,6 +33,8 @@ pub struct DriveEnv {
     is_due: bool,
     last: Last,
     is_collision: bool,
+    /// Ticks for which an action is kept.
+    hold: u32,
 }
 
 /// What the reward of a tick compares with.
@@ -85,6 +87,7 @@ impl DriveEnv {
             is_due: true,
             last: Last::default(),
             is_collision: false,
+            hold: rule.hold,
         }
     }
 
@@ -226,7 +229,15 @@ impl Env for DriveEnv {
     }
 
     fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
-        let step = self.drive(std::array::from_fn(|i| (action[i] * ACTION_SCALES[i]) as f32));
+        let action = std::array::from_fn(|i| (action[i] * ACTION_SCALES[i]) as f32);
+        let mut step = self.drive(action);
+        for _ in 1..self.hold {
+            if step.done() {
+                break;
+            }
+            let next = self.drive(action);
+            step = Step { reward: step.reward + next.reward, ..next };
+        }
         self.observe(obs);
         step
     }
@@ -267,6 +278,7 @@ impl Env for DriveEnv {
 impl Pupil for DriveEnv {
     fn teach(&mut self, teaches: bool) {
         self.seat.wheel().teacher = teaches.then(|| (self.rule.teacher)());
+        self.hold = if teaches { 1 } else { self.rule.hold };
     }
 
     fn shown(&mut self) -> [f64; 2] {

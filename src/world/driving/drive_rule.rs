@@ -8,6 +8,8 @@ pub struct DriveRule {
     pub teacher: PolicyMaker,
     /// The decisions in which it is imitated; 0 for none.
     pub demonstrations: u32,
+    /// The ticks for which an action is kept while it learns by itself.
+    pub hold: u32,
     /// Who walks.
     pub walker: Controller,
     /// The number of other cars, placed as the spawn rule places the ego.
@@ -36,7 +38,7 @@ pub struct DriveReward {
 /// All but the teacher.
 impl std::fmt::Debug for DriveRule {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { demonstrations, walker, cars, reward, .. } = self;
-        (demonstrations, walker, cars, reward).fmt(f)
+        let Self { demonstrations, hold, walker, cars, reward, .. } = self;
+        (demonstrations, hold, walker, cars, reward).fmt(f)
     }
 }
