@@ -70,6 +70,41 @@ keys! {
 }
 
 keys! {
+    /// Trains a car to drive, by the campaign's `training`, in all towns together, among pedestrians and other cars. The report gets its network as
+    /// `drivers/NAME.onnx`, which `onnx` drives with.
+    pub struct DriveKeys = "drive" {
+        /// Towns to drive in.
+        towns: Vec<DeclarationId> as Reference("town"),
+        /// The driver that it imitates before it learns by itself; the other cars have it, too.
+        imitates: DeclarationId as Reference("policy"),
+        /// Decisions in which it imitates; 0 for none.
+        demonstrations: u32 as whole(0, 10_000_000) = "200_000",
+        /// Ticks for which an action is kept while it learns by itself, so that its attempts differ; as a driver it chooses anew in every tick.
+        hold: u32 as whole(1, 100) = "4",
+        // The catalogue adds the words.
+        /// Who walks, as in `evaluate`: a word, or a `controller` of the file.
+        pedestrian: Value as WordOrReference(Vec::new(), "controller") = "natural",
+        /// Other cars in each town.
+        cars: usize as whole(0, 100) = "3",
+        /// Reward a second of driving at the limit along the route; less for less, and for more than the limit.
+        progress: f64 as within(RATIO, 0.0, 1e6) = "0.1",
+        /// Cost a second of full discomfort: jerk, lateral acceleration, hard braking and turns of the wheel.
+        comfort: f64 as within(RATIO, 0.0, 1e6) = "0.1",
+        /// Cost a second of a metre beside the route or more.
+        lane: f64 as within(RATIO, 0.0, 1e6) = "0.05",
+        /// Cost a second of standing without a road user or a light ahead.
+        standing: f64 as within(RATIO, 0.0, 1e6) = "0.03",
+        /// Cost of a red light that is passed.
+        red_light: f64 as within(RATIO, 0.0, 1e6) = "3",
+        /// Cost of a collision at low speed, twice as much at 10 m/s; and of leaving the route.
+        collision: f64 as within(RATIO, 0.0, 1e6) = "5",
+        /// Trainings, with different seeds.
+        runs: u32 as whole(1, 10_000) = "1",
+        ..start: StartKeys,
+    }
+}
+
+keys! {
     /// Tries every pedestrian in every town against every policy.
     pub struct EvaluateKeys = "evaluate" {
         ..places: PlaceKeys,
@@ -225,6 +260,8 @@ keys! {
     struct MatrixKeys = "matrix" {}
 }
 
+/// Takes the place of a reward's name in a training of a driver.
+pub const DRIVE: &str = "drive";
 /// The words of trained pedestrians.
 pub(super) const TRAINED: &str = "trained";
 pub(super) const STOCHASTIC: &str = "stochastic";
@@ -239,6 +276,7 @@ pub fn form() -> Form {
     let blocks = vec![
         MatrixKeys::signature(),
         TrainKeys::signature(),
+        DriveKeys::signature(),
         EvaluateKeys::signature(),
         SearchKeys::signature(),
         EstimateKeys::signature(),

@@ -13,10 +13,16 @@ impl Lowering<'_> {
     /// The fingerprint of a task that depends on these declarations. Towns and policies among them have been lowered before, so
     /// the files they name are known. The empty fingerprint when none is wanted.
     pub fn fingerprint(&mut self, parts: &[DeclarationId]) -> Fingerprint {
+        self.fingerprint_with(parts, "")
+    }
+
+    /// The fingerprint of a task that also depends on what a text says.
+    pub fn fingerprint_with(&mut self, parts: &[DeclarationId], more: &str) -> Fingerprint {
         if !self.read.wanted() {
             return Fingerprint::default();
         }
         let mut digest = blake3::Hasher::new();
+        digest.update(more.as_bytes());
         for part in parts {
             digest.update(&self.digest(*part));
         }

@@ -10,6 +10,7 @@ use learn::PpoConfig;
 use world::av::CruiseKeys;
 use world::av::external::ExternalKeys;
 use world::av::sensors::SensorModel;
+use world::driving::DriveRule;
 use world::env::Scenario;
 use world::falsifier::{Controller, Falsifier, Teacher};
 use world::likelihood::{Estimator, Event, Question};
@@ -268,6 +269,8 @@ pub struct Training {
     pub scenario: Arc<Scenario>,
     /// The towns and scenarios of a training in several of them, whose episodes alternate, the first included; empty for one alone.
     pub together: Vec<(String, Arc<Scenario>)>,
+    /// How a car learns to drive, where a car is trained instead of a pedestrian.
+    pub drive: Option<Arc<DriveRule>>,
     /// Its settings.
     pub config: PpoConfig,
     pub environments: usize,

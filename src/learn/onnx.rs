@@ -142,6 +142,36 @@ struct Dimension {
     name: Option<String>,
 }
 
+/// The inputs of a policy that gets plain numbers and squashes them itself.
+///
+/// ```text
+/// inputs → flat, in a row → for each list of divisors: ÷ divisors → tanh → in a row → (matrix, bias, tanh)…
+/// ```
+///
+/// So a number appears as often as there are lists of divisors: a small divisor tells small numbers apart, a large one large numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inputs {
+    /// Name and shape of each input, without the first dimension, which is 1.
+    pub shapes: Vec<(String, Vec<usize>)>,
+    /// Lists of one divisor for each number of all inputs.
+    pub divisors: Vec<Vec<f64>>,
+}
+
+impl Inputs {
+    /// The number of components of an observation.
+    pub fn observed(&self) -> usize {
+        self.divisors.iter().map(Vec::len).sum()
+    }
+
+    /// Writes the observation for the numbers of all inputs in a row.
+    pub fn observe(&self, numbers: &[f32], observation: &mut [f64]) {
+        let squashed = self.divisors.iter().flat_map(|divisors| {
+            numbers.iter().zip(divisors).map(|(number, divisor)| libm::tanh(f64::from(*number / *divisor as f32)))
+        });
+        observation.iter_mut().zip(squashed).for_each(|(slot, value)| *slot = value);
+    }
+}
+
 /// A graph that grows node by node.
 #[derive(Default)]
 struct Draft {
@@ -176,6 +206,36 @@ impl Draft {
     fn constant(&mut self, name: &str, element: i32, shape: &[usize], data: Vec<u8>) {
         let shape = shape.iter().map(|&length| length as i64).collect();
         self.constants.push(Tensor { shape, element, name: name.to_owned(), data });
+    }
+
+    /// Joins values along their second dimension.
+    fn join(&mut self, values: &[String], output: &str) {
+        let (first, others) = values.split_first().expect("there is a value to join");
+        self.last.clone_from(first);
+        self.apply("Concat", &others.iter().map(String::as_str).collect::<Vec<_>>(), &[("axis", 1)], output);
+    }
+
+    /// Clips the last value to bounds; the result is the action.
+    fn bound(&mut self, bounds: &[(f64, f64)]) {
+        self.floats("low", &[bounds.len()], bounds.iter().map(|bound| bound.0 as f32));
+        self.floats("high", &[bounds.len()], bounds.iter().map(|bound| bound.1 as f32));
+        self.apply("Max", &["low"], &[], "raised");
+        self.apply("Min", &["high"], &[], "action");
+    }
+
+    /// The bytes of a model of the graph.
+    fn finish(self, inputs: Vec<Value>, output: Value, metadata: &BTreeMap<String, String>) -> Vec<u8> {
+        let Self { nodes, constants, .. } = self;
+        let graph = Graph { nodes, name: "policy".to_owned(), constants, inputs, outputs: vec![output] };
+        let entry = |(key, value): (&String, &String)| Entry { key: key.clone(), value: value.clone() };
+        let model = Model {
+            ir_version: IR_VERSION,
+            producer_name: "falsify".to_owned(),
+            graph: Some(graph),
+            operators: vec![Operators { version: OPERATORS }],
+            metadata: metadata.iter().map(entry).collect(),
+        };
+        model.encode_to_vec()
     }
 
     /// Applies one affine map; its weights are column-major, those of the graph row-major.
@@ -214,42 +274,74 @@ impl ActorCritic {
             draft.apply("Clip", &["least", "most"], &[], "normalised");
         }
         draft.apply("Cast", &[], &[("to", i64::from(FLOAT))], "input");
-        let parameters = &self.parameters()[self.actor_range()];
+        self.draw_layers(&mut draft, &vec![1.0; bounds.len()]);
+        draft.bound(bounds);
+        let batch = Dimension { length: None, name: Some("n".to_owned()) };
+        let inputs = vec![value("state", DOUBLE, batch.clone(), &[self.obs_dim()])];
+        draft.finish(inputs, value("action", FLOAT, batch, &[self.action_dim()]), metadata)
+    }
+
+    /// Encodes the mean of the policy as an ONNX model with several inputs, which it scales itself; see [`Inputs`]. All numbers are in single precision.
+    ///
+    /// The output is (1 × action): the components are multiplied by `scales`, then clipped to `bounds`. A scale that is a power of two rounds nothing.
+    ///
+    /// # Panics
+    /// When the lengths do not fit each other, or when the policy normalises observations.
+    pub fn to_onnx_with(
+        &self,
+        inputs: &Inputs,
+        scales: &[f64],
+        bounds: &[(f64, f64)],
+        metadata: &BTreeMap<String, String>,
+    ) -> Vec<u8> {
+        assert!([scales.len(), bounds.len()] == [self.action_dim(); 2], "every component of an action has its bounds");
+        assert!(self.observation_moments().is_none(), "such a policy scales its inputs itself");
+        let mut draft = Draft::default();
+        let flat = |name: &str| format!("{name}.flat");
+        for (name, _) in &inputs.shapes {
+            draft.last.clone_from(name);
+            draft.apply("Flatten", &[], &[("axis", 1)], &flat(name));
+        }
+        draft.join(&inputs.shapes.iter().map(|(name, _)| flat(name)).collect::<Vec<_>>(), "joined");
+        let squashed = |number: usize| format!("squashed.{number}");
+        for (number, divisors) in inputs.divisors.iter().enumerate() {
+            let divisor = format!("divisor.{number}");
+            draft.floats(&divisor, &[divisors.len()], divisors.iter().map(|each| *each as f32));
+            draft.last = "joined".to_owned();
+            draft.apply("Div", &[&divisor], &[], &format!("scaled.{number}"));
+            draft.apply("Tanh", &[], &[], &squashed(number));
+        }
+        draft.join(&(0..inputs.divisors.len()).map(squashed).collect::<Vec<_>>(), "input");
+        self.draw_layers(&mut draft, scales);
+        draft.bound(bounds);
+        let one = || Dimension { length: Some(1), name: None };
+        let shapes = inputs.shapes.iter().map(|(name, shape)| value(name, FLOAT, one(), shape)).collect();
+        draft.finish(shapes, value("action", FLOAT, one(), &[self.action_dim()]), metadata)
+    }
+
+    /// Adds the layers of the actor; the last one is multiplied by `scales`.
+    fn draw_layers(&self, draft: &mut Draft, scales: &[f64]) {
+        let mut parameters = self.parameters()[self.actor_range()].to_vec();
         let layers = self.actor().layers();
+        let head = &layers[layers.len() - 1];
+        for place in [head.weight.clone(), head.bias.clone()] {
+            let scales = scales.iter().cycle();
+            parameters[place].iter_mut().zip(scales).for_each(|(weight, scale)| *weight *= *scale as f32);
+        }
         for (number, layer) in layers.iter().enumerate() {
-            draft.layer(number, layer, parameters);
+            draft.layer(number, layer, &parameters);
             if number + 1 < layers.len() {
                 draft.apply("Tanh", &[], &[], &format!("hidden.{number}"));
             }
         }
-        draft.floats("low", &[bounds.len()], bounds.iter().map(|bound| bound.0 as f32));
-        draft.floats("high", &[bounds.len()], bounds.iter().map(|bound| bound.1 as f32));
-        draft.apply("Max", &["low"], &[], "raised");
-        draft.apply("Min", &["high"], &[], "action");
-
-        let value = |name: &str, element: i32, components: usize| {
-            let batch = Dimension { length: None, name: Some("n".to_owned()) };
-            let width = Dimension { length: Some(components as i64), name: None };
-            let shape = Some(Shape { dimensions: vec![batch, width] });
-            Value { name: name.to_owned(), kind: Some(Kind { tensor: Some(TensorKind { element, shape }) }) }
-        };
-        let graph = Graph {
-            nodes: draft.nodes,
-            name: "policy".to_owned(),
-            constants: draft.constants,
-            inputs: vec![value("state", DOUBLE, self.obs_dim())],
-            outputs: vec![value("action", FLOAT, self.action_dim())],
-        };
-        let entry = |(key, value): (&String, &String)| Entry { key: key.clone(), value: value.clone() };
-        let model = Model {
-            ir_version: IR_VERSION,
-            producer_name: "falsify".to_owned(),
-            graph: Some(graph),
-            operators: vec![Operators { version: OPERATORS }],
-            metadata: metadata.iter().map(entry).collect(),
-        };
-        model.encode_to_vec()
     }
+}
+
+/// An input or output whose first dimension is this one.
+fn value(name: &str, element: i32, first: Dimension, shape: &[usize]) -> Value {
+    let rest = shape.iter().map(|length| Dimension { length: Some(*length as i64), name: None });
+    let shape = Some(Shape { dimensions: std::iter::once(first).chain(rest).collect() });
+    Value { name: name.to_owned(), kind: Some(Kind { tensor: Some(TensorKind { element, shape }) }) }
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ impl Trainer {
         Self::with_networks(envs, first_networks(obs_dim, action_dim, config, seed), config, seed)
     }
 
-    /// As [`Trainer::new`], but these networks are the first ones. The settings that are saved do not name them.
+    /// As [`Trainer::new`], but with these first networks, which are no part of the settings.
     ///
     /// # Errors
     /// As [`Trainer::new`].
@@ -76,9 +76,8 @@ impl Trainer {
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, TrainError> {
-        let (obs_dim, action_dim) = dimensions(envs, config);
         assert!(
-            (policy.obs_dim(), policy.action_dim()) == (obs_dim, action_dim),
+            (policy.obs_dim(), policy.action_dim()) == dimensions(envs, config),
             "the first networks fit the environments"
         );
         let mut this = Self::assemble(envs, policy, config, seed);

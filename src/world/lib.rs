@@ -8,5 +8,6 @@ pub mod requirement;
 pub mod env;
 pub mod judge;
 pub mod falsifier;
+pub mod driving;
 pub mod likelihood;
 pub mod hardening;

@@ -35,6 +35,7 @@ mod judge;
 mod lav_reference;
 mod doubts;
 mod drivers;
+mod driving;
 mod editor_folders;
 mod editors;
 mod explanations;

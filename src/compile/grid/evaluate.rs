@@ -176,7 +176,7 @@ fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind
     let mut all = Vec::new();
     for each in chosen {
         let mut seen = BTreeSet::new();
-        for (index, Training { key, .. }) in trainings.iter().enumerate() {
+        for (index, Training { key, .. }) in trainings.iter().enumerate().filter(|(_, each)| each.drive.is_none()) {
             let (controller, key) = match each {
                 Chosen::Trained => (ControllerKind::Trained(index), key.clone()),
                 Chosen::Stochastic => (ControllerKind::Stochastic(index), key.clone()),

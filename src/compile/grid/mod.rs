@@ -3,6 +3,7 @@
 mod axis;
 mod ground;
 mod train;
+mod drive;
 mod evaluate;
 mod search;
 mod estimate;
@@ -61,11 +62,14 @@ impl Lowering<'_> {
         for train in block.nested("train") {
             self.train(block, train, &usual, &mut campaign, &mut rewards);
         }
+        for drive in block.nested("drive") {
+            self.drive(block, drive, &usual, &mut campaign);
+        }
         self.forbid_repeated_trainings(block, &campaign);
         if !campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
-        if BLOCKS.iter().chain(&["harden"]).all(|word| block.nested(word).next().is_none()) {
+        if BLOCKS.iter().chain(&["drive", "harden"]).all(|word| block.nested(word).next().is_none()) {
             let message =
                 "this campaign trains no pedestrian, evaluates no controller, searches for nothing, estimates nothing, covers nothing and hardens nothing"
                     .to_string();

@@ -73,6 +73,7 @@ impl Lowering<'_> {
                     },
                     scenario: scenarios[0].1.clone(),
                     together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
+                    drive: None,
                     config: config.clone(),
                     environments: *environments,
                     teacher: teacher.clone(),
@@ -155,7 +156,7 @@ fn groups<'a>(places: Vec<Place<'a>>, together: Option<Together>) -> Vec<Vec<Pla
 }
 
 /// Names joined by `+`, each once.
-fn joined<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(super) fn joined<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let mut all: Vec<&str> = Vec::new();
     for name in names {
         if !all.contains(&name) {

@@ -265,20 +265,23 @@ impl Work<'_> {
         let key = &plan.key;
         let scenarios = plan.scenarios();
         let seed = training_seed(seed, key);
+        let (environments, config) = (plan.environments, &plan.config);
         let late = || results.is_overdue(task, self.shared.stop());
-        let begin = || match &plan.teacher {
-            None => TrainingRun::begin(&scenarios, plan.environments, &plan.config, &seed),
-            Some(teacher) => {
-                let taught =
-                    TrainingRun::begin_taught(teacher, &scenarios, plan.environments, &plan.config, &seed, &late);
+        let begin = || match (&plan.drive, &plan.teacher) {
+            (Some(rule), _) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed),
+            (None, None) => TrainingRun::begin(&scenarios, environments, config, &seed),
+            (None, Some(teacher)) => {
+                let taught = TrainingRun::begin_taught(teacher, &scenarios, environments, config, &seed, &late);
                 taught.map(|(run, lesson)| {
                     self.shared.tell(Event::Taught { training: index, plan, lesson });
                     run
                 })
             }
         };
-        let resume =
-            |state: Vec<u8>| TrainingRun::resume(&state, &scenarios, plan.environments, &plan.config, &seed).ok();
+        let resume = |state: Vec<u8>| match &plan.drive {
+            None => TrainingRun::resume(&state, &scenarios, environments, config, &seed).ok(),
+            Some(rule) => TrainingRun::resume_driving(&state, &scenarios, rule, environments, config, &seed).ok(),
+        };
         // A state that does not fit counts as missing: the training restarts.
         let mut run = match results.begun(index).and_then(resume) {
             Some(run) => run,
@@ -314,7 +317,7 @@ impl Work<'_> {
             let log = run.learning_curve().last().expect("an update has just ended");
             self.shared.tell(Event::Updated { training: index, plan, curve: run.learning_curve() });
             let update = log.update;
-            let ticks = log.steps * u64::from(plan.scenario.episode.hold);
+            let ticks = log.steps * u64::from(plan.drive.as_ref().map_or(plan.scenario.episode.hold, |rule| rule.hold));
             if let Some(limit) = results.limit(task, ticks).filter(|_| !run.is_done()) {
                 results.checkpoint(index, &run, true);
                 return Err(limit);

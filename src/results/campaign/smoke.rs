@@ -1,4 +1,9 @@
+use std::sync::Arc;
+
 use compile::{Campaign, ControllerKind};
+
+/// The decisions in which a driver is imitated.
+const DEMONSTRATIONS: u32 = 1000;
 
 /// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes, estimates of a single
 /// batch, covers of thirty, one small round of a hardening.
@@ -12,6 +17,10 @@ pub fn smoke(campaign: &mut Campaign) {
         if let Some(teacher) = &mut training.teacher {
             let scenario = &teacher.scenarios[0];
             teacher.budget = teacher.budget.min(10 * u64::from(scenario.episode.ticks + scenario.most_run_up()));
+        }
+        if let Some(rule) = &mut training.drive {
+            let rule = Arc::make_mut(rule);
+            rule.demonstrations = rule.demonstrations.min(DEMONSTRATIONS);
         }
     }
     campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);

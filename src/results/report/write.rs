@@ -17,10 +17,16 @@ use super::{
 };
 use base::seed::Seed;
 use compile::TrainingKey;
+use world::driving::{ACTION_BOUNDS, ACTION_SCALES, inputs};
 
 /// The path of a trained pedestrian in a report, relative to the report's folder; the format is the file's extension.
 pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
     format!("pedestrians/{}-{}-{}-{}.{format}", key.reward, key.town, key.policy, key.run)
+}
+
+/// The path of a trained driver in a report, relative to the report's folder.
+pub fn driver_file(key: &TrainingKey) -> String {
+    format!("drivers/{}-{}-{}.onnx", key.town, key.policy, key.run)
 }
 
 /// Fills a report's folder with all files of a campaign, except the table of episodes, which [`gather`](super::gather) has written.
@@ -45,6 +51,14 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
         let Ok(trained) = &training.result else { continue };
         let key = &training.key;
         let planned = campaign.trainings.iter().find(|planned| planned.key == *key).expect("it was planned");
+        if planned.drive.is_some() {
+            let metadata = [("falsify", manifest.version.clone()), ("seed", manifest.seed.to_string())]
+                .map(|(name, value)| (name.to_string(), value))
+                .into();
+            let bytes = trained.actor_critic.to_onnx_with(&inputs(), &ACTION_SCALES, &ACTION_BOUNDS, &metadata);
+            folder.file(&driver_file(key), &bytes)?;
+            continue;
+        }
         let bounds = planned.scenario.cast.action_bounds();
         let interface = planned.scenario.cast.interface(&planned.scenario.episode);
         let metadata: BTreeMap<String, String> = [

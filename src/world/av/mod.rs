@@ -9,7 +9,7 @@ mod driving_policy;
 mod actuation_delay;
 mod fault;
 mod path;
-mod view;
+pub(crate) mod view;
 mod lane_keeping;
 mod cruise;
 mod crosswalks;

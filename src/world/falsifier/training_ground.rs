@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use crate::av::Fault;
+use crate::driving::{DriveEnv, DriveRule, Pupil};
 use crate::env::{PedestrianEnv, Scenario, StartBank};
 use base::seed::Seed;
 use learn::{Env, Step};
@@ -8,42 +9,85 @@ use learn::{Env, Step};
 /// An environment whose episodes take place in several scenarios in turn: other towns, other drivers.
 ///
 /// Episode k of environment i takes place in scenario (i + k) mod n, so all scenarios have equal shares of the episodes, whatever the number
-/// of environments. With one scenario it is a [`PedestrianEnv`].
+/// of environments. With one scenario it is a [`PedestrianEnv`], or a [`DriveEnv`].
 pub(super) struct TrainingGround {
-    envs: Vec<PedestrianEnv>,
+    envs: Vec<Box<dyn Place>>,
     /// The place of the running episode's scenario.
     current: usize,
 }
 
+/// An environment of one scenario.
+trait Place: Env + Send {
+    /// The pedestrian's side of it.
+    fn pedestrian(&self) -> &PedestrianEnv;
+
+    /// The driver that learns; none where a pedestrian does.
+    fn driver(&mut self) -> Option<&mut DriveEnv> {
+        None
+    }
+}
+
+impl Place for PedestrianEnv {
+    fn pedestrian(&self) -> &PedestrianEnv {
+        self
+    }
+}
+
+impl Place for DriveEnv {
+    fn pedestrian(&self) -> &PedestrianEnv {
+        self.env()
+    }
+
+    fn driver(&mut self) -> Option<&mut DriveEnv> {
+        Some(self)
+    }
+}
+
 impl TrainingGround {
-    /// The environment with this number, of scenarios with equal states and actions; `episodes` is its own seed. Each scenario has the
-    /// bank of starts that all environments share, if it has one.
+    /// The environment with this number, of scenarios with equal states and actions; `episodes` is its own seed. With a rule the car learns to
+    /// drive, else a pedestrian learns. Each scenario has the bank of starts that all environments share, if it has one.
     ///
     /// # Panics
     /// When there is no scenario.
-    pub fn new(scenarios: &[Arc<Scenario>], banks: &[Option<Arc<StartBank>>], number: usize, episodes: &Seed) -> Self {
+    pub fn new(
+        scenarios: &[Arc<Scenario>],
+        rule: Option<&Arc<DriveRule>>,
+        banks: &[Option<Arc<StartBank>>],
+        number: usize,
+        episodes: &Seed,
+    ) -> Self {
         assert!(!scenarios.is_empty(), "training needs a scenario");
         let seed = |place: u64| if place == 0 { *episodes } else { episodes.child("place").index(place) };
-        let envs = (0..)
-            .zip(scenarios)
-            .zip(banks)
-            .map(|((place, scenario), bank)| PedestrianEnv::new(scenario.clone(), seed(place)).with_bank(bank.clone()));
+        let envs = (0..).zip(scenarios).zip(banks).map(|((place, scenario), bank)| match rule {
+            Some(rule) => Box::new(DriveEnv::new(scenario, rule, &seed(place))) as Box<dyn Place>,
+            None => Box::new(PedestrianEnv::new(scenario.clone(), seed(place)).with_bank(bank.clone())),
+        });
         // The first reset moves on to the scenario of the number.
         Self { current: (number + scenarios.len() - 1) % scenarios.len(), envs: envs.collect() }
     }
 
     /// Why a driver failed in ten episodes in a row, if one did.
     pub fn hopeless(&self) -> Option<Fault> {
-        self.envs.iter().find_map(PedestrianEnv::hopeless)
+        self.envs.iter().find_map(|env| env.pedestrian().hopeless())
     }
 
     /// Whether the user asked to stop while a driver was waited for.
     pub fn is_stopped(&self) -> bool {
-        self.envs.iter().any(PedestrianEnv::is_stopped)
+        self.envs.iter().any(|env| env.pedestrian().is_stopped())
     }
 
-    fn env(&self) -> &PedestrianEnv {
-        &self.envs[self.current]
+    fn env(&self) -> &dyn Place {
+        &*self.envs[self.current]
+    }
+}
+
+impl Pupil for TrainingGround {
+    fn teach(&mut self, teaches: bool) {
+        self.envs.iter_mut().filter_map(|env| env.driver()).for_each(|driver| driver.teach(teaches));
+    }
+
+    fn shown(&mut self) -> [f64; 2] {
+        self.envs[self.current].driver().map_or([0.0; 2], |driver| driver.shown())
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::training_ground::TrainingGround;
 use super::{Lesson, Teacher, TrainError};
+use crate::driving::{DriveRule, imitate};
 use crate::env::{Cast, Scenario, StartBank};
 use base::seed::Seed;
 use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
@@ -53,7 +54,7 @@ impl TrainingRun {
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, TrainError> {
-        let mut envs = environments_of(scenarios, environments, config, seed);
+        let mut envs = environments_of(scenarios, None, environments, config, seed);
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
@@ -75,11 +76,33 @@ impl TrainingRun {
         seed: &Seed,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<(Self, Lesson), TrainError> {
-        let mut envs = environments_of(scenarios, environments, config, seed);
+        let mut envs = environments_of(scenarios, None, environments, config, seed);
         let mut policy = first_networks(&scenarios[0].cast, config, seed);
         let lesson = teacher.teach(&mut policy, config, &seed.child("teacher"), stop)?;
         let trainer = Trainer::with_networks(&mut envs, policy, config, &seed.child("ppo"))?;
         Ok((Self { trainer, envs }, lesson))
+    }
+
+    /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::begin`].
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn begin_driving(
+        scenarios: &[Arc<Scenario>],
+        rule: &Arc<DriveRule>,
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, TrainError> {
+        let mut envs = environments_of(scenarios, Some(rule), environments, config, seed);
+        let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());
+        let mut networks = learn::first_networks(obs_dim, action_dim, config, &seed.child("ppo"));
+        imitate(&mut envs, rule, &mut networks, config, &seed.child("imitation"));
+        let trainer = Trainer::with_networks(&mut envs, networks, config, &seed.child("ppo"))?;
+        Ok(Self { trainer, envs })
     }
 
     /// Continues a training that was started with the same scenarios, environments, settings and seed.
@@ -99,7 +122,28 @@ impl TrainingRun {
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, CheckpointError> {
-        let mut envs = environments_of(scenarios, environments, config, seed);
+        Self::resumed(state, environments_of(scenarios, None, environments, config, seed), config)
+    }
+
+    /// Continues a training of a driver, as [`TrainingRun::resume`] does.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::resume`].
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn resume_driving(
+        state: &[u8],
+        scenarios: &[Arc<Scenario>],
+        rule: &Arc<DriveRule>,
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, CheckpointError> {
+        Self::resumed(state, environments_of(scenarios, Some(rule), environments, config, seed), config)
+    }
+
+    fn resumed(state: &[u8], mut envs: Vec<TrainingGround>, config: &PpoConfig) -> Result<Self, CheckpointError> {
         Ok(Self { trainer: Trainer::from_state(state, &mut envs, config)?, envs })
     }
 
@@ -235,6 +279,7 @@ impl std::fmt::Debug for TrainingRun {
 
 fn environments_of(
     scenarios: &[Arc<Scenario>],
+    rule: Option<&Arc<DriveRule>>,
     environments: usize,
     config: &PpoConfig,
     seed: &Seed,
@@ -242,5 +287,5 @@ fn environments_of(
     let (episodes, starts) = (seed.child("episodes"), seed.child("starts"));
     let bank = |(place, scenario)| StartBank::new(scenario, config.starts?, starts.index(place)).map(Arc::new);
     let banks: Vec<_> = (0..).zip(scenarios).map(bank).collect();
-    (0..environments).map(|env| TrainingGround::new(scenarios, &banks, env, &episodes.index(env as u64))).collect()
+    (0..environments).map(|env| TrainingGround::new(scenarios, rule, &banks, env, &episodes.index(env as u64))).collect()
 }

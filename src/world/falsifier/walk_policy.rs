@@ -4,7 +4,7 @@ use crate::sim::WalkCommand;
 use base::seed::Stream;
 
 /// A policy that chooses the commands of pedestrians.
-pub trait WalkPolicy {
+pub trait WalkPolicy: Send {
     /// Prepares for an episode that has just started; `stream` holds its random numbers.
     fn begin(&mut self, stream: Stream);
 

@@ -124,7 +124,7 @@ impl DrivingPolicy for Onnx {
 }
 
 /// The control for a network's two or three numbers.
-fn control(numbers: &[f32], perception: &Perception<'_>) -> Control {
+pub(crate) fn control(numbers: &[f32], perception: &Perception<'_>) -> Control {
     match *numbers {
         [throttle, brake, steer] => Control {
             throttle: f64::from(throttle).clamp(0.0, 1.0),

@@ -19,6 +19,7 @@
 //!
 //! A [`Network`] is a network of plain numbers, without the meaning that a driver's have: a pedestrian is one.
 
+mod inputs;
 mod model;
 mod encoding;
 mod external_data;
@@ -27,7 +28,9 @@ mod engine;
 mod driver;
 mod network;
 
+pub(crate) use driver::control;
 pub use driver::{Onnx, OnnxKeys};
 pub use external_data::with_external_data;
+pub(crate) use inputs::Input;
 pub use model::{Model, ModelError};
 pub use network::{Network, NetworkError, Runner};

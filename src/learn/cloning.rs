@@ -1,0 +1,120 @@
+//! Behaviour cloning: fits a network to given outputs by least squares.
+
+use super::actor_critic::ActorCritic;
+use super::adam::Adam;
+use super::arithmetic::Path;
+use super::config::PpoConfig;
+use super::minibatch::shuffle;
+use super::mlp::MlpScratch;
+use super::product::SquaredNorm;
+use base::seed::Seed;
+
+/// The network of an [`ActorCritic`] that is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fitted {
+    /// The mean action; its targets are actions.
+    Actor,
+    /// The value of an observation; its targets are discounted sums of rewards.
+    Critic,
+}
+
+/// Fits one of the networks to the targets of observations by Adam, with the batch size, the gradient's bound and the instructions of the settings,
+/// and returns the mean squared error over the last epoch.
+///
+/// `observations` has the components of one sample after another, as the environment gives them; so have `targets`. `weights` has a factor for the
+/// error of each sample; without it all count the same. The step size falls linearly to 0 over the epochs.
+///
+/// # Panics
+/// When the lengths do not fit each other, or when a number in the settings is zero.
+///
+/// # Source
+/// Pomerleau, *ALVINN*, NIPS 1988; Bain and Sammut, *A framework for behavioural cloning*, 1995.
+pub fn fit(
+    networks: &mut ActorCritic,
+    fitted: Fitted,
+    (observations, targets): (&[f32], &[f32]),
+    weights: Option<&[f32]>,
+    (epochs, learning_rate): (usize, f64),
+    config: &PpoConfig,
+    seed: &Seed,
+) -> f64 {
+    let path = Path::of(config);
+    let (mlp, range) = match fitted {
+        Fitted::Actor => (networks.actor().clone(), networks.actor_range()),
+        Fitted::Critic => (networks.critic().clone(), networks.critic_range()),
+    };
+    let (inputs, outputs) = (mlp.inputs(), mlp.outputs());
+    let samples = targets.len() / outputs;
+    assert!(observations.len() == samples * inputs && targets.len() == samples * outputs, "each sample is whole");
+    assert!(weights.is_none_or(|weights| weights.len() == samples), "each sample has a weight");
+    let batch = config.batch_size.min(samples.max(1));
+    let mut scratch = MlpScratch::<f32>::new(&mlp, batch);
+    let mut adam = Adam::new(range.len(), config.adam_eps);
+    let mut gradient = vec![0.0; range.len()];
+    let (mut input, mut sample) = (vec![0.0; inputs * batch], vec![0.0; inputs]);
+    let mut order: Vec<usize> = (0..samples).collect();
+    let mut stream = seed.stream();
+    let steps = (epochs * samples.div_ceil(batch)) as f64;
+    let (mut step, mut error) = (0.0, 0.0);
+    for _ in 0..epochs {
+        shuffle(&mut order, &mut stream);
+        error = 0.0;
+        for chosen in order.chunks(batch) {
+            for (place, number) in input.chunks_exact_mut(inputs).zip(chosen) {
+                let from = &observations[number * inputs..(number + 1) * inputs];
+                sample.iter_mut().zip(from).for_each(|(slot, value)| *slot = f64::from(*value));
+                networks.prepare(&sample, place);
+            }
+            let share = 2.0 / (chosen.len() * outputs) as f32;
+            mlp.forward(
+                &networks.parameters()[range.clone()],
+                &input[..inputs * chosen.len()],
+                &mut scratch,
+                path,
+            );
+            let slots = scratch.output_to_gradient(&mlp);
+            for (slot, number) in slots.chunks_exact_mut(outputs).zip(chosen) {
+                let weight = weights.map_or(1.0, |weights| weights[*number]);
+                for (slot, target) in slot.iter_mut().zip(&targets[number * outputs..]) {
+                    let difference = *slot - target;
+                    error += f64::from(weight * difference * difference) / (samples * outputs) as f64;
+                    *slot = share * weight * difference;
+                }
+            }
+            mlp.backward(&networks.parameters()[range.clone()], &mut gradient, &mut scratch, path);
+            let norm = f64::from(path.run(SquaredNorm(&gradient))).sqrt();
+            let scale = (config.max_grad_norm / (norm + 1e-6)).min(1.0);
+            let rate = learning_rate * (1.0 - step / steps);
+            adam.step(&mut networks.parameters_mut()[range.clone()], &gradient, rate, scale, path);
+            step += 1.0;
+        }
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_network_learns_a_curve_and_where_a_weight_is_zero_nothing() {
+        let seed = Seed::root(5);
+        let config = PpoConfig { batch_size: 32, portable_bits: true, ..PpoConfig::paper() };
+        let observations: Vec<f32> = (0..512).map(|i| i as f32 / 256.0 - 1.0).collect();
+        let wanted = |x: f32| 0.8 * (3.0 * x).sin();
+        // Above 0.5 the targets are wrong and do not count.
+        let targets: Vec<f32> = observations.iter().map(|x| if *x > 0.5 { 9.0 } else { wanted(*x) }).collect();
+        let weights: Vec<f32> = observations.iter().map(|x| if *x > 0.5 { 0.0 } else { 1.0 }).collect();
+        let mut networks = ActorCritic::new(1, 1, &[32, 32], 0.0, &mut seed.stream());
+        let before = networks.clone();
+        let data = (observations.as_slice(), targets.as_slice());
+        let error = fit(&mut networks, Fitted::Actor, data, Some(&weights), (200, 3e-3), &config, &seed);
+        assert!(error < 1e-3, "{error}");
+        let (mut out, mut scratch) = ([0.0], networks.scratch(1));
+        for x in [-0.9, -0.3, 0.2] {
+            networks.act(&[f64::from(x)], &mut out, &mut scratch);
+            assert!((out[0] - f64::from(wanted(x))).abs() < 0.1, "{x}: {out:?}");
+        }
+        assert_eq!(networks.value(&[0.3], &mut scratch), before.value(&[0.3], &mut scratch), "the critic keeps its own");
+    }
+}

@@ -1,0 +1,112 @@
+use rayon::prelude::*;
+
+use super::DriveRule;
+use base::seed::Seed;
+use learn::{ActorCritic, Env, Fitted, PpoConfig, fit};
+
+/// In the first round the teacher drives; in the others the learner does, and the teacher says what it would do.
+const ROUNDS: u32 = 5;
+/// Passes over all decisions up to then, after each round and after the last one; and the step size.
+const EPOCHS: usize = 6;
+const LAST_EPOCHS: usize = 20;
+const STEP_SIZE: f64 = 1e-3;
+
+/// An environment with a teacher.
+pub(crate) trait Pupil: Env + Send {
+    /// Lets the teacher say in every state from the next episode on what it would do, or no longer.
+    fn teach(&mut self, teaches: bool);
+
+    /// What the teacher would do in the present state, as an action.
+    fn shown(&mut self) -> [f64; 2];
+}
+
+/// What an environment showed in a round.
+#[derive(Default)]
+struct Shown {
+    observations: Vec<f32>,
+    actions: Vec<f32>,
+    rewards: Vec<f64>,
+    /// Whether an episode ended with the decision.
+    ends: Vec<bool>,
+}
+
+/// Lets the networks imitate the teacher, in all environments: the actor its actions, the critic the sums of rewards of the learner's own driving.
+///
+/// # Source
+/// DAgger: Ross, Gordon and Bagnell, *A reduction of imitation learning and structured prediction to no-regret online learning*, AISTATS 2011.
+pub(crate) fn imitate<E: Pupil>(
+    envs: &mut [E],
+    rule: &DriveRule,
+    networks: &mut ActorCritic,
+    config: &PpoConfig,
+    seed: &Seed,
+) {
+    if rule.demonstrations == 0 {
+        return;
+    }
+    let decisions = (rule.demonstrations / ROUNDS).div_ceil(envs.len() as u32);
+    envs.iter_mut().for_each(|env| env.teach(true));
+    let (mut observations, mut actions) = (Vec::new(), Vec::new());
+    for round in 0..ROUNDS {
+        let seed = seed.index(round.into());
+        let drive = |(number, env): (usize, &mut E)| {
+            show(env, decisions, (round > 0).then_some(&*networks), &seed.index(number as u64))
+        };
+        let shown: Vec<Shown> = envs.par_iter_mut().enumerate().map(drive).collect();
+        let is_last = round + 1 == ROUNDS;
+        if is_last {
+            let seen: Vec<f32> = shown.iter().flat_map(|each| each.observations.iter().copied()).collect();
+            let returns: Vec<f32> = shown.iter().flat_map(|each| returns(each, libm::pow(config.gamma, 1.0 / f64::from(rule.hold)))).collect();
+            let data = (seen.as_slice(), returns.as_slice());
+            fit(networks, Fitted::Critic, data, None, (EPOCHS, STEP_SIZE), config, &seed.child("critic"));
+        }
+        for each in shown {
+            observations.extend(each.observations);
+            actions.extend(each.actions);
+        }
+        let epochs = if is_last { LAST_EPOCHS } else { EPOCHS };
+        let data = (observations.as_slice(), actions.as_slice());
+        fit(networks, Fitted::Actor, data, None, (epochs, STEP_SIZE), config, &seed.child("actor"));
+    }
+    envs.iter_mut().for_each(|env| env.teach(false));
+}
+
+/// A number of decisions: the teacher's, or those of the networks with their noise.
+fn show<E: Pupil>(env: &mut E, decisions: u32, networks: Option<&ActorCritic>, seed: &Seed) -> Shown {
+    let mut stream = seed.stream();
+    let mut scratch = networks.map(|networks| networks.scratch(1));
+    let bounds = env.action_bounds();
+    let mut obs = vec![0.0; env.obs_dim()];
+    let mut shown = Shown::default();
+    env.reset(&mut obs);
+    for _ in 0..decisions {
+        let mut action = env.shown();
+        shown.observations.extend(obs.iter().map(|number| *number as f32));
+        shown.actions.extend(action.map(|number| number as f32));
+        if let Some((networks, scratch)) = networks.zip(scratch.as_mut()) {
+            networks.sample(&obs, &mut action, scratch, &mut stream);
+        }
+        for (number, (low, high)) in action.iter_mut().zip(&bounds) {
+            *number = number.clamp(*low, *high);
+        }
+        let step = env.step(&action, &mut obs);
+        shown.rewards.push(step.reward);
+        shown.ends.push(step.done());
+        if step.done() {
+            env.reset(&mut obs);
+        }
+    }
+    shown
+}
+
+/// The discounted sum of rewards from each decision on; nothing is added after the last one of an episode or of the round.
+fn returns(shown: &Shown, gamma: f64) -> Vec<f32> {
+    let mut sum = 0.0;
+    let mut all: Vec<f32> = Vec::with_capacity(shown.rewards.len());
+    for (reward, ends) in shown.rewards.iter().zip(&shown.ends).rev() {
+        sum = reward + if *ends { 0.0 } else { gamma * sum };
+        all.push(sum as f32);
+    }
+    all.reverse();
+    all
+}

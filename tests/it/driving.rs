@@ -1,0 +1,142 @@
+//! A car that learns to drive: what it sees, what its network does elsewhere, and that its training is repeatable and of use.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Plan, Training, compile};
+use learn::{ActorCritic, Env, Trained};
+use world::av::onnx::{Model, Onnx};
+use world::driving::{ACTION_BOUNDS, ACTION_SCALES, DriveEnv, inputs};
+use world::env::PedestrianEnv;
+use world::falsifier::TrainingRun;
+
+use crate::program::{error, falsify};
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/pedestrians.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+spawn near { distance: 10 m .. 30 m }
+episode short { ticks: 60  hold: 10 }
+training quick = ppo(steps: 900, steps_per_update: 150, epochs: 2, batch_size: 128, environments: 3, initial_log_std: -3, hidden: [24])
+campaign driving {
+  vehicle: model3  adversary: plausible  spawn: near  episode: short  training: quick
+  drive { towns: [harbour, village]  imitates: idm  hold: 2  KEYS }
+}
+"#;
+
+fn plan(keys: &str) -> Plan {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/driving.scn");
+    let text = SCENARIO.replace("KEYS", keys);
+    let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
+}
+
+fn begin(training: &Training) -> TrainingRun {
+    let rule = training.drive.as_ref().unwrap();
+    let (environments, config) = (training.environments, &training.config);
+    TrainingRun::begin_driving(&training.scenarios(), rule, environments, config, &Seed::root(4)).unwrap()
+}
+
+fn trained(training: &Training, threads: usize) -> Trained {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| begin(training).carry_on(&mut |_| std::ops::ControlFlow::Continue(()))).unwrap()
+}
+
+/// Lets a network drive as a learner and as a driver from its file, from the same start; returns both ways, tick by tick.
+fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64; 2]>; 2] {
+    let seed = Seed::root(9);
+    let scenario = &training.scenarios()[1];
+    let mut learner = DriveEnv::new(scenario, training.drive.as_ref().unwrap(), &seed);
+    let bytes = networks.to_onnx_with(&inputs(), &ACTION_SCALES, &ACTION_BOUNDS, &Default::default());
+    let model = Arc::new(Model::read(bytes).unwrap());
+    let mut elsewhere = (**scenario).clone();
+    elsewhere.cast.ego.policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
+    let mut driver = PedestrianEnv::new(Arc::new(elsewhere), seed);
+    driver.place(0);
+    let mut obs = vec![0.0; learner.obs_dim()];
+    learner.reset(&mut obs);
+    let (mut action, mut scratch) = ([0.0; 2], networks.scratch(1));
+    let mut ways = [Vec::new(), Vec::new()];
+    let bounds = learner.action_bounds();
+    for _ in 0..ticks {
+        networks.act(&obs, &mut action, &mut scratch);
+        for (number, (low, high)) in action.iter_mut().zip(&bounds) {
+            *number = number.clamp(*low, *high);
+        }
+        assert!(!learner.step(&action, &mut obs).done());
+        driver.tick_run_up();
+        assert!(learner.env().is_running_up() && driver.is_running_up());
+        for (way, env) in ways.iter_mut().zip([learner.env(), &driver]) {
+            let ego = &env.world().ego().state;
+            way.push([ego.pose.x, ego.pose.y]);
+        }
+    }
+    ways
+}
+
+#[test]
+fn a_network_sees_and_does_in_its_file_what_it_saw_and_did_in_its_training() {
+    let plan = plan("cars: 0  demonstrations: 15_000");
+    let training = &plan.campaigns[0].trainings[0];
+    let networks = trained(training, 1).actor_critic;
+    let [learner, driver] = ways(&networks, training, 120);
+    let far = learner[0].iter().zip(learner[119]).map(|(a, b)| (a - b).abs()).sum::<f64>();
+    assert!(far > 20.0, "it drives: {far} m");
+    // Both differ by the rounding of a hyperbolic tangent, which the road does not amplify.
+    for (tick, (a, b)) in learner.iter().zip(&driver).enumerate() {
+        assert!((a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-3, "tick {tick}: {a:?} and {b:?}");
+    }
+}
+
+#[test]
+fn threads_and_interruptions_change_no_bit() {
+    let plan = plan("cars: 2  demonstrations: 2_000");
+    let training = &plan.campaigns[0].trainings[0];
+    let one = trained(training, 1);
+    assert_eq!(trained(training, 2).to_safetensors(), one.to_safetensors());
+    let mut run = begin(training);
+    run.update().unwrap();
+    let state = run.state(&Default::default());
+    let rule = training.drive.as_ref().unwrap();
+    let (environments, config) = (training.environments, &training.config);
+    let resume = |seed| TrainingRun::resume_driving(&state, &training.scenarios(), rule, environments, config, &seed);
+    let resumed = resume(Seed::root(4)).unwrap().carry_on(&mut |_| std::ops::ControlFlow::Continue(())).unwrap();
+    assert_eq!(resumed.to_safetensors(), one.to_safetensors());
+}
+
+#[test]
+fn who_imitates_drives_better_than_who_does_not() {
+    let first = |keys: &str| {
+        let curve = trained(&plan(keys).campaigns[0].trainings[0], 1).learning_curve;
+        curve.last().unwrap().mean_reward.unwrap()
+    };
+    let (without, with) = (first("demonstrations: 0"), first("demonstrations: 15_000"));
+    assert!(with > without + 0.5, "{with} against {without}");
+}
+
+#[test]
+fn a_report_has_a_driver_that_drives() {
+    let place = tempfile::tempdir().unwrap();
+    let root = env!("CARGO_MANIFEST_DIR");
+    let text = SCENARIO.replace("KEYS", "runs: 2").replace("\"lib/", &format!("\"{root}/scenarios/lib/"));
+    std::fs::write(place.path().join("it.scn"), text).unwrap();
+    let output = falsify(&["run", "--smoke", "it.scn", "--out", "."], place.path());
+    assert!(output.status.success(), "{}", error(&output));
+    let file = place.path().join("driving-smoke/drivers/harbour+village-idm-0.onnx");
+    Model::read(std::fs::read(file).unwrap()).unwrap();
+}
+
+#[test]
+fn a_drivers_training_sees_one_state_at_a_time() {
+    let place = tempfile::tempdir().unwrap();
+    let root = env!("CARGO_MANIFEST_DIR");
+    let text = SCENARIO.replace("KEYS", "").replace("\"lib/", &format!("\"{root}/scenarios/lib/"));
+    std::fs::write(place.path().join("it.scn"), text.replace("epochs: 2", "frame_stack: 2")).unwrap();
+    let said = error(&falsify(&["check", "it.scn"], place.path()));
+    assert!(said.contains("frame_stack: 1"), "{said}");
+}
