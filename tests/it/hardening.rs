@@ -41,7 +41,7 @@ fn found(result: &HardenResult) -> &Hardened {
 
 #[test]
 fn a_brake_that_is_too_late_becomes_an_earlier_one_at_any_number_of_threads() {
-    let range = "from: aeb(full: 0.3 s) to: aeb(full: 2 s) progress: 50 percent comfort: 100 percent";
+    let range = "from: aeb(full: 0.3 s) to: aeb(full: 1.4 s) progress: 50 percent comfort: 100 percent";
     let (one, two) = (harden(range, 1), harden(range, 2));
     assert_eq!(one.found, two.found);
     let hardened = found(&one);
