@@ -41,7 +41,7 @@ fn found(result: &HardenResult) -> &Hardened {
 
 #[test]
 fn a_brake_that_is_too_late_becomes_an_earlier_one_at_any_number_of_threads() {
-    let range = "from: aeb(full: 0.3 s) to: aeb(full: 2 s) progress: 50 percent comfort: 100 percent";
+    let range = "from: aeb(full: 0.3 s) to: aeb(full: 1.4 s) progress: 50 percent comfort: 100 percent";
     let (one, two) = (harden(range, 1), harden(range, 2));
     assert_eq!(one.found, two.found);
     let hardened = found(&one);
@@ -52,7 +52,9 @@ fn a_brake_that_is_too_late_becomes_an_earlier_one_at_any_number_of_threads() {
     assert!(hardened.values[0] <= 0.4 && hardened.values[0] > 0.3, "{:?}", hardened.values);
     let line = one.written.line(&hardened.values);
     assert!(line.starts_with("policy late_hardened = aeb(full: 0.") && line.ends_with("partial: 0.4 s)"), "{line}");
-    let again = compiled(&format!("search {{ towns: [harbour] policies: [idm] falsifiers: [meet] }} }}\n{line}\nspawn other {{ bearing: 0 deg distance: 20 m"));
+    let again = compiled(&format!(
+        "search {{ towns: [harbour] policies: [idm] falsifiers: [meet] }} }}\n{line}\nspawn other {{ bearing: 0 deg distance: 20 m"
+    ));
     assert!(again.is_ok(), "{again:?}");
     assert_eq!(hardened.tests.len(), 2);
     assert!(hardened.tests.iter().all(|test| test.town == "village" && test.starts > 10 && test.new <= test.after));
