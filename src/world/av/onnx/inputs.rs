@@ -32,7 +32,7 @@ impl Input {
         let [forward, left] = view.ego.axes();
         let turned = |velocity: &Vector| [velocity.dot(&forward), velocity.dot(&left)];
         let numbers: Vec<f64> = match self {
-            Input::Ego => {
+            Self::Ego => {
                 let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
                     let colour = match light.colour {
                         LightColour::Green => 1.0,
@@ -43,7 +43,7 @@ impl Input {
                 });
                 vec![view.speed, view.speed_limit, light, distance]
             }
-            Input::Actors(rows) => (0..rows)
+            Self::Actors(rows) => (0..rows)
                 .flat_map(|row| {
                     view.actors.get(row).map_or([0.0; 8], |seen| {
                         let ([x, y, yaw], [vx, vy]) = (place(&seen.pose), turned(&seen.velocity));
@@ -51,7 +51,7 @@ impl Input {
                     })
                 })
                 .collect(),
-            Input::Route(rows) => {
+            Self::Route(rows) => {
                 (0..rows).flat_map(|row| view.route.get(row).or(view.route.last()).map_or([0.0; 3], place)).collect()
             }
         };
@@ -83,7 +83,7 @@ mod tests {
             route: vec![Pose::new(10.0, 6.0, half_turn / 2.0)],
             lanes: Vec::new(),
         };
-        let near = |input, wanted: &[f32]| {
+        let near = |input: Input, wanted: &[f32]| {
             let numbers = input.numbers(&view);
             let same = numbers.len() == wanted.len() && numbers.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5);
             assert!(same, "{numbers:?} instead of {wanted:?}");
