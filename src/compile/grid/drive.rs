@@ -26,7 +26,8 @@ impl Lowering<'_> {
             (config.initial.is_some(), "no `from`"),
         ];
         if let Some((_, needed)) = unfit.into_iter().find(|(is_wrong, _)| *is_wrong) {
-            let message = format!("a driver sees one state at a time and scales it itself, so its training needs {needed}");
+            let message =
+                format!("a driver sees one state at a time and scales it itself, so its training needs {needed}");
             return self.said.push(diagnostics::contradiction(block.head, message));
         }
         let places = PlaceKeys { towns: keys.towns, policies: vec![keys.imitates] };

@@ -56,7 +56,10 @@ pub(crate) fn imitate<E: Pupil>(
         let is_last = round + 1 == ROUNDS;
         if is_last {
             let seen: Vec<f32> = shown.iter().flat_map(|each| each.observations.iter().copied()).collect();
-            let returns: Vec<f32> = shown.iter().flat_map(|each| returns(each, libm::pow(config.gamma, 1.0 / f64::from(rule.hold)))).collect();
+            let returns: Vec<f32> = shown
+                .iter()
+                .flat_map(|each| returns(each, libm::pow(config.gamma, 1.0 / f64::from(rule.hold))))
+                .collect();
             let data = (seen.as_slice(), returns.as_slice());
             fit(networks, Fitted::Critic, data, None, (EPOCHS, STEP_SIZE), config, &seed.child("critic"));
         }

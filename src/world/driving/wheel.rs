@@ -11,7 +11,7 @@ use learn::Inputs;
 /// The bounds of a network's acceleration (m/s²) and steer.
 pub const ACTION_BOUNDS: [(f64, f64); 2] = [(-8.0, 3.0), (-1.0, 1.0)];
 /// A learner's action times these is acceleration and steer: powers of two, so that nothing is rounded.
-pub const ACTION_SCALES: [f64; 2] = [8.0, 0.25];
+pub const ACTION_SCALES: [f64; 2] = [4.0, 0.25];
 
 /// The road users and the points of the route that a learnt driver sees.
 const ACTORS: usize = 4;

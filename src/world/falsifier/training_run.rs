@@ -287,5 +287,7 @@ fn environments_of(
     let (episodes, starts) = (seed.child("episodes"), seed.child("starts"));
     let bank = |(place, scenario)| StartBank::new(scenario, config.starts?, starts.index(place)).map(Arc::new);
     let banks: Vec<_> = (0..).zip(scenarios).map(bank).collect();
-    (0..environments).map(|env| TrainingGround::new(scenarios, rule, &banks, env, &episodes.index(env as u64))).collect()
+    (0..environments)
+        .map(|env| TrainingGround::new(scenarios, rule, &banks, env, &episodes.index(env as u64)))
+        .collect()
 }

@@ -32,7 +32,7 @@ impl Input {
         let [forward, left] = view.ego.axes();
         let turned = |velocity: &Vector| [velocity.dot(&forward), velocity.dot(&left)];
         let numbers: Vec<f64> = match self {
-            Input::Ego => {
+            Self::Ego => {
                 let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
                     let colour = match light.colour {
                         LightColour::Green => 1.0,
@@ -43,7 +43,7 @@ impl Input {
                 });
                 vec![view.speed, view.speed_limit, light, distance]
             }
-            Input::Actors(rows) => (0..rows)
+            Self::Actors(rows) => (0..rows)
                 .flat_map(|row| {
                     view.actors.get(row).map_or([0.0; 8], |seen| {
                         let ([x, y, yaw], [vx, vy]) = (place(&seen.pose), turned(&seen.velocity));
@@ -51,7 +51,7 @@ impl Input {
                     })
                 })
                 .collect(),
-            Input::Route(rows) => {
+            Self::Route(rows) => {
                 (0..rows).flat_map(|row| view.route.get(row).or(view.route.last()).map_or([0.0; 3], place)).collect()
             }
         };
