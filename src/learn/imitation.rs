@@ -67,7 +67,8 @@ pub fn imitate(policy: &mut ActorCritic, demonstrations: &Demonstrations, config
     let mut stream = seed.stream();
     let (mut seen, mut done) = (Vec::with_capacity(BATCH * obs_dim), Vec::with_capacity(BATCH * dim));
     for step in 0..STEPS {
-        (seen.clear(), done.clear());
+        seen.clear();
+        done.clear();
         for _ in 0..BATCH {
             let place = draw(&sums, &mut stream);
             seen.extend_from_slice(&inputs[place * obs_dim..(place + 1) * obs_dim]);

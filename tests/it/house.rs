@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 /// Each package with the greatest number of lines of Rust that it may have, tests included. Who needs more raises it in the same commit and says why.
 ///
 /// Estimates of how likely failures are, covers of boxes, and products for large trainings raised those of base, learn, world, compile, results
-/// and tests/it.
+/// and tests/it. So did teachers of pedestrians, drivers that are trained, and the repair of drivers.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_450),
-    ("src/learn", 6_200),
-    ("src/world", 33_500),
+    ("src/learn", 6_600),
+    ("src/world", 35_200),
     ("src/ported", 6_000),
     ("src/lang", 8_450),
-    ("src/compile", 7_150),
+    ("src/compile", 7_900),
     ("src/process", 1_050),
     ("src/export", 4_000),
-    ("src/results", 29_200),
-    ("src/program", 13_100),
-    ("tests/it", 18_900),
+    ("src/results", 29_750),
+    ("src/program", 13_200),
+    ("tests/it", 19_150),
 ];
 
 /// Crates that only some places may name.

@@ -14,8 +14,8 @@ use base::units::Dimension;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::env::{PedestrianRole, RewardRule, Scenario};
-use world::falsifier::{Controller, Falsifier};
-use world::hardening::{Hardening, Side, TrafficRule, Tunable, TunableKey};
+use world::falsifier::Controller;
+use world::hardening::{Attack, Hardening, Side, TrafficRule, Tunable, TunableKey};
 
 /// The most keys that a repair varies: a search with some dozens of candidates finds nothing in more.
 const MOST_KEYS: usize = 12;
@@ -65,7 +65,7 @@ impl Lowering<'_> {
         let natural = self.catalog.walkers.iter().find(|kind| kind.word() == "natural");
         let natural = natural.expect("the catalogue has the kind `natural`").controller.clone();
         let plain = RewardRule::default();
-        let attacked = |ground: &Ground, rivals: &[Rival]| -> Vec<(String, Arc<dyn Falsifier>, Vec<Arc<Scenario>>)> {
+        let attacked = |ground: &Ground, rivals: &[Rival]| -> Vec<Attack> {
             let each = |rival: &Rival| {
                 let scenarios = places(ground, adversary, usual, &rival.reward.1);
                 (rival.name.clone(), rival.falsifier.clone(), scenarios.into_iter().map(|place| place.1).collect())

@@ -114,9 +114,9 @@ fn demonstrations(scenario: &Arc<Scenario>, starts: &Seed, failures: &[&Failure]
         for (number, commands) in failure.commands.chunks_exact(scenario.cast.pedestrian_count()).enumerate() {
             env.write_state(&mut state);
             if number == 0 {
-                stack.begin(&state)
+                stack.begin(&state);
             } else {
-                stack.push(&state)
+                stack.push(&state);
             }
             env.write_action(commands, &mut action);
             for (component, (low, high)) in action.iter_mut().zip(env.bounds()) {

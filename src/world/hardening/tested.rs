@@ -28,13 +28,16 @@ pub struct Tested {
     pub errors: u64,
 }
 
-/// The tests, and natural traffic before and after; none when it was stopped.
+/// The tests, and natural traffic before and after.
+pub(super) type Findings = (Vec<Tested>, [Traffic; 2]);
+
+/// Tests a driver with these values beside the driver as it was; none when it was stopped.
 pub(super) fn test(
     plan: &Hardening,
     values: &[f64],
     seed: &Seed,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<(Vec<Tested>, [Traffic; 2])>, TrainError> {
+) -> Result<Option<Findings>, TrainError> {
     let sides = [plan.driver.before(), values.to_vec()];
     let both = |scenario: &Arc<Scenario>| sides.each_ref().map(|values| plan.driver.scenario(scenario, values));
     let hard = plan.rule.hard_braking;

@@ -33,13 +33,16 @@ pub enum Side {
     Fixed(f64),
 }
 
+/// Makes a driver of a value for each key, in SI.
+type Make = Arc<dyn Fn(&[f64]) -> PolicyMaker + Send + Sync>;
+
 /// A driver with keys that may be varied.
 #[derive(Clone)]
 pub struct Tunable {
     pub keys: Vec<TunableKey>,
     /// Pairs of which the first must not be above the second.
     rising: Vec<[Side; 2]>,
-    make: Arc<dyn Fn(&[f64]) -> PolicyMaker + Send + Sync>,
+    make: Make,
 }
 
 impl Tunable {
