@@ -32,13 +32,28 @@ pub fn show(report: &CampaignReport) {
     match report::worst_failure(drivers) {
         Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
         None if drivers.iter().all(|driver| driver.episodes == 0) => {
-            if report.covers.is_empty() && report.estimates.is_empty() && report.hardened.is_empty() {
+            let learnt = learnt_drivers(folder);
+            let nothing = report.covers.is_empty() && report.estimates.is_empty() && report.hardened.is_empty();
+            if !learnt.is_empty() {
+                console::say(&format!(
+                    "drivers that learnt, for `policy NAME = onnx(model: …)`:\n{}",
+                    learnt.join("\n")
+                ));
+            } else if nothing {
                 console::say("nothing was evaluated");
             }
         }
         None => console::say("no collision was found"),
     }
     console::say(&folder.join("report.html").display().to_string());
+}
+
+/// The networks of the drivers that a report trained, in the order of their names.
+fn learnt_drivers(folder: &Path) -> Vec<String> {
+    let files = std::fs::read_dir(folder.join("drivers")).into_iter().flatten().flatten();
+    let mut names: Vec<String> = files.map(|file| format!("  {}", file.path().display())).collect();
+    names.sort();
+    names
 }
 
 /// Prints the overview of several reports.
