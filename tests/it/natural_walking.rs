@@ -171,7 +171,7 @@ fn pedestrians_accept_the_gaps_that_they_say() {
         let some = list.iter().filter(|(second, ..)| *second >= from);
         some.fold((0, 0), |(off, all), (_, more, of)| (off + more, all + of))
     };
-    assert_eq!(manual[0].1, 0, "nobody sets off with less than 4 s");
+    assert_eq!(manual[0].1, 0, "none sets off with less than 4 s");
     let (off, all) = many(&manual, 11.0);
     assert!(all > 80 && off * 100 > all * 95, "{off} of {all} set off with more than 11 s");
     let (off, all) = many(&recorded, 15.0);
