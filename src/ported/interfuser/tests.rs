@@ -178,3 +178,11 @@ fn a_red_light_holds_it_for_fifty_seconds() {
     assert!(decisions[1000..1080].iter().all(|decision| !decision.brake));
     assert!(decisions[1080..].iter().all(|decision| decision.brake));
 }
+
+#[test]
+fn a_plan_of_thousands_of_kilometres_has_a_path_of_some_points() {
+    let mut waypoints = straight();
+    waypoints[9] = EgoVector::new(4e9, 0.0);
+    let points = corridor::Corridor::new([0.0, 0.0], 0.0).follow(&waypoints);
+    assert!((10..100_000).contains(&points), "{points}");
+}
