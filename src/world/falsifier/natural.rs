@@ -28,7 +28,8 @@ choice! {
 /// Time that the Highway Capacity Manual adds to the time for the way (s): setting off, and clearance at the end.
 ///
 /// # Source
-/// Highway Capacity Manual 2010, chapter 19, critical headway of a pedestrian at an uncontrolled crossing: way by speed, and 3 s.
+/// Highway Capacity Manual 2010, chapter 19, critical headway of a pedestrian at an uncontrolled crossing: way by speed, and 3 s. The
+/// formula is in public code that implements it; the 3 s were not checked in the manual itself.
 const HCM_GAP: f64 = 3.0;
 
 keys! {
