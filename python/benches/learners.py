@@ -32,7 +32,7 @@ training t = ppo(
 campaign c {{
   vehicle: model3  adversary: pursuer  spawn: ahead_of_a_moving_car  episode: until_passed
   training: t
-  train {{ towns: [harbour]  policies: [behavior]  rewards: [fault_led] }}
+  train {{ towns: [harbour]  policies: [behavior]  rewards: [fault_led]  runs: 1 }}
   evaluate {{ towns: [harbour]  policies: [behavior]  pedestrians: [trained]  episodes: 2 }}
 }}
 """

@@ -8,7 +8,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use world::env::{ObservationSpec, Scenario};
+use world::env::Scenario;
 use world::judge::Label;
 use world::sim::WalkCommand;
 
@@ -148,7 +148,7 @@ impl Worlds {
     /// The numbers of a state of one pedestrian.
     #[getter]
     fn state_size(&self) -> usize {
-        ObservationSpec::DIM
+        self.scenario.cast.pedestrian.observation.dim()
     }
 
     /// Gives worlds new seeds; their next episode is number 0. A negative seed leaves a world as it is.

@@ -64,6 +64,9 @@ keys! {
         action_scaling: Scaling = "natural",
         /// The speed in its state: the ego's, or that of the two relative to each other.
         observed_speed: ObservedSpeed = "ego",
+        /// Directions in which it sees obstacles, a multiple of 4: each adds a number to its state, how far the view is free, up to 20 m. They go
+        /// evenly around, counterclockwise, from where angles are measured from.
+        rays: usize as whole(0, 64) = "0",
         /// Where it looks at first.
         first_heading: FirstHeading = "random",
     }
@@ -76,6 +79,11 @@ pub fn form() -> Form {
 
 /// Reports keys that exclude each other.
 pub fn check(block: &Block, said: &mut Vec<Diagnostic>) {
+    let rays = block.keys::<AdversaryKeys>().rays;
+    if !rays.is_multiple_of(4) {
+        let message = format!("{rays} rays: the number must be a multiple of 4");
+        said.push(diagnostics::contradiction(block.place("rays"), message).help("write 4, 8, 12, 16 or more"));
+    }
     let given = |key: &str| block.places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
     match given("acceleration") {
         Some(acceleration) => {
@@ -121,6 +129,7 @@ pub fn lower(keys: AdversaryKeys) -> PedestrianRole {
             frame: keys.observation_frame,
             scaling: keys.observation_scaling,
             speed: keys.observed_speed,
+            rays: keys.rays,
         },
         action: ActionSpec {
             speed: keys.speed,

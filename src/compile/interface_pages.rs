@@ -7,7 +7,7 @@ use world::env::{ActionSpec, Component, ObservationSpec, ObservedSpeed, Referenc
 
 /// The page of the state.
 pub fn state() -> String {
-    let spec = |frame, scaling, speed| ObservationSpec { frame, scaling, speed };
+    let spec = |frame, scaling, speed| ObservationSpec { frame, scaling, speed, rays: 0 };
     let usual = spec(ReferenceFrame::Heading, Scaling::Natural, ObservedSpeed::Ego);
     let mut page = format!(
         "state: what the controller of a pedestrian gets before each decision, {} numbers in this order\n\n",
@@ -28,6 +28,11 @@ pub fn state() -> String {
     let units = spec(ReferenceFrame::Heading, Scaling::Unit, ObservedSpeed::Ego).components();
     let units: Vec<&str> = units.iter().map(|component| component.unit.as_str()).collect();
     let _ = writeln!(page, "`observation_scaling: unit` divides the numbers by {}.", units.join(", "));
+    let _ = writeln!(
+        page,
+        "`rays: N` adds N numbers: how far the view is free of obstacles, up to {} m, evenly around from angle 0, counterclockwise.",
+        ObservationSpec::REACH
+    );
     page.push_str(
         "With the key `frame_stack: N` of a training the networks get the last N states, the oldest first; zeros precede the first state.\n",
     );

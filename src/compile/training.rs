@@ -5,13 +5,16 @@ use base::keys;
 use base::signature::{DeclarationId, Form, Keys, LEAST};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
-use learn::{ActorCritic, PpoConfig, Schedule};
+use learn::{ActorCritic, PpoConfig, Schedule, Until};
 
 keys! {
     /// Proximal policy optimisation.
     pub struct PpoKeys = "ppo" {
         /// Decisions after which no further update begins; 0 leaves the first networks as they are, or as a `teacher` made them.
         steps: u64 as whole(0, 10_000_000_000) = "70_000",
+        /// `plateau` ends a training when the mean reward of its episodes has not risen clearly for half of `steps`: ten parts of a twentieth in
+        /// a row, none of them better than the best before by two standard errors. Schedules go by `steps` all the same.
+        until: Until = "steps",
         /// Decisions of every environment between two updates.
         steps_per_update: usize as whole(2, 10_000_000) = "150",
         /// Environments that are stepped side by side.
@@ -92,6 +95,7 @@ pub fn form() -> Form {
 pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
     let config = PpoConfig {
         total_steps: keys.steps,
+        until: keys.until,
         rollout_steps: keys.steps_per_update,
         epochs: keys.epochs,
         // Never larger than the number of samples.
@@ -124,9 +128,14 @@ pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
     (config, keys.environments)
 }
 
-/// The networks of the key `from`, for pedestrians with four numbers of a state and two of an action; none without it, or after reporting what is
-/// wrong.
-pub fn initial(declaration: &Declaration, config: &PpoConfig, lowering: &mut Lowering<'_>) -> Option<Arc<ActorCritic>> {
+/// The networks of the key `from`, for pedestrians with this number of numbers of a state and two of an action; none without it, or after reporting
+/// what is wrong.
+pub fn initial(
+    declaration: &Declaration,
+    config: &PpoConfig,
+    state: usize,
+    lowering: &mut Lowering<'_>,
+) -> Option<Arc<ActorCritic>> {
     let block = &declaration.block;
     let path = block.keys::<PpoKeys>().from?;
     let mut is_missing = false;
@@ -136,7 +145,7 @@ pub fn initial(declaration: &Declaration, config: &PpoConfig, lowering: &mut Low
     });
     let read = bytes.and_then(|bytes| ActorCritic::from_safetensors(&bytes).map_err(|error| error.to_string()));
     let fitting = read.and_then(|(networks, _)| {
-        config.accepts(&networks, 4, 2).map_err(|error| error.to_string())?;
+        config.accepts(&networks, state, 2).map_err(|error| error.to_string())?;
         Ok(Arc::new(networks))
     });
     let unusable = |reason: String| diagnostics::unusable_model(block.place("from"), &path, &reason, is_missing);
@@ -168,7 +177,7 @@ mod tests {
     #[test]
     fn every_setting_can_be_written() {
         let text =
-            "ppo(steps: 1000, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
+            "ppo(steps: 1000, until: plateau, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
             gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
             max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
             clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, curriculum: 0.5, starts: 512, normalize_observations: true,
@@ -176,6 +185,7 @@ mod tests {
             hidden: [32, 16])";
         let config = PpoConfig {
             total_steps: 1000,
+            until: Until::Plateau,
             rollout_steps: 100,
             epochs: 4,
             batch_size: 32,

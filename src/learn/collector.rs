@@ -161,13 +161,16 @@ impl Collector {
         finished
     }
 
-    /// Returns the mean reward and length of the most recent episodes and the share of successes among them, if any has ended.
-    pub(super) fn recent_means(&self) -> Option<(f64, f64, f64)> {
+    /// Returns the mean reward and length of the most recent episodes and the shares of successes and faults among them, if any has ended; the last
+    /// one only where all were judged.
+    pub(super) fn recent_means(&self) -> Option<(f64, f64, f64, Option<f64>)> {
         let count = self.recent.len() as f64;
         let successes = self.recent.iter().filter(|episode| episode.success).count() as f64;
         let reward: f64 = self.recent.iter().map(|episode| episode.reward).sum();
         let length: f64 = self.recent.iter().map(|episode| episode.length as f64).sum();
-        (count > 0.0).then(|| (reward / count, length / count, successes / count))
+        let faults: Option<Vec<bool>> = self.recent.iter().map(|episode| episode.fault).collect();
+        let faults = faults.map(|faults| faults.into_iter().filter(|fault| *fault).count() as f64 / count);
+        (count > 0.0).then(|| (reward / count, length / count, successes / count, faults))
     }
 }
 
@@ -273,7 +276,7 @@ mod tests {
         assert_eq!(buffer.rewards, [1.0, 1.0, cut, 1.0, 1.0, cut, 1.0]);
         assert_eq!(buffer.episode_starts, [true, false, false, true, false, false, true]);
         // The log has the environment's own rewards.
-        assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3, success: false }; 2]);
+        assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3, success: false, fault: None }; 2]);
         for both in [false, true] {
             assert_eq!(rollout(true, both, 7).0.rewards, [1.0; 7]);
         }
@@ -352,7 +355,7 @@ mod tests {
         }
         assert!((collector.return_moments.unwrap().variance[0] - moments.variance[0]).abs() < 1e-12);
         // The log has the environment's own rewards.
-        assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3, success: false }; 2]);
+        assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3, success: false, fault: None }; 2]);
     }
 
     #[test]
@@ -371,6 +374,6 @@ mod tests {
         let lengths: Vec<u64> = finished.iter().map(|episode| episode.length).collect();
         // After steps 2, 3 and 4, and twice after step 6.
         assert_eq!(lengths, [2, 3, 2, 3, 2]);
-        assert_eq!(collector.recent_means(), Some((2.4, 2.4, 0.0)));
+        assert_eq!(collector.recent_means(), Some((2.4, 2.4, 0.0, None)));
     }
 }

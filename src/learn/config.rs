@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 
 use super::actor_critic::ActorCritic;
 use super::schedule::Schedule;
+use super::until::Until;
 
 /// The hyperparameters of PPO.
 ///
@@ -20,6 +21,8 @@ use super::schedule::Schedule;
 pub struct PpoConfig {
     /// Environment steps after which no further update starts, summed over all environments.
     pub total_steps: u64,
+    /// What ends the training.
+    pub until: Until,
     /// Steps per environment between two updates.
     pub rollout_steps: usize,
     /// Passes over the rollout in every update.
@@ -89,6 +92,7 @@ impl PpoConfig {
     pub fn paper() -> Self {
         Self {
             total_steps: 70_000,
+            until: Until::Steps,
             rollout_steps: 150,
             epochs: 10,
             batch_size: 64,
@@ -130,7 +134,9 @@ impl PpoConfig {
     /// shorter one.
     pub fn depends_on_total_steps(&self) -> bool {
         let schedules = [self.learning_rate_schedule, self.clip_schedule];
-        self.curriculum > 0.0 || schedules.iter().any(|schedule| *schedule != Schedule::Constant)
+        self.curriculum > 0.0
+            || self.until == Until::Plateau
+            || schedules.iter().any(|schedule| *schedule != Schedule::Constant)
     }
 
     /// Writes the settings as a JSON object.

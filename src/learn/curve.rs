@@ -30,11 +30,36 @@ pub(super) fn write_curve(writer: &mut Writer, curve: &[UpdateLog]) {
     maybe("mean_reward", |log| log.mean_reward);
     maybe("mean_length", |log| log.mean_length);
     maybe("success_rate", |log| log.success_rate);
+    maybe("fault_rate", |log| log.fault_rate);
     maybe("explained_variance", |log| log.explained_variance);
     let finished: Vec<FinishedEpisode> = curve.iter().flat_map(|log| &log.finished).copied().collect();
-    writer.add("curve.finished.reward", &[finished.len()], finished.iter().map(|episode| episode.reward));
-    writer.add("curve.finished.length", &[finished.len()], finished.iter().map(|episode| episode.length));
-    writer.add("curve.finished.success", &[finished.len()], finished.iter().map(|episode| u8::from(episode.success)));
+    write_episodes(writer, "curve.finished", finished.iter());
+}
+
+/// Adds episodes to a file under names that begin like this, one vector a quantity.
+pub(super) fn write_episodes<'a>(
+    writer: &mut Writer,
+    name: &str,
+    episodes: impl ExactSizeIterator<Item = &'a FinishedEpisode> + Clone,
+) {
+    let (count, numbers) = (episodes.len(), episodes.map(FinishedEpisode::numbers));
+    writer.add(&format!("{name}.reward"), &[count], numbers.clone().map(|numbers| numbers.0));
+    writer.add(&format!("{name}.length"), &[count], numbers.clone().map(|numbers| numbers.1));
+    writer.add(&format!("{name}.success"), &[count], numbers.clone().map(|numbers| numbers.2));
+    writer.add(&format!("{name}.fault"), &[count], numbers.map(|numbers| numbers.3));
+}
+
+/// Reads what [`write_episodes`] wrote.
+pub(super) fn read_episodes(tensors: &SafeTensors<'_>, name: &str) -> Result<Vec<FinishedEpisode>, CheckpointError> {
+    let rewards = read::<f64>(tensors, &format!("{name}.reward"))?.values;
+    let count = rewards.len();
+    let lengths: Vec<u64> = read_vector(tensors, &format!("{name}.length"), count)?;
+    let successes: Vec<u8> = read_vector(tensors, &format!("{name}.success"), count)?;
+    let faults: Vec<u8> = read_vector(tensors, &format!("{name}.fault"), count)?;
+    let numbers = rewards.into_iter().zip(lengths).zip(successes).zip(faults);
+    Ok(numbers
+        .map(|(((reward, length), success), fault)| FinishedEpisode::of((reward, length, success, fault)))
+        .collect())
 }
 
 fn add<N: Number>(writer: &mut Writer, name: &str, curve: &[UpdateLog], value: impl Fn(&UpdateLog) -> N) {
@@ -61,12 +86,9 @@ pub(super) fn read_curve(tensors: &SafeTensors<'_>) -> Result<Vec<UpdateLog>, Ch
     let (policy_loss, value_loss, grad_norm) = (number("policy_loss")?, number("value_loss")?, number("grad_norm")?);
     let (learning_rate, clip_coef, std) = (number("learning_rate")?, number("clip_coef")?, number("std")?);
     let (mean_reward, mean_length) = (maybe("mean_reward")?, maybe("mean_length")?);
-    let (success_rate, explained_variance) = (maybe("success_rate")?, maybe("explained_variance")?);
-    let rewards = read::<f64>(tensors, "curve.finished.reward")?.values;
-    let lengths: Vec<u64> = read_vector(tensors, "curve.finished.length", rewards.len())?;
-    let successes: Vec<u8> = read_vector(tensors, "curve.finished.success", rewards.len())?;
-    let ended = rewards.into_iter().zip(lengths).zip(successes);
-    let mut ended = ended.map(|((reward, length), success)| FinishedEpisode { reward, length, success: success != 0 });
+    let (success_rate, fault_rate) = (maybe("success_rate")?, maybe("fault_rate")?);
+    let explained_variance = maybe("explained_variance")?;
+    let mut ended = read_episodes(tensors, "curve.finished")?.into_iter();
 
     let curve: Vec<UpdateLog> = (0..updates)
         .map(|i| {
@@ -80,6 +102,7 @@ pub(super) fn read_curve(tensors: &SafeTensors<'_>) -> Result<Vec<UpdateLog>, Ch
                 mean_reward: mean_reward[i],
                 mean_length: mean_length[i],
                 success_rate: success_rate[i],
+                fault_rate: fault_rate[i],
                 approx_kl: approx_kl[i],
                 clip_fraction: clip_fraction[i],
                 explained_variance: explained_variance[i],

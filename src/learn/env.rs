@@ -28,6 +28,11 @@ pub trait Env {
         false
     }
 
+    /// Returns whether it reached the goal in the way that counts: the driver is to blame. None where that is not judged.
+    fn is_fault(&self) -> Option<bool> {
+        None
+    }
+
     /// Returns the potential of the present state, by which the learner's rewards are shaped; 0 for none.
     ///
     /// The learner gets γ Φ(s′) − Φ(s) in addition to the reward, with its own γ. Φ may depend on everything that the state of the

@@ -49,12 +49,13 @@ pub fn event_file_start(wall_time: f64) -> Vec<u8> {
 
 /// The scalars of an update as a record of an event file, written at this time (seconds since 1970). The step is the number of decisions.
 ///
-/// Tags are those of stable-baselines3; `train/gradient_norm` is ours. Values that are absent are left out.
+/// Tags are those of stable-baselines3; `rollout/fault_rate` and `train/gradient_norm` are ours. Values that are absent are left out.
 pub fn event_of_update(log: &UpdateLog, wall_time: f64) -> Vec<u8> {
     let scalars = [
         ("rollout/ep_rew_mean", log.mean_reward),
         ("rollout/ep_len_mean", log.mean_length),
         ("rollout/success_rate", log.success_rate),
+        ("rollout/fault_rate", log.fault_rate),
         ("train/approx_kl", Some(log.approx_kl)),
         ("train/clip_fraction", Some(log.clip_fraction)),
         ("train/clip_range", Some(log.clip_coef)),

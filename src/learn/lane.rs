@@ -141,6 +141,7 @@ impl Lane {
             self.end.restore(self.stack.as_slice());
             self.end.push(&self.frame);
             self.running.success = env.is_success();
+            self.running.fault = env.is_fault();
             self.finished.push((t, self.running));
             self.running = FinishedEpisode::default();
             env.reset(&mut self.frame);

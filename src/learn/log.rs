@@ -11,6 +11,20 @@ pub struct FinishedEpisode {
     pub length: u64,
     /// Whether it reached the goal of the environment.
     pub success: bool,
+    /// Whether it did so in the way that counts; none where that is not judged.
+    pub fault: Option<bool>,
+}
+
+impl FinishedEpisode {
+    /// Its numbers in a file: reward, length, and two numbers of 0 for no and 1 for yes, the second one 2 where it is not judged.
+    pub(super) fn numbers(&self) -> (f64, u64, u8, u8) {
+        (self.reward, self.length, u8::from(self.success), self.fault.map_or(2, u8::from))
+    }
+
+    /// The episode with these numbers.
+    pub(super) fn of((reward, length, success, fault): (f64, u64, u8, u8)) -> Self {
+        Self { reward, length, success: success != 0, fault: (fault < 2).then_some(fault == 1) }
+    }
 }
 
 /// The report of one update: a rollout and the gradient steps on it.
@@ -33,6 +47,8 @@ pub struct UpdateLog {
     pub mean_length: Option<f64>,
     /// The share of the same episodes that reached the goal of the environment, 0 to 1.
     pub success_rate: Option<f64>,
+    /// The share of the same episodes that did so in the way that counts, 0 to 1; none where that is not judged.
+    pub fault_rate: Option<f64>,
     /// The estimate of the divergence between old and new policy in nats, over the minibatches of the last epoch.
     pub approx_kl: f64,
     /// The share of samples whose probability ratio lay outside the clip interval, over all minibatches.

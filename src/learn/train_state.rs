@@ -9,7 +9,7 @@ use super::archive::{Writer, read, read_vector};
 use super::checkpoint::{CheckpointError, read_moments, write_moments};
 use super::collector::observe;
 use super::config::PpoConfig;
-use super::curve::{read_curve, write_curve};
+use super::curve::{read_curve, read_episodes, write_curve, write_episodes};
 use super::env::Env;
 use super::log::FinishedEpisode;
 use super::trainer::{Trainer, dimensions};
@@ -33,9 +33,7 @@ impl Trainer {
         writer.vector("adam.powers", &self.learner.adam.powers);
         writer.vector("minibatches", &position(&self.minibatches));
         let recent = &self.collector.recent;
-        writer.add("recent.reward", &[recent.len()], recent.iter().map(|episode| episode.reward));
-        writer.add("recent.length", &[recent.len()], recent.iter().map(|episode| episode.length));
-        writer.add("recent.success", &[recent.len()], recent.iter().map(|episode| u8::from(episode.success)));
+        write_episodes(&mut writer, "recent", recent.iter());
         if let Some(moments) = &self.collector.return_moments {
             write_moments(&mut writer, "ret_rms", moments);
         }
@@ -104,13 +102,7 @@ impl Trainer {
             return Err(CheckpointError::Env { env: envs.len() });
         }
         this.minibatches = read_stream(tensors, "minibatches")?;
-        let rewards = read::<f64>(tensors, "recent.reward")?.values;
-        let lengths: Vec<u64> = read_vector(tensors, "recent.length", rewards.len())?;
-        let successes: Vec<u8> = read_vector(tensors, "recent.success", rewards.len())?;
-        let episodes = rewards.into_iter().zip(lengths).zip(successes);
-        let episodes =
-            episodes.map(|((reward, length), success)| FinishedEpisode { reward, length, success: success != 0 });
-        this.collector.recent.extend(episodes);
+        this.collector.recent.extend(read_episodes(tensors, "recent")?);
         if config.normalize_reward {
             let moments = read_moments(tensors, "ret_rms", 1)?;
             let missing = || CheckpointError::Missing { name: "ret_rms.mean".to_owned() };
@@ -138,7 +130,7 @@ impl Trainer {
             lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
             let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
             let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;
-            lane.running = FinishedEpisode { reward: episode[0], length: length[0], success: false };
+            lane.running = FinishedEpisode { reward: episode[0], length: length[0], ..FinishedEpisode::default() };
             lane.discounted = episode[1];
             lane.start = length[1] != 0;
         }

@@ -12,6 +12,7 @@ use super::moments::RunningMoments;
 use super::ppo::Trained;
 use super::rollout::{Rollout, explained_variance};
 use super::train_error::TrainError;
+use super::until::{Until, is_plateau};
 use base::seed::{Seed, Stream};
 
 /// A training between two updates.
@@ -136,9 +137,11 @@ impl Trainer {
         }
     }
 
-    /// Returns whether the number of steps in the settings has been reached.
+    /// Returns whether the number of steps in the settings has been reached, or the plateau that they ask for.
     pub fn is_done(&self) -> bool {
-        self.steps >= self.config.total_steps
+        let PpoConfig { total_steps, until, curriculum, .. } = self.config;
+        self.steps >= total_steps
+            || until == Until::Plateau && is_plateau(&self.learning_curve, total_steps, curriculum)
     }
 
     /// Returns the number of updates up to now.
@@ -195,8 +198,9 @@ impl<'a> Experience<'a> {
             episodes: finished.len(),
             finished,
             mean_reward: recent.map(|(reward, ..)| reward),
-            mean_length: recent.map(|(_, length, _)| length),
-            success_rate: recent.map(|(.., rate)| rate),
+            mean_length: recent.map(|(_, length, ..)| length),
+            success_rate: recent.map(|(_, _, rate, _)| rate),
+            fault_rate: recent.and_then(|(.., rate)| rate),
             approx_kl: means.approx_kl,
             clip_fraction: means.clip_fraction,
             explained_variance: explained_variance(&trainer.rollouts),

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 /// Each package with the greatest number of lines of Rust that it may have, tests included. Who needs more raises it in the same commit and says why.
 ///
 /// Estimates of how likely failures are, covers of boxes, and products for large trainings raised those of base, learn, world, compile, results
-/// and tests/it. So did teachers of pedestrians, drivers that are trained, and the repair of drivers.
+/// and tests/it. So did teachers of pedestrians, drivers that are trained, the repair of drivers, and
+/// the end of a training at a plateau.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_450),
-    ("src/learn", 6_600),
-    ("src/world", 35_200),
+    ("src/learn", 6_800),
+    ("src/world", 35_300),
     ("src/ported", 6_000),
     ("src/lang", 8_450),
     ("src/compile", 7_900),

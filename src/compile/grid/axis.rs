@@ -64,22 +64,23 @@ impl Lowering<'_> {
         Axis { id, name: self.axis_name(id), value }
     }
 
-    pub(super) fn training(&mut self, id: DeclarationId) -> Axis<(PpoConfig, usize)> {
+    /// A training of a pedestrian whose states have this number of numbers.
+    pub(super) fn training(&mut self, id: DeclarationId, state: usize) -> Axis<(PpoConfig, usize)> {
         let declaration = self.program.get(id);
         let block = &declaration.block;
         let (mut config, environments) = training::lower(block.keys());
-        config.initial = training::initial(declaration, &config, self);
+        config.initial = training::initial(declaration, &config, state, self);
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
             self.said.push(diagnostics::contradiction(block.place("steps_per_update"), message));
         }
-        let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(4 * config.frame_stack);
+        let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(state * config.frame_stack);
         if seen > MOST_SEEN && config.rollout_steps.saturating_mul(environments) <= MOST_DECISIONS {
             let message =
                 format!("an update of {seen} numbers of states does not fit in memory; at most {MOST_SEEN} do");
             self.said.push(diagnostics::contradiction(block.place("frame_stack"), message));
         }
-        let widths = [&[4 * config.frame_stack], config.hidden.as_slice(), &[2]].concat();
+        let widths = [&[state * config.frame_stack], config.hidden.as_slice(), &[2]].concat();
         let weights: usize = widths.windows(2).map(|pair| pair[0] * pair[1]).sum();
         if weights > MOST_WEIGHTS {
             let message = format!("networks of {weights} weights do not fit in memory; at most {MOST_WEIGHTS} do");

@@ -104,7 +104,8 @@ impl Lowering<'_> {
             let mut declarations = vec![*id];
             let search = match &estimator {
                 Estimator::Importance(method) => {
-                    let rivals = self.falsifiers(campaign, &[method.falsifier()], usual.training.as_ref());
+                    let rivals =
+                        self.falsifiers(campaign, &[method.falsifier()], &usual.walker.value, usual.training.as_ref());
                     let Some(rival) = rivals.into_iter().next() else { continue };
                     declarations.extend(&rival.declarations);
                     Some((rival.falsifier, rival.reward.1, method.search_budget()))

@@ -35,13 +35,9 @@ impl Lowering<'_> {
         let rule = self.episode(keys.episode);
         let ids = keys.requirements.unwrap_or_default();
         let all = self.requirements(block, "requirements", &ids, &rule.value).into();
-        let usual = Usual {
-            car: self.vehicle(keys.vehicle),
-            walker: self.adversary(keys.adversary),
-            rule,
-            requirements: Required { ids, all },
-            training: keys.training.map(|id| self.training(id)),
-        };
+        let (car, walker) = (self.vehicle(keys.vehicle), self.adversary(keys.adversary));
+        let training = keys.training.map(|id| self.training(id, walker.value.observation.dim()));
+        let usual = Usual { car, walker, rule, requirements: Required { ids, all }, training };
         let mut campaign = Campaign {
             name: declaration.name.clone(),
             docs: declaration.docs.clone(),

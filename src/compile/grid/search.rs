@@ -10,7 +10,7 @@ use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::Block;
 use learn::PpoConfig;
-use world::env::{RewardRule, Scenario};
+use world::env::{PedestrianRole, RewardRule, Scenario};
 use world::falsifier::Falsifier;
 use world::requirement::NamedRequirement;
 
@@ -51,7 +51,7 @@ impl Lowering<'_> {
         let (car, walker) = (&usual.car.value, &adversary.value);
         let bodies = [(&usual.car, adversary)];
         let Some(ground) = self.ground(campaign_block, block, &keys.places, &keys.start, &bodies) else { return };
-        let falsifiers = self.falsifiers(campaign_block, &keys.falsifiers, usual.training.as_ref());
+        let falsifiers = self.falsifiers(campaign_block, &keys.falsifiers, &adversary.value, usual.training.as_ref());
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), keys.runs as usize]) {
             return;
         }
@@ -115,6 +115,7 @@ impl Lowering<'_> {
         &mut self,
         campaign: &Block,
         ids: &[DeclarationId],
+        walker: &PedestrianRole,
         usual: Option<&Axis<(PpoConfig, usize)>>,
     ) -> Vec<Rival> {
         let mut rivals = Vec::new();
@@ -122,7 +123,7 @@ impl Lowering<'_> {
             let declaration = self.program.get(*id);
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
-                Some(id) => Some(self.training(id)),
+                Some(id) => Some(self.training(id, walker.observation.dim())),
                 None => usual.cloned(),
             };
             if training.is_none() && falsifier::learns(&self.catalog.falsifiers, declaration) {

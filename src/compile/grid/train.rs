@@ -11,7 +11,7 @@ use crate::training::PpoKeys;
 use base::signature::{DeclarationId, Formula, VariableId};
 use lang::diagnostics;
 use lang::hir::{Block, Clause};
-use world::env::{EpisodeRule, RewardRule};
+use world::env::{EpisodeRule, PedestrianRole, RewardRule};
 use world::falsifier::Teacher;
 
 /// Ticks of a teacher in each place, unless given.
@@ -41,7 +41,7 @@ impl Lowering<'_> {
         note_towns(&mut campaign.towns, &ground.towns);
         paid.iter().for_each(|reward| self.warn_of_paid_waiting(reward, &usual.rule.value));
         let (config, environments) = &training.value;
-        let teacher = self.teacher(campaign_block, training.id);
+        let teacher = self.teacher(campaign_block, training.id, &usual.walker.value);
         for places in groups(ground.places().collect(), together) {
             for reward in &paid {
                 let scenario_of =
@@ -87,7 +87,7 @@ impl Lowering<'_> {
     }
 
     /// The falsifier that a training learns from, and its ticks in each place; none without one, or after reporting what is wrong with it.
-    fn teacher(&mut self, campaign: &Block, training: DeclarationId) -> Option<(Rival, u64)> {
+    fn teacher(&mut self, campaign: &Block, training: DeclarationId, walker: &PedestrianRole) -> Option<(Rival, u64)> {
         let declaration = self.program.get(training);
         let PpoKeys { teacher, teacher_ticks, .. } = declaration.block.keys();
         let named = self.program.get(teacher?);
@@ -101,7 +101,7 @@ impl Lowering<'_> {
             self.said.push(diagnostics::contradiction(declaration.block.place("teacher"), message));
             return None;
         }
-        let rival = self.falsifiers(campaign, &[teacher?], None).into_iter().next()?;
+        let rival = self.falsifiers(campaign, &[teacher?], walker, None).into_iter().next()?;
         Some((rival, teacher_ticks.unwrap_or(TEACHER_TICKS)))
     }
 

@@ -91,6 +91,8 @@ pub struct NewestUpdate {
     pub mean_reward: Option<f64>,
     /// The share of them that ended in a collision.
     pub collision_rate: Option<f64>,
+    /// The share of them that ended in a fault; none where the reward asks for no judgement.
+    pub fault_rate: Option<f64>,
 }
 
 impl NewestUpdate {
@@ -126,6 +128,7 @@ impl NewestUpdate {
             episodes: rows.iter().filter_map(|row| row[episodes].parse::<u64>().ok()).sum(),
             mean_reward: number("mean_reward"),
             collision_rate: number("collision_rate"),
+            fault_rate: number("fault_rate"),
         })
     }
 }
@@ -180,6 +183,7 @@ mod tests {
             episodes,
             mean_reward: rate,
             collision_rate: rate,
+            fault_rate: None,
         };
         assert_eq!(read(0), Some(newest(0, 2, 6, Some(0.25))));
         assert_eq!(read(1), Some(newest(1, 1, 3, None)));

@@ -108,7 +108,7 @@ impl Cast {
 
     /// The numbers of a joint state: those of all controlled pedestrians, one after another.
     pub fn obs_dim(&self) -> usize {
-        self.controlled().count() * ObservationSpec::DIM
+        self.controlled().map(|(_, role)| role.observation.dim()).sum()
     }
 
     /// The bounds of a joint action: those of all controlled pedestrians, one after another.

@@ -22,7 +22,7 @@ pub(super) const UNITS: (f64, f64, f64) = (PI, 30.0, 8.0);
 
 impl ObservationSpec {
     /// The numbers of a state in their order.
-    pub fn components(&self) -> [Component; Self::DIM] {
+    pub fn components(&self) -> Vec<Component> {
         let first = match self.frame {
             ReferenceFrame::LineOfSight => ("heading", "direction that the pedestrian faces"),
             _ => ("bearing", "direction from the pedestrian to the middle of the car"),
@@ -45,14 +45,24 @@ impl ObservationSpec {
             ("relative_heading", "rad", "π rad", (Some(-PI), Some(PI)), turn, "direction that the car faces"),
             ("speed", "m/s", "8 m/s", (Some(0.0), None), pace, speed),
         ];
-        numbers.map(|(name, unit, scaled, (low, high), divisor, meaning)| {
+        let reach = Self::REACH;
+        let ray = "how far the view is free of obstacles in that direction: rays go evenly around, counterclockwise, the first one at angle 0";
+        let rays = (0..self.rays).map(|number| {
+            let (unit, high) = match self.scaling {
+                Scaling::Natural => ("m".into(), reach),
+                Scaling::Unit => (format!("{reach} m"), 1.0),
+            };
+            Component { name: format!("ray_{number}"), unit, low: Some(0.0), high: Some(high), meaning: ray }
+        });
+        let of_the_ego = numbers.map(|(name, unit, scaled, (low, high), divisor, meaning)| {
             let (unit, divisor) = match self.scaling {
                 Scaling::Natural => (unit, 1.0),
                 Scaling::Unit => (scaled, divisor),
             };
             let over = |bound: Option<f64>| bound.map(|bound| bound / divisor);
             Component { name: name.into(), unit: unit.into(), low: over(low), high: over(high), meaning }
-        })
+        });
+        of_the_ego.into_iter().chain(rays).collect()
     }
 }
 
@@ -107,7 +117,7 @@ impl Cast {
     }
 }
 
-fn of<const N: usize>(number: usize, components: [Component; N]) -> impl Iterator<Item = Component> {
+fn of(number: usize, components: impl IntoIterator<Item = Component>) -> impl Iterator<Item = Component> {
     components.into_iter().map(move |component| match number {
         0 => component,
         _ => Component { name: format!("{}_{number}", component.name), ..component },
@@ -126,7 +136,7 @@ mod tests {
             [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::LineOfSight, ReferenceFrame::World];
         for (frame, scaling) in frames.into_iter().flat_map(|frame| [(frame, Scaling::Natural), (frame, Scaling::Unit)])
         {
-            let spec = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego };
+            let spec = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0 };
             let components = spec.components();
             let mut extremes = [(f64::MAX, f64::MIN); ObservationSpec::DIM];
             for step in 0..2000 {

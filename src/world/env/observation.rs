@@ -1,6 +1,8 @@
+use std::f64::consts::TAU;
+
 use super::component::UNITS;
 use super::{ReferenceFrame, Scaling};
-use crate::geometry::{Point, Pose, Vector, wrap_angle};
+use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use base::choice;
 
 choice! {
@@ -51,7 +53,7 @@ impl Observation {
     }
 }
 
-/// Converts an [`Observation`] to the numbers of a state: bearing, distance, relative heading, speed.
+/// Converts an [`Observation`] to the numbers of a state: bearing, distance, relative heading, speed; then how far the view is free along the rays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationSpec {
     /// The direction from which the angles are measured.
@@ -60,13 +62,23 @@ pub struct ObservationSpec {
     pub scaling: Scaling,
     /// The meaning of the speed.
     pub speed: ObservedSpeed,
+    /// The number of directions in which obstacles are seen, evenly around from the direction of the frame, counterclockwise.
+    pub rays: usize,
 }
 
 impl ObservationSpec {
-    /// The numbers of a state.
+    /// The numbers of a state about the ego.
     pub const DIM: usize = 4;
 
-    /// The state for an observation in the frame of the pedestrian's heading.
+    /// The length of a ray (m): what is farther is not seen.
+    pub const REACH: f64 = 20.0;
+
+    /// The numbers of a state.
+    pub fn dim(&self) -> usize {
+        Self::DIM + self.rays
+    }
+
+    /// The numbers about the ego for an observation in the frame of the pedestrian's heading.
     pub fn encode(&self, seen: &Observation, pedestrian: &Pose, initial_heading: f64, ego: Point) -> [f64; Self::DIM] {
         let turn = wrap_angle(pedestrian.yaw - self.frame.origin(pedestrian, initial_heading, ego));
         // On the line of sight the bearing is always 0; the pedestrian's own heading replaces it.
@@ -81,6 +93,21 @@ impl ObservationSpec {
                 let (turn, distance, speed) = UNITS;
                 [state[0] / turn, state[1] / distance, state[2] / turn, state[3] / speed]
             }
+        }
+    }
+
+    /// Writes how far the view is free along each ray: in metres, or over their length.
+    pub fn look(&self, pedestrian: &Pose, initial_heading: f64, ego: Point, obstacles: &Obstacles, seen: &mut [f64]) {
+        if seen.is_empty() {
+            return;
+        }
+        let (first, between) = (self.frame.origin(pedestrian, initial_heading, ego), TAU / seen.len() as f64);
+        let directions = (0..seen.len()).map(|number| first + between * number as f64);
+        let rays: Vec<Vector> =
+            directions.map(|way| Vector::new(libm::cos(way), libm::sin(way)) * Self::REACH).collect();
+        obstacles.free_shares(pedestrian.position(), &rays, seen);
+        if self.scaling == Scaling::Natural {
+            seen.iter_mut().for_each(|share| *share *= Self::REACH);
         }
     }
 }
@@ -107,7 +134,7 @@ mod tests {
         let (pose, ego) = (Pose::new(3.0, 4.0, 2.5), Pose::new(-5.0, 1.0, 0.2));
         for frame in [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::World] {
             let scaling = Scaling::Natural;
-            let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego };
+            let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0 };
             let action = ActionSpec { frame, scaling, speed: (0.0, 3.5), heading: ActionSpec::ANY_HEADING };
             let seen = Observation::new(&pose, 0.0, &ego, 5.0, ObservedSpeed::Ego);
             let state = observation.encode(&seen, &pose, 0.3, ego.position());

@@ -127,7 +127,7 @@ impl<'a> Pair<'a> {
         tick.is_multiple_of(hold).then(|| self.decisions.get(tick / hold).copied()).flatten()
     }
 
-    /// The state that the controller of the pedestrian gets in a frame, in the frame and units of its adversary.
+    /// The numbers about the ego in the state that the controller of the pedestrian gets in a frame, in the frame and units of its adversary.
     pub fn state(&self, frame: &Frame) -> [f64; ObservationSpec::DIM] {
         let (walking, ego, observation) = (&frame.pedestrian, &frame.ego, &self.role.observation);
         let seen = Observation::new(&walking.pose, walking.speed(), &ego.pose, ego.speed, observation.speed);

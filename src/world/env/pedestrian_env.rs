@@ -146,6 +146,8 @@ struct Episode {
     held: u32,
     contact: Option<Contact>,
     reward: f64,
+    /// Whether the hit that ended it is a fault of the driver.
+    is_fault: bool,
     least_gap: f64,
     /// Least [`PedestrianEnv::nearness`] up to now (m).
     nearest: f64,
@@ -168,6 +170,7 @@ impl Episode {
             held: 0,
             contact: None,
             reward: 0.0,
+            is_fault: false,
             least_gap: f64::INFINITY,
             nearest: f64::INFINITY,
             digest: 0,
@@ -539,10 +542,13 @@ impl PedestrianEnv {
 
     /// Writes the joint state: what each controlled pedestrian observes, in the frame and units of its controller.
     pub fn write_state(&self, state: &mut [f64]) {
-        for ((number, role), part) in self.scenario.cast.controlled().zip(state.chunks_exact_mut(ObservationSpec::DIM))
-        {
+        let mut rest = state;
+        for (number, role) in self.scenario.cast.controlled() {
+            let Some(part) = rest.split_off_mut(..role.observation.dim()) else { return };
             let (pedestrian, initial, ego) = self.viewpoint(number);
-            part.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
+            let (of_the_ego, rays) = part.split_at_mut(ObservationSpec::DIM);
+            of_the_ego.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
+            role.observation.look(pedestrian, initial, ego, &self.world.obstacles, rays);
         }
     }
 
@@ -663,6 +669,11 @@ impl Env for PedestrianEnv {
     /// Whether the episode ended in a failure of the driver.
     fn is_success(&self) -> bool {
         self.is_failure()
+    }
+
+    /// Whether the driver is to blame; none where the reward asks for no judgement.
+    fn is_fault(&self) -> Option<bool> {
+        self.scenario.oracle.is_some().then_some(self.episode.is_fault)
     }
 
     fn potential(&self) -> f64 {

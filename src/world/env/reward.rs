@@ -53,7 +53,7 @@ pub(super) struct Hit {
 }
 
 impl Hit {
-    fn is(&self, class: HitClass) -> bool {
+    pub(super) fn is(&self, class: HitClass) -> bool {
         match class {
             HitClass::Fault => self.moving && self.judgement.fault,
             HitClass::Preventable => self.moving && self.judgement.preventable,

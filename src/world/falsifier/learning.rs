@@ -65,6 +65,10 @@ impl Env for Ground<'_> {
         self.share.env().is_success()
     }
 
+    fn is_fault(&self) -> Option<bool> {
+        self.share.env().is_fault()
+    }
+
     fn potential(&self) -> f64 {
         self.share.env().potential()
     }

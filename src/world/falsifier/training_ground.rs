@@ -113,6 +113,10 @@ impl Env for TrainingGround {
         self.env().is_success()
     }
 
+    fn is_fault(&self) -> Option<bool> {
+        self.env().is_fault()
+    }
+
     fn potential(&self) -> f64 {
         self.env().potential()
     }

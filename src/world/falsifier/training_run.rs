@@ -254,6 +254,10 @@ impl Env for Stoppable<'_> {
         self.env.is_success()
     }
 
+    fn is_fault(&self) -> Option<bool> {
+        self.env.is_fault()
+    }
+
     fn potential(&self) -> f64 {
         self.env.potential()
     }

@@ -96,6 +96,26 @@ impl Obstacles {
         [Vector::zeros(), edge, -edge].iter().any(|offset| !self.blocks_sight(from, middle + offset))
     }
 
+    /// Writes for each ray from a point which share of it is free, from 0 to 1; 0 for all of them within a box.
+    pub fn free_shares(&self, from: Point, rays: &[Vector], shares: &mut [f64]) {
+        shares.fill(1.0);
+        if self.boxes.is_empty() {
+            return;
+        }
+        let reach = rays.iter().fold(0.0, |reach: f64, ray| reach.max(ray.norm()));
+        let around = Vector::new(reach, reach);
+        for found in self.index.intersect_aabb(&bounds(from - around, from + around)) {
+            let (obstacle, shape) = &self.boxes[found as usize];
+            let start = single(obstacle.pose.to_local(from));
+            for (ray, share) in rays.iter().zip(&mut *shares) {
+                let ray = Ray::new(start, single(obstacle.pose.to_local(from + ray)) - start);
+                if let Some(hit) = shape.cast_local_ray(&ray, *share as f32, true) {
+                    *share = share.min(f64::from(hit));
+                }
+            }
+        }
+    }
+
     /// Whether a box stands between two points.
     pub fn blocks_sight(&self, from: Point, to: Point) -> bool {
         if self.boxes.is_empty() {
@@ -141,6 +161,25 @@ mod tests {
         let through = house().pose.to_world(Vector::new(-20.0, 0.0));
         assert!(obstacles.blocks_sight(through, house().pose.to_world(Vector::new(20.0, 1.0))));
         assert!(!obstacles.blocks_sight(through, house().pose.to_world(Vector::new(20.0, 40.0))));
+    }
+
+    #[test]
+    fn a_ray_is_free_up_to_the_first_box() {
+        let behind = OrientedBox::new(Pose::new(200.0, -270.0, 0.4), 10.0, 5.0);
+        let obstacles = Obstacles::new(&[behind, house()]);
+        // Seven metres before the near side of the house, whose frame is turned.
+        let place = house().pose.to_world(Vector::new(0.0, -12.0));
+        let along = |x: f64, y: f64| house().pose.to_world(Vector::new(x, y - 12.0)) - place;
+        let mut shares = [f64::NAN; 4];
+        obstacles.free_shares(
+            place,
+            &[along(0.0, 20.0), along(20.0, 0.0), along(0.0, -20.0), along(9.9, 9.9)],
+            &mut shares,
+        );
+        assert!((shares[0] - 7.0 / 20.0).abs() < 1e-5 && (shares[3] - 7.0 / 9.9).abs() < 1e-5, "{shares:?}");
+        assert_eq!(shares[1..3], [1.0; 2]);
+        obstacles.free_shares(house().pose.position(), &[along(1.0, 2.0)], &mut shares[..1]);
+        assert_eq!(shares[0], 0.0);
     }
 
     proptest! {

@@ -17,6 +17,8 @@ pub struct Learnt {
     pub mean_length_decisions: Option<f64>,
     /// The share of them that ended in a collision, with actions drawn from the policy.
     pub collision_rate: Option<f64>,
+    /// The share of them that ended in a fault of the driver; none where the reward asks for no judgement.
+    pub fault_rate: Option<f64>,
 }
 
 impl Learnt {
@@ -36,15 +38,17 @@ impl Learnt {
             self.mean_reward = last.mean_reward;
             self.mean_length_decisions = last.mean_length;
             self.collision_rate = last.success_rate;
+            self.fault_rate = last.fault_rate;
         }
     }
 
-    /// Its reward and collisions, for people; none before the first episode has ended.
+    /// Its reward, collisions and faults, for people; none before the first episode has ended.
     pub fn told(&self) -> Option<String> {
         let reward = self.mean_reward?;
         let rate = self.collision_rate?;
+        let faults = self.fault_rate.map(|rate| format!(", {:.0} % at fault", 100.0 * rate)).unwrap_or_default();
         Some(format!(
-            "mean reward {reward:.3}, {:.0} % hit while exploring, {} episodes",
+            "mean reward {reward:.3}, while exploring {:.0} % hit{faults}, {} episodes",
             100.0 * rate,
             HumanCount(self.episodes)
         ))
@@ -53,8 +57,8 @@ impl Learnt {
 
 impl From<&NewestUpdate> for Learnt {
     fn from(newest: &NewestUpdate) -> Self {
-        let &NewestUpdate { updates, episodes, mean_reward, collision_rate, .. } = newest;
-        Self { updates, episodes, mean_reward, mean_length_decisions: None, collision_rate }
+        let &NewestUpdate { updates, episodes, mean_reward, collision_rate, fault_rate, .. } = newest;
+        Self { updates, episodes, mean_reward, mean_length_decisions: None, collision_rate, fault_rate }
     }
 }
 
@@ -75,7 +79,9 @@ mod tests {
         assert_eq!((learnt.updates, learnt.episodes), (2, 7));
         learnt.follow(&curve);
         assert_eq!(learnt, Learnt::of(&curve));
-        assert_eq!(learnt.told().unwrap(), "mean reward 0.500, 25 % hit while exploring, 1,007 episodes");
+        assert_eq!(learnt.told().unwrap(), "mean reward 0.500, while exploring 25 % hit, 1,007 episodes");
+        let judged = Learnt { fault_rate: Some(0.04), ..learnt };
+        assert_eq!(judged.told().unwrap(), "mean reward 0.500, while exploring 25 % hit, 4 % at fault, 1,007 episodes");
         assert_eq!(Learnt::of(&[]).told(), None);
     }
 }

@@ -71,6 +71,14 @@ pub fn learning_curve_table<'a>() -> Table<'a, Update<'a>> {
     )
     .column(
         number(
+            "fault_rate",
+            "",
+            "share of the same episodes that ended in a fault of the driver; missing where the reward asks for no judgement",
+        )
+        .of(|row: &Row<'_>| row.1.fault_rate),
+    )
+    .column(
+        number(
             "approx_kl",
             "nat",
             "divergence between old and new policy, mean over the minibatches of the last epoch (`train/approx_kl`)",

@@ -1,5 +1,5 @@
 use super::PedestrianEnv;
-use crate::env::reward::Hit;
+use crate::env::reward::{Hit, HitClass};
 use crate::env::{Ending, Judgement, Outcome, RewardRule, Situation};
 use crate::sim::Contact;
 use learn::Step;
@@ -23,12 +23,15 @@ impl PedestrianEnv {
         };
         let lost = || rule.end_when.as_ref().is_some_and(|condition| situation.satisfies(condition));
         let worth = |formula| RewardRule::worth(formula, &situation, &self.robustness);
+        let mut is_fault = false;
         let (earned, ending) = match (hit, contact) {
             (Some(hit), _) => {
                 let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > rule.moving_above);
                 // A hit that does not count is no goal of a search or a training.
                 let counts = self.episode.left_out.is_none();
-                let earned = if counts { worth(reward.for_hit(&Hit { front, moving, judgement })) } else { 0.0 };
+                let judged = Hit { front, moving, judgement };
+                is_fault = counts && judged.is(HitClass::Fault);
+                let earned = if counts { worth(reward.for_hit(&judged)) } else { 0.0 };
                 let ending = Ending::Touch { front, moving, impact_speed: hit.impact_speed, bearing: hit.bearing };
                 (earned, Some(ending))
             }
@@ -52,6 +55,7 @@ impl PedestrianEnv {
             (Some(_), Some(_)) => self.goal_reward().unwrap_or(0.0),
         };
         self.episode.reward += earned;
+        self.episode.is_fault = is_fault;
         if let Some(ending) = ending {
             self.finish(ending, contact.as_ref());
             self.faults_in_a_row = 0;

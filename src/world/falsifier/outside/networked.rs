@@ -11,7 +11,7 @@ use base::seed::Stream;
 use learn::FrameStack;
 
 keys! {
-    /// A network in an ONNX file with one input, the state (1, 4), and one output, the action: heading and speed. A report
+    /// A network in an ONNX file with one input, the state (1, 4; more with `rays`), and one output, the action: heading and speed. A report
     /// writes its trained pedestrians as such files.
     pub struct NetworkedKeys = "onnx" {
         /// The file.
@@ -22,7 +22,9 @@ keys! {
 /// Why a network cannot control one pedestrian.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnsuitableNetwork {
-    #[error("its input has {0} numbers, and a state of a pedestrian has 4; several states are a multiple of 4")]
+    #[error(
+        "its input has {0} numbers, and a state of a pedestrian has 4, or with `rays` a multiple of 4; several states are a multiple of that"
+    )]
     Input(usize),
     #[error("its output has {0} numbers instead of 2: heading and speed")]
     Output(usize),
@@ -55,7 +57,7 @@ impl Networked {
         }
     }
 
-    /// Makes one of a network that passes [`Networked::check`].
+    /// Makes one of a network that passes [`Networked::check`]. Where the states of an episode do not fit its input it fails.
     pub fn new(network: Arc<Network>) -> Self {
         let stack = FrameStack::new(ObservationSpec::DIM, network.inputs() / ObservationSpec::DIM);
         let action = vec![0.0; network.outputs()];
@@ -73,6 +75,15 @@ impl WalkPolicy for Networked {
     }
 
     fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        let (numbers, inputs) = (env.scenario().cast.obs_dim(), self.stack.as_slice().len());
+        if numbers != self.state.len() {
+            if !inputs.is_multiple_of(numbers) {
+                self.fault = Some(Fault::Answer("its network does not fit the states of the adversary"));
+                return;
+            }
+            self.state.resize(numbers, 0.0);
+            self.stack = FrameStack::new(numbers, inputs / numbers);
+        }
         env.write_state(&mut self.state);
         if std::mem::replace(&mut self.begun, true) {
             self.stack.push(&self.state);

@@ -8,16 +8,17 @@ type Points = Vec<(f64, f64)>;
 /// Approximate largest number of points of a curve.
 const POINTS: usize = 160;
 
-/// The learning curves: mean reward, share of collisions and mean length of episodes over the decisions of a training.
+/// The learning curves: mean reward, shares of collisions and faults and mean length of episodes over the decisions of a training.
 pub fn learning(trainings: &[TrainingResult]) -> Vec<Figure> {
     type Quantity = fn(&UpdateLog) -> Option<f64>;
-    let quantities: [(&str, &str, Quantity); 3] = [
+    let quantities: [(&str, &str, Quantity); 4] = [
         ("learning_reward", "Reward of an episode while exploring, mean of the last 100", |log| log.mean_reward),
         (
             "learning_collisions",
             "Share of the last 100 episodes with a collision, with drawn actions as of `stochastic`",
             |log| log.success_rate,
         ),
+        ("learning_faults", "Share of the last 100 episodes with a fault, with drawn actions", |log| log.fault_rate),
         ("learning_length", "Length of an episode in decisions, mean of the last 100", |log| log.mean_length),
     ];
     quantities.into_iter().filter_map(|(name, title, value)| figure(trainings, name, title, value)).collect()

@@ -10,26 +10,15 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
         return None;
     }
     let mut head: Vec<Column> = ["reward", "town", "policy"].map(Column::text).into();
-    head.extend(
-        [
-            "runs",
-            "decisions each",
-            "mean reward at the end",
-            "collision rate at the end",
-            "episode length at the end (decisions)",
-            "failed",
-        ]
-        .map(Column::number),
-    );
+    let is_judged = last_updates(trainings).any(|log| log.fault_rate.is_some());
+    head.extend(["runs", "decisions each", "mean reward at the end", "collision rate at the end"].map(Column::number));
+    head.extend(is_judged.then(|| Column::number("fault rate at the end")));
+    head.extend(["episode length at the end (decisions)", "failed"].map(Column::number));
     let row = |(key, members): &(&TrainingKey, Vec<&TrainingResult>)| {
-        let ends: Vec<&UpdateLog> = members
-            .iter()
-            .filter_map(|member| member.result.as_ref().ok())
-            .filter_map(|trained| trained.learning_curve.last())
-            .collect();
+        let ends: Vec<&UpdateLog> = last_updates(members.iter().copied()).collect();
         let over =
             |value: fn(&UpdateLog) -> Option<f64>| -> Vec<f64> { ends.iter().filter_map(|log| value(log)).collect() };
-        vec![
+        let mut row = vec![
             Value::from(&key.reward),
             Value::from(&key.town),
             Value::from(&key.policy),
@@ -37,9 +26,11 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
             Value::Count(ends.first().map_or(0, |log| log.steps)),
             over_runs(&over(|log| log.mean_reward)).into(),
             over_runs(&over(|log| log.success_rate)).into(),
-            over_runs(&over(|log| log.mean_length)).into(),
-            Value::Count((members.len() - ends.len()) as u64),
-        ]
+        ];
+        row.extend(is_judged.then(|| over_runs(&over(|log| log.fault_rate)).into()));
+        row.push(over_runs(&over(|log| log.mean_length)).into());
+        row.push(Value::Count((members.len() - ends.len()) as u64));
+        row
     };
     Some(Section {
         id: "trainings",
@@ -48,11 +39,16 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
         tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
         notes: vec![
             "Means of the last episodes of each training, while the controller still explored. \"±\" is the standard deviation over trainings. \
-             `learning_reward.svg`, `learning_collisions.svg` and `learning_length.svg` draw the whole course, `learning_curve.csv` has every update, \
+             `learning_*.svg` draw the whole course, `learning_curve.csv` has every update, \
              `pedestrians/` has the networks."
                 .into(),
         ],
     })
+}
+
+/// The last update of each training that did not fail.
+fn last_updates<'a>(trainings: impl IntoIterator<Item = &'a TrainingResult>) -> impl Iterator<Item = &'a UpdateLog> {
+    trainings.into_iter().filter_map(|training| training.result.as_ref().ok()?.learning_curve.last())
 }
 
 /// Trainings that differ only in their runs, in the order of the first.
