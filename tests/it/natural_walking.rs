@@ -155,15 +155,18 @@ fn pedestrians_accept_the_gaps_that_they_say() {
         };
         (3..16).map(|second| within(f64::from(second))).collect()
     };
-    let (recorded, manual) = (accepted(Gaps::Recorded), accepted(Gaps::Hcm));
-    for ((second, off, all), (_, manual_off, manual_all)) in recorded.iter().zip(&manual) {
+    let (recorded, manual, observed) = (accepted(Gaps::Recorded), accepted(Gaps::Hcm), accepted(Gaps::HcmObserved));
+    for (((second, off, all), (_, manual_off, manual_all)), (_, observed_off, _)) in
+        recorded.iter().zip(&manual).zip(&observed)
+    {
         let logit = 1.0 / (1.0 + libm::exp(6.2064 - 0.9420 * (second + 0.5)));
         let share = |off: &usize, all: &usize| 100.0 * *off as f64 / (*all).max(1) as f64;
         eprintln!(
-            "{second:2} s to {:2} s: recorded {:3.0} % of {all}, manual {:3.0} % of {manual_all}, logit {:3.0} %",
+            "{second:2} s to {:2} s: recorded {:3.0} % of {all}, manual {:3.0} % of {manual_all}, observed by it {:3.0} %, logit {:3.0} %",
             second + 1.0,
             share(off, all),
             share(manual_off, manual_all),
+            share(observed_off, manual_all),
             100.0 * logit
         );
     }
@@ -178,4 +181,6 @@ fn pedestrians_accept_the_gaps_that_they_say() {
     assert!(all > 10 && off * 100 > all * 60, "{off} of {all} of the recorded ones");
     let earlier = recorded.iter().zip(&manual).filter(|((_, off, all), (_, other, of))| off * of < other * all).count();
     assert!(earlier >= 5, "{earlier} bins");
+    let (off, all) = many(&observed, 7.0);
+    assert!(all > 80 && off * 100 > all * 95, "{off} of {all} set off with more than 7 s");
 }

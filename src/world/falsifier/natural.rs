@@ -22,15 +22,18 @@ choice! {
     pub enum Gaps {
         Recorded = "recorded",
         Hcm = "hcm",
+        HcmObserved = "hcm_observed",
     }
 }
 
-/// Time that the Highway Capacity Manual adds to the time for the way (s): setting off, and clearance at the end.
+/// Time that the Highway Capacity Manual adds to the time for the way (s), setting off and clearance at the end: what it proposes for designs, and what it
+/// observed on average.
 ///
 /// # Source
-/// Highway Capacity Manual 2010, chapter 19, critical headway of a pedestrian at an uncontrolled crossing: way by speed, and 3 s. The
-/// formula is in public code that implements it; the 3 s were not checked in the manual itself.
+/// Highway Capacity Manual, 7th edition, equation 20-76 (critical headway of a pedestrian at an uncontrolled crossing: way by speed, and this time) and
+/// exhibit 20-26, as two public implementations write them, which agree; the manual itself is not public.
 const HCM_GAP: f64 = 3.0;
+const HCM_OBSERVED_GAP: f64 = 0.0;
 
 keys! {
     /// Crosses before the car as recorded pedestrians do. Its speed, its accepted gap, and its changes of speed and direction
@@ -43,7 +46,7 @@ keys! {
         /// once.
         heed: f64 as share() = "100 percent",
         /// The time that must be left between the pedestrian, once out of the car's width, and the car: as recorded ones accepted it (DUT; median 6.4 s),
-        /// or 3 s, the critical headway of the Highway Capacity Manual.
+        /// or that of the Highway Capacity Manual's critical headway: 3 s as for designs (`hcm`), or 0 s, its observed mean (`hcm_observed`).
         gaps: Gaps = "recorded",
     }
 }
@@ -103,6 +106,7 @@ impl Natural {
         let gap = match self.gaps {
             Gaps::Recorded => recorded,
             Gaps::Hcm => HCM_GAP,
+            Gaps::HcmObserved => HCM_OBSERVED_GAP,
         };
         let heeds = stream.random::<f64>() < self.heed;
         let (ego, here) = (&env.world().ego().state.pose, env.world().pedestrians[pedestrian].state.pose.position());
