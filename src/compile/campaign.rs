@@ -82,8 +82,8 @@ keys! {
         /// Ticks for which an action is kept while it learns by itself, so that its attempts differ; as a driver it chooses anew in every tick.
         hold: u32 as whole(1, 100) = "4",
         // The catalogue adds the words.
-        /// Who walks, as in `evaluate`: a word, or a `controller` of the file.
-        pedestrian: Value as WordOrReference(Vec::new(), "controller") = "natural",
+        /// Who walks, in turns, as in `evaluate`: words, or `controller`s of the file, such as networks that attack it.
+        pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[natural]",
         /// Other cars in each town.
         cars: usize as whole(0, 100) = "3",
         /// Reward a second of driving at the limit along the route; less for less, and for more than the limit.

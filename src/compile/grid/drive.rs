@@ -34,7 +34,11 @@ impl Lowering<'_> {
         let bodies = [(&usual.car, &usual.walker)];
         let Some(ground) = self.ground(campaign_block, block, &places, &keys.start, &bodies) else { return };
         let scripted = ground.spawn.value.scripted().is_some();
-        let Some((walker, controller)) = self.covering(block, &keys.pedestrian, scripted) else { return };
+        let walkers: Option<Vec<_>> =
+            keys.pedestrians.iter().map(|word| self.covering(block, word, scripted)).collect();
+        let Some((walkers, controllers)) = walkers.map(|all| all.into_iter().unzip::<_, _, Vec<_>, Vec<_>>()) else {
+            return;
+        };
         note_towns(&mut campaign.towns, &ground.towns);
         let all: Vec<_> = ground.places().collect();
         let Some(first) = all.first() else { return };
@@ -42,7 +46,7 @@ impl Lowering<'_> {
             teacher: first.policy.value.clone(),
             demonstrations: keys.demonstrations,
             hold: keys.hold,
-            walker,
+            walkers,
             cars: keys.cars,
             reward: DriveReward {
                 progress: keys.progress,
@@ -62,7 +66,7 @@ impl Lowering<'_> {
         let declared: Vec<DeclarationId> = all
             .iter()
             .flat_map(|place| place.declarations(&usual.car, &usual.walker, &usual.rule))
-            .chain(controller)
+            .chain(controllers.into_iter().flatten())
             .collect();
         let fingerprint = self.fingerprint_with(&[declared.as_slice(), &[training.id]].concat(), &format!("{rule:?}"));
         let programs = self.programs(&declared);

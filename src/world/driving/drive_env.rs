@@ -4,7 +4,7 @@ use super::wheel::{ACTION_BOUNDS, ACTION_SCALES, Seat, inputs};
 use super::{DriveReward, DriveRule, Pupil};
 use crate::av::view::View;
 use crate::env::{PedestrianEnv, Placed, Scenario, VehicleRole};
-use crate::falsifier::WalkPolicy;
+use crate::falsifier::{Controller, WalkPolicy};
 use crate::sim::{ActorId, ActorStart, Contact, LightColour, WalkCommand};
 use base::seed::Seed;
 use learn::{Env, Inputs, Step};
@@ -20,7 +20,8 @@ pub struct DriveEnv {
     seat: Seat,
     rule: Arc<DriveRule>,
     inputs: Inputs,
-    walker: Box<dyn WalkPolicy>,
+    /// Those who walk, in turns.
+    walkers: Vec<Box<dyn WalkPolicy>>,
     commands: Vec<WalkCommand>,
     seed: Seed,
     /// The number of the next episode.
@@ -76,7 +77,7 @@ impl DriveEnv {
         Self {
             env,
             seat,
-            walker: rule.walker.walk_policy(),
+            walkers: rule.walkers.iter().map(Controller::walk_policy).collect(),
             rule: rule.clone(),
             inputs: inputs(),
             commands,
@@ -151,13 +152,16 @@ impl DriveEnv {
 
     /// A tick with the pedestrian, as [`DriveEnv::run_up`].
     fn encounter(&mut self) -> (Option<bool>, Option<Contact>) {
+        let number = self.next - 1;
+        let turn = number as usize % self.walkers.len();
+        let walker = &mut self.walkers[turn];
         if !self.met {
-            self.walker.begin(self.seed.index(self.next - 1).child("walker").stream());
+            walker.begin(self.seed.index(number).child("walker").stream());
             self.met = true;
         }
         if std::mem::take(&mut self.is_due) {
-            self.walker.choose(&self.env, &mut self.commands);
-            if self.walker.fault().is_some() {
+            walker.choose(&self.env, &mut self.commands);
+            if walker.fault().is_some() {
                 return (Some(false), None);
             }
             self.env.begin_decision(&self.commands);

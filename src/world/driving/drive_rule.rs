@@ -10,8 +10,8 @@ pub struct DriveRule {
     pub demonstrations: u32,
     /// The ticks for which an action is kept while it learns by itself.
     pub hold: u32,
-    /// Who walks.
-    pub walker: Controller,
+    /// Who walks, in turns.
+    pub walkers: Vec<Controller>,
     /// The number of other cars, placed as the spawn rule places the ego.
     pub cars: usize,
     /// What it is paid for.
@@ -38,7 +38,7 @@ pub struct DriveReward {
 /// All but the teacher.
 impl std::fmt::Debug for DriveRule {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { demonstrations, hold, walker, cars, reward, .. } = self;
-        (demonstrations, hold, walker, cars, reward).fmt(f)
+        let Self { demonstrations, hold, walkers, cars, reward, .. } = self;
+        (demonstrations, hold, walkers, cars, reward).fmt(f)
     }
 }
