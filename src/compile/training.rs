@@ -76,7 +76,8 @@ keys! {
         from: Option<String> as Path,
         /// A falsifier, best an `archive`, that searches every town against every driver of the training before it begins. The pedestrian first
         /// learns to repeat the commands of the failures that earned at least half of the best; rare kinds of failures count more. Where none is
-        /// found, the training begins as without. It is not used in a `search`.
+        /// found, the training begins as without. It is not used in a `search`. It has helped in none of our studies, and harmed in short trainings
+        /// (reports/learning.md).
         teacher: Option<DeclarationId> as Reference("falsifier"),
         /// Ticks that the teacher may use in each town against each driver; 200_000 unless given.
         teacher_ticks: Option<u64> as ticks(1, 1_000_000_000_000),
