@@ -23,7 +23,7 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
             Value::from(&key.town),
             Value::from(&key.policy),
             Value::Count(members.len() as u64),
-            Value::Count(ends.first().map_or(0, |log| log.steps)),
+            decisions(&ends),
             over_runs(&over(|log| log.mean_reward)).into(),
             over_runs(&over(|log| log.success_rate)).into(),
         ];
@@ -44,6 +44,15 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
                 .into(),
         ],
     })
+}
+
+/// The decisions of trainings: their number, or where they ended at a plateau of their own the mean over them.
+fn decisions(ends: &[&UpdateLog]) -> Value {
+    let first = ends.first().map_or(0, |log| log.steps);
+    if ends.iter().all(|log| log.steps == first) {
+        return Value::Count(first);
+    }
+    over_runs(&ends.iter().map(|log| log.steps as f64).collect::<Vec<_>>()).into()
 }
 
 /// The last update of each training that did not fail.
