@@ -1,6 +1,7 @@
 use std::collections::VecDeque;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use rayon::Yield;
 
@@ -21,6 +22,10 @@ use world::falsifier::TrainingRun;
 
 /// Number of decisions of a training between two reports to the observer.
 const GLANCE: u64 = 16;
+
+/// How long a thread without a task looks out for parts of the tasks of others after it has done one. The parts of a training follow each other within
+/// less, and a thread that sleeps between them hears of none.
+const ATTENTION: Duration = Duration::from_millis(1);
 
 /// The result of a training.
 #[derive(Debug, Clone)]
@@ -194,6 +199,7 @@ impl Work<'_> {
     /// Works until no task is left or the user asks to stop. A worker without work helps with the trainings of others.
     fn carry_on(&self) {
         let _alarm = Alarm(&self.queue);
+        let mut helped = Instant::now();
         loop {
             if self.shared.stop() {
                 self.queue.end();
@@ -209,8 +215,12 @@ impl Work<'_> {
                     None => self.queue.put_aside(task),
                 },
                 Next::Wait => {
-                    if rayon::yield_now() != Some(Yield::Executed) {
+                    if rayon::yield_now() == Some(Yield::Executed) {
+                        helped = Instant::now();
+                    } else if helped.elapsed() > ATTENTION {
                         self.queue.wait();
+                    } else {
+                        std::hint::spin_loop();
                     }
                 }
                 Next::End => return,
