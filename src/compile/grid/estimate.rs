@@ -8,7 +8,7 @@ use crate::plan::{Campaign, Estimation, EstimationKey, FirstSearch};
 use crate::{RunId, estimator};
 use base::signature::{DeclarationId, Value};
 use lang::hir::Block;
-use world::env::RewardRule;
+use world::env::{PedestrianRole, RewardRule};
 use world::falsifier::Controller;
 use world::likelihood::{Estimator, Question};
 
@@ -37,7 +37,9 @@ impl Lowering<'_> {
         let bodies = [(&usual.car, adversary)];
         let Some(ground) = self.ground(campaign_block, block, &keys.places, &keys.start, &bodies) else { return };
         let walkers: Option<Vec<_>> = keys.pedestrians.iter().map(|word| self.walker(word)).collect();
-        let (Some(walkers), methods) = (walkers, self.methods(campaign_block, &keys.estimators, usual)) else { return };
+        let (Some(walkers), methods) = (walkers, self.methods(campaign_block, &keys.estimators, body, usual)) else {
+            return;
+        };
         let axes = [ground.towns.len(), ground.policies.len(), walkers.len() * methods.len(), keys.runs as usize];
         if !self.fits(block, axes) {
             return;
@@ -96,7 +98,13 @@ impl Lowering<'_> {
         }
     }
 
-    fn methods(&mut self, campaign: &Block, ids: &[DeclarationId], usual: &Usual) -> Vec<Method> {
+    fn methods(
+        &mut self,
+        campaign: &Block,
+        ids: &[DeclarationId],
+        walker: &PedestrianRole,
+        usual: &Usual,
+    ) -> Vec<Method> {
         let mut methods = Vec::new();
         for id in ids {
             let declaration = self.program.get(*id);
@@ -104,8 +112,7 @@ impl Lowering<'_> {
             let mut declarations = vec![*id];
             let search = match &estimator {
                 Estimator::Importance(method) => {
-                    let rivals =
-                        self.falsifiers(campaign, &[method.falsifier()], &usual.walker.value, usual.training.as_ref());
+                    let rivals = self.falsifiers(campaign, &[method.falsifier()], walker, usual.training.as_ref());
                     let Some(rival) = rivals.into_iter().next() else { continue };
                     declarations.extend(&rival.declarations);
                     Some((rival.falsifier, rival.reward.1, method.search_budget()))

@@ -52,11 +52,11 @@ impl Lowering<'_> {
                 "the driver is repaired in this town, so a test in it shows less than it seems to".to_string();
             self.said.push(diagnostics::contradiction(span, message).help("name a town that is not among `towns`"));
         }
-        let attacks = self.falsifiers(campaign_block, &keys.falsifiers, &usual.walker.value, usual.training.as_ref());
+        let attacks = self.falsifiers(campaign_block, &keys.falsifiers, &adversary.value, usual.training.as_ref());
         let rivals = self.falsifiers(
             campaign_block,
             keys.rivals.as_deref().unwrap_or_default(),
-            &usual.walker.value,
+            &adversary.value,
             usual.training.as_ref(),
         );
         let walkers: Option<Vec<_>> = keys.pedestrians.iter().map(|word| self.covering(block, word, false)).collect();

@@ -124,7 +124,13 @@ impl Lowering<'_> {
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
                 Some(id) => Some(self.training(id, walker.observation.dim())),
-                None => usual.cloned(),
+                // Its first networks were checked for the campaign's pedestrian, who may have other states.
+                None => usual.map(|axis| match &axis.value.0.initial {
+                    Some(first) if first.obs_dim() != walker.observation.dim() * axis.value.0.frame_stack => {
+                        self.training(axis.id, walker.observation.dim())
+                    }
+                    _ => axis.clone(),
+                }),
             };
             if training.is_none() && falsifier::learns(&self.catalog.falsifiers, declaration) {
                 self.said.push(diagnostics::no_training(campaign.head, declaration.block.head));
