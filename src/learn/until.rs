@@ -28,16 +28,22 @@ const PATIENCE: usize = 10;
 /// The standard errors by which a part is better.
 const CLEARLY: f64 = 2.0;
 
-/// Whether the mean reward of episodes has stopped to rise.
+/// Whether the mean reward of episodes has stopped rising.
 ///
 /// The decisions of the whole training, from those of its curriculum on, are parts of a twentieth each. The mean reward of a part is better if it is above
-/// that of the best part so far by two standard errors of their difference. After ten parts in a row that are not, there is a plateau.
+/// that of the best part so far by two standard errors of their difference. After ten parts in a row that are not, there is a plateau. It is looked for at
+/// the first update of a part, when the one before is over; at other updates the answer is no.
 pub(super) fn is_plateau(curve: &[UpdateLog], total_steps: u64, curriculum: f64) -> bool {
     let size = (total_steps / PARTS).max(1);
     let first = (curriculum * total_steps as f64).ceil() as u64;
+    let part = |log: &UpdateLog| (log.steps > first).then(|| ((log.steps - first - 1) / size) as usize);
+    if let [.., before, last] = curve
+        && part(before) == part(last)
+    {
+        return false;
+    }
     let mut parts: Vec<Vec<f64>> = Vec::new();
-    for log in curve.iter().filter(|log| log.steps > first) {
-        let part = ((log.steps - first - 1) / size) as usize;
+    for (log, part) in curve.iter().filter_map(|log| Some((log, part(log)?))) {
         parts.resize(parts.len().max(part + 1), Vec::new());
         parts[part].extend(log.finished.iter().map(|episode| episode.reward));
     }
