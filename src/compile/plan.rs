@@ -12,7 +12,7 @@ use world::av::external::ExternalKeys;
 use world::av::sensors::SensorModel;
 use world::driving::DriveRule;
 use world::env::Scenario;
-use world::falsifier::{Controller, Falsifier, Teacher};
+use world::falsifier::{Controller, Falsifier};
 use world::likelihood::{Estimator, Event, Question};
 use world::requirement::NamedRequirement;
 use world::road::Town;
@@ -274,8 +274,6 @@ pub struct Training {
     /// Its settings.
     pub config: PpoConfig,
     pub environments: usize,
-    /// What it learns from before its first decision.
-    pub teacher: Option<Teacher>,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
     /// The programs of the user that it depends on.

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::lowering::Lowering;
 use base::keys;
-use base::signature::{DeclarationId, Form, Keys, LEAST};
+use base::signature::{Form, Keys, LEAST};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use learn::{ActorCritic, PpoConfig, Schedule, Until};
@@ -10,7 +10,7 @@ use learn::{ActorCritic, PpoConfig, Schedule, Until};
 keys! {
     /// Proximal policy optimisation.
     pub struct PpoKeys = "ppo" {
-        /// Decisions after which no further update begins; 0 leaves the first networks as they are, or as a `teacher` made them.
+        /// Decisions after which no further update begins; 0 leaves the first networks as they are.
         steps: u64 as whole(0, 10_000_000_000) = "70_000",
         /// `plateau` ends a training when the mean reward of its episodes has not risen clearly for half of `steps`: ten parts of a twentieth in
         /// a row, none of them better than the best before by two standard errors. Schedules go by `steps` all the same.
@@ -58,6 +58,9 @@ keys! {
         /// run-up of its own, which takes more ticks than most encounters. Without it every start is fresh, as it is in a curriculum, in a
         /// `search`, in evaluations, for drivers that cannot be copied and for cars without a run-up.
         starts: Option<usize> as whole(1, 100_000),
+        /// Share of these copies that are of hard starts, as far as there are enough: of ten times as many starts, those from which one of twelve
+        /// crossings ends in a fault. A driver without faults is attacked where it is weakest, and each decision teaches more (reports/learning.md).
+        hard_starts: Option<f64> as share(),
         /// Whether states are standardised by what was seen so far.
         normalize_observations: bool = "false",
         /// Whether rewards are scaled by the spread of returns so far.
@@ -74,13 +77,6 @@ keys! {
         /// their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and
         /// `normalize_observations` must be theirs.
         from: Option<String> as Path,
-        /// A falsifier, best an `archive`, that searches every town against every driver of the training before it begins. The pedestrian first
-        /// learns to repeat the commands of the failures that earned at least half of the best; rare kinds of failures count more. Where none is
-        /// found, the training begins as without. It is not used in a `search`. It has helped in none of our studies, and harmed in short trainings
-        /// (reports/learning.md).
-        teacher: Option<DeclarationId> as Reference("falsifier"),
-        /// Ticks that the teacher may use in each town against each driver; 200_000 unless given.
-        teacher_ticks: Option<u64> as ticks(1, 1_000_000_000_000),
         /// Widths of the hidden layers.
         hidden: Vec<usize> as whole(1, 4096) = "[64, 64]",
     }
@@ -116,6 +112,7 @@ pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
         clip_range_vf: keys.value_clip,
         curriculum: keys.curriculum,
         starts: keys.starts,
+        hard_starts: keys.hard_starts,
         frame_stack: keys.frame_stack,
         adam_eps: keys.adam_epsilon,
         stats_window: keys.statistics_window,
@@ -181,7 +178,7 @@ mod tests {
             "ppo(steps: 1000, until: plateau, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
             gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
             max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
-            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, curriculum: 0.5, starts: 512, normalize_observations: true,
+            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, curriculum: 0.5, starts: 512, hard_starts: 0.75, normalize_observations: true,
             normalize_rewards: true, adam_epsilon: 1e-8, statistics_window: 50, threads: 2, portable_bits: true,
             hidden: [32, 16])";
         let config = PpoConfig {
@@ -207,6 +204,7 @@ mod tests {
             normalize_reward: true,
             curriculum: 0.5,
             starts: Some(512),
+            hard_starts: Some(0.75),
             frame_stack: 4,
             stats_window: 50,
             threads: Some(2),

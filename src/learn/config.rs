@@ -66,6 +66,9 @@ pub struct PpoConfig {
     /// The number of starts that an environment keeps and begins its episodes with copies of, where it can; none for a fresh start each time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<usize>,
+    /// The share of these copies that are of starts known to be hard for what is trained against.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hard_starts: Option<f64>,
     /// The number of last observations that the policy sees, the newest included.
     pub frame_stack: usize,
     /// The number of ended episodes over which reward and length are averaged in the report of an update.
@@ -113,6 +116,7 @@ impl PpoConfig {
             normalize_reward: false,
             curriculum: 0.0,
             starts: None,
+            hard_starts: None,
             frame_stack: 1,
             stats_window: 100,
             threads: None,

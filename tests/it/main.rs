@@ -92,7 +92,6 @@ mod shipped;
 mod spawns;
 mod stale;
 mod start_bank;
-mod teachers;
 mod steady_starts;
 mod stepping;
 mod stopping;

@@ -35,7 +35,8 @@ campaign rich {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: rich
   train { towns: [harbour] policies: [behavior, idm] rewards: [led] runs: 1 }
 }
-training copied = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, starts: 5, normalize_observations: true)
+training copied = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, starts: 5, hard_starts: 0.5,
+                      normalize_observations: true)
 spawn ahead_of_a_moving_car { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
 campaign copied {
   vehicle: model3  adversary: suicidal  spawn: ahead_of_a_moving_car  episode: thirty_seconds  training: copied

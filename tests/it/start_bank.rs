@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::{Ending, Outcome, PedestrianEnv, Scenario, StartBank};
+use world::env::{Ending, HardStarts, Outcome, PedestrianEnv, Scenario, StartBank};
 use world::sim::WalkCommand;
 
 fn scenario(spawn: &str, driver: &str) -> Arc<Scenario> {
@@ -28,7 +28,7 @@ fn scenario(spawn: &str, driver: &str) -> Arc<Scenario> {
 }
 
 fn bank(scenario: &Arc<Scenario>, size: usize) -> Option<Arc<StartBank>> {
-    StartBank::new(scenario, size, Seed::root(8)).map(Arc::new)
+    StartBank::new(scenario, size, None, Seed::root(8)).map(Arc::new)
 }
 
 /// The outcomes of episodes in which the pedestrian walks to where it would meet the car.
@@ -92,7 +92,7 @@ fn copies_share_their_start_and_only_what_is_random_differs_after_it() {
     for (driver, random) in [("sharp", false), ("squinting", true)] {
         let scenario = scenario("", driver);
         let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7))
-            .with_bank(StartBank::new(&scenario, 1, Seed::root(15)).map(Arc::new));
+            .with_bank(StartBank::new(&scenario, 1, None, Seed::root(15)).map(Arc::new));
         let copies = outcomes(&mut env, 12);
         assert!(copies.iter().all(|copy| copy.start == copies[0].start && copy.spawn == copies[0].spawn), "{driver}");
         let mut ends: Vec<u64> = copies.iter().map(|copy| copy.digest).collect();
@@ -136,4 +136,37 @@ fn there_is_no_bank_where_it_would_save_nothing() {
     assert!(bank(&scenario("ego_speed: 8 m/s", "behavior"), 4).is_none(), "there is no run-up");
     assert!(bank(&scenario("", "behavior"), 0).is_none());
     assert!(bank(&scenario("", "behavior"), 4).is_some());
+}
+
+#[test]
+fn the_stated_share_of_copies_is_of_hard_starts_whatever_was_drawn_before() {
+    const SHARE: f64 = 0.6;
+    // Every seventh start is hard.
+    let hard = HardStarts { share: SHARE, is_hard: |_, number| number.is_multiple_of(7) };
+    let scenario = scenario("", "squinting");
+    let kept = || StartBank::new(&scenario, 20, Some(hard), Seed::root(8)).map(Arc::new);
+    let begin = |env: &mut PedestrianEnv, episode| {
+        env.begin(episode);
+        env.world().ego().state
+    };
+    let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(kept());
+    let drawn: Vec<_> = (0..400).map(|episode| begin(&mut env, episode)).collect();
+    let mut driven = PedestrianEnv::new(scenario.clone(), Seed::root(8));
+    let hard_ones: Vec<_> = (0..200).step_by(7).map(|number| begin(&mut driven, number)).collect();
+    let share = drawn.iter().filter(|start| hard_ones.contains(start)).count() as f64 / 400.0;
+    // Of the others a seventh is hard by chance.
+    let expected = SHARE + (1.0 - SHARE) * 3.0 / 20.0;
+    assert!((share - expected).abs() < 0.08, "{share} beside {expected}");
+    let mut later = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(kept());
+    for episode in [301, 4, 77] {
+        assert_eq!(begin(&mut later, episode), drawn[episode as usize]);
+    }
+    // Where no start is hard, starts are those of a bank without the difference.
+    let none = HardStarts { share: SHARE, is_hard: |_, _| false };
+    let of = |hard| StartBank::new(&scenario, 20, hard, Seed::root(8)).map(Arc::new);
+    let mut plain = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(of(None));
+    let mut without = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(of(Some(none)));
+    for episode in 0..20 {
+        assert_eq!(begin(&mut plain, episode), begin(&mut without, episode));
+    }
 }

@@ -70,6 +70,10 @@ impl Lowering<'_> {
         let block = &declaration.block;
         let (mut config, environments) = training::lower(block.keys());
         config.initial = training::initial(declaration, &config, state, self);
+        if config.hard_starts.is_some() && config.starts.is_none() {
+            let message = "hard starts are looked for among kept ones, so `hard_starts` needs `starts`".to_string();
+            self.said.push(diagnostics::contradiction(block.place("hard_starts"), message));
+        }
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
             self.said.push(diagnostics::contradiction(block.place("steps_per_update"), message));

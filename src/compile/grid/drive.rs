@@ -71,7 +71,6 @@ impl Lowering<'_> {
         let fingerprint = self.fingerprint_with(&[declared.as_slice(), &[training.id]].concat(), &format!("{rule:?}"));
         let programs = self.programs(&declared);
         campaign.trainings.extend((0..keys.runs).map(|run| Training {
-            teacher: None,
             key: TrainingKey {
                 town: joined(all.iter().map(|place| &*place.town.name)),
                 policy: first.policy.name.to_string(),

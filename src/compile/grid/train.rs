@@ -2,20 +2,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::axis::{Axis, Usual};
 use super::ground::{Place, note_towns};
-use super::search::Rival;
 use crate::campaign::{Together, TrainKeys};
-use crate::falsifier;
 use crate::lowering::Lowering;
 use crate::plan::{Campaign, Training, TrainingKey};
-use crate::training::PpoKeys;
 use base::signature::{DeclarationId, Formula, VariableId};
 use lang::diagnostics;
 use lang::hir::{Block, Clause};
-use world::env::{EpisodeRule, PedestrianRole, RewardRule};
-use world::falsifier::Teacher;
-
-/// Ticks of a teacher in each place, unless given.
-const TEACHER_TICKS: u64 = 200_000;
+use world::env::{EpisodeRule, RewardRule};
 
 impl Lowering<'_> {
     /// The trainings of a `train` block; its rewards are recorded for the controllers that are evaluated later.
@@ -41,7 +34,6 @@ impl Lowering<'_> {
         note_towns(&mut campaign.towns, &ground.towns);
         paid.iter().for_each(|reward| self.warn_of_paid_waiting(reward, &usual.rule.value));
         let (config, environments) = &training.value;
-        let teacher = self.teacher(campaign_block, training.id, &usual.walker.value);
         for places in groups(ground.places().collect(), together) {
             for reward in &paid {
                 let scenario_of =
@@ -52,14 +44,6 @@ impl Lowering<'_> {
                     .iter()
                     .flat_map(|place| place.declarations(&usual.car, &usual.walker, &usual.rule))
                     .collect();
-                let teacher = teacher.as_ref().map(|(rival, budget)| Teacher {
-                    falsifier: rival.falsifier.clone(),
-                    scenarios: places
-                        .iter()
-                        .map(|place| place.scenario(car, walker, &usual.rule.value, &rival.reward.1, &[].into()))
-                        .collect(),
-                    budget: *budget,
-                });
                 let fingerprint = self.fingerprint(&[ground.as_slice(), &[reward.id, training.id]].concat());
                 let programs = self.programs(&ground);
                 let lineage = (!config.depends_on_total_steps())
@@ -76,7 +60,6 @@ impl Lowering<'_> {
                     drive: None,
                     config: config.clone(),
                     environments: *environments,
-                    teacher: teacher.clone(),
                     fingerprint,
                     programs: programs.clone(),
                     lineage,
@@ -84,25 +67,6 @@ impl Lowering<'_> {
             }
         }
         rewards.extend(paid.into_iter().map(|reward| (reward.name.to_string(), reward)));
-    }
-
-    /// The falsifier that a training learns from, and its ticks in each place; none without one, or after reporting what is wrong with it.
-    fn teacher(&mut self, campaign: &Block, training: DeclarationId, walker: &PedestrianRole) -> Option<(Rival, u64)> {
-        let declaration = self.program.get(training);
-        let PpoKeys { teacher, teacher_ticks, .. } = declaration.block.keys();
-        let named = self.program.get(teacher?);
-        if falsifier::learns(&self.catalog.falsifiers, named)
-            || falsifier::named(&named.block.arguments, "reward").is_none()
-        {
-            let message = format!(
-                "`{}` cannot teach: a teacher is a falsifier with a `reward` that trains no pedestrian, such as `archive`",
-                named.name
-            );
-            self.said.push(diagnostics::contradiction(declaration.block.place("teacher"), message));
-            return None;
-        }
-        let rival = self.falsifiers(campaign, &[teacher?], walker, None).into_iter().next()?;
-        Some((rival, teacher_ticks.unwrap_or(TEACHER_TICKS)))
     }
 
     /// Warns of a reward that pays for every step, and so much that no touch or violation is worth ending an episode.

@@ -137,7 +137,6 @@ pub fn notice(notice: &Notice) {
         Notice::UnfinishedReports { .. } => console::note(&format!("{notice}; name one to list it")),
         Notice::Setting(_) => console::note(&notice.to_string()),
         Notice::Store { .. }
-        | Notice::Untaught { .. }
         | Notice::LearningCurve { .. }
         | Notice::UnreadableReport(_)
         | Notice::OtherVersion { .. }

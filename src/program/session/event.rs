@@ -116,16 +116,6 @@ pub enum Notice {
         /// The reason, and what to try.
         doubt: Box<Doubt>,
     },
-    /// The teacher of a training found nothing to imitate.
-    #[error(
-        "{training}: its teacher found no failure that earned anything in {ticks} ticks, so it begins as without one; more `teacher_ticks` may help"
-    )]
-    Untaught {
-        /// The names of the training.
-        training: String,
-        /// Ticks of the teacher in all places.
-        ticks: u64,
-    },
     /// What a reader must know before the figures of a campaign.
     #[error("{caution}")]
     Caution {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::event_files::EventFiles;
 use super::growing_curves::GrowingCurves;
 use super::run::CampaignRun;
-use super::{Event, Notice, Observer, Stop};
+use super::{Event, Observer, Stop};
 use base::seed::Seed;
 use results::campaign::{self, Finished, Task};
 use results::store::CampaignStore;
@@ -46,10 +46,6 @@ impl campaign::Observer for Listener {
                 }
                 self.curves.restart(plan, curve);
                 self.event_files.iter().for_each(|files| files.restart(plan, curve));
-            }
-            campaign::Event::Taught { plan, lesson, .. } if lesson.imitated == 0 => {
-                let training = plan.key.to_string();
-                self.observer.event(&Event::Notice(&Notice::Untaught { training, ticks: lesson.ticks }));
             }
             campaign::Event::Updated { plan, curve, .. } => {
                 self.curves.grow(plan, curve);

@@ -1,7 +1,6 @@
 use super::{CoverResult, EstimateResult, HardenResult, SearchResult, Task, TaskError, TrainingResult};
 use compile::Training;
 use learn::UpdateLog;
-use world::falsifier::Lesson;
 
 /// What happens in a campaign. Trainings, evaluations, searches and estimates are named by their places in it.
 #[derive(Debug, Clone, Copy)]
@@ -15,8 +14,6 @@ pub enum Event<'a> {
     /// A training continues from this learning curve, or an earlier run has finished it with this one. The curve is empty for a new
     /// training.
     CurveBefore { training: usize, plan: &'a Training, curve: &'a [UpdateLog] },
-    /// The teacher of a training has searched; before its first decision.
-    Taught { training: usize, plan: &'a Training, lesson: Lesson },
     /// A training has taken this number of decisions in this run; more often than [`Event::Updated`].
     Deciding { training: usize, decisions: u64 },
     /// A training has finished an update. The curve holds the reports of all updates up to now, also of earlier runs.

@@ -276,17 +276,9 @@ impl Work<'_> {
         let scenarios = plan.scenarios();
         let seed = training_seed(seed, key);
         let (environments, config) = (plan.environments, &plan.config);
-        let late = || results.is_overdue(task, self.shared.stop());
-        let begin = || match (&plan.drive, &plan.teacher) {
-            (Some(rule), _) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed),
-            (None, None) => TrainingRun::begin(&scenarios, environments, config, &seed),
-            (None, Some(teacher)) => {
-                let taught = TrainingRun::begin_taught(teacher, &scenarios, environments, config, &seed, &late);
-                taught.map(|(run, lesson)| {
-                    self.shared.tell(Event::Taught { training: index, plan, lesson });
-                    run
-                })
-            }
+        let begin = || match &plan.drive {
+            None => TrainingRun::begin(&scenarios, environments, config, &seed),
+            Some(rule) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed),
         };
         let resume = |state: Vec<u8>| match &plan.drive {
             None => TrainingRun::resume(&state, &scenarios, environments, config, &seed).ok(),
@@ -295,13 +287,7 @@ impl Work<'_> {
         // A state that does not fit counts as missing: the training restarts.
         let mut run = match results.begun(index).and_then(resume) {
             Some(run) => run,
-            None => match begin() {
-                Err(error) if error.is_stopped() => {
-                    let limit = results.limit(task, 0).filter(|_| !self.shared.stop());
-                    return Err(limit.unwrap_or(TaskError::Training(error)));
-                }
-                begun => begun?,
-            },
+            None => begin()?,
         };
         let before = run.learning_curve().last().map_or(0, |log| log.steps);
         self.shared.tell(Event::Continued { task, units: before });

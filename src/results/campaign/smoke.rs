@@ -14,10 +14,6 @@ pub fn smoke(campaign: &mut Campaign) {
     for training in &mut campaign.trainings {
         let update = (training.config.rollout_steps * training.environments) as u64;
         training.config.total_steps = training.config.total_steps.min(2 * update);
-        if let Some(teacher) = &mut training.teacher {
-            let scenario = &teacher.scenarios[0];
-            teacher.budget = teacher.budget.min(10 * u64::from(scenario.episode.ticks + scenario.most_run_up()));
-        }
         if let Some(rule) = &mut training.drive {
             let rule = Arc::make_mut(rule);
             rule.demonstrations = rule.demonstrations.min(DEMONSTRATIONS);

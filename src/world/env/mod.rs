@@ -60,7 +60,7 @@ pub use spawn::{
     Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn,
     SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
-pub use start_bank::StartBank;
+pub use start_bank::{HardStarts, StartBank};
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};
 pub use trace::{Driven, Trace, VehicleFrame};

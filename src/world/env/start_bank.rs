@@ -13,30 +13,84 @@ use base::seed::Seed;
 pub struct StartBank {
     scenario: Arc<Scenario>,
     seed: Seed,
-    starts: Vec<Mutex<Option<Box<PedestrianEnv>>>>,
+    starts: Vec<Mutex<Entry>>,
+    hard: Option<HardStarts>,
 }
+
+/// Which starts of a bank are drawn more often than others.
+#[derive(Debug, Clone, Copy)]
+pub struct HardStarts {
+    /// The share of the copies that are of hard starts, as far as [`ATTEMPTS`] draws find them.
+    pub share: f64,
+    /// Whether a start is hard; it also gets the start's number.
+    pub is_hard: fn(&PedestrianEnv, u64) -> bool,
+}
+
+/// What is known of a start.
+#[derive(Default)]
+struct Entry {
+    env: Option<Box<PedestrianEnv>>,
+    is_hard: Option<bool>,
+}
+
+/// Hard starts are looked for among this many times as many starts as the bank has others.
+const WIDER: usize = 10;
+/// Starts that are drawn for a hard one before any is taken.
+const ATTEMPTS: u32 = 100;
 
 impl StartBank {
     /// A bank of `size` starts; none where it would save nothing or change what episodes are: starts without a run-up, tests whose case depends on the
     /// number of the episode, and drivers that cannot be copied.
-    pub fn new(scenario: &Arc<Scenario>, size: usize, seed: Seed) -> Option<Self> {
+    pub fn new(scenario: &Arc<Scenario>, size: usize, hard: Option<HardStarts>, seed: Seed) -> Option<Self> {
         let spawn = &scenario.spawn;
         let suits = matches!(spawn.ego_speed, EgoSpeed::Steady) && spawn.target_walk.is_none() && size > 0;
         suits.then(|| PedestrianEnv::new(scenario.clone(), seed).snapshot())??;
-        Some(Self { scenario: scenario.clone(), seed, starts: (0..size).map(|_| Mutex::default()).collect() })
+        let starts = if hard.is_some() { WIDER * size } else { size };
+        let starts = (0..starts).map(|_| Mutex::default()).collect();
+        Some(Self { scenario: scenario.clone(), seed, starts, hard })
     }
 
     /// A copy of the start that this seed draws; none if its driver failed before tick 0.
     pub(super) fn copy(&self, seed: &Seed) -> Option<PedestrianEnv> {
-        let number = seed.child("start").stream().random_range(0..self.starts.len());
-        let mut start = self.starts[number].lock().unwrap_or_else(PoisonError::into_inner);
-        let start = start.get_or_insert_with(|| {
-            let mut env = Box::new(PedestrianEnv::new(self.scenario.clone(), self.seed));
-            env.begin(number as u64);
-            env
-        });
-        start.failed_run_up().is_none().then(|| start.snapshot()).flatten()
+        let mut stream = seed.child("start").stream();
+        let usual = if self.hard.is_some() { self.starts.len() / WIDER } else { self.starts.len() };
+        let number = stream.random_range(0..usual);
+        if let Some(HardStarts { share, is_hard }) = self.hard
+            && stream.random::<f64>() < share
+        {
+            let mut drawn = (0..ATTEMPTS).map(|_| stream.random_range(0..self.starts.len()));
+            let hard = drawn.find_map(|number| self.hard_start(number, is_hard));
+            if hard.is_some() {
+                return hard;
+            }
+        }
+        let mut entry = self.starts[number].lock().unwrap_or_else(PoisonError::into_inner);
+        copied(entry.env.get_or_insert_with(|| self.driven(number)))
     }
+
+    /// A copy of this start if it is hard. Of others only that is kept.
+    fn hard_start(&self, number: usize, is_hard: fn(&PedestrianEnv, u64) -> bool) -> Option<PedestrianEnv> {
+        let mut entry = self.starts[number].lock().unwrap_or_else(PoisonError::into_inner);
+        let Entry { env, is_hard: known } = &mut *entry;
+        if known.is_none() {
+            let was_kept = env.is_some();
+            let start = env.take().unwrap_or_else(|| self.driven(number));
+            let found = start.failed_run_up().is_none() && is_hard(&start, number as u64);
+            *known = Some(found);
+            *env = (found || was_kept).then_some(start);
+        }
+        env.as_ref().filter(|_| *known == Some(true)).and_then(|start| copied(start))
+    }
+
+    fn driven(&self, number: usize) -> Box<PedestrianEnv> {
+        let mut env = Box::new(PedestrianEnv::new(self.scenario.clone(), self.seed));
+        env.begin(number as u64);
+        env
+    }
+}
+
+fn copied(start: &PedestrianEnv) -> Option<PedestrianEnv> {
+    start.failed_run_up().is_none().then(|| start.snapshot()).flatten()
 }
 
 impl std::fmt::Debug for StartBank {

@@ -3,10 +3,11 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::TrainError;
+use super::hard_start::is_hard;
 use super::training_ground::TrainingGround;
-use super::{Lesson, Teacher, TrainError};
 use crate::driving::{DriveRule, imitate};
-use crate::env::{Cast, Scenario, StartBank};
+use crate::env::{Cast, HardStarts, Scenario, StartBank};
 use base::seed::Seed;
 use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
 
@@ -56,31 +57,6 @@ impl TrainingRun {
     ) -> Result<Self, TrainError> {
         let mut envs = environments_of(scenarios, None, environments, config, seed);
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
-    }
-
-    /// As [`TrainingRun::begin`], but the first networks have learnt from a teacher; also returns what it found. `stop` is asked before every
-    /// episode of the teacher.
-    ///
-    /// The saved state of the training has what was learnt, so [`TrainingRun::resume`] needs no teacher.
-    ///
-    /// # Errors
-    /// As [`TrainingRun::begin`] and [`Teacher::teach`].
-    ///
-    /// # Panics
-    /// When there is no scenario.
-    pub fn begin_taught(
-        teacher: &Teacher,
-        scenarios: &[Arc<Scenario>],
-        environments: usize,
-        config: &PpoConfig,
-        seed: &Seed,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<(Self, Lesson), TrainError> {
-        let mut envs = environments_of(scenarios, None, environments, config, seed);
-        let mut policy = first_networks(&scenarios[0].cast, config, seed);
-        let lesson = teacher.teach(&mut policy, config, &seed.child("teacher"), stop)?;
-        let trainer = Trainer::with_networks(&mut envs, policy, config, &seed.child("ppo"))?;
-        Ok((Self { trainer, envs }, lesson))
     }
 
     /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first.
@@ -289,7 +265,8 @@ fn environments_of(
     seed: &Seed,
 ) -> Vec<TrainingGround> {
     let (episodes, starts) = (seed.child("episodes"), seed.child("starts"));
-    let bank = |(place, scenario)| StartBank::new(scenario, config.starts?, starts.index(place)).map(Arc::new);
+    let hard = config.hard_starts.map(|share| HardStarts { share, is_hard });
+    let bank = |(place, scenario)| StartBank::new(scenario, config.starts?, hard, starts.index(place)).map(Arc::new);
     let banks: Vec<_> = (0..).zip(scenarios).map(bank).collect();
     (0..environments)
         .map(|env| TrainingGround::new(scenarios, rule, &banks, env, &episodes.index(env as u64)))

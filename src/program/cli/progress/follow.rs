@@ -177,7 +177,6 @@ impl Progress {
                 self.board.job(task).found(units);
                 self.end(task, Ok(String::new()));
             }
-            Event::Taught { .. } => {}
             Event::CurveBefore { training, curve, .. } => self.board.job(Task::Training(training)).learn(curve),
             Event::Deciding { training, decisions } => {
                 let job = self.board.job(Task::Training(training));
