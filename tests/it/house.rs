@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 /// Each package with the greatest number of lines of Rust that it may have, tests included. Who needs more raises it in the same commit and says why.
 ///
 /// Estimates of how likely failures are, covers of boxes, and products for large trainings raised those of base, learn, world, compile, results
-/// and tests/it. So did teachers of pedestrians, drivers that are trained, the repair of drivers, and
+/// and tests/it. So did drivers that are trained, the repair of drivers, and
 /// the end of a training at a plateau.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 4_450),
-    ("src/learn", 6_800),
-    ("src/world", 35_300),
+    ("src/learn", 6_600),
+    ("src/world", 35_200),
     ("src/ported", 6_000),
     ("src/lang", 8_450),
     ("src/compile", 7_900),
@@ -19,7 +19,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 4_000),
     ("src/results", 29_750),
     ("src/program", 13_200),
-    ("tests/it", 19_150),
+    ("tests/it", 19_100),
 ];
 
 /// Crates that only some places may name.

@@ -6,25 +6,33 @@ use std::sync::Arc;
 
 use base::diagnostic::Sources;
 use base::seed::Seed;
-use compile::{Catalog, compile};
+use compile::{Catalog, Training, compile};
 use world::env::{Ending, HardStarts, Outcome, PedestrianEnv, Scenario, StartBank};
+use world::falsifier::TrainingRun;
 use world::sim::WalkCommand;
 
 fn scenario(spawn: &str, driver: &str) -> Arc<Scenario> {
+    training(spawn, driver, "").scenario.clone()
+}
+
+/// A training in the harbour, with further keys of `ppo`; its pedestrian is paid for faults.
+fn training(spawn: &str, driver: &str, keys: &str) -> Training {
     let text = format!(
         "edition 1\nimport \"lib/paper.scn\"\nimport \"lib/drivers.scn\"\nimport \"lib/sensors.scn\"\nimport \"lib/towns.scn\"\n\
+         import \"lib/pedestrians.scn\"\nimport \"lib/rewards.scn\"\n\
+         training first = ppo(steps: 4_000, environments: 4, steps_per_update: 1000, epochs: 1, learning_rate: 0.000001, initial_log_std: -1{keys})\n\
          policy sharp = idm(sensors: perfect)\n\
          policy squinting = idm(time_headway: 1.5 s, sensors: poor)\n\
          spawn here {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m  {spawn} }}\n\
          episode brief {{ ticks: 160  hold: 10  end_when: ahead < -6 m }}\n\
-         campaign c {{ vehicle: model3 adversary: suicidal spawn: here episode: brief training: ppo_paper\n\
-         train {{ towns: [harbour] policies: [{driver}] rewards: [r1] runs: 1 }} }}"
+         campaign c {{ vehicle: model3 adversary: pursuer spawn: here episode: brief training: first\n\
+         train {{ towns: [harbour] policies: [{driver}] rewards: [fault] runs: 1 }} }}"
     );
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bank.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
     let compiled = compile(from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).expect("readable");
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    plan.campaigns[0].trainings[0].scenario.clone()
+    plan.campaigns[0].trainings[0].clone()
 }
 
 fn bank(scenario: &Arc<Scenario>, size: usize) -> Option<Arc<StartBank>> {
@@ -169,4 +177,20 @@ fn the_stated_share_of_copies_is_of_hard_starts_whatever_was_drawn_before() {
     for episode in 0..20 {
         assert_eq!(begin(&mut plain, episode), begin(&mut without, episode));
     }
+}
+
+/// The share of episodes with a fault while nothing is learnt yet.
+#[test]
+fn at_hard_starts_a_first_attempt_causes_faults_more_often() {
+    let faults = |keys| {
+        let training = training("", "behavior", keys);
+        let (environments, config) = (training.environments, &training.config);
+        let mut run = TrainingRun::begin(&training.scenarios(), environments, config, &Seed::root(5)).unwrap();
+        let log = run.update().unwrap();
+        let judged: Vec<bool> = log.finished.iter().filter_map(|episode| episode.fault).collect();
+        assert!(judged.len() > 300, "{} episodes tell nothing", judged.len());
+        judged.iter().filter(|fault| **fault).count() as f64 / judged.len() as f64
+    };
+    let (usual, hard) = (faults(", starts: 40"), faults(", starts: 40, hard_starts: 100 percent"));
+    assert!(hard > 1.5 * usual && usual > 0.0, "{hard} of the episodes, {usual} without");
 }
