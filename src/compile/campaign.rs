@@ -77,7 +77,7 @@ keys! {
         towns: Vec<DeclarationId> as Reference("town"),
         /// The driver that it imitates before it learns by itself; the other cars have it, too.
         imitates: DeclarationId as Reference("policy"),
-        /// Decisions in which it imitates; 0 for none.
+        /// Decisions in which it imitates; 0 for none. The more the better; a million needs 0.4 GB of memory.
         demonstrations: u32 as whole(0, 10_000_000) = "200_000",
         /// Ticks for which an action is kept while it learns by itself, so that its attempts differ; as a driver it chooses anew in every tick.
         hold: u32 as whole(1, 100) = "4",

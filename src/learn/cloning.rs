@@ -21,8 +21,8 @@ pub enum Fitted {
 /// Fits one of the networks to the targets of observations by Adam, with the batch size, the gradient's bound and the instructions of the settings,
 /// and returns the mean squared error over the last epoch.
 ///
-/// `observations` has the components of one sample after another, as the environment gives them; so have `targets`. `weights` has a factor for the
-/// error of each sample; without it all count the same. The step size falls linearly to 0 over the epochs.
+/// `observations` has the components of one sample after another, as the environment gives them; so have `targets`. The step size falls linearly to 0
+/// over the epochs. `stop` is asked before every epoch, and ends the fit.
 ///
 /// # Panics
 /// When the lengths do not fit each other, or when a number in the settings is zero.
@@ -33,10 +33,10 @@ pub fn fit(
     networks: &mut ActorCritic,
     fitted: Fitted,
     (observations, targets): (&[f32], &[f32]),
-    weights: Option<&[f32]>,
     (epochs, learning_rate): (usize, f64),
     config: &PpoConfig,
     seed: &Seed,
+    stop: &dyn Fn() -> bool,
 ) -> f64 {
     let path = Path::of(config);
     let (mlp, range) = match fitted {
@@ -46,7 +46,6 @@ pub fn fit(
     let (inputs, outputs) = (mlp.inputs(), mlp.outputs());
     let samples = targets.len() / outputs;
     assert!(observations.len() == samples * inputs && targets.len() == samples * outputs, "each sample is whole");
-    assert!(weights.is_none_or(|weights| weights.len() == samples), "each sample has a weight");
     let batch = config.batch_size.min(samples.max(1));
     let mut scratch = MlpScratch::<f32>::new(&mlp, batch);
     let mut adam = Adam::new(range.len(), config.adam_eps);
@@ -57,6 +56,9 @@ pub fn fit(
     let steps = (epochs * samples.div_ceil(batch)) as f64;
     let (mut step, mut error) = (0.0, 0.0);
     for _ in 0..epochs {
+        if stop() {
+            break;
+        }
         shuffle(&mut order, &mut stream);
         error = 0.0;
         for chosen in order.chunks(batch) {
@@ -69,11 +71,10 @@ pub fn fit(
             mlp.forward(&networks.parameters()[range.clone()], &input[..inputs * chosen.len()], &mut scratch, path);
             let slots = scratch.output_to_gradient(&mlp);
             for (slot, number) in slots.chunks_exact_mut(outputs).zip(chosen) {
-                let weight = weights.map_or(1.0, |weights| weights[*number]);
                 for (slot, target) in slot.iter_mut().zip(&targets[number * outputs..]) {
                     let difference = *slot - target;
-                    error += f64::from(weight * difference * difference) / (samples * outputs) as f64;
-                    *slot = share * weight * difference;
+                    error += f64::from(difference * difference) / (samples * outputs) as f64;
+                    *slot = share * difference;
                 }
             }
             mlp.backward(&networks.parameters()[range.clone()], &mut gradient, &mut scratch, path);
@@ -92,21 +93,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_network_learns_a_curve_and_where_a_weight_is_zero_nothing() {
+    fn a_network_learns_a_curve_until_it_is_stopped() {
         let seed = Seed::root(5);
         let config = PpoConfig { batch_size: 32, portable_bits: true, ..PpoConfig::paper() };
         let observations: Vec<f32> = (0..512).map(|i| i as f32 / 256.0 - 1.0).collect();
         let wanted = |x: f32| 0.8 * libm::sinf(3.0 * x);
-        // Above 0.5 the targets are wrong and do not count.
-        let targets: Vec<f32> = observations.iter().map(|x| if *x > 0.5 { 9.0 } else { wanted(*x) }).collect();
-        let weights: Vec<f32> = observations.iter().map(|x| if *x > 0.5 { 0.0 } else { 1.0 }).collect();
+        let targets: Vec<f32> = observations.iter().map(|x| wanted(*x)).collect();
         let mut networks = ActorCritic::new(1, 1, &[32, 32], 0.0, &mut seed.stream());
         let before = networks.clone();
         let data = (observations.as_slice(), targets.as_slice());
-        let error = fit(&mut networks, Fitted::Actor, data, Some(&weights), (200, 3e-3), &config, &seed);
+        fit(&mut networks, Fitted::Actor, data, (200, 3e-3), &config, &seed, &|| true);
+        assert_eq!(networks, before);
+        let error = fit(&mut networks, Fitted::Actor, data, (200, 3e-3), &config, &seed, &|| false);
         assert!(error < 1e-3, "{error}");
         let (mut out, mut scratch) = ([0.0], networks.scratch(1));
-        for x in [-0.9, -0.3, 0.2] {
+        for x in [-0.9, -0.3, 0.2, 0.7] {
             networks.act(&[f64::from(x)], &mut out, &mut scratch);
             assert!((out[0] - f64::from(wanted(x))).abs() < 0.1, "{x}: {out:?}");
         }

@@ -39,7 +39,7 @@ fn plan(keys: &str) -> Plan {
 fn begin(training: &Training) -> TrainingRun {
     let rule = training.drive.as_ref().unwrap();
     let (environments, config) = (training.environments, &training.config);
-    TrainingRun::begin_driving(&training.scenarios(), rule, environments, config, &Seed::root(4)).unwrap()
+    TrainingRun::begin_driving(&training.scenarios(), rule, environments, config, &Seed::root(4), &|| false).unwrap()
 }
 
 fn trained(training: &Training, threads: usize) -> Trained {
@@ -142,4 +142,15 @@ fn a_drivers_training_sees_one_state_at_a_time() {
     std::fs::write(place.path().join("it.scn"), text.replace("epochs: 2", "frame_stack: 2")).unwrap();
     let said = error(&falsify(&["check", "it.scn"], place.path()));
     assert!(said.contains("frame_stack: 1"), "{said}");
+}
+
+#[test]
+fn an_imitation_can_be_stopped() {
+    let training = &plan("demonstrations: 4_000").campaigns[0].trainings[0];
+    let (rule, environments) = (training.drive.as_ref().unwrap(), training.environments);
+    let asked = std::sync::atomic::AtomicU32::new(0);
+    let stop = || asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) > 3;
+    let begun =
+        TrainingRun::begin_driving(&training.scenarios(), rule, environments, &training.config, &Seed::root(4), &stop);
+    assert!(begun.err().is_some_and(|error| error.is_stopped()));
 }

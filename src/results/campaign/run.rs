@@ -276,9 +276,10 @@ impl Work<'_> {
         let scenarios = plan.scenarios();
         let seed = training_seed(seed, key);
         let (environments, config) = (plan.environments, &plan.config);
+        let late = || results.is_overdue(task, self.shared.stop());
         let begin = || match &plan.drive {
             None => TrainingRun::begin(&scenarios, environments, config, &seed),
-            Some(rule) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed),
+            Some(rule) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed, &late),
         };
         let resume = |state: Vec<u8>| match &plan.drive {
             None => TrainingRun::resume(&state, &scenarios, environments, config, &seed).ok(),
@@ -287,7 +288,13 @@ impl Work<'_> {
         // A state that does not fit counts as missing: the training restarts.
         let mut run = match results.begun(index).and_then(resume) {
             Some(run) => run,
-            None => begin()?,
+            None => match begin() {
+                Err(error) if error.is_stopped() => {
+                    let limit = results.limit(task, 0).filter(|_| !self.shared.stop());
+                    return Err(limit.unwrap_or(TaskError::Training(error)));
+                }
+                begun => begun?,
+            },
         };
         let before = run.learning_curve().last().map_or(0, |log| log.steps);
         self.shared.tell(Event::Continued { task, units: before });

@@ -11,6 +11,9 @@ const EPOCHS: usize = 6;
 const LAST_EPOCHS: usize = 20;
 const STEP_SIZE: f64 = 1e-3;
 
+/// Decisions between two questions whether to stop.
+const GLANCE: u32 = 256;
+
 /// An environment with a teacher.
 pub(crate) trait Pupil: Env + Send {
     /// Lets the teacher say in every state from the next episode on what it would do, or no longer.
@@ -31,6 +34,7 @@ struct Shown {
 }
 
 /// Lets the networks imitate the teacher, in all environments: the actor its actions, the critic the sums of rewards of the learner's own driving.
+/// Returns whether that was done: `stop` is asked at decisions and between the rounds.
 ///
 /// # Source
 /// DAgger: Ross, Gordon and Bagnell, *A reduction of imitation learning and structured prediction to no-regret online learning*, AISTATS 2011.
@@ -40,9 +44,10 @@ pub(crate) fn imitate<E: Pupil>(
     networks: &mut ActorCritic,
     config: &PpoConfig,
     seed: &Seed,
-) {
+    stop: &(dyn Fn() -> bool + Sync),
+) -> bool {
     if rule.demonstrations == 0 {
-        return;
+        return true;
     }
     let decisions = (rule.demonstrations / ROUNDS).div_ceil(envs.len() as u32);
     envs.iter_mut().for_each(|env| env.teach(true));
@@ -50,9 +55,12 @@ pub(crate) fn imitate<E: Pupil>(
     for round in 0..ROUNDS {
         let seed = seed.index(round.into());
         let drive = |(number, env): (usize, &mut E)| {
-            show(env, decisions, (round > 0).then_some(&*networks), &seed.index(number as u64))
+            show(env, decisions, (round > 0).then_some(&*networks), &seed.index(number as u64), stop)
         };
         let shown: Vec<Shown> = envs.par_iter_mut().enumerate().map(drive).collect();
+        if stop() {
+            return false;
+        }
         let is_last = round + 1 == ROUNDS;
         if is_last {
             let seen: Vec<f32> = shown.iter().flat_map(|each| each.observations.iter().copied()).collect();
@@ -61,7 +69,7 @@ pub(crate) fn imitate<E: Pupil>(
                 .flat_map(|each| returns(each, libm::pow(config.gamma, 1.0 / f64::from(rule.hold))))
                 .collect();
             let data = (seen.as_slice(), returns.as_slice());
-            fit(networks, Fitted::Critic, data, None, (EPOCHS, STEP_SIZE), config, &seed.child("critic"));
+            fit(networks, Fitted::Critic, data, (EPOCHS, STEP_SIZE), config, &seed.child("critic"), stop);
         }
         for each in shown {
             observations.extend(each.observations);
@@ -69,20 +77,30 @@ pub(crate) fn imitate<E: Pupil>(
         }
         let epochs = if is_last { LAST_EPOCHS } else { EPOCHS };
         let data = (observations.as_slice(), actions.as_slice());
-        fit(networks, Fitted::Actor, data, None, (epochs, STEP_SIZE), config, &seed.child("actor"));
+        fit(networks, Fitted::Actor, data, (epochs, STEP_SIZE), config, &seed.child("actor"), stop);
     }
     envs.iter_mut().for_each(|env| env.teach(false));
+    !stop()
 }
 
-/// A number of decisions: the teacher's, or those of the networks with their noise.
-fn show<E: Pupil>(env: &mut E, decisions: u32, networks: Option<&ActorCritic>, seed: &Seed) -> Shown {
+/// A number of decisions: the teacher's, or those of the networks with their noise. Fewer when `stop` is true, which is asked now and then.
+fn show<E: Pupil>(
+    env: &mut E,
+    decisions: u32,
+    networks: Option<&ActorCritic>,
+    seed: &Seed,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Shown {
     let mut stream = seed.stream();
     let mut scratch = networks.map(|networks| networks.scratch(1));
     let bounds = env.action_bounds();
     let mut obs = vec![0.0; env.obs_dim()];
     let mut shown = Shown::default();
     env.reset(&mut obs);
-    for _ in 0..decisions {
+    for decision in 0..decisions {
+        if decision % GLANCE == 0 && stop() {
+            break;
+        }
         let mut action = env.shown();
         shown.observations.extend(obs.iter().map(|number| *number as f32));
         shown.actions.extend(action.map(|number| number as f32));

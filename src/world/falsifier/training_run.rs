@@ -59,10 +59,10 @@ impl TrainingRun {
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
-    /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first.
+    /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first, unless `stop` is true.
     ///
     /// # Errors
-    /// As [`TrainingRun::begin`].
+    /// As [`TrainingRun::begin`]; [`learn::TrainError::Stopped`] when it stopped.
     ///
     /// # Panics
     /// When there is no scenario.
@@ -72,11 +72,14 @@ impl TrainingRun {
         environments: usize,
         config: &PpoConfig,
         seed: &Seed,
+        stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, TrainError> {
         let mut envs = environments_of(scenarios, Some(rule), environments, config, seed);
         let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());
         let mut networks = learn::first_networks(obs_dim, action_dim, config, &seed.child("ppo"));
-        imitate(&mut envs, rule, &mut networks, config, &seed.child("imitation"));
+        if !imitate(&mut envs, rule, &mut networks, config, &seed.child("imitation"), stop) {
+            return Err(learn::TrainError::Stopped { update: 0 }.into());
+        }
         let trainer = Trainer::with_networks(&mut envs, networks, config, &seed.child("ppo"))?;
         Ok(Self { trainer, envs })
     }
