@@ -1,7 +1,7 @@
 #!/bin/sh
 # Three rounds of attack and repair of a learnt driver: scenarios/learnt/harden.sh SEED FOLDER DEMONSTRATIONS
 #
-# The first driver is trained as train.scn does, with so many demonstrations. A round attacks the last driver, and trains one anew, as long, among people who
+# The first driver is trained as train.scn does, with this number of demonstrations. A round attacks the last driver, and trains one anew, as long, among people who
 # cross as recorded ones do and among all attackers up to then. `control` is trained as the first driver, with another seed. The last attack is on the
 # driver of round 3. reports/learning.md has the results.
 set -e
