@@ -20,7 +20,7 @@ pub struct StartBank {
 /// Which starts of a bank are drawn more often than others.
 #[derive(Debug, Clone, Copy)]
 pub struct HardStarts {
-    /// The share of the copies that are of hard starts, as far as [`ATTEMPTS`] draws find them.
+    /// The share of the copies that are of hard starts, as far as a hundred draws find them.
     pub share: f64,
     /// Whether a start is hard; it also gets the start's number.
     pub is_hard: fn(&PedestrianEnv, u64) -> bool,
