@@ -59,7 +59,7 @@ keys! {
         /// `search`, in evaluations, for drivers that cannot be copied and for cars without a run-up.
         starts: Option<usize> as whole(1, 100_000),
         /// Share of these copies that are of hard starts, as far as there are enough: of ten times as many starts, those from which one of twelve
-        /// crossings ends in a fault. A driver without faults is attacked where it is weakest, and each decision teaches more (reports/learning.md).
+        /// crossings ends in a fault, or in a failure where the reward does not ask for faults. It needs `starts`. reports/learning.md has what it gains.
         hard_starts: Option<f64> as share(),
         /// Whether states are standardised by what was seen so far.
         normalize_observations: bool = "false",
