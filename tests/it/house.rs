@@ -40,6 +40,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("nix", &["process"]),
     ("polars", &["results/record", "results/report"]),
     ("polars_io", &["results/record", "results/report"]),
+    ("polars_parquet_format", &["results/record"]),
     ("maud", &["results/report"]),
     ("comfy_table", &["results/report"]),
     ("smartcore", &["results/analysis"]),

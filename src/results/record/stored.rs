@@ -4,8 +4,6 @@ use std::io::Cursor;
 use std::ops::Range;
 
 use polars::prelude::{Column as Values, DataFrame, NamedFrom, PlSmallStr, PolarsResult, Scalar, SchemaExtPl, Series};
-use polars_io::SerReader;
-use polars_io::parquet::read::ParquetReader;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::columns::{COLLISION, EPISODE, ERROR, FRONT, OUTCOME};
@@ -101,7 +99,7 @@ pub fn tally(bytes: &[u8]) -> PolarsResult<Tally> {
 /// # Errors
 /// The bytes are not Parquet, or have other columns.
 pub fn decode(bytes: &[u8]) -> PolarsResult<DataFrame> {
-    let table = read_parquet(ParquetReader::new(Cursor::new(bytes.to_vec())), bytes.len() as u64)?;
+    let table = read_parquet(Cursor::new(bytes), bytes.len() as u64, None, None)?;
     let mut known = outcome_table().frame(&[]);
     if table.get_column_index(DEGREES.name).is_some() {
         with_degrees(&mut known)?;

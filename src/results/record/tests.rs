@@ -1,8 +1,6 @@
 use std::io::Cursor;
 
 use polars::prelude::{Column as Values, DataFrame, NamedFrom, Series};
-use polars_io::SerReader;
-use polars_io::parquet::read::ParquetReader;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::*;
@@ -134,11 +132,30 @@ fn tables_that_are_much_larger_than_their_file_are_refused() {
         let mut bytes = Vec::new();
         ParquetWriter::new(&mut bytes).finish(&mut DataFrame::new(rows, vec![column]).unwrap()).unwrap();
         let length = bytes.len() as u64;
-        read_parquet(ParquetReader::new(Cursor::new(bytes)), length)
+        read_parquet(Cursor::new(bytes), length, None, None)
     };
     assert_eq!(file(8_000).unwrap().height(), 8_000);
     let refused = file(1_000_000).unwrap_err().to_string();
     assert!(refused.contains("it says that it has 1000000 rows"), "{refused}");
+}
+
+/// A wrong count in the header of a page made polars ask for more memory than any machine has, which ends the process.
+#[test]
+fn tables_with_one_wrong_byte_are_read_or_refused() {
+    let numbers = Values::from(Series::new("number".into(), [Some(7_i64), None, Some(9)]));
+    let names = Values::from(Series::new("name".into(), ["a", "b", "b"]));
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes).finish(&mut DataFrame::new(3, vec![numbers, names]).unwrap()).unwrap();
+    let mut refused = 0;
+    for place in 0..bytes.len() {
+        // As a number of Thrift: -1, -64 and the first byte of a long one.
+        for wrong in [0x01, 0x7f, 0xff] {
+            let mut damaged = bytes.clone();
+            damaged[place] = wrong;
+            refused += usize::from(read_parquet(Cursor::new(damaged), bytes.len() as u64, None, None).is_err());
+        }
+    }
+    assert!(refused > bytes.len() / 2, "{refused}");
 }
 
 #[test]

@@ -7,8 +7,7 @@ use std::str::FromStr;
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 use polars_io::csv::write::CsvWriter;
-use polars_io::parquet::read::ParquetReader;
-use polars_io::{SerReader, SerWriter};
+use polars_io::SerWriter;
 
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
 use crate::record::{EPISODES, RunKey, read_parquet};
@@ -383,10 +382,8 @@ impl StoredReport {
             }
             Err(source) => return Err(ReadError::File { path, source }),
         };
-        let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());
         let length = file.metadata().map_or(0, |metadata| metadata.len());
-        let reader = ParquetReader::new(file).with_columns(columns).with_slice(rows);
-        read_parquet(reader, length).map(Some).map_err(|source| ReadError::Table { path, source })
+        read_parquet(file, length, columns, rows).map(Some).map_err(|source| ReadError::Table { path, source })
     }
 
     /// The values of a column, as in CSV.
