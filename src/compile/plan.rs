@@ -294,6 +294,17 @@ impl Training {
     pub fn scenarios(&self) -> Vec<Arc<Scenario>> {
         self.places().map(|(_, scenario)| scenario.clone()).collect()
     }
+
+    /// The decisions in which a driver is imitated, before those of [`Training::config`].
+    pub fn demonstrations(&self) -> u64 {
+        self.drive.as_ref().map_or(0, |rule| rule.demonstrations.into())
+    }
+
+    /// The simulator ticks of all demonstrations and a number of further decisions.
+    pub fn ticks(&self, decisions: u64) -> u64 {
+        let hold = self.drive.as_ref().map_or(self.scenario.episode.hold, |rule| rule.hold);
+        self.demonstrations().saturating_add(decisions.saturating_mul(hold.into()))
+    }
 }
 
 /// The controller of the pedestrian of an evaluation.

@@ -36,10 +36,18 @@ fn plan(keys: &str) -> Plan {
     compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
 }
 
+/// A folder with the scenario as `it.scn`.
+fn written(keys: &str) -> tempfile::TempDir {
+    let place = tempfile::tempdir().unwrap();
+    let library = format!("\"{}/scenarios/lib/", env!("CARGO_MANIFEST_DIR"));
+    std::fs::write(place.path().join("it.scn"), SCENARIO.replace("KEYS", keys).replace("\"lib/", &library)).unwrap();
+    place
+}
+
 fn begin(training: &Training) -> TrainingRun {
     let rule = training.drive.as_ref().unwrap();
     let (environments, config) = (training.environments, &training.config);
-    TrainingRun::begin_driving(&training.scenarios(), rule, environments, config, &Seed::root(4), &|| false).unwrap()
+    TrainingRun::begin_driving(&training.scenarios(), rule, environments, config, &Seed::root(4), &|_| false).unwrap()
 }
 
 fn trained(training: &Training, threads: usize) -> Trained {
@@ -107,7 +115,7 @@ fn threads_and_interruptions_change_no_bit() {
     let state = run.state(&Default::default());
     let rule = training.drive.as_ref().unwrap();
     let (environments, config) = (training.environments, &training.config);
-    let resume = |seed| TrainingRun::resume_driving(&state, &training.scenarios(), rule, environments, config, &seed);
+    let resume = |seed| TrainingRun::resume(&state, &training.scenarios(), Some(rule), environments, config, &seed);
     let resumed = resume(Seed::root(4)).unwrap().carry_on(&mut |_| std::ops::ControlFlow::Continue(())).unwrap();
     assert_eq!(resumed.to_safetensors(), one.to_safetensors());
 }
@@ -124,10 +132,7 @@ fn who_imitates_drives_better_than_who_does_not() {
 
 #[test]
 fn a_report_has_a_driver_that_drives() {
-    let place = tempfile::tempdir().unwrap();
-    let root = env!("CARGO_MANIFEST_DIR");
-    let text = SCENARIO.replace("KEYS", "runs: 2").replace("\"lib/", &format!("\"{root}/scenarios/lib/"));
-    std::fs::write(place.path().join("it.scn"), text).unwrap();
+    let place = written("runs: 2");
     let output = falsify(&["run", "--smoke", "it.scn", "--out", "."], place.path());
     assert!(output.status.success(), "{}", error(&output));
     let file = place.path().join("driving-smoke/drivers/harbour+village-idm-0.onnx");
@@ -136,21 +141,39 @@ fn a_report_has_a_driver_that_drives() {
 
 #[test]
 fn a_drivers_training_sees_one_state_at_a_time() {
-    let place = tempfile::tempdir().unwrap();
-    let root = env!("CARGO_MANIFEST_DIR");
-    let text = SCENARIO.replace("KEYS", "").replace("\"lib/", &format!("\"{root}/scenarios/lib/"));
-    std::fs::write(place.path().join("it.scn"), text.replace("epochs: 2", "frame_stack: 2")).unwrap();
-    let said = error(&falsify(&["check", "it.scn"], place.path()));
+    let said = error(&falsify(&["check", "it.scn", "--set", "quick.frame_stack=2"], written("").path()));
     assert!(said.contains("frame_stack: 1"), "{said}");
+}
+
+#[test]
+fn demonstrations_count_as_decisions_and_ticks() {
+    let place = written("demonstrations: 4_000");
+    let listed = falsify(&["run", "--list", "it.scn"], place.path());
+    assert!(String::from_utf8_lossy(&listed.stdout).contains("4900 decisions"), "{listed:?}");
+    let said = error(&falsify(&["run", "--max-ticks", "3000", "it.scn"], place.path()));
+    assert!(said.contains("not finished within the 3000 ticks"), "{said}");
 }
 
 #[test]
 fn an_imitation_can_be_stopped() {
     let training = &plan("demonstrations: 4_000").campaigns[0].trainings[0];
     let (rule, environments) = (training.drive.as_ref().unwrap(), training.environments);
-    let asked = std::sync::atomic::AtomicU32::new(0);
-    let stop = || asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) > 3;
-    let begun =
-        TrainingRun::begin_driving(&training.scenarios(), rule, environments, &training.config, &Seed::root(4), &stop);
+    let begin = |watch: &(dyn Fn(f64) -> bool + Sync)| {
+        TrainingRun::begin_driving(&training.scenarios(), rule, environments, &training.config, &Seed::root(4), watch)
+    };
+    let heard = std::sync::Mutex::new(Vec::new());
+    let hear = |share| heard.lock().unwrap().push(share);
+    let begun = begin(&|share| {
+        hear(share);
+        share > 0.5
+    });
     assert!(begun.err().is_some_and(|error| error.is_stopped()));
+    assert!(heard.lock().unwrap().iter().any(|share| *share < 0.1));
+    heard.lock().unwrap().clear();
+    let begun = begin(&|share| {
+        hear(share);
+        false
+    });
+    assert!(begun.is_ok());
+    assert_eq!(heard.lock().unwrap().last(), Some(&1.0));
 }

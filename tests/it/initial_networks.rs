@@ -76,13 +76,13 @@ fn a_training_starts_with_the_weights_of_the_file_and_goes_on_after_an_interrupt
     cut.update().unwrap();
     let state = cut.state(&BTreeMap::new());
     let resumed =
-        TrainingRun::resume(&state, from_ref(&training.scenario), 1, &training.config, &Seed::root(3)).unwrap();
+        TrainingRun::resume(&state, from_ref(&training.scenario), None, 1, &training.config, &Seed::root(3)).unwrap();
     let resumed = resumed.carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(resumed.actor_critic, whole.actor_critic);
     // A training that started elsewhere is not continued.
     let mut other = training.config.clone();
     other.initial = None;
-    assert!(TrainingRun::resume(&state, from_ref(&training.scenario), 1, &other, &Seed::root(3)).is_err());
+    assert!(TrainingRun::resume(&state, from_ref(&training.scenario), None, 1, &other, &Seed::root(3)).is_err());
 }
 
 #[test]

@@ -69,7 +69,7 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
         assert_eq!(states.len(), 5);
         assert_eq!(train(scenario, envs, config, &seed, &mut |_| ControlFlow::Continue(())).unwrap(), whole);
         for (updates, state) in states.iter().enumerate() {
-            let resumed = TrainingRun::resume(state, from_ref(scenario), envs, config, &seed).unwrap();
+            let resumed = TrainingRun::resume(state, from_ref(scenario), None, envs, config, &seed).unwrap();
             assert_eq!(&resumed.state(&none), state, "a state survives being read");
             let mut later = Vec::new();
             let end = resumed.carry_on(&mut |run| {
@@ -89,10 +89,11 @@ fn a_state_is_refused_where_its_episodes_lead_elsewhere() {
     let mut run = TrainingRun::begin(from_ref(&behavior.scenario), 3, &behavior.config, &Seed::root(3)).unwrap();
     run.update().unwrap();
     let state = run.state(&BTreeMap::new());
-    let other_seed = TrainingRun::resume(&state, from_ref(&behavior.scenario), 3, &behavior.config, &Seed::root(4));
+    let other_seed =
+        TrainingRun::resume(&state, from_ref(&behavior.scenario), None, 3, &behavior.config, &Seed::root(4));
     assert!(matches!(other_seed, Err(CheckpointError::Env { env: 0 })), "{other_seed:?}");
     let rich = &plan.campaigns[1].trainings[0].config;
-    let other_settings = TrainingRun::resume(&state, from_ref(&behavior.scenario), 3, rich, &Seed::root(3));
+    let other_settings = TrainingRun::resume(&state, from_ref(&behavior.scenario), None, 3, rich, &Seed::root(3));
     assert!(matches!(&other_settings, Err(CheckpointError::Settings { .. })), "{other_settings:?}");
 }
 

@@ -10,7 +10,7 @@ pub fn list(listing: &Listing) {
     let known = |task| tasks[&task].clone();
     console::say(&format!("campaign {name}"));
     for (number, training) in campaign.trainings.iter().enumerate() {
-        let decisions = training.config.total_steps;
+        let decisions = results::campaign::units(campaign, Task::Training(number));
         let state = told(&known(Task::Training(number)), "updates");
         console::say(&format!("  train    {}: {decisions} decisions [{state}]", training.key));
     }

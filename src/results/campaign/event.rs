@@ -14,7 +14,7 @@ pub enum Event<'a> {
     /// A training continues from this learning curve, or an earlier run has finished it with this one. The curve is empty for a new
     /// training.
     CurveBefore { training: usize, plan: &'a Training, curve: &'a [UpdateLog] },
-    /// A training has taken this number of decisions in this run; more often than [`Event::Updated`].
+    /// A training has taken this number of decisions in this run, demonstrations included; more often than [`Event::Updated`].
     Deciding { training: usize, decisions: u64 },
     /// A training has finished an update. The curve holds the reports of all updates up to now, also of earlier runs.
     Updated { training: usize, plan: &'a Training, curve: &'a [UpdateLog] },

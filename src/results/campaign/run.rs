@@ -18,7 +18,7 @@ use super::{
 use base::seed::Seed;
 use compile::{Campaign, Training, TrainingKey};
 use learn::Trained;
-use world::falsifier::TrainingRun;
+use world::falsifier::{TrainError, TrainingRun};
 
 /// Number of decisions of a training between two reports to the observer.
 const GLANCE: u64 = 16;
@@ -276,30 +276,39 @@ impl Work<'_> {
         let scenarios = plan.scenarios();
         let seed = training_seed(seed, key);
         let (environments, config) = (plan.environments, &plan.config);
-        let late = || results.is_overdue(task, self.shared.stop());
+        let watch = |share: f64| {
+            let decisions = (share * plan.demonstrations() as f64) as u64;
+            self.shared.tell(Event::Deciding { training: index, decisions });
+            results.is_overdue(task, self.shared.stop())
+        };
         let begin = || match &plan.drive {
             None => TrainingRun::begin(&scenarios, environments, config, &seed),
-            Some(rule) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed, &late),
+            Some(rule) => TrainingRun::begin_driving(&scenarios, rule, environments, config, &seed, &watch),
         };
-        let resume = |state: Vec<u8>| match &plan.drive {
-            None => TrainingRun::resume(&state, &scenarios, environments, config, &seed).ok(),
-            Some(rule) => TrainingRun::resume_driving(&state, &scenarios, rule, environments, config, &seed).ok(),
+        let resume = |state: Vec<u8>| {
+            TrainingRun::resume(&state, &scenarios, plan.drive.as_ref(), environments, config, &seed).ok()
+        };
+        // A stop that the user did not ask for is the limit of the task.
+        let ended = |error: TrainError| {
+            let limited = error.is_stopped() && !self.shared.stop();
+            limited.then(|| results.limit(task, 0)).flatten().unwrap_or(TaskError::Training(error))
         };
         // A state that does not fit counts as missing: the training restarts.
-        let mut run = match results.begun(index).and_then(resume) {
-            Some(run) => run,
-            None => match begin() {
-                Err(error) if error.is_stopped() => {
-                    let limit = results.limit(task, 0).filter(|_| !self.shared.stop());
-                    return Err(limit.unwrap_or(TaskError::Training(error)));
-                }
-                begun => begun?,
-            },
-        };
-        let before = run.learning_curve().last().map_or(0, |log| log.steps);
+        let begun = results.begun(index).and_then(resume);
+        let taken = |run: &TrainingRun| plan.demonstrations() + run.learning_curve().last().map_or(0, |log| log.steps);
+        let before = begun.as_ref().map_or(0, taken);
         self.shared.tell(Event::Continued { task, units: before });
+        let mut run = match begun {
+            Some(run) => run,
+            None => {
+                if let Some(limit) = results.limit(task, plan.ticks(0)).filter(|_| plan.demonstrations() > 0) {
+                    return Err(limit);
+                }
+                begin().map_err(ended)?
+            }
+        };
         self.shared.tell(Event::CurveBefore { training: index, plan, curve: run.learning_curve() });
-        let decisions = AtomicU64::new(0);
+        let decisions = AtomicU64::new(taken(&run) - before);
         while !run.is_done() {
             // A slow driver may need minutes for an update. Then the work of the update is lost.
             let overdue = || {
@@ -309,19 +318,11 @@ impl Work<'_> {
                 }
                 results.is_overdue(task, self.shared.stop())
             };
-            match run.update_unless(&overdue) {
-                Err(error) if error.is_stopped() => {
-                    let limit = results.limit(task, 0).filter(|_| !self.shared.stop());
-                    return Err(limit.unwrap_or(TaskError::Training(error)));
-                }
-                Err(error) => return Err(error.into()),
-                Ok(_) => {}
-            }
+            run.update_unless(&overdue).map_err(ended)?;
             let log = run.learning_curve().last().expect("an update has just ended");
             self.shared.tell(Event::Updated { training: index, plan, curve: run.learning_curve() });
             let update = log.update;
-            let ticks = log.steps * u64::from(plan.drive.as_ref().map_or(plan.scenario.episode.hold, |rule| rule.hold));
-            if let Some(limit) = results.limit(task, ticks).filter(|_| !run.is_done()) {
+            if let Some(limit) = results.limit(task, plan.ticks(log.steps)).filter(|_| !run.is_done()) {
                 results.checkpoint(index, &run, true);
                 return Err(limit);
             }

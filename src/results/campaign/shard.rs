@@ -56,7 +56,7 @@ fn work(campaign: &Campaign, task: Task) -> u128 {
     let ticks = match task {
         Task::Training(index) => {
             let training = &campaign.trainings[index];
-            u128::from(training.config.total_steps) * u128::from(training.scenario.episode.hold)
+            training.ticks(training.config.total_steps).into()
         }
         Task::Chunk { evaluation, chunk } => {
             let planned = &campaign.evaluations[evaluation];

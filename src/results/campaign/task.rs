@@ -31,11 +31,14 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
         .chain((0..campaign.hardenings.len()).map(Task::Harden))
 }
 
-/// The size of a task: the decisions of a training, the episodes of a chunk, the most ticks of a search or an
+/// The size of a task: the decisions of a training with its demonstrations, the episodes of a chunk, the most ticks of a search or an
 /// estimate, the episodes of a cover, the ticks of the searches of a hardening.
 pub fn units(campaign: &Campaign, task: Task) -> u64 {
     match task {
-        Task::Training(place) => campaign.trainings[place].config.total_steps,
+        Task::Training(place) => {
+            let training = &campaign.trainings[place];
+            training.demonstrations() + training.config.total_steps
+        }
         Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
         Task::Search(place) => campaign.searches[place].budget,
         Task::Estimate(place) => campaign.estimations[place].budget,

@@ -1,3 +1,5 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::DriveRule;
@@ -11,8 +13,10 @@ const EPOCHS: usize = 6;
 const LAST_EPOCHS: usize = 20;
 const STEP_SIZE: f64 = 1e-3;
 
-/// Decisions between two questions whether to stop.
+/// Decisions between two glances at the work.
 const GLANCE: u32 = 256;
+/// A decision takes as long to show as this number of passes over it.
+const SHOWING: u64 = 10;
 
 /// An environment with a teacher.
 pub(crate) trait Pupil: Env + Send {
@@ -33,8 +37,28 @@ struct Shown {
     ends: Vec<bool>,
 }
 
+/// The work of an imitation: passes over decisions.
+struct Work<'a> {
+    done: AtomicU64,
+    all: u64,
+    watch: &'a (dyn Fn(f64) -> bool + Sync),
+}
+
+impl Work<'_> {
+    /// Adds passes, and returns whether to stop.
+    fn add(&self, passes: u64) -> bool {
+        let done = self.done.fetch_add(passes, Ordering::Relaxed) + passes;
+        (self.watch)(done as f64 / self.all as f64)
+    }
+}
+
+/// The passes of a round over all decisions up to then.
+fn epochs(round: u32) -> usize {
+    if round + 1 == ROUNDS { LAST_EPOCHS } else { EPOCHS }
+}
+
 /// Lets the networks imitate the teacher, in all environments: the actor its actions, the critic the sums of rewards of the learner's own driving.
-/// Returns whether that was done: `stop` is asked at decisions and between the rounds.
+/// Returns whether that was done: now and then `watch` is told the share of the work that is done, and answers whether to stop.
 ///
 /// # Source
 /// DAgger: Ross, Gordon and Bagnell, *A reduction of imitation learning and structured prediction to no-regret online learning*, AISTATS 2011.
@@ -44,53 +68,51 @@ pub(crate) fn imitate<E: Pupil>(
     networks: &mut ActorCritic,
     config: &PpoConfig,
     seed: &Seed,
-    stop: &(dyn Fn() -> bool + Sync),
+    watch: &(dyn Fn(f64) -> bool + Sync),
 ) -> bool {
     if rule.demonstrations == 0 {
         return true;
     }
     let decisions = (rule.demonstrations / ROUNDS).div_ceil(envs.len() as u32);
+    let of_a_round = u64::from(decisions) * envs.len() as u64;
+    let passes = |round| SHOWING + epochs(round) as u64 * u64::from(round + 1);
+    let all = of_a_round * ((0..ROUNDS).map(passes).sum::<u64>() + EPOCHS as u64);
+    let work = Work { done: AtomicU64::new(0), all, watch };
     envs.iter_mut().for_each(|env| env.teach(true));
     let (mut observations, mut actions) = (Vec::new(), Vec::new());
     for round in 0..ROUNDS {
         let seed = seed.index(round.into());
         let drive = |(number, env): (usize, &mut E)| {
-            show(env, decisions, (round > 0).then_some(&*networks), &seed.index(number as u64), stop)
+            show(env, decisions, (round > 0).then_some(&*networks), &seed.index(number as u64), &work)
         };
         let shown: Vec<Shown> = envs.par_iter_mut().enumerate().map(drive).collect();
-        if stop() {
+        if work.add(0) {
             return false;
         }
-        let is_last = round + 1 == ROUNDS;
-        if is_last {
+        if round + 1 == ROUNDS {
             let seen: Vec<f32> = shown.iter().flat_map(|each| each.observations.iter().copied()).collect();
             let returns: Vec<f32> = shown
                 .iter()
                 .flat_map(|each| returns(each, libm::pow(config.gamma, 1.0 / f64::from(rule.hold))))
                 .collect();
             let data = (seen.as_slice(), returns.as_slice());
-            fit(networks, Fitted::Critic, data, (EPOCHS, STEP_SIZE), config, &seed.child("critic"), stop);
+            let stop = || work.add(of_a_round);
+            fit(networks, Fitted::Critic, data, (EPOCHS, STEP_SIZE), config, &seed.child("critic"), &stop);
         }
         for each in shown {
             observations.extend(each.observations);
             actions.extend(each.actions);
         }
-        let epochs = if is_last { LAST_EPOCHS } else { EPOCHS };
         let data = (observations.as_slice(), actions.as_slice());
-        fit(networks, Fitted::Actor, data, (epochs, STEP_SIZE), config, &seed.child("actor"), stop);
+        let stop = || work.add(of_a_round * u64::from(round + 1));
+        fit(networks, Fitted::Actor, data, (epochs(round), STEP_SIZE), config, &seed.child("actor"), &stop);
     }
     envs.iter_mut().for_each(|env| env.teach(false));
-    !stop()
+    !work.add(0)
 }
 
-/// A number of decisions: the teacher's, or those of the networks with their noise. Fewer when `stop` is true, which is asked now and then.
-fn show<E: Pupil>(
-    env: &mut E,
-    decisions: u32,
-    networks: Option<&ActorCritic>,
-    seed: &Seed,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Shown {
+/// A number of decisions: the teacher's, or those of the networks with their noise. Fewer when the work is to stop.
+fn show<E: Pupil>(env: &mut E, decisions: u32, networks: Option<&ActorCritic>, seed: &Seed, work: &Work<'_>) -> Shown {
     let mut stream = seed.stream();
     let mut scratch = networks.map(|networks| networks.scratch(1));
     let bounds = env.action_bounds();
@@ -98,7 +120,7 @@ fn show<E: Pupil>(
     let mut shown = Shown::default();
     env.reset(&mut obs);
     for decision in 0..decisions {
-        if decision % GLANCE == 0 && stop() {
+        if decision % GLANCE == 0 && work.add(SHOWING * u64::from(GLANCE.min(decisions - decision))) {
             break;
         }
         let mut action = env.shown();

@@ -29,7 +29,7 @@ use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer
 ///     let mut run = TrainingRun::begin(scenarios, 8, config, &Seed::root(7))?;
 ///     run.update()?;
 ///     let state = run.state(&BTreeMap::new());
-///     let mut run = TrainingRun::resume(&state, scenarios, 8, config, &Seed::root(7))?;
+///     let mut run = TrainingRun::resume(&state, scenarios, None, 8, config, &Seed::root(7))?;
 ///     while !run.is_done() {
 ///         println!("{:?}", run.update()?.mean_reward);
 ///     }
@@ -59,7 +59,8 @@ impl TrainingRun {
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
-    /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first, unless `stop` is true.
+    /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first. Now and then `watch` is told the
+    /// share of that work that is done, and answers whether to stop.
     ///
     /// # Errors
     /// As [`TrainingRun::begin`]; [`learn::TrainError::Stopped`] when it stopped.
@@ -72,19 +73,19 @@ impl TrainingRun {
         environments: usize,
         config: &PpoConfig,
         seed: &Seed,
-        stop: &(dyn Fn() -> bool + Sync),
+        watch: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Self, TrainError> {
         let mut envs = environments_of(scenarios, Some(rule), environments, config, seed);
         let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());
         let mut networks = learn::first_networks(obs_dim, action_dim, config, &seed.child("ppo"));
-        if !imitate(&mut envs, rule, &mut networks, config, &seed.child("imitation"), stop) {
+        if !imitate(&mut envs, rule, &mut networks, config, &seed.child("imitation"), watch) {
             return Err(learn::TrainError::Stopped { update: 0 }.into());
         }
         let trainer = Trainer::with_networks(&mut envs, networks, config, &seed.child("ppo"))?;
         Ok(Self { trainer, envs })
     }
 
-    /// Continues a training that was started with the same scenarios, environments, settings and seed.
+    /// Continues a training that was started with the same scenarios, rule of a driver (none: of a pedestrian), environments, settings and seed.
     ///
     /// `total_steps` and `threads` may differ.
     ///
@@ -97,32 +98,12 @@ impl TrainingRun {
     pub fn resume(
         state: &[u8],
         scenarios: &[Arc<Scenario>],
+        rule: Option<&Arc<DriveRule>>,
         environments: usize,
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, CheckpointError> {
-        Self::resumed(state, environments_of(scenarios, None, environments, config, seed), config)
-    }
-
-    /// Continues a training of a driver, as [`TrainingRun::resume`] does.
-    ///
-    /// # Errors
-    /// As [`TrainingRun::resume`].
-    ///
-    /// # Panics
-    /// When there is no scenario.
-    pub fn resume_driving(
-        state: &[u8],
-        scenarios: &[Arc<Scenario>],
-        rule: &Arc<DriveRule>,
-        environments: usize,
-        config: &PpoConfig,
-        seed: &Seed,
-    ) -> Result<Self, CheckpointError> {
-        Self::resumed(state, environments_of(scenarios, Some(rule), environments, config, seed), config)
-    }
-
-    fn resumed(state: &[u8], mut envs: Vec<TrainingGround>, config: &PpoConfig) -> Result<Self, CheckpointError> {
+        let mut envs = environments_of(scenarios, rule, environments, config, seed);
         Ok(Self { trainer: Trainer::from_state(state, &mut envs, config)?, envs })
     }
 

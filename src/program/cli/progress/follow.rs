@@ -183,10 +183,10 @@ impl Progress {
                 job.rise(job.before() + decisions);
                 self.glance();
             }
-            Event::Updated { training, curve, .. } => {
+            Event::Updated { training, plan, curve } => {
                 let job = self.board.job(Task::Training(training));
                 job.learn(curve);
-                job.rise(curve.last().map_or(0, |log| log.steps));
+                job.rise(plan.demonstrations() + curve.last().map_or(0, |log| log.steps));
                 self.glance();
             }
             Event::Trained { training, result } => {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult};
-use polars_io::csv::write::CsvWriter;
 use polars_io::SerWriter;
+use polars_io::csv::write::CsvWriter;
 
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
 use crate::record::{EPISODES, RunKey, read_parquet};
