@@ -301,7 +301,8 @@ impl Work<'_> {
         let mut run = match begun {
             Some(run) => run,
             None => {
-                if let Some(limit) = results.limit(task, plan.ticks(0)).filter(|_| plan.demonstrations() > 0) {
+                // An imitation is not begun for nothing.
+                if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, plan.ticks(0)) {
                     return Err(limit);
                 }
                 begin().map_err(ended)?
