@@ -59,8 +59,8 @@ impl TrainingRun {
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
-    /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first. Now and then `watch` is told the
-    /// share of that work that is done, and answers whether to stop.
+    /// Starts a training of the car as a driver, as [`TrainingRun::begin`] does; it imitates its teacher first. `watch` gets the share of
+    /// that work that is done, and answers whether to stop.
     ///
     /// # Errors
     /// As [`TrainingRun::begin`]; [`learn::TrainError::Stopped`] when it stopped.
