@@ -49,13 +49,14 @@ fn said_size(metadata: &FileMetadata, source: &mut (impl Read + Seek)) -> Polars
     let (mut count, mut size) = (metadata.num_rows as u64, 0_u64);
     for group in &metadata.row_groups {
         count = count.max(group.num_rows() as u64);
-        size = size.saturating_add(group.total_byte_size() as u64);
+        let mut of_pages = 0_u64;
         for column in group.parquet_columns() {
             let values = column.num_values() as u64;
             let pages = said_pages(&mut source, column.byte_range(), values).map_err(|error| damaged(&error))?;
             count = count.max(values).max(pages.0);
-            size = size.saturating_add(pages.1);
+            of_pages = of_pages.saturating_add(pages.1);
         }
+        size = size.saturating_add(of_pages.max(group.total_byte_size() as u64));
     }
     Ok((count, size))
 }
