@@ -58,7 +58,7 @@ fn epochs(round: u32) -> usize {
 }
 
 /// Lets the networks imitate the teacher, in all environments: the actor its actions, the critic the sums of rewards of the learner's own driving.
-/// Returns whether that was done: `watch` gets the share of the work that is done, many times, and answers whether to stop.
+/// Returns whether that was done: `watch` gets the share of the work that is done, as it grows, and answers whether to stop.
 ///
 /// # Source
 /// DAgger: Ross, Gordon and Bagnell, *A reduction of imitation learning and structured prediction to no-regret online learning*, AISTATS 2011.
