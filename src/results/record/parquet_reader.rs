@@ -30,7 +30,7 @@ pub fn read_parquet<R: MmapBytesReader>(
 ) -> PolarsResult<DataFrame> {
     let read = contained(|| {
         let metadata = ParquetReader::new(&mut source).get_metadata()?.clone();
-        let (count, size) = said_size(&metadata, &mut source)?;
+        let (count, size) = said_size(&metadata, &mut source).map_err(|error| damaged(&error))?;
         let length = length.max(SMALL);
         if count > length / ROW_BYTES || size > length.saturating_mul(MOST_GROWTH) {
             let reason =
@@ -44,26 +44,25 @@ pub fn read_parquet<R: MmapBytesReader>(
 }
 
 /// The most rows that any part of a file says it has, and the bytes that it says they take in memory. A number below 0 is a very large one.
-fn said_size(metadata: &FileMetadata, source: &mut (impl Read + Seek)) -> PolarsResult<(u64, u64)> {
+fn said_size(metadata: &FileMetadata, source: &mut (impl Read + Seek)) -> thrift::Result<(u64, u64)> {
     let mut source = BufReader::new(source);
     let (mut count, mut size) = (metadata.num_rows as u64, 0_u64);
     for group in &metadata.row_groups {
         count = count.max(group.num_rows() as u64);
         let mut of_pages = 0_u64;
         for column in group.parquet_columns() {
-            let values = column.num_values() as u64;
-            let pages = said_pages(&mut source, column.byte_range(), values).map_err(|error| damaged(&error))?;
-            count = count.max(values).max(pages.0);
-            of_pages = of_pages.saturating_add(pages.1);
+            let (most, bytes) = said_pages(&mut source, column.byte_range(), column.num_values() as u64)?;
+            count = count.max(most);
+            of_pages = of_pages.saturating_add(bytes);
         }
         size = size.saturating_add(of_pages.max(group.total_byte_size() as u64));
     }
     Ok((count, size))
 }
 
-/// The same of the pages of a column in a range of bytes, until they have all its values.
+/// The same of a column with this number of values, whose pages are in a range of bytes.
 fn said_pages(source: &mut (impl Read + Seek), range: Range<u64>, values: u64) -> thrift::Result<(u64, u64)> {
-    let (mut most, mut size, mut seen, mut place) = (0, 0_u64, 0_u64, range.start);
+    let (mut most, mut size, mut seen, mut place) = (values, 0_u64, 0_u64, range.start);
     while seen < values {
         source.seek(SeekFrom::Start(place))?;
         let left = range.end.saturating_sub(place);
