@@ -2,6 +2,7 @@
 
 pub mod session;
 pub mod lsp;
+pub mod commands;
 pub mod cli;
 #[cfg(any(fuzzing, test))]
 pub mod fuzzing;

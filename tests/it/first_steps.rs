@@ -25,7 +25,7 @@ fn python_is_there() -> bool {
 #[test]
 fn every_template_checks_and_survives_a_smoke_run() {
     let names = templates();
-    let files = shipped("src/program/cli/templates");
+    let files = shipped("src/program/commands/templates");
     let stems: Vec<String> = files
         .iter()
         .map(|file| file.file_stem().unwrap().to_string_lossy().into_owned())
@@ -56,7 +56,7 @@ fn every_template_checks_and_survives_a_smoke_run() {
 
 #[test]
 fn every_template_has_a_pedestrian_that_can_exist_and_pays_for_faults() {
-    for file in shipped("src/program/cli/templates") {
+    for file in shipped("src/program/commands/templates") {
         let text = std::fs::read_to_string(&file).unwrap();
         let (name, body) = (file.display(), text.as_str());
         assert!(body.contains("on hit(fault) => 1\n"), "{name}");

@@ -33,7 +33,7 @@ fn holds(text: &str) -> bool {
 
 #[test]
 fn every_shipped_file_is_laid_out() {
-    for file in shipped("scenarios").into_iter().chain(shipped("src/program/cli/templates")) {
+    for file in shipped("scenarios").into_iter().chain(shipped("src/program/commands/templates")) {
         let text = std::fs::read_to_string(&file).unwrap();
         let laid_out = format(Sources::default().add(&file, text.as_str()), &text).unwrap();
         assert!(laid_out == text, "run `falsify fmt {}`", file.display());

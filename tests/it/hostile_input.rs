@@ -35,7 +35,7 @@ fn shipped() -> Vec<String> {
         "scenarios/first_look.scn",
         "scenarios/lib/paper.scn",
         "scenarios/lib/drivers.scn",
-        "src/program/cli/templates/crossing.scn",
+        "src/program/commands/templates/crossing.scn",
     ]
     .map(|path| std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap())
     .to_vec()

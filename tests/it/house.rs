@@ -44,12 +44,12 @@ const DOORS: &[(&str, &[&str])] = &[
     ("maud", &["results/report"]),
     ("comfy_table", &["results/report"]),
     ("smartcore", &["results/analysis"]),
-    ("toml", &["results/report", "program/cli"]),
+    ("toml", &["results/report", "program/cli", "program/commands"]),
     ("lsp_server", &["program/lsp"]),
     ("lsp_types", &["program/lsp"]),
-    ("clap", &["program/cli", "program/session"]),
-    ("indicatif", &["program/cli"]),
-    ("ctrlc", &["program/cli"]),
+    ("clap", &["program/cli", "program/commands", "program/session"]),
+    ("indicatif", &["program/cli", "program/commands"]),
+    ("ctrlc", &["program/cli", "program/commands"]),
 ];
 
 fn top() -> &'static Path {
@@ -173,7 +173,7 @@ fn what_the_architecture_names_exists() {
 #[test]
 #[cfg(unix)]
 fn what_packages_embed_from_elsewhere_are_links() {
-    for path in ["src/lang/grammar", "src/lang/library", "src/program/cli/templates/my_av.py"] {
+    for path in ["src/lang/grammar", "src/lang/library", "src/program/commands/templates/my_av.py"] {
         let found = std::fs::symlink_metadata(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap();
         assert!(found.is_symlink(), "{path} is a copy: make it a link again");
     }

@@ -1,53 +1,18 @@
-//! The command line: arguments, commands, progress, exit codes.
+//! What all commands share: input, output, progress, settings, exit codes.
 
-mod args;
-mod exit_code;
-mod console;
+pub(crate) mod exit_code;
+pub(crate) mod console;
 mod crash;
-mod failure;
-mod input;
-mod output;
-mod interrupt;
-mod progress;
-mod settings;
-mod config;
-mod run;
-mod ending;
-mod shard;
-mod merge;
-mod status;
-mod list;
-mod stored;
-mod choice;
-mod condition;
-mod gate;
-mod episode;
-mod replay;
-mod export;
-mod verify;
-mod failures;
-mod judge;
-mod compare;
-mod recheck;
-mod check;
-mod sample;
-mod fix;
-mod fmt;
-mod explain;
-mod new;
-mod demo;
+pub(crate) mod failure;
+pub(crate) mod input;
+pub(crate) mod output;
+pub(crate) mod interrupt;
+pub(crate) mod progress;
+pub(crate) mod settings;
+pub(crate) mod choice;
 mod welcome;
-mod manual;
-mod debug;
-mod lsp;
-mod map;
-mod preview;
-mod driver_trial;
-mod empty_road;
-mod network_trial;
+pub(crate) mod network_trial;
 
-pub use args::Arguments;
-use exit_code::Ended;
 pub use exit_code::ExitCode;
 #[cfg(any(fuzzing, test))]
 pub use settings::is_read as settings_are_read;
@@ -55,9 +20,11 @@ pub use settings::settings;
 
 use std::ffi::OsString;
 
-use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
+use clap::{ArgMatches, Command, FromArgMatches};
 
+use crate::commands::{self, Arguments};
 use compile::Catalog;
+use exit_code::Ended;
 
 /// Runs the program with this language. The first argument is the name of the program. A bug ends in [`ExitCode::Internal`].
 pub fn command_line(language: fn() -> Catalog, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -76,59 +43,19 @@ pub fn command_line(language: fn() -> Catalog, arguments: impl IntoIterator<Item
 }
 
 fn run_command(given: &[OsString]) -> Ended {
-    let mut known = args::command();
+    let mut known = commands::command();
     let (mut arguments, mut matches) = parse(&mut known, given)?;
     arguments.color.apply();
     let mut settings = None;
     if matches.subcommand_name().is_some_and(|name| settings::concern(&known, name)) {
         settings = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder))?;
         if let Some(settings) = &settings {
-            (arguments, matches) = parse(&mut settings::apply(args::command(), settings), given)?;
+            (arguments, matches) = parse(&mut settings::apply(commands::command(), settings), given)?;
         }
     }
     // Frees the memory of the known options, which is needed soon.
     drop(known);
-    // These may have started programs, which must not outlive them. Others with programs have handlers of their own.
-    if let args::Command::Replay(_)
-    | args::Command::Export(_)
-    | args::Command::Verify(_)
-    | args::Command::Compare(_)
-    | args::Command::Recheck(_) = arguments.command
-    {
-        interrupt::end_when_asked();
-    }
-    match arguments.command {
-        args::Command::Config => {
-            let (_, options) = matches.subcommand().expect("it is the command `config`");
-            config::config(options, settings.as_ref());
-            Ok(ExitCode::Done)
-        }
-        args::Command::Run(options) => run::run(&options),
-        args::Command::Status(options) => status::status(&options),
-        args::Command::Merge(options) => merge::merge(&options),
-        args::Command::Replay(options) => replay::replay(&options),
-        args::Command::Export(options) => export::export(&options),
-        args::Command::Verify(options) => verify::verify(&options),
-        args::Command::Compare(options) => compare::compare(&options),
-        args::Command::Recheck(options) => recheck::recheck(&options),
-        args::Command::Failures(options) => failures::failures(&options),
-        args::Command::Judge(options) => judge::judge(&options),
-        args::Command::Check(options) => check::check(&options),
-        args::Command::Explain(options) => explain::explain(&options),
-        args::Command::New(options) => new::new(&options),
-        args::Command::Demo(options) => demo::demo(&options),
-        args::Command::Debug(options) => debug::debug(&options),
-        args::Command::Lsp { .. } => lsp::lsp(),
-        args::Command::Fmt(options) => fmt::fmt(&options),
-        args::Command::Preview(options) => preview::preview(&options),
-        args::Command::Manual(options) => manual::manual(&options),
-        args::Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
-            console::say(String::from_utf8_lossy(&script).trim_end());
-            Ok(ExitCode::Done)
-        }
-    }
+    arguments.command.run(&matches, settings.as_ref())
 }
 
 /// Reads arguments; the error is the exit code, after the reason has been printed.

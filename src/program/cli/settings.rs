@@ -13,7 +13,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::console;
 use super::exit_code::ExitCode;
-use super::run::RunArgs;
+use crate::commands::RunArgs;
 use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use lang::{nearest, reason};
 

@@ -1,0 +1,189 @@
+mod driver_trial;
+mod empty_road;
+mod sample;
+mod fix;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use driver_trial::{TrialArgs, try_driver};
+use crate::cli::exit_code::{Ended, ExitCode};
+use crate::cli::failure::{failed, misused};
+use fix::fix;
+use crate::cli::input::{GivenArgs, session};
+use crate::cli::console;
+use crate::session::{Checked, Disk, Error};
+use base::diagnostic::{Record, records, sarif};
+use base::files;
+use lang::error_index::mistakes;
+use lang::{Reader, reason};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify check my.scn                       draw every error under its line
+  falsify check --fix my.scn                 repair what a message says how to repair
+  falsify check - < my.scn                   from the standard input
+  falsify check --format json my.scn         one JSON object a line, for programs
+  falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
+  falsify check --sample 1000 --format json my.scn
+                                             where episodes would start, for programs
+  falsify check -- python3 my_av.py          see whether a driver of your own speaks the protocol of
+                                             scenarios/external/README.md and drives the same way twice
+  falsify check --driver sumo                the same for a driver that others wrote; says what is not installed
+
+Exit codes: 0 no errors   2 missing file   3 errors   5 the driver failed";
+
+/// Options of `falsify check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Format of the diagnostics.
+    #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
+    pub format: Format,
+    /// Scenario files; `-` is the standard input.
+    #[arg(required_unless_present = "tried", conflicts_with = "tried", value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Replacements of parts of the files.
+    #[command(flatten)]
+    pub given: GivenArgs,
+    /// Apply each repair that a message offers without an alternative, then check again.
+    #[arg(long, conflicts_with_all = ["map", "set"])]
+    pub fix: bool,
+    /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint. This includes spawns that
+    /// cannot place a pedestrian. Not with SARIF, which has no field for it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub sample: Option<u32>,
+    /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
+    #[arg(long, short, default_value = ".", value_name = "DIR", requires = "sample")]
+    pub out: PathBuf,
+    /// Seed of the starts of `--sample`.
+    #[arg(long, default_value_t = 1, value_name = "N", requires = "sample")]
+    pub seed: u64,
+    /// A driver of your own instead of files.
+    #[command(flatten)]
+    pub trial: TrialArgs,
+}
+
+/// Format of the diagnostics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Drawn under the line, on the error stream.
+    Human,
+    /// One JSON object a line, on the output.
+    Json,
+    /// A SARIF 2.1.0 log, on the output.
+    Sarif,
+}
+
+/// The name of the standard input among the files.
+const INPUT: &str = "-";
+
+/// Reads the standard input under the name `-`, and files.
+struct InputAndFiles(String);
+
+impl Reader for InputAndFiles {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        if path == Path::new(INPUT) { Ok(self.0.clone()) } else { Disk.text(path) }
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        Disk.bytes(path)
+    }
+}
+
+/// `falsify check`
+pub fn check(options: &CheckArgs) -> Ended {
+    if let Some(words) = options.trial.words() {
+        return Ok(try_driver(&options.trial, words));
+    }
+    if options.format == Format::Sarif && options.sample.is_some() {
+        return Err(misused("SARIF has no field for samples; use `--format json`"));
+    }
+    // The words of a driver's command without `--` before them.
+    if let [first, .., last] = options.files.as_slice()
+        && !first.exists()
+        && first.extension().is_none()
+        && last.extension().is_none_or(|kind| kind != "scn")
+    {
+        let words: Vec<String> = options.files.iter().map(|file| file.display().to_string()).collect();
+        return Err(misused(format!(
+            "there is no file `{}`; to try a driver, write `falsify check -- {}`",
+            first.display(),
+            words.join(" ")
+        )));
+    }
+    let input = options.given.input(&options.files);
+    let mut session = session(options.given.allow_external);
+    if options.files.iter().any(|file| file.as_os_str() == INPUT) {
+        if options.fix {
+            return Err(misused("--fix changes files, and `-` is the standard input"));
+        }
+        let text = files::text_of(std::io::stdin());
+        let text = text.map_err(|error| misused(format!("cannot read the standard input: {}", reason(&error))))?;
+        session = session.with_reader(InputAndFiles(text));
+    }
+    let found = if options.fix { fix(&session, &input)? } else { session.check(&input).map_err(failed)? };
+    let checked = match options.format {
+        Format::Human => for_people(&found),
+        Format::Json => json(&found),
+        Format::Sarif => log(&found),
+    };
+    let plan = found.compiled.plan.as_ref().or(found.compiled.unplaced.as_ref());
+    let sampled = options.sample.zip(plan).map(|(count, plan)| sample::sample(plan, count, options));
+    // The program ends here; taking the plan apart first costs time.
+    std::mem::forget(found);
+    if checked == ExitCode::Done { sampled.unwrap_or(Ok(checked)) } else { Ok(checked) }
+}
+
+fn for_people(found: &Checked) -> ExitCode {
+    console::show(&found.compiled.diagnostics, &found.sources);
+    let plan = match found.plan() {
+        Ok(plan) => plan,
+        Err(error @ Error::Scenario { .. }) => {
+            console::fail(&error.to_string());
+            return ExitCode::Scenario;
+        }
+        Err(other) => return failed(other),
+    };
+    let files = console::count(found.records.len(), "file");
+    let campaigns = console::count(plan.campaigns.len(), "campaign");
+    plan.settings.iter().for_each(|setting| console::note(&setting.to_string()));
+    console::say(&format!("{files} and {campaigns} checked: no errors"));
+    if plan.campaigns.is_empty() && !plan.imported_campaigns.is_empty() {
+        console::say(&plan.without_campaigns());
+    }
+    ExitCode::Done
+}
+
+/// The most diagnostics that are written for programs.
+const MOST: usize = 1_000;
+
+/// The diagnostics that are written for programs, and how many are not.
+fn listed(found: &Checked) -> Vec<Record> {
+    let all = &found.compiled.diagnostics;
+    if all.len() > MOST {
+        console::note(&format!("the first {MOST} of {} are listed", console::count(all.len(), "mistake")));
+    }
+    records(&all[..all.len().min(MOST)], &found.sources)
+}
+
+/// Prints the diagnostics for programs, one object a line.
+fn json(found: &Checked) -> ExitCode {
+    console::say_objects(&listed(found));
+    code(found)
+}
+
+/// Prints the diagnostics as SARIF.
+fn log(found: &Checked) -> ExitCode {
+    let mistakes = mistakes();
+    let rules: Vec<(&str, &str)> = mistakes.iter().map(|mistake| (mistake.code, mistake.text)).collect();
+    let records = listed(found);
+    let log = serde_json::to_string_pretty(&sarif(&records, &rules));
+    console::say(&log.expect("texts and numbers have a form in JSON"));
+    code(found)
+}
+
+fn code(found: &Checked) -> ExitCode {
+    if found.errors() > 0 { ExitCode::Scenario } else { ExitCode::Done }
+}

@@ -1,0 +1,175 @@
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::condition::{self, Condition, Subject};
+use crate::cli::console;
+use super::episode::RepeatArgs;
+use crate::cli::exit_code::{Ended, ExitCode};
+use crate::cli::failure::{failed, misused, unwritten};
+use crate::cli::input::session;
+use crate::session::{self, RepeatOptions, Session};
+use results::record::TableReference;
+use results::report::{self, ReportComparison};
+
+/// The number of failures in each list for people.
+pub const SHOWN: usize = 10;
+/// The number of changes that a page plays.
+const PLAYED: usize = 12;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify compare old/my new/my              two reports: rates, and which failures are new, fixed, the same
+  falsify compare reports/my --drivers v1 v2 two drivers of one report
+  falsify compare old/my new/my --page diff.html
+                                             a page with both episodes of a change side by side
+  falsify compare old/my new/my --fail-if 'fault_rate_p_holm < 0.05 and fault_rate_difference > 0'
+                                             block a regression; a driver that did not change fails in at most 2.5 %
+  falsify compare old/my new/my --fail-if 'found_p_holm < 0.05 and found_difference > 0'
+                                             the same for searches
+
+Exit codes: 0 done   2 no report, or nothing can be compared   7 a --fail-if condition is true   8 an episode for the page differs";
+
+/// Options of `falsify compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The report before and the report after; one report with --drivers.
+    #[arg(required = true, num_args = 1..=2, value_name = "REPORT")]
+    pub reports: Vec<PathBuf>,
+    /// The driving policy before and the one after.
+    #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"])]
+    pub drivers: Option<Vec<String>>,
+    /// Form of the output; `json` is one object.
+    #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
+    pub format: Form,
+    /// Also write a page (HTML) with both episodes of the worst changes side by side.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// Fail (exit code 7) when this is true of a place, driver and controller, as 'fault_rate_p_holm < 0.05 and
+    /// fault_rate_difference > 0', or of a search, as 'found_p_holm < 0.05 and found_difference > 0'; may be given several times. Columns
+    /// `…_p_holm`, `…_low` and `…_high` are adjusted for all rows.
+    #[arg(long, value_name = "CONDITION")]
+    pub fail_if: Vec<String>,
+    /// Options of the repetition for the page.
+    #[command(flatten)]
+    pub repeat: RepeatArgs,
+}
+
+/// The form of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Form {
+    /// Tables for people.
+    Text,
+    /// One JSON object.
+    Json,
+}
+
+/// The tables of a comparison that conditions are about.
+pub fn tables() -> [TableReference; 2] {
+    [report::comparison_reference(), report::compared_search_reference()]
+}
+
+/// `falsify compare`
+pub fn compare(options: &CompareArgs) -> Ended {
+    let conditions = Condition::parse_all(&options.fail_if, &tables(), "comparison")?;
+    let reports = match (options.reports.as_slice(), &options.drivers) {
+        ([before, after], _) => [before.clone(), after.clone()],
+        ([one], Some(_)) => [one.clone(), one.clone()],
+        _ => return Err(misused("name two reports, or one report and --drivers BEFORE AFTER")),
+    };
+    let drivers = options.drivers.as_ref().and_then(|names| <[String; 2]>::try_from(names.clone()).ok());
+    let session = session(options.repeat.allow_external);
+    let comparison = session.compare(&session::CompareOptions { reports, drivers }).map_err(failed)?;
+    match options.format {
+        Form::Text => console::say(report::comparison_for_terminal(&comparison, SHOWN, console::width()).trim_end()),
+        Form::Json => console::say(&as_json(&comparison).to_string()),
+    }
+    if let Some(path) = &options.page {
+        write_page(&session, &comparison, path, &options.repeat.repeat)?;
+    }
+    judge(&conditions, &comparison)
+}
+
+/// Judges a comparison and reports which conditions are true.
+pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
+    let cells = Subject {
+        judge: &|gate| gate.judge(&report::compared_cells(&comparison.cells)),
+        titles: comparison.cells.iter().map(report::comparison_title).collect(),
+        things: "place, driver and controller",
+        is_idle: false,
+    };
+    let searches = Subject {
+        judge: &|gate| gate.judge(&report::compared_search_table(&comparison.searches)),
+        titles: comparison.searches.iter().map(report::compared_search_title).collect(),
+        things: "search",
+        is_idle: false,
+    };
+    condition::judge(conditions, [cells, searches], "comparison")
+}
+
+fn write_page(
+    session: &Session,
+    comparison: &ReportComparison,
+    path: &Path,
+    repeat: &RepeatOptions,
+) -> Result<(), ExitCode> {
+    let chosen = report::worst_changes(comparison, PLAYED);
+    let pairs = session.play_changes(comparison, &chosen, repeat).map_err(failed)?;
+    report::write_file(path, report::comparison_page(comparison, &pairs).as_bytes()).map_err(unwritten)?;
+    console::note(&path.display().to_string());
+    Ok(())
+}
+
+/// Makes an object of a comparison, for programs.
+fn as_json(comparison: &ReportComparison) -> serde_json::Value {
+    let [before, after] = comparison.folders.each_ref().map(|folder| folder.display().to_string());
+    let notes: Vec<String> = comparison.caveats.iter().map(ToString::to_string).collect();
+    let side = |side: &report::SideEpisode| {
+        let failure = side.failure.as_ref();
+        json!({
+            "name": side.name,
+            "collision": failure.is_some(),
+            "verdict": failure.and_then(|failure| failure.verdict).map(|verdict| verdict.name()),
+            "fault": failure.map(|failure| failure.fault),
+            "kind": failure.map(|failure| failure.kind()),
+            "impact_speed_mps": failure.map(|failure| failure.impact_speed),
+        })
+    };
+    let changes: Vec<_> = comparison
+        .changes
+        .iter()
+        .map(|change| {
+            let [before, after] = change.sides.each_ref().map(side);
+            json!({ "change": change.word(), "cell": change.cell, "before": before, "after": after })
+        })
+        .collect();
+    let cells = report::json_rows(&report::compared_cells(&comparison.cells));
+    let searches = report::json_rows(&report::compared_search_table(&comparison.searches));
+    let starts: Vec<_> = comparison
+        .searches
+        .iter()
+        .enumerate()
+        .flat_map(|(number, search)| search.changes.iter().map(move |change| (number, change)))
+        .map(|(search, change)| {
+            let [before, after] = change.sides.each_ref().map(|side| {
+                side.as_ref().map(|failure| {
+                    json!({ "name": failure.name(), "fault": failure.fault, "impact_speed_mps": failure.impact_speed })
+                })
+            });
+            json!({ "search": search, "run": change.run, "start": change.start, "before": before, "after": after })
+        })
+        .collect();
+    let violations: serde_json::Map<String, serde_json::Value> = comparison
+        .violations()
+        .into_iter()
+        .map(|(name, changed)| {
+            (name.into(), json!({ "new": changed.new, "fixed": changed.fixed, "same": changed.same }))
+        })
+        .collect();
+    json!({
+        "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes, "violations": violations, "searches": searches,
+        "starts": starts,
+    })
+}

@@ -1,0 +1,231 @@
+//! The commands of the program: one file each, with its arguments, its help and its work.
+
+mod condition;
+mod episode;
+mod run;
+mod merge;
+mod status;
+mod replay;
+mod export;
+mod verify;
+mod failures;
+mod judge;
+mod compare;
+mod recheck;
+mod fmt;
+mod check;
+mod explain;
+mod new;
+mod demo;
+mod config;
+mod manual;
+mod debug;
+mod lsp;
+mod map;
+mod preview;
+
+use clap::{ArgMatches, CommandFactory, Parser, Subcommand, ValueEnum};
+
+use crate::cli::exit_code::{Ended, ExitCode};
+use crate::cli::settings::{self, Settings};
+use crate::cli::{console, interrupt};
+pub use run::RunArgs;
+
+const EXAMPLES: &str = "\
+Examples:
+  falsify demo                               a first result without any file
+  falsify new my.scn                         start from a commented file
+  falsify check my.scn                       find mistakes without running anything
+  falsify run my.scn                         run its campaigns, reports go to reports/
+  falsify failures                           list the failures of reports/, the worst first
+  falsify replay 1a2b3c4d:17                 see a failure again
+  falsify export 1a2b3c4d:17 --as animation  draw it
+  falsify export 1a2b3c4d:17 --as xosc-1.3   the failure for another simulator
+  falsify explain missing-unit               what a message means
+
+Exit codes:
+  0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if condition is true
+  8 a repetition differs from its report   9 tasks to merge are missing   130 stopped by Ctrl-C or SIGTERM";
+
+/// Finds crossings in which a self-driving car hits a pedestrian whom a careful driver would have spared.
+#[derive(Debug, Parser)]
+#[command(name = "falsify", version, after_help = EXAMPLES, max_term_width = 100)]
+pub struct Arguments {
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+    /// When to colour the output.
+    #[arg(long, global = true, value_enum, default_value_t = Colouring::Auto, value_name = "WHEN")]
+    pub color: Colouring,
+}
+
+/// The commands as the help lists them.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("Write a scenario", &["new", "check", "explain", "fmt", "preview"]),
+    ("Run it", &["demo", "run", "status", "merge"]),
+    ("Look at what was found", &["failures", "replay", "compare", "recheck", "verify", "judge"]),
+    ("Give it away", &["export"]),
+    ("For editors and packagers", &["config", "debug", "lsp", "completions", "manual"]),
+];
+
+/// The commands and options, with a help that lists the commands in groups.
+pub fn command() -> clap::Command {
+    let command = Arguments::command();
+    let heading = *command.get_styles().get_header();
+    let literal = *command.get_styles().get_literal();
+    let mut help = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
+    for (group, names) in GROUPS {
+        help.push_str(&format!("\n{heading}{group}:{heading:#}\n"));
+        for name in names {
+            let about = command.find_subcommand(name).and_then(clap::Command::get_about).expect("it is a command");
+            help.push_str(&format!("  {literal}{name:12}{literal:#}{about}\n"));
+        }
+    }
+    help.push_str(&format!("\n{heading}Options:{heading:#}\n{{options}}{{after-help}}"));
+    command.help_template(help)
+}
+
+/// The commands of the program.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run campaigns: train pedestrians, evaluate them, search for failures, write reports.
+    #[command(after_help = run::EXAMPLES, disable_help_flag = true)]
+    Run(Box<run::RunArgs>),
+    /// Merge the work of the shards of a run, and write its reports.
+    #[command(after_help = merge::EXAMPLES, disable_help_flag = true)]
+    Merge(Box<merge::MergeArgs>),
+    /// Show how far campaigns are and how to go on; show and remove what is stored.
+    #[command(after_help = status::EXAMPLES)]
+    Status(status::StatusArgs),
+    /// Show the settings of this folder, from flags, the environment and falsify.toml.
+    #[command(after_help = config::EXAMPLES, args = settings::options())]
+    Config,
+    /// Repeat an episode of a report, describe it, and compare it with the report.
+    #[command(after_help = replay::EXAMPLES)]
+    Replay(replay::ReplayArgs),
+    /// Write episodes for other programs (OpenSCENARIO, OSI, CARLA …), or draw them.
+    #[command(after_help = export::EXAMPLES)]
+    Export(export::ExportArgs),
+    /// Repeat a sample of what a report holds and compare it byte for byte.
+    #[command(after_help = verify::EXAMPLES)]
+    Verify(verify::VerifyArgs),
+    /// Compare two reports, or two drivers of one, start by start.
+    #[command(after_help = compare::EXAMPLES)]
+    Compare(compare::CompareArgs),
+    /// Let a new version of a driver meet old failures again, and a fixed list of crossings.
+    #[command(after_help = recheck::EXAMPLES)]
+    Recheck(recheck::RecheckArgs),
+    /// List failures, those that count most against a driver first.
+    #[command(after_help = failures::EXAMPLES)]
+    Failures(failures::FailuresArgs),
+    /// Judge a collision recorded elsewhere: would a careful driver have avoided it?
+    #[command(after_help = judge::EXAMPLES)]
+    Judge(judge::JudgeArgs),
+    /// Find mistakes in files without running anything; try a driver of your own.
+    #[command(after_help = check::EXAMPLES)]
+    Check(check::CheckArgs),
+    /// Explain a diagnostic, a form, a kind or a key of the language.
+    #[command(after_help = explain::EXAMPLES)]
+    Explain(explain::ExplainArgs),
+    /// Run the scenario inside the program: a first result without any file.
+    #[command(after_help = demo::EXAMPLES)]
+    Demo(demo::DemoArgs),
+    /// Write a commented scenario to start from.
+    #[command(after_help = new::EXAMPLES)]
+    New(new::NewArgs),
+    /// Give scenario files their canonical layout.
+    #[command(after_help = fmt::EXAMPLES)]
+    Fmt(fmt::FmtArgs),
+    /// Show a scenario on a page that follows the file while you edit it, or draw a map.
+    #[command(after_help = preview::EXAMPLES)]
+    Preview(preview::PreviewArgs),
+    /// Show a file as it is parsed, checked or planned.
+    #[command(after_help = debug::EXAMPLES)]
+    Debug(debug::DebugArgs),
+    /// Serve an editor by the language server protocol on the standard streams.
+    #[command(after_help = lsp::EXAMPLES)]
+    Lsp {
+        /// Accepted because many editors pass it; the standard streams are the only way.
+        #[arg(long)]
+        stdio: bool,
+    },
+    /// Write the manual pages of all commands.
+    #[command(after_help = manual::EXAMPLES)]
+    Manual(manual::ManualArgs),
+    /// Print a completion script for a shell.
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+impl Command {
+    /// Runs the command; the settings are those of the folder.
+    pub fn run(self, matches: &ArgMatches, settings: Option<&Settings>) -> Ended {
+        // These may have started programs, which must not outlive them. Others with programs have handlers of their own.
+        if let Self::Replay(_) | Self::Export(_) | Self::Verify(_) | Self::Compare(_) | Self::Recheck(_) = self {
+            interrupt::end_when_asked();
+        }
+        match self {
+            Self::Config => {
+                let (_, options) = matches.subcommand().expect("it is the command `config`");
+                config::config(options, settings);
+                Ok(ExitCode::Done)
+            }
+            Self::Run(options) => run::run(&options),
+            Self::Status(options) => status::status(&options),
+            Self::Merge(options) => merge::merge(&options),
+            Self::Replay(options) => replay::replay(&options),
+            Self::Export(options) => export::export(&options),
+            Self::Verify(options) => verify::verify(&options),
+            Self::Compare(options) => compare::compare(&options),
+            Self::Recheck(options) => recheck::recheck(&options),
+            Self::Failures(options) => failures::failures(&options),
+            Self::Judge(options) => judge::judge(&options),
+            Self::Check(options) => check::check(&options),
+            Self::Explain(options) => explain::explain(&options),
+            Self::New(options) => new::new(&options),
+            Self::Demo(options) => demo::demo(&options),
+            Self::Debug(options) => debug::debug(&options),
+            Self::Lsp { .. } => lsp::lsp(),
+            Self::Fmt(options) => fmt::fmt(&options),
+            Self::Preview(options) => preview::preview(&options),
+            Self::Manual(options) => manual::manual(&options),
+            Self::Completions { shell } => {
+                let mut script = Vec::new();
+                clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
+                console::say(String::from_utf8_lossy(&script).trim_end());
+                Ok(ExitCode::Done)
+            }
+        }
+    }
+}
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  falsify completions bash > ~/.local/share/bash-completion/completions/falsify";
+
+/// When to colour the output.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Colouring {
+    /// On a terminal, unless NO_COLOR is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+impl Colouring {
+    /// Applies to everything that is printed.
+    pub fn apply(self) {
+        let choice = match self {
+            Self::Auto => anstream::ColorChoice::Auto,
+            Self::Always => anstream::ColorChoice::Always,
+            Self::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
+}

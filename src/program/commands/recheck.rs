@@ -1,0 +1,171 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
+use clap::Args;
+use serde_json::json;
+
+use super::compare::Form;
+use super::condition::{self, Condition, Subject};
+use crate::cli::console;
+use super::episode::RepeatArgs;
+use crate::cli::exit_code::{Ended, ExitCode};
+use crate::cli::failure::failed;
+use crate::cli::input::{Reporter, session};
+use crate::cli::progress::{Counting, Showing};
+use crate::session::{self, Event, Observer, RecheckStage};
+use results::report::{self, Encounter, Met, Recheck, RecheckNote};
+
+/// The number of encounters in each list for people.
+const SHOWN: usize = 10;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify recheck reports/my new.scn         the drivers of new.scn in the failures of a report, and in a fixed list
+  falsify recheck reports/my --driver v1=v2  another driver of the same report
+  falsify recheck reports/my --set 'v1.margin=1 m' --driver v1
+                                             a driver of the report with another key
+  falsify recheck reports/my --allow-external
+                                             a program that was edited since the report was made
+  falsify recheck reports/my new.scn --fail-if 'still_faults > 0' --fail-if 'faults_new > 0'
+                                             block what is not fixed, and what is new
+
+Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5 a driver failed as a program
+  7 a --fail-if condition is true";
+
+/// Options of `falsify recheck`.
+#[derive(Debug, Args)]
+pub struct RecheckArgs {
+    /// The report, and the new drivers.
+    #[command(flatten)]
+    pub recheck: session::RecheckOptions,
+    /// Form of the output; `json` is one object.
+    #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
+    pub format: Form,
+    /// Form of the progress on the error stream.
+    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
+    pub progress: Showing,
+    /// Fail (exit code 7) when this is true of failures that were met again, as 'still_faults > 0', or of the fixed list in a town, as
+    /// 'faults_new > 0'; may be given several times.
+    #[arg(long, value_name = "CONDITION")]
+    pub fail_if: Vec<String>,
+    /// Options of the repetition of the report.
+    #[command(flatten)]
+    pub repeat: RepeatArgs,
+}
+
+/// `falsify recheck`
+pub fn recheck(options: &RecheckArgs) -> Ended {
+    let tables = [report::rechecked_reference(), report::crossed_reference()];
+    let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
+    let wanted = session::RecheckOptions { repeat: options.repeat.repeat.clone(), ..options.recheck.clone() };
+    let reporter = Arc::new(RecheckReporter { showing: options.progress, stage: Mutex::new(None) });
+    let session = session(options.repeat.allow_external).with_observer(reporter.clone());
+    let recheck = session.recheck(&wanted).map_err(failed);
+    reporter.end();
+    let recheck = recheck?;
+    match options.format {
+        Form::Text => console::say(report::recheck_for_terminal(&recheck, SHOWN, console::width()).trim_end()),
+        Form::Json => console::say(&as_json(&recheck).to_string()),
+    }
+    let code = judge(&conditions, &recheck)?;
+    let errors = recheck.errors();
+    if code == ExitCode::Done && errors > 0 {
+        console::fail(&format!(
+            "a driver or a controller failed as a program in {}; `falsify check -- DRIVER` tries a driver",
+            console::count(errors as usize, "encounter")
+        ));
+        return Err(ExitCode::RunFailed);
+    }
+    Ok(code)
+}
+
+/// Shows the progress of a recheck, and its problems.
+struct RecheckReporter {
+    showing: Showing,
+    /// The stage that is under way, with its progress.
+    stage: Mutex<Option<(RecheckStage, Counting)>>,
+}
+
+impl RecheckReporter {
+    /// Removes what is shown.
+    fn end(&self) {
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+}
+
+impl Observer for RecheckReporter {
+    fn event(&self, event: &Event<'_>) {
+        let Event::Rechecked { stage, done, all } = *event else { return Reporter.event(event) };
+        let doing = match stage {
+            RecheckStage::Failures => "failures met again",
+            RecheckStage::Crossings => "episodes of the fixed list",
+        };
+        let mut shown = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.as_ref().is_none_or(|(known, _)| *known != stage) {
+            *shown = None;
+            *shown = Some((stage, Counting::new(doing, all, self.showing)));
+        }
+        shown.iter_mut().for_each(|(_, counting)| counting.reach(done));
+    }
+}
+
+/// Judges a recheck and reports which conditions are true.
+fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
+    let failures = Subject {
+        judge: &|gate| gate.judge(&report::rechecked_table(&recheck.failures)),
+        titles: recheck.failures.iter().map(report::rechecked_title).collect(),
+        things: "failures",
+        // A report without failures has none that could be there still.
+        is_idle: recheck.failures.is_empty(),
+    };
+    let crossings = Subject {
+        judge: &|gate| gate.judge(&report::crossed_table(&recheck.crossings)),
+        titles: recheck.crossings.iter().map(report::crossed_title).collect(),
+        things: "fixed list",
+        is_idle: false,
+    };
+    let code = condition::judge(conditions, [failures, crossings], "recheck")?;
+    let unsure = recheck.notes.iter().find(|note| matches!(note, RecheckNote::OtherNow { .. }));
+    match unsure.filter(|_| code == ExitCode::Done && !conditions.is_empty()) {
+        Some(note) => {
+            console::fail(&format!(
+                "--fail-if: nothing can be judged, since the old driver is not the one of the report: {note}"
+            ));
+            Ok(ExitCode::GateFailed)
+        }
+        None => Ok(code),
+    }
+}
+
+/// Makes an object of a recheck, for programs.
+fn as_json(recheck: &Recheck) -> serde_json::Value {
+    let met = |met: Met| json!({ "collision": met.is_collision(), "fault": met.fault, "impact_speed_mps": met.impact_speed, "error": met.error });
+    let encounter = |each: &Encounter| (each.before.map(met), met(each.after));
+    let notes: Vec<String> = recheck.notes.iter().map(ToString::to_string).collect();
+    let failures = recheck.failures.iter().enumerate().flat_map(|(set, row)| {
+        row.encounters.iter().map(move |each| {
+            let (before, after) = encounter(each);
+            json!({ "set": set, "name": each.name, "start": each.start, "before": before, "after": after })
+        })
+    });
+    // Encounters that are a fault for no driver are many and say nothing.
+    let crossings = recheck.crossings.iter().enumerate().flat_map(|(set, row)| {
+        let told = row
+            .encounters
+            .iter()
+            .filter(|each| each.is_error() || each.after.fault || each.fault_before() == Some(true));
+        told.map(move |each| {
+            let (before, after) = encounter(each);
+            json!({ "set": set, "start": each.start, "crossing": each.crossing, "before": before, "after": after })
+        })
+    });
+    json!({
+        "report": recheck.report.display().to_string(),
+        "files": recheck.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "notes": notes,
+        "failures": report::json_rows(&report::rechecked_table(&recheck.failures)),
+        "crossings": report::json_rows(&report::crossed_table(&recheck.crossings)),
+        "failure_encounters": failures.collect::<Vec<_>>(),
+        "crossing_encounters": crossings.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,173 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::console;
+use super::episode::NameArgs;
+use crate::cli::exit_code::{Ended, ExitCode};
+use crate::cli::failure::{failed, misused};
+use crate::cli::input::session;
+use crate::session::{self, Replay, Session, TickTable, reasons};
+use results::report::{self, Narrative};
+use world::judge::{Question, ViolationVerdict};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify replay 1a2b3c4d:17                 repeat an episode of a report in reports/, describe it
+  falsify replay nightly/first_look/1a2b3c4d:17
+                                             of that report, as `--report nightly/first_look` does
+  falsify failures --names --top 5 | falsify replay -
+                                             the five worst failures of reports/
+  falsify replay 1a2b3c4d:17 --ticks way.csv
+                                             also write every tick as a table, .csv or .parquet
+
+`falsify failures` lists the names of failures; they are also in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and
+search_failures.csv (`run_id`, `failure`).
+
+Exit codes: 0 it is as in the report   2 no such episode, or a file is missing   3 errors in a scenario
+  6 a file cannot be written   8 it differs from the report, or a scenario file has changed";
+
+/// Options of `falsify replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The episodes.
+    #[command(flatten)]
+    pub which: NameArgs,
+    /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
+    #[arg(long, value_name = "FILE", value_parser = table_file, display_order = 16)]
+    pub ticks: Option<PathBuf>,
+    /// Print one JSON object, for programs.
+    #[arg(long, display_order = 17)]
+    pub json: bool,
+}
+
+fn table_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let known = path.extension().is_some_and(|extension| extension == "csv" || extension == "parquet");
+    if known { Ok(path) } else { Err("the name must end in .csv or .parquet".into()) }
+}
+
+/// `falsify replay`
+pub fn replay(options: &ReplayArgs) -> Ended {
+    let episodes = options.which.replays()?;
+    if episodes.len() > 1 && options.ticks.is_some() {
+        return Err(misused("--ticks writes one file, so it takes one episode"));
+    }
+    let session = session(options.which.repeat.allow_external);
+    let mut ended = ExitCode::Done;
+    for (number, episode) in episodes.iter().enumerate().take_while(|_| !console::closed()) {
+        if number > 0 && !options.json {
+            console::say("");
+        }
+        ended = ended.or(replay_one(&session, episode, options).unwrap_or_else(|code| code));
+    }
+    Ok(ended)
+}
+
+fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayArgs) -> Ended {
+    let replay = match &options.ticks {
+        Some(path) => session.export(which, &TickTable { path: path.clone() }),
+        None => session.replay(which),
+    };
+    let replay = replay.map_err(failed)?;
+    let episode = &replay.episode;
+    let narrative = report::narrative(&episode.scenario, &episode.outcome, &episode.trace, episode.verdict.as_ref());
+    if options.json {
+        console::say(&as_json(&replay, &narrative).to_string());
+    } else {
+        tell(&replay, &narrative);
+    }
+    if episode.differences.is_empty() { Ok(ExitCode::Done) } else { Err(ExitCode::Differs) }
+}
+
+/// Prints the result for people.
+fn tell(replay: &Replay, narrative: &Narrative) {
+    let Replay { report, episode: repeated, programs } = replay;
+    let manifest = report.manifest();
+    let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
+    console::say(&format!("{}  {}", repeated.name, repeated.title));
+    console::say(&format!("of {}, seed {}{smoke}\n", report.folder().display(), manifest.seed));
+    console::say(&format!("{}\n", console::wrapped(&narrative.short).trim_end()));
+    for (time, text) in &narrative.events {
+        console::say(console::wrapped(&format!("{time:7.2} s  {text}")).trim_end());
+    }
+    if !narrative.verdict.is_empty() {
+        console::say("");
+        narrative.verdict.iter().for_each(|line| console::say(console::wrapped(line).trim_end()));
+    }
+    console::say("");
+    if repeated.differences.is_empty() {
+        console::say(&format!("digest {:016x}: as in the report, in every column", repeated.outcome.digest));
+        return;
+    }
+    console::fail(&format!("{} differs from the report", repeated.name));
+    for difference in &repeated.differences {
+        console::say(&format!("  {} was {}, and is {}", difference.column, difference.stored, difference.again));
+    }
+    match &repeated.divergence {
+        Some(divergence) => console::say(&format!("it diverges {divergence}")),
+        None => console::say(
+            "where it starts to differ is not known; `falsify run --ticks failures` stores the ticks that show it",
+        ),
+    }
+    let edited = report.changed_files().unwrap_or_default();
+    reasons(report, programs, &edited).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
+}
+
+/// Makes an object of the result, for programs.
+fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
+    let Replay { report, episode: repeated, .. } = replay;
+    let outcome = &repeated.outcome;
+    let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
+    let differences = repeated.differences.iter().map(
+        |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
+    );
+    let scenario = &repeated.scenario;
+    let verdicts = ViolationVerdict::of_all(&repeated.trace.main_pair(scenario));
+    let degrees = scenario.requirements.iter().zip(repeated.trace.degrees()).zip(verdicts);
+    let requirements: Vec<_> = degrees
+        .map(|((named, degree), verdict)| {
+            let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
+            json!({
+                "requirement": &*named.name,
+                "violated": degree.is_violated(),
+                "robustness": degree.robustness,
+                "unit": report::unit_of(named),
+                "scaled": named.requirement.is_scaled(),
+                "instant_s": (f64::from(degree.sample) * scenario.episode.tick).min(outcome.duration),
+                "part": part.map(|part| &part.text),
+                "preventable": verdict.map(|verdict| verdict.preventable),
+                "foreseeable": verdict.map(|verdict| verdict.foreseeable),
+                "fault": verdict.map(|verdict| verdict.fault),
+                "danger_s": verdict.map(|verdict| f64::from(verdict.danger) * scenario.episode.tick),
+                "no_verdict": report::no_verdict(Question::of(&named.requirement)),
+            })
+        })
+        .collect();
+    let commands = repeated.trace.decisions(0).iter();
+    let commands = commands.map(|command| json!({ "heading_rad": command.heading, "speed_mps": command.speed }));
+    json!({
+        "name": repeated.name.to_string(),
+        "what": repeated.title,
+        "short": narrative.short,
+        "report": report.folder().display().to_string(),
+        "seed": report.manifest().seed,
+        "equal": repeated.differences.is_empty(),
+        "differences": differences.collect::<Vec<_>>(),
+        "divergence": repeated.divergence,
+        "collision": outcome.is_collision(),
+        "impact_speed_mps": outcome.impact_speed(),
+        "episode_length_s": outcome.duration,
+        "ticks": outcome.ticks,
+        "least_gap_m": outcome.least_gap,
+        "verdict": repeated.verdict.map(|verdict| verdict.label.name()),
+        "fault": repeated.verdict.map(|verdict| verdict.is_fault()),
+        "warning_s": repeated.verdict.map(|verdict| verdict.warning),
+        "requirements": requirements,
+        "digest": format!("{:016x}", outcome.digest),
+        "events": events.collect::<Vec<_>>(),
+        "commands": commands.collect::<Vec<_>>(),
+    })
+}

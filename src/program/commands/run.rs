@@ -1,0 +1,257 @@
+mod shard;
+mod gate;
+mod list;
+mod summary;
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use clap::{Args, ValueEnum};
+
+use summary::quoted;
+use crate::cli::exit_code::{Ended, ExitCode};
+use crate::cli::failure::{failed, misused};
+use gate::GateArgs;
+use crate::cli::input::{GivenArgs, session};
+use crate::cli::output::Output;
+use crate::cli::progress::{EventLine, Progress, Showing};
+use shard::NamedShard;
+use crate::cli::{console, failure, interrupt};
+use crate::session::{
+    self, CampaignOutcome, CampaignReport, Error, Event, Notice, Observer, RunReport, Session, ShardOptions,
+    ShardReport,
+};
+use results::campaign::Shard;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify run scenarios/*.scn                run all campaigns, reports go to reports/
+  falsify run --smoke my.scn                 see in seconds whether everything works
+  falsify run --list my.scn                  list what would be run and why, and what is stored
+  falsify run --set 'ppo_paper.steps=10000' my.scn
+  falsify run --only first_look my.scn       run one campaign of several
+  falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
+
+Exit codes: see falsify --help";
+
+/// Options of `falsify run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Scenario files; their campaigns are run in order.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Replacements of parts of the files.
+    #[command(flatten)]
+    pub given: GivenArgs,
+    /// What a session does with them.
+    #[command(flatten)]
+    pub run: session::RunOptions,
+    /// Form of the output; `json` is one event a line (reports/README.md).
+    // The help lists it behind --formats.
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT", help_heading = "Output", display_order = 8)]
+    pub format: Output,
+    /// Form of the progress on the error stream.
+    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW", help_heading = "Output", display_order = 9)]
+    pub progress: Showing,
+    /// List what would be run and why, and what is stored already; then stop.
+    // Behind --seed.
+    #[arg(long, help_heading = "What runs", display_order = 6)]
+    pub list: bool,
+    /// Run one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or
+    /// JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"], help_heading = "What runs")]
+    pub shard: Option<NamedShard>,
+    /// Of a shard, run only these tasks; other shards then find their results.
+    #[arg(long, value_enum, value_name = "TASKS", requires = "shard", help_heading = "What runs")]
+    pub tasks: Option<OnlyTasks>,
+    /// Conditions under which it fails.
+    #[command(flatten)]
+    pub gate: GateArgs,
+    /// Print help.
+    #[arg(long, short, action = clap::ArgAction::HelpShort)]
+    pub help: Option<bool>,
+}
+
+/// The part of a shard that is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum OnlyTasks {
+    /// Its trainings, each in one shard.
+    Trainings,
+}
+
+impl RunArgs {
+    /// The same options for a session.
+    ///
+    /// # Errors
+    /// The exit code, after the reason has been printed.
+    pub fn wanted(&self) -> Result<session::RunOptions, ExitCode> {
+        let threads = match self.run.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads.into(),
+        };
+        if let Some(reason) = process::refusal(threads) {
+            return Err(misused(reason));
+        }
+        Ok(session::RunOptions {
+            input: self.given.input(&self.files),
+            gates: self.gate.gates()?,
+            command: command_line(),
+            ..self.run.clone()
+        })
+    }
+
+    /// The observer of a run with these options.
+    pub fn reporter(&self) -> RunReporter {
+        RunReporter { output: self.format, showing: self.progress, progress: Mutex::default() }
+    }
+}
+
+/// The command of this process as a user would type it again.
+fn command_line() -> String {
+    let words = std::env::args().skip(1).map(|word| quoted(&word));
+    std::iter::once("falsify".to_string()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// `falsify run`
+pub fn run(options: &RunArgs) -> Ended {
+    ended(options.format, run_or_list(options))
+}
+
+/// Reports the exit code of a command to programs.
+pub fn ended(output: Output, ended: Ended) -> Ended {
+    if output == Output::Json {
+        let (Ok(code) | Err(code)) = ended;
+        EventLine::RunEnded { exit_code: code as u8 }.tell();
+    }
+    ended
+}
+
+fn run_or_list(options: &RunArgs) -> Ended {
+    let wanted = options.wanted()?;
+    let session = session(options.given.allow_external).with_observer(Arc::new(options.reporter()));
+    if options.list {
+        session.list(&wanted).map_err(failed)?.iter().for_each(list::list);
+        return Ok(ExitCode::Done);
+    }
+    let Some(shard) = options.shard else {
+        let run = session.run(&wanted).map_err(failed)?;
+        return finished(options, &run);
+    };
+    let shard = shard.resolve(|name| std::env::var(name).ok()).map_err(misused)?;
+    run_shard(options, &session, &wanted, shard).map_err(failed)
+}
+
+/// Writes the report for a server of continuous integration, and chooses the exit code of a run.
+///
+/// # Errors
+/// The exit code, after the reason has been printed.
+pub fn finished(options: &RunArgs, run: &RunReport) -> Ended {
+    options.gate.write(run)?;
+    if let Some(overview) = &run.overview {
+        match options.format {
+            Output::Human => summary::show_overview(overview),
+            Output::Json => EventLine::OverviewWritten { page: &overview.page }.tell(),
+        }
+    }
+    if run.interrupted {
+        return Ok(ExitCode::Interrupted);
+    }
+    let mut codes = run.campaigns.iter().map(|outcome| match outcome {
+        CampaignOutcome::Empty { interrupted: true, .. } => ExitCode::Interrupted,
+        CampaignOutcome::Empty { interrupted: false, .. } => ExitCode::RunFailed,
+        CampaignOutcome::Reported(report) if !report.is_sound() => ExitCode::RunFailed,
+        CampaignOutcome::Reported(report) if !report.passes() => ExitCode::GateFailed,
+        CampaignOutcome::Reported(_) => ExitCode::Done,
+    });
+    // The last campaign that did not pass decides the exit code.
+    let ended = codes.rfind(|code| *code != ExitCode::Done).unwrap_or(ExitCode::Done);
+    let compared = options.gate.compare(run, options.format);
+    Ok(ended.or(compared))
+}
+
+fn run_shard(
+    options: &RunArgs,
+    session: &Session,
+    wanted: &session::RunOptions,
+    shard: Shard,
+) -> Result<ExitCode, Error> {
+    let part = ShardOptions { shard, only_trainings: options.tasks == Some(OnlyTasks::Trainings) };
+    let reports = session.run_shard(wanted, &part)?;
+    let whole = reports.iter().all(|report| report.finished == report.all);
+    Ok(match (interrupt::stop().is_asked(), whole) {
+        (true, _) => ExitCode::Interrupted,
+        (false, true) => ExitCode::Done,
+        (false, false) => ExitCode::RunFailed,
+    })
+}
+
+/// Shows the progress of a run, its problems and its reports.
+pub struct RunReporter {
+    output: Output,
+    showing: Showing,
+    /// The progress of the tasks that are under way.
+    progress: Mutex<Option<Progress>>,
+}
+
+impl Observer for RunReporter {
+    fn event(&self, event: &Event<'_>) {
+        match *event {
+            Event::Diagnostics(diagnostics, sources) => console::show(diagnostics, sources),
+            Event::Notice(notice) => self.notice(notice),
+            Event::Begun => interrupt::listen(),
+            Event::TasksBegun(campaign, tasks) => {
+                let progress = Progress::new(campaign, tasks, self.showing, self.output, interrupt::stop());
+                *self.progress() = Some(progress);
+                process::allow_to_stop(true);
+            }
+            Event::CurvesGrow(folder) => self.progress().iter().for_each(|progress| progress.curves_grow(folder)),
+            Event::Campaign(event) => self.progress().iter_mut().for_each(|progress| progress.follow(event)),
+            Event::TasksEnded => {
+                process::allow_to_stop(false);
+                *self.progress() = None;
+            }
+            Event::Rechecked { .. } => {}
+            Event::ShardEnded(report) => {
+                if self.output == Output::Human {
+                    let ShardReport { shard: Shard { index, count }, name, finished, all } = report;
+                    let said = match all {
+                        0 => "it has no task, since the campaign has fewer tasks than shards".to_owned(),
+                        _ => format!("{finished} of {all} tasks are there"),
+                    };
+                    console::say(&format!("{name}, shard {index} of {count}: {said}"));
+                }
+            }
+            Event::Ended(CampaignOutcome::Empty { .. }) => console::fail("nothing was finished, so there is no report"),
+            Event::Ended(CampaignOutcome::Reported(report)) => self.reported(report),
+        }
+    }
+}
+
+impl RunReporter {
+    fn notice(&self, notice: &Notice) {
+        failure::notice(notice);
+        if let Notice::Unpaid { campaign, .. }
+        | Notice::EpisodesInError { campaign, .. }
+        | Notice::DoubtfulTraining { campaign, .. }
+        | Notice::Caution { campaign, .. } = notice
+            && self.output == Output::Json
+        {
+            EventLine::Warning { campaign, message: &notice.to_string() }.tell();
+        }
+    }
+
+    fn progress(&self) -> MutexGuard<'_, Option<Progress>> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// For people, prints the cells of a report, narrow enough for a terminal; for programs, prints its folder.
+    fn reported(&self, report: &CampaignReport) {
+        let CampaignReport { name, folder, manifest, .. } = report;
+        match self.output {
+            Output::Human => summary::show(report),
+            Output::Json => EventLine::ReportWritten { campaign: name, folder, complete: manifest.complete }.tell(),
+        }
+        gate::show(report);
+    }
+}

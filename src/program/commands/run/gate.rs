@@ -1,0 +1,116 @@
+//! Conditions under which a run fails, and the report for a server of continuous integration.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::commands::condition::{self, Condition};
+use crate::cli::exit_code::{Ended, ExitCode};
+use crate::cli::failure::{failed, misused, unwritten};
+use crate::cli::input::session;
+use crate::cli::output::Output;
+use crate::cli::console;
+use crate::commands::compare;
+use crate::session::{CampaignReport, CompareOptions, RunReport};
+use results::report::{self, Gate, Judged, SearchCell, Suite};
+
+/// Options that make a run pass or fail.
+#[derive(Debug, Args)]
+pub struct GateArgs {
+    /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
+    /// metrics, or columns of `search_cells`, as 'fault_start_rate > 0.1'; may be given several times. `max over controllers
+    /// COLUMN` judges the worst controller of each place, 'learnt != yes' requires that every training learnt.
+    #[arg(long, value_name = "CONDITION", help_heading = "Gates")]
+    pub fail_if: Vec<String>,
+    /// Compare each report with this one from before, or with that of the same name in this folder of reports. --fail-if then also knows
+    /// the columns of `falsify compare`, as 'fault_rate_p_holm < 0.05 and fault_rate_difference > 0'.
+    #[arg(long, value_name = "DIR", help_heading = "Gates")]
+    pub baseline: Option<PathBuf>,
+    /// Also write the results as JUnit XML, one test case for each cell.
+    #[arg(long, value_name = "FILE", help_heading = "Gates")]
+    pub junit: Option<PathBuf>,
+}
+
+impl GateArgs {
+    /// Reads the conditions.
+    ///
+    /// # Errors
+    /// The exit code, after the reason has been printed.
+    pub fn gates(&self) -> Result<Vec<Gate>, ExitCode> {
+        let own = self.fail_if.iter().filter(|text| !self.is_of_comparison(text));
+        own.map(|text| Gate::parse(text).map_err(|error| misused(format!("--fail-if: {error}")))).collect()
+    }
+
+    /// Whether a condition names columns that only the comparison with the baseline has.
+    fn is_of_comparison(&self, text: &str) -> bool {
+        self.baseline.is_some() && Gate::parse(text).is_err() && Condition::parse(text, &compare::tables()).is_ok()
+    }
+
+    /// Compares the reports of a run with the baseline, if there is one, and judges the conditions on the comparison.
+    pub fn compare(&self, run: &RunReport, output: Output) -> ExitCode {
+        let Some(baseline) = &self.baseline else { return ExitCode::Done };
+        let conditions = self.fail_if.iter().filter(|text| self.is_of_comparison(text));
+        let conditions: Vec<Condition> =
+            conditions.filter_map(|text| Condition::parse(text, &compare::tables()).ok()).collect();
+        let is_report = baseline.join("manifest.toml").is_file();
+        let against = |report: &CampaignReport| -> Ended {
+            let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };
+            let options = CompareOptions { reports: [before, report.folder.clone()], drivers: None };
+            let comparison = session(false).compare(&options).map_err(failed)?;
+            let text = report::comparison_for_terminal(&comparison, compare::SHOWN, console::width());
+            match output {
+                Output::Human => console::say(text.trim_end()),
+                // The output has events only.
+                Output::Json => console::note(text.trim_end()),
+            }
+            compare::judge(&conditions, &comparison)
+        };
+        let codes = run.reports().map(|report| against(report).unwrap_or_else(|code| code));
+        codes.fold(ExitCode::Done, ExitCode::or)
+    }
+
+    /// Writes the JUnit file, if one is asked for.
+    ///
+    /// # Errors
+    /// The exit code, after the reason has been printed.
+    pub fn write(&self, run: &RunReport) -> Result<(), ExitCode> {
+        let Some(path) = &self.junit else { return Ok(()) };
+        let suite = |report: &CampaignReport| Suite {
+            manifest: report.manifest.clone(),
+            cells: report.cells.clone(),
+            searches: report.searches.clone(),
+            gates: report.gates.clone(),
+        };
+        let suites: Vec<Suite> = run.reports().map(suite).collect();
+        report::write_file(path, report::junit(&suites).as_bytes()).map_err(unwritten)
+    }
+}
+
+/// Reports which conditions are true of which cells of a campaign, and which cannot be judged.
+pub fn show(report: &CampaignReport) {
+    let campaign = &report.manifest.campaign;
+    if report.manifest.smoke && !report.gates.is_empty() {
+        console::warn("--fail-if was judged on a smoke run, which is too short to show anything about a driver");
+    }
+    let found =
+        report.drivers.iter().filter_map(|result| result.searched).map(|searched| searched.fault).sum::<usize>();
+    let is_of_searches = report.gates.iter().any(|(gate, _)| gate.is_about_searches());
+    if found > 0 && !report.gates.is_empty() && !is_of_searches && report.passes() {
+        console::warn(&format!(
+            "--fail-if judged the evaluations of {campaign} alone, and its searches found {}: `faults > 0` is about them",
+            console::count(found, "fault")
+        ));
+    }
+    for (gate, judged) in &report.gates {
+        let names: Vec<String> = if gate.is_about_searches() {
+            report.searches.iter().map(SearchCell::in_full).collect()
+        } else {
+            report.cells.iter().map(|cell| cell.key.in_full()).collect()
+        };
+        let titles: Vec<String> = names.iter().map(|name| format!("{campaign}, {name}")).collect();
+        condition::tell(gate, judged, &titles);
+        if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
+            console::warn(&format!("--fail-if {}: no cell of {campaign} matches it", gate.text()));
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! The end of a run on a terminal: the rates, the drivers, the worst failure, and the commands to look at it.
+
+use std::path::Path;
+
+use crate::cli::console;
+use crate::session::{CampaignReport, OverviewFiles};
+use results::report::{self, ListedFailure};
+
+/// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
+pub fn show(report: &CampaignReport) {
+    let CampaignReport { folder, manifest, cells, drivers, searches, protocol: (nominal, layers), .. } = report;
+    console::say(&format!("campaign {}", manifest.campaign));
+    let width = console::width();
+    let searched = report::searches_for_terminal(searches, &report.search_comparisons, width);
+    let protocol = report::protocol_for_terminal(nominal, layers, width);
+    let covered = report::covers_for_terminal(&report.covers, width);
+    let requirements = report::requirements_for_terminal(cells, &report.requirements, width);
+    for text in [
+        report::results_for_terminal(drivers, cells, width),
+        protocol,
+        requirements,
+        searched,
+        report::estimates_for_terminal(&report.estimates, width),
+        covered,
+        report::hardened_for_terminal(&report.hardened, width),
+        report::drivers_for_terminal(drivers, cells, width),
+    ] {
+        if !text.is_empty() {
+            console::say(&format!("{}\n", text.trim_end()));
+        }
+    }
+    match report::worst_failure(drivers) {
+        Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
+        None if drivers.iter().all(|driver| driver.episodes == 0) => {
+            let learnt = learnt_drivers(folder);
+            let nothing = report.covers.is_empty() && report.estimates.is_empty() && report.hardened.is_empty();
+            if !learnt.is_empty() {
+                console::say(&format!(
+                    "drivers that learnt, for `policy NAME = onnx(model: …)`:\n{}",
+                    learnt.join("\n")
+                ));
+            } else if nothing {
+                console::say("nothing was evaluated");
+            }
+        }
+        None => console::say("no collision was found"),
+    }
+    console::say(&folder.join("report.html").display().to_string());
+}
+
+/// The networks of the drivers that a report trained, in the order of their names.
+fn learnt_drivers(folder: &Path) -> Vec<String> {
+    let files = std::fs::read_dir(folder.join("drivers")).into_iter().flatten().flatten();
+    let mut names: Vec<String> = files.map(|file| format!("  {}", file.path().display())).collect();
+    names.sort();
+    names
+}
+
+/// Prints the overview of several reports.
+pub fn show_overview(overview: &OverviewFiles) {
+    console::say(&format!("\n{}\n\n{}", overview.text.trim_end(), overview.page.display()));
+}
+
+/// A failure in a line, and the commands that show it.
+fn look_at(worst: &ListedFailure, folder: &Path, options: &str) -> String {
+    let ListedFailure { policy, town, impact_speed, .. } = worst;
+    let class = worst.word();
+    let name = worst.name();
+    let folder = quoted(&folder.display().to_string());
+    format!(
+        "worst: {policy} in {town}, {class}, {impact_speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}",
+        worst.finder()
+    )
+}
+
+/// A word as a user would type it into a shell.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
