@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use base::diagnostic::Sources;
 use clap::{Command, CommandFactory};
 use compile::{Catalog, compile};
-use program::cli::{Arguments, ExitCode, settings};
+use program::cli::{ExitCode, settings};
+use program::commands::Arguments;
 
 fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src")

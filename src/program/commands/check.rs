@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use driver_trial::{TrialArgs, try_driver};
+use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
-use fix::fix;
 use crate::cli::input::{GivenArgs, session};
-use crate::cli::console;
 use crate::session::{Checked, Disk, Error};
 use base::diagnostic::{Record, records, sarif};
 use base::files;
+use driver_trial::{TrialArgs, try_driver};
+use fix::fix;
 use lang::error_index::mistakes;
 use lang::{Reader, reason};
 

@@ -4,8 +4,8 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::condition::{self, Condition, Subject};
-use crate::cli::console;
 use super::episode::RepeatArgs;
+use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::session;

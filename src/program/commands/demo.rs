@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Command, FromArgMatches};
 
+use super::new::write_new;
+use super::run::{self, RunArgs};
 use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::unwritten;
-use super::new::write_new;
-use super::run::{self, RunArgs};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\

@@ -3,9 +3,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use super::episode::{Named, RepeatArgs, resolved};
 use crate::cli::choice::choice;
 use crate::cli::console;
-use super::episode::{Named, RepeatArgs, resolved};
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;

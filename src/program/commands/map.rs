@@ -1,9 +1,9 @@
 use std::path::Path;
 
+use super::preview::PreviewArgs;
 use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{misused, unwritten};
-use super::preview::PreviewArgs;
 use lang::reason;
 use results::report;
 use world::road::{AssumedLimit, GiveWay, LaneKind, Town, opendrive};

@@ -6,10 +6,10 @@ use std::time::{Duration, SystemTime};
 
 use clap::Args;
 
+use super::map::{map, spacing};
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::unwritten;
 use crate::cli::input::{GivenArgs, session};
-use super::map::{map, spacing};
 use crate::cli::{console, interrupt};
 use crate::session::{self, Preview};
 use results::report;

@@ -5,8 +5,8 @@ use serde_json::json;
 
 use super::compare::Form;
 use super::condition::{self, Condition, Subject};
-use crate::cli::console;
 use super::episode::RepeatArgs;
+use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::failed;
 use crate::cli::input::{Reporter, session};

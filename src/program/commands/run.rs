@@ -8,20 +8,20 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use clap::{Args, ValueEnum};
 
-use summary::quoted;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
-use gate::GateArgs;
 use crate::cli::input::{GivenArgs, session};
 use crate::cli::output::Output;
 use crate::cli::progress::{EventLine, Progress, Showing};
-use shard::NamedShard;
 use crate::cli::{console, failure, interrupt};
 use crate::session::{
     self, CampaignOutcome, CampaignReport, Error, Event, Notice, Observer, RunReport, Session, ShardOptions,
     ShardReport,
 };
+use gate::GateArgs;
 use results::campaign::Shard;
+use shard::NamedShard;
+use summary::quoted;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\

@@ -11,9 +11,9 @@ use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::cli::output::Output;
 use crate::cli::progress::Learnt;
-use stored::stored;
 use crate::session::{self, CampaignProgress, CampaignState};
 use results::store::TaskStatus;
+use stored::stored;
 
 /// The most tasks under way that are named.
 const SHOWN: usize = 8;

@@ -11,8 +11,8 @@ use std::time::Instant;
 
 use clap::Args;
 
-use crate::cli::exit_code::ExitCode;
 use super::empty_road;
+use crate::cli::exit_code::ExitCode;
 use crate::cli::{console, interrupt};
 use crate::session::seconds;
 use base::diagnostic::Sources;

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::commands::condition::{self, Condition};
+use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::session;
 use crate::cli::output::Output;
-use crate::cli::console;
 use crate::commands::compare;
+use crate::commands::condition::{self, Condition};
 use crate::session::{CampaignReport, CompareOptions, RunReport};
 use results::report::{self, Gate, Judged, SearchCell, Suite};
 

@@ -1,9 +1,9 @@
 use std::collections::BTreeSet;
 
+use super::StatusArgs;
 use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{misused, store_failed};
-use super::StatusArgs;
 use results::store::{References, Store, StoreError};
 
 /// `falsify status --stored` and `--prune` of a folder for reports and its cache.
