@@ -108,11 +108,8 @@ keys! {
     /// Tries every pedestrian in every town against every policy.
     pub struct EvaluateKeys = "evaluate" {
         ..places: PlaceKeys,
-        /// Episodes of each, at most when there is a `halfwidth`; all pedestrians have the same starts.
+        /// Episodes of each; all pedestrians have the same starts.
         episodes: u32 as whole(1, 1_000_000) = "1_000",
-        /// Stops a pedestrian when the 95 % interval of its collision rate is so narrow to either side, looking after 1,000
-        /// episodes, 2,000, 4,000 and so on; the looks share the 5 %.
-        halfwidth: Option<f64> as within(RATIO, 0.000_5, 0.5),
         // The catalogue adds the words of the others.
         /// Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it as in
         /// training (`stochastic`), the same network before its training (`untrained`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it

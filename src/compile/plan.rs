@@ -353,14 +353,12 @@ pub struct Evaluation {
     pub block: u32,
     /// The scenario of the evaluation.
     pub scenario: Arc<Scenario>,
-    /// The number of episodes; the greatest number if there is a half-width.
+    /// The number of episodes.
     pub episodes: u32,
     /// The digest of what the files say about it, without the training of its pedestrian.
     pub fingerprint: Fingerprint,
     /// The programs of the user that it depends on.
     pub programs: Programs,
-    /// The evaluation ends early when the half-width of the collision rate's 95 % interval falls to this.
-    pub halfwidth: Option<f64>,
 }
 
 /// The names that distinguish a search from the others of its campaign.

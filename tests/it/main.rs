@@ -94,7 +94,6 @@ mod stale;
 mod start_bank;
 mod steady_starts;
 mod stepping;
-mod stopping;
 mod streets;
 mod suite;
 mod tables_elsewhere;

@@ -27,7 +27,7 @@ pub use student::{
 };
 pub use uncertainty::Uncertainty;
 pub use weighted::Weighted;
-pub use wilson::{wilson, wilson_at};
+pub use wilson::wilson;
 
 /// The cases of a name that `tests/reference/statistics/record_statistics.py` has recorded, each a list of numbers.
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub fn wilson(successes: impl Into<Weighted>, trials: impl Into<Weighted>) -> (f
 /// Slud, *Comparative study of confidence intervals for proportions in complex sample surveys*, Journal of Survey Statistics and
 /// Methodology 7, 2019. v is the linearised variance of a ratio, as of self-normalised importance sampling (Owen, *Monte Carlo
 /// theory, methods and examples*, 2013, section 9.2).
-pub fn wilson_at(successes: impl Into<Weighted>, trials: impl Into<Weighted>, alpha: f64) -> (f64, f64) {
+fn wilson_at(successes: impl Into<Weighted>, trials: impl Into<Weighted>, alpha: f64) -> (f64, f64) {
     let (successes, trials) = (successes.into(), trials.into());
     let Some(p) = successes.share_of(&trials) else { return (0.0, 1.0) };
     let z = normal_quantile(1.0 - alpha / 2.0);

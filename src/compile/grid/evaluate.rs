@@ -24,7 +24,7 @@ impl Lowering<'_> {
         campaign: &mut Campaign,
         rewards: &BTreeMap<String, Axis<RewardRule>>,
     ) {
-        let EvaluateKeys { places, episodes, halfwidth, pedestrians, vehicles, adversaries, start } = block.keys();
+        let EvaluateKeys { places, episodes, pedestrians, vehicles, adversaries, start } = block.keys();
         let cars = vehicles.map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
         let walkers = adversaries.map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
         let cars: Vec<_> = cars.unwrap_or_else(|| vec![usual.car.clone()]);
@@ -95,7 +95,6 @@ impl Lowering<'_> {
                     episodes,
                     fingerprint,
                     programs,
-                    halfwidth,
                 }
             }));
         }

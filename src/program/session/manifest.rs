@@ -19,7 +19,7 @@ pub struct Times {
     pub run: f64,
 }
 
-/// Whether the report is complete. It has all trainings, and all episodes that the plan or a stopping rule asks for, each with a reward
+/// Whether the report is complete. It has all trainings, and all episodes of the plan, each with a reward
 /// that is a number. Each driver reached the end of an episode in each town. All searches used their budgets.
 fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> bool {
     let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();

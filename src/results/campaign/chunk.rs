@@ -37,12 +37,12 @@ pub(super) fn try_chunk(shared: Shared<'_>, evaluation: usize, chunk: u32, train
     let task = Task::Chunk { evaluation, chunk };
     let wanted = plan.chunk(chunk);
     let before = results.episodes(evaluation, chunk);
-    let first = wanted.start + before.episodes;
-    if before.enough || first >= wanted.end {
+    let first = wanted.start + before;
+    if first >= wanted.end {
         return shared.tell_reused(task);
     }
     shared.tell(Event::Begun(task));
-    shared.tell(Event::Continued { task, units: before.episodes.into() });
+    shared.tell(Event::Continued { task, units: before.into() });
     let rows = std::cell::RefCell::new(Rows { settled: Vec::new(), others: BTreeMap::new(), next: first, ticks: 0 });
     let key = Arc::new(RunKey::of(plan));
     let mut limit = None;
@@ -57,31 +57,17 @@ pub(super) fn try_chunk(shared: Shared<'_>, evaluation: usize, chunk: u32, train
         limit = results.limit(task, rows.ticks);
         flow(limit.is_some() || shared.stop())
     };
-    let rule = plan.rule();
-    let looks = if plan.halfwidth.is_some() { rule.looks() } else { vec![wanted.end] };
-    let mut next = first;
-    let mut enough = false;
-    for look in looks.into_iter().filter(|look| *look > first) {
-        let tried = watch_numbered(plan, trained, next..look, seed, &mut note, &mut tell).len() as u32;
-        next += tried;
-        let mut all = before;
-        rows.borrow().settled.iter().for_each(|row| all.add(row));
-        enough = next == look && plan.halfwidth.is_some() && rule.is_met(all.collisions, all.valid);
-        if enough || next < look {
-            break;
-        }
-    }
+    let ended = watch_numbered(plan, trained, first..wanted.end, seed, &mut note, &mut tell).len();
     let mut settled = rows.into_inner().settled;
-    settled.truncate((next - first) as usize);
+    settled.truncate(ended);
     let error = match limit {
-        _ if enough || next == wanted.end => None,
+        _ if ended as u32 == wanted.end - first => None,
         Some(limit) => Some(limit),
         None if hopeless(&settled) => Some(TaskError::Hopeless),
         None => None,
     };
     let end = match &error {
         Some(error) => Progress::Failed(error),
-        None if enough => Progress::Enough,
         None => Progress::Ended,
     };
     results.keep_episodes(evaluation, chunk, &settled, end);

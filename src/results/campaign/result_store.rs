@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use super::{CoverResult, EstimateResult, HardenResult, SearchResult, Task, TaskError};
-use crate::record::{EpisodeRow, Tally};
+use crate::record::EpisodeRow;
 use learn::Trained;
 use world::falsifier::TrainingRun;
 
@@ -36,8 +36,8 @@ pub trait ResultStore: Sync {
     fn keep_training(&self, _training: usize, _run: &TrainingRun) {}
 
     /// Counts the stored episodes of a chunk, its first ones.
-    fn episodes(&self, _evaluation: usize, _chunk: u32) -> Tally {
-        Tally::default()
+    fn episodes(&self, _evaluation: usize, _chunk: u32) -> u32 {
+        0
     }
 
     /// Called with the episodes of a chunk that follow the stored ones, each time with all of them. `end` says whether more follow, and if
@@ -100,8 +100,6 @@ pub enum Progress<'a> {
     UnderWay,
     /// No more follow now: all episodes are there, or the user asked to stop.
     Ended,
-    /// No more are needed: the stopping rule is met.
-    Enough,
     /// No more follow, for this reason.
     Failed(&'a TaskError),
 }

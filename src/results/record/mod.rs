@@ -13,7 +13,6 @@ mod verdicts;
 mod reference_drivers;
 pub(crate) mod episodes;
 mod read;
-mod tally;
 mod stored;
 mod degrees;
 mod parquet_reader;
@@ -34,6 +33,5 @@ pub use reference_drivers::{
     REFERENCE_DRIVERS, reference_columns, reference_drivers, references as reference_driver_columns,
 };
 pub use row::EpisodeRow;
-pub use stored::{Chunk, Chunks, decode, encode, tally};
-pub use tally::Tally;
+pub use stored::{Chunk, Chunks, decode, encode};
 pub use verdicts::verdict_columns;

@@ -10,7 +10,7 @@ use super::columns::{COLLISION, EPISODE, ERROR, FRONT, OUTCOME};
 use super::degrees::{self, append};
 use super::episodes::{named, outcome_table, repeated_key};
 use super::parquet_reader::read_parquet;
-use super::{DEGREES, EpisodeRow, RunKey, Tally, with_degrees};
+use super::{DEGREES, EpisodeRow, RunKey, with_degrees};
 
 /// Some episodes of a run.
 #[derive(Debug, Clone)]
@@ -84,14 +84,6 @@ pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u
     let mut bytes = Vec::new();
     ParquetWriter::new(&mut bytes).finish(&mut table)?;
     Ok((bytes, table.height() as u64))
-}
-
-/// Counts the episodes that [`encode`] wrote.
-///
-/// # Errors
-/// As [`decode`].
-pub fn tally(bytes: &[u8]) -> PolarsResult<Tally> {
-    Tally::of(&decode(bytes)?)
 }
 
 /// Decodes what [`encode`] wrote.

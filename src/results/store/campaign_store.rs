@@ -11,7 +11,7 @@ use crate::campaign::{
     Claim, CoverResult, EstimateResult, Evaluated, FoundInBox, HardenResult, Progress, ResultStore, SearchResult, Task,
     TaskError, goal_of, tasks,
 };
-use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
+use crate::record::{self, Chunk, Chunks, EpisodeRow};
 use compile::Campaign;
 use learn::Trained;
 use world::falsifier::{SearchOutcome, TrainingRun};
@@ -245,25 +245,24 @@ impl ResultStore for CampaignStore<'_> {
         self.write(Task::Training(training), State::Finished, updates, String::new(), &run.state(&BTreeMap::new()));
     }
 
-    fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {
+    fn episodes(&self, evaluation: usize, chunk: u32) -> u32 {
         let task = Task::Chunk { evaluation, chunk };
-        let Found::Whole(header, bytes) = self.read(task) else { return Tally::default() };
+        let Found::Whole(header, bytes) = self.read(task) else { return 0 };
         if header.state == State::Failed {
-            return Tally::default();
+            return 0;
         }
         let planned = &self.campaign.evaluations[evaluation];
-        let enough = header.state == State::Finished && planned.halfwidth.is_some();
-        if enough || header.done >= planned.chunk(chunk).len() as u64 {
-            return Tally { episodes: header.done as u32, enough, ..Tally::default() };
+        if header.done >= planned.chunk(chunk).len() as u64 {
+            return header.done as u32;
         }
-        match record::tally(&bytes) {
-            Ok(tally) => {
+        match record::decode(&bytes) {
+            Ok(episodes) => {
                 self.take_over(task, header.seconds, bytes);
-                tally
+                episodes.height() as u32
             }
             Err(_) => {
                 self.store.damaged(self.id(task));
-                Tally::default()
+                0
             }
         }
     }
@@ -294,8 +293,7 @@ impl ResultStore for CampaignStore<'_> {
             }
             Progress::Failed(error) => (State::Failed, error.to_string()),
             // A driver that failed may succeed another time.
-            Progress::Ended | Progress::Enough if faulty => (State::Failed, String::new()),
-            Progress::Enough => (State::Finished, String::new()),
+            Progress::Ended if faulty => (State::Failed, String::new()),
             Progress::Ended if whole => (State::Finished, String::new()),
             Progress::UnderWay if faulty => return,
             _ => (State::Begun, String::new()),

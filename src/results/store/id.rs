@@ -101,11 +101,8 @@ fn training(training: &Training, seed: u64) -> Id {
 }
 
 fn evaluation(evaluation: &Evaluation, training: Option<Id>, seed: u64) -> Id {
-    // The number of episodes depends on the rule, if there is one.
-    let rule = evaluation.halfwidth.map(|halfwidth| format!("until {halfwidth:?}, at most {}", evaluation.episodes));
     Id::of(&[
         b"evaluation",
-        rule.as_deref().unwrap_or_default().as_bytes(),
         &seed.to_le_bytes(),
         evaluation.town.as_bytes(),
         evaluation.policy.as_bytes(),

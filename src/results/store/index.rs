@@ -119,7 +119,7 @@ impl Index {
         }
         match store.head(id) {
             Some(Ok(header)) => match header.state {
-                State::Finished if header.done < wanted && is_counted(campaign, task) => {
+                State::Finished if header.done < wanted && is_counted(task) => {
                     return Known::Begun(header.done, wanted);
                 }
                 State::Finished => return Known::Finished,
@@ -183,8 +183,8 @@ fn changed(then: &BTreeMap<String, String>, campaign: &Campaign, task: Task) -> 
 }
 
 /// Whether the number of episodes of a task is known in advance. A stored task may have been made for fewer.
-fn is_counted(campaign: &Campaign, task: Task) -> bool {
-    matches!(task, Task::Chunk { evaluation, .. } if campaign.evaluations[evaluation].halfwidth.is_none())
+fn is_counted(task: Task) -> bool {
+    matches!(task, Task::Chunk { .. })
 }
 
 /// The number of updates or episodes of a finished task.

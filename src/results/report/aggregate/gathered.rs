@@ -20,7 +20,7 @@ pub struct Gathered {
     pub episodes: u64,
     /// Their simulator ticks.
     pub ticks: u64,
-    /// Whether every evaluation has all its episodes, or as many as its stopping rule asks for.
+    /// Whether every evaluation has all its episodes.
     pub all_tried: bool,
     /// Episodes in error.
     pub errors: u64,
@@ -95,7 +95,7 @@ pub fn gather(
         let evaluation = run.evaluation;
         let named = &*evaluation.scenario.requirements;
         let mut violations = vec![Violations::default(); named.len()];
-        let (mut totals, mut tally) = (RunTotals::new(), record::Tally::default());
+        let (mut totals, mut tried) = (RunTotals::new(), 0);
         let mut protocol = ProtocolRun::new(evaluation);
         for part in run.parts() {
             let part = part.map_err(failed)?;
@@ -105,7 +105,7 @@ pub fn gather(
             let drives = gathered.count(&run, &part).map_err(failed)?;
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
             totals.add(&part).map_err(failed)?;
-            tally.add_all(&part).map_err(failed)?;
+            tried += part.height();
             if matches!(evaluation.controller, ControllerKind::Trained(_)) {
                 gathered.note_starts(evaluation, &part).map_err(failed)?;
             }
@@ -125,13 +125,12 @@ pub fn gather(
             kinds.add(&part).map_err(failed)?;
             evidence.add(&part).map_err(failed)?;
         }
-        gathered.all_tried &=
-            tally.episodes > 0 && evaluation.is_finished_with(tally.episodes, tally.valid, tally.collisions);
-        if tally.episodes > 0 {
+        gathered.all_tried &= tried == evaluation.episodes as usize;
+        if tried > 0 {
             add_run(&mut gathered.requirements, &run.key.cell, named, &violations);
         }
         gathered.runs.vstack_mut(&totals.table().map_err(failed)?).map_err(failed)?;
-        if tally.episodes > 0 {
+        if tried > 0 {
             for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
                 // A target walks alike for every reward of the campaign; its cells are shown once.
                 if !gathered.protocol.iter().any(|known| known.repeats(&cell)) {
