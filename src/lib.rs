@@ -122,7 +122,7 @@ pub mod towns {
 /// What a pedestrian that walks gets and returns.
 pub mod walking {
     #[doc(inline)]
-    pub use world::env::PedestrianEnv;
+    pub use world::env::Scene;
     #[doc(inline)]
     pub use world::falsifier::WalkPolicy;
     #[doc(inline)]

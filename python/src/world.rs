@@ -97,7 +97,7 @@ impl World {
         self.placed = has_run_up && self.env.world().ego().state.speed == 0.0;
         self.run_ups = (self.run_ups.0 + u64::from(self.placed), self.run_ups.1 + u64::from(has_run_up));
         self.trace.begin(self.env.world());
-        self.env.write_state(&mut self.state);
+        self.env.scene().write_state(&mut self.state);
         (self.episode, self.step, self.started_over) = (Some(number), FIRST, false);
     }
 
@@ -112,13 +112,13 @@ impl World {
 
     /// Takes a decision. The action is clamped to its bounds.
     pub fn decide(&mut self, action: impl Iterator<Item = f64>) {
-        for ((number, (low, high)), given) in self.action.iter_mut().zip(self.env.bounds()).zip(action) {
+        for ((number, (low, high)), given) in self.action.iter_mut().zip(self.env.scene().bounds).zip(action) {
             *number = given.clamp(*low, *high);
         }
         self.started_over = false;
-        self.env.write_commands(&self.action, &mut self.commands);
+        self.env.scene().write_commands(&self.action, &mut self.commands);
         self.step = self.trace.watch_decision(&mut self.env, &self.commands);
-        self.env.write_state(&mut self.state);
+        self.env.scene().write_state(&mut self.state);
         if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
             let scenario = self.env.scenario();
             let pair = self.trace.main_pair(scenario);

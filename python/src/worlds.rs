@@ -278,11 +278,11 @@ impl Worlds {
         if world.place().is_none() {
             return Err(PyRuntimeError::new_err("there is no episode yet; call reset first"));
         }
-        let env = world.env();
+        let scene = world.env().scene();
         let command = |pedestrian| -> PyResult<WalkCommand> {
             match controller {
-                "homing" => Ok(env.homing(pedestrian)),
-                "intercept" => Ok(env.intercept(pedestrian)),
+                "homing" => Ok(scene.homing(pedestrian)),
+                "intercept" => Ok(scene.intercept(pedestrian)),
                 other => {
                     Err(PyValueError::new_err(format!("there is no controller `{other}`; there is homing, intercept")))
                 }
@@ -290,7 +290,7 @@ impl Worlds {
         };
         let commands = (0..scenario.cast.pedestrian_count()).map(command).collect::<PyResult<Vec<_>>>()?;
         let mut action = vec![0.0; scenario.cast.action_bounds().len()];
-        env.write_action(&commands, &mut action);
+        scene.write_action(&commands, &mut action);
         Ok(action.into_pyarray(py))
     }
 

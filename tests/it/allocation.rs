@@ -83,7 +83,7 @@ fn a_tick_allocates_nothing_with_any_driver() {
             let before = ALLOCATIONS.get();
             trace.begin(env.world());
             while env.outcome().is_none() {
-                let commands = [env.intercept(0)];
+                let commands = [env.scene().intercept(0)];
                 trace.watch_decision(&mut env, &commands);
             }
             ALLOCATIONS.get() - before
@@ -108,7 +108,7 @@ fn a_tick_of_two_cars_and_two_pedestrians_allocates_nothing() {
         let before = ALLOCATIONS.get();
         trace.begin(env.world());
         while env.outcome().is_none() {
-            let commands = [env.homing(0), env.homing(1)];
+            let commands = [env.scene().homing(0), env.scene().homing(1)];
             trace.watch_decision(&mut env, &commands);
         }
         ALLOCATIONS.get() - before

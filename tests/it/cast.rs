@@ -284,8 +284,8 @@ fn policies_and_searches_see_an_environment_by_its_dimensions() {
     };
     assert!((state[1] - distance(0)).abs() < 1e-9 && (state[ObservationSpec::DIM + 1] - distance(1)).abs() < 1e-9);
     let mut commands = [STANDING; 2];
-    env.write_commands(&[0.0, 1.0, 0.0, 2.0], &mut commands);
-    let homing = [env.homing(0), env.homing(1)];
+    env.scene().write_commands(&[0.0, 1.0, 0.0, 2.0], &mut commands);
+    let homing = [env.scene().homing(0), env.scene().homing(1)];
     for (command, towards) in commands.iter().zip(homing) {
         assert!((command.heading - towards.heading).abs() < 1e-12, "angles are measured from the line of sight");
     }
@@ -299,7 +299,7 @@ fn policies_and_searches_see_an_environment_by_its_dimensions() {
     assert!(found.iter().all(|outcomes| outcomes.len() == 3) && found[0] != found[1]);
 
     let mut simulator = Simulator::new(Arc::clone(&both), Seed::root(6), 5_000, &|| false);
-    while simulator.begin(0) && simulator.finish(|env, commands| Intercept.choose(env, commands)).is_some() {}
+    while simulator.begin(0) && simulator.finish(|scene, commands| Intercept.choose(scene, commands)).is_some() {}
     let spent = simulator.into_spent();
     for failure in &spent.failures {
         let Failure { commands, outcome, .. } = failure;

@@ -110,7 +110,7 @@ fn the_oracle_hits_no_person_while_it_moves() {
     for episode in 0..60 {
         env.begin(episode);
         while env.outcome().is_none() {
-            env.carry_out(&[env.intercept(0)]);
+            env.carry_out(&[env.scene().intercept(0)]);
         }
         if let world::env::Ending::Touch { moving: at_speed, .. } = env.outcome().unwrap().ending {
             hits += 1;

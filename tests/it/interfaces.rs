@@ -44,12 +44,12 @@ fn a_trace_has_the_states_and_actions_of_the_episode_in_every_frame() {
         env.reset(&mut state);
         trace.begin(env.world());
         let bounds = env.action_bounds();
-        let (mut taken, mut commands) = (Vec::new(), env.commands().to_vec());
+        let (mut taken, mut commands) = (Vec::new(), env.scene().commands.to_vec());
         loop {
             let share = [0.2, 0.9, 0.45][taken.len() % 3];
             let action = [0, 1].map(|part: usize| bounds[part].0 + share * (bounds[part].1 - bounds[part].0));
-            env.write_state(&mut state);
-            env.write_commands(&action, &mut commands);
+            env.scene().write_state(&mut state);
+            env.scene().write_commands(&action, &mut commands);
             taken.push((state, action));
             if trace.watch_decision(&mut env, &commands).done() {
                 break;

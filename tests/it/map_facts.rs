@@ -58,7 +58,7 @@ fn scenario(map: &str, driver: &str, spawn: &str) -> Arc<Scenario> {
 fn drive(map: &str, driver: &str, spawn: &str, to: f64) -> Vec<(f64, f64)> {
     let mut env = PedestrianEnv::new(scenario(map, driver, spawn), Seed::root(4));
     env.begin(0);
-    let still = [env.homing(0)];
+    let still = [env.scene().homing(0)];
     env.begin_decision(&still);
     let mut driven = Vec::new();
     for _ in 0..2000 {

@@ -10,7 +10,7 @@ use falsify::driving::{Control, DrivingMode, DrivingPolicy, Perception, Stream};
 use falsify::language::{Catalog, PolicyKind, TakenKind, TownKind, WalkerKind, keys};
 use falsify::session::{Input, RunOptions, Session};
 use falsify::towns::{Carriageway, Node, Point, Street, TownDesign, TownParts};
-use falsify::walking::{PedestrianEnv, WalkCommand, WalkPolicy};
+use falsify::walking::{Scene, WalkCommand, WalkPolicy};
 use program::cli::ExitCode;
 
 keys! {
@@ -76,8 +76,8 @@ impl Default for Stroll {
 impl WalkPolicy for Stroll {
     fn begin(&mut self, _: Stream) {}
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
-        for (pedestrian, command) in env.world().pedestrians.iter().zip(commands) {
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        for (pedestrian, command) in scene.world.pedestrians.iter().zip(commands) {
             *command = WalkCommand { heading: pedestrian.state.pose.yaw, speed: self.pace };
         }
     }

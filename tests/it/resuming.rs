@@ -100,7 +100,7 @@ fn a_state_is_refused_where_its_episodes_lead_elsewhere() {
 /// The state of the only pedestrian.
 fn state(env: &PedestrianEnv) -> [f64; ObservationSpec::DIM] {
     let mut state = [0.0; ObservationSpec::DIM];
-    env.write_state(&mut state);
+    env.scene().write_state(&mut state);
     state
 }
 
@@ -124,7 +124,7 @@ fn an_environment_goes_back_to_any_decision_of_an_episode() {
                 assert_eq!(state(&other).map(f64::to_bits), state(&env).map(f64::to_bits));
                 for env in [&mut env, &mut other] {
                     let mut commands = [WalkCommand::default()];
-                    walker.choose(env, &mut commands);
+                    walker.choose(&env.scene(), &mut commands);
                     env.carry_out(&commands);
                 }
                 assert_eq!(other.save(), env.save());
@@ -175,12 +175,12 @@ fn a_trained_walker_sees_stacked_and_normalised_states() {
         while env.outcome().is_none() {
             let mut action = [0.0; 2];
             trained.actor_critic.act(stack.as_slice(), &mut action, &mut scratch);
-            let bounds = env.bounds();
+            let bounds = env.scene().bounds;
             let clamped = [0, 1].map(|i| action[i].clamp(bounds[i].0, bounds[i].1));
             let mut commands = [WalkCommand::default(); 2];
             let (chosen, wanted) = commands.split_at_mut(1);
-            walker.choose(&env, chosen);
-            env.write_commands(&clamped, wanted);
+            walker.choose(&env.scene(), chosen);
+            env.scene().write_commands(&clamped, wanted);
             assert_eq!(chosen, wanted);
             env.carry_out(chosen);
             stack.push(&state(&env));

@@ -138,7 +138,7 @@ fn exact_sensors_change_no_bit_of_an_episode() {
             .map(|episode| {
                 env.begin(episode);
                 while env.outcome().is_none() {
-                    env.carry_out(&[env.intercept(0)]);
+                    env.carry_out(&[env.scene().intercept(0)]);
                 }
                 env.outcome().unwrap().digest
             })

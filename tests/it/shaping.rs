@@ -141,6 +141,6 @@ fn where_no_pedestrian_can_stand_near_they_begin_anywhere() {
     env.set_curriculum(0.0);
     for episode in 0..5 {
         env.begin(episode);
-        assert!(env.observe(0).distance > 12.0);
+        assert!(env.scene().observe(0).distance > 12.0);
     }
 }

@@ -44,7 +44,7 @@ fn outcomes(env: &mut PedestrianEnv, episodes: u64) -> Vec<Outcome> {
     let outcome = |episode| {
         env.begin(episode);
         while env.outcome().is_none() {
-            let commands = [env.intercept(0)];
+            let commands = [env.scene().intercept(0)];
             env.carry_out(&commands);
         }
         *env.outcome().expect("it is over")
@@ -131,7 +131,7 @@ fn an_episode_depends_on_its_number_and_not_on_what_was_drawn_before() {
         for number in [7, 2, 9] {
             env.begin(number);
             while env.outcome().is_none() {
-                let commands: [WalkCommand; 1] = [env.intercept(0)];
+                let commands: [WalkCommand; 1] = [env.scene().intercept(0)];
                 env.carry_out(&commands);
             }
             assert_eq!(env.outcome(), Some(&all[number as usize]));

@@ -90,7 +90,7 @@ fn a_longer_way_gives_the_same_speed() {
         let start = &outcomes(&scenario("straight", &spawn(400.0), driver), &mut Random::default(), 1)[0];
         let mut env = PedestrianEnv::new(scenario("straight", &spawn(320.0), driver), Seed::root(4));
         env.begin(0);
-        let still = [env.homing(0)];
+        let still = [env.scene().homing(0)];
         env.begin_decision(&still);
         // LAV and InterFuser never drive at one speed: their throttle opens and closes. So the speeds of the last 20 m are compared.
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
@@ -136,11 +136,11 @@ fn a_copy_goes_on_like_the_original() {
         let mut original = PedestrianEnv::new(scenario("harbour", "", driver), Seed::root(6));
         for number in 0..3 {
             original.begin(number);
-            let commands = [original.intercept(0)];
+            let commands = [original.scene().intercept(0)];
             original.carry_out(&commands);
             let mut copy = original.snapshot().expect("every driver of ours can be copied");
             while original.outcome().is_none() {
-                let commands = [original.intercept(0)];
+                let commands = [original.scene().intercept(0)];
                 assert_eq!(original.carry_out(&commands), copy.carry_out(&commands), "{driver}");
             }
             assert_eq!(original.outcome(), copy.outcome(), "{driver}");
@@ -158,7 +158,7 @@ fn a_start_that_is_tried_again_at_once_costs_its_run_up_once() {
             .iter()
             .map(|start| {
                 assert!(simulator.begin(*start));
-                simulator.finish(|env, commands| commands[0] = env.intercept(0)).expect("the budget is large")
+                simulator.finish(|scene, commands| commands[0] = scene.intercept(0)).expect("the budget is large")
             })
             .collect();
         (outcomes, simulator.into_spent().ticks)
@@ -176,7 +176,7 @@ fn a_saved_episode_has_its_run_up_again() {
     let scenario = scenario("harbour", "", "squinting");
     let [mut first, mut second] = [(); 2].map(|()| PedestrianEnv::new(Arc::clone(&scenario), Seed::root(9)));
     first.begin(3);
-    let commands = [first.intercept(0)];
+    let commands = [first.scene().intercept(0)];
     first.carry_out(&commands);
     assert!(second.load(&first.save().expect("it can be saved")));
     assert_eq!(first.world().ego().state, second.world().ego().state);
@@ -194,7 +194,7 @@ fn a_search_pays_for_run_ups_and_never_exceeds_its_budget() {
             break;
         }
         run_up += u64::from(simulator.env().run_up_ticks());
-        let Some(outcome) = simulator.finish(|env, commands| Intercept.choose(env, commands)) else { break };
+        let Some(outcome) = simulator.finish(|scene, commands| Intercept.choose(scene, commands)) else { break };
         played += u64::from(outcome.ticks);
     }
     let spent = simulator.into_spent();

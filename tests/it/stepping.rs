@@ -174,9 +174,9 @@ fn step(text: &str) {
     let mut env = PedestrianEnv::new(scenario, Seed::root(1));
     for episode in 0..2 {
         env.begin(episode);
-        let mut commands = [env.intercept(0)];
+        let mut commands = [env.scene().intercept(0)];
         if episode == 1 {
-            env.write_commands(&[0.3, 1.0], &mut commands);
+            env.scene().write_commands(&[0.3, 1.0], &mut commands);
         }
         env.begin_decision(&commands);
         for _ in 0..TICKS {
@@ -185,12 +185,12 @@ fn step(text: &str) {
             if let Some(step) = step {
                 assert!(step.reward.is_finite(), "a reward of {}", step.reward);
                 let mut state = [0.0; ObservationSpec::DIM];
-                env.write_state(&mut state);
+                env.scene().write_state(&mut state);
                 assert!(state.iter().all(|part| part.is_finite()), "a state of {state:?}");
                 if env.outcome().is_some() {
                     break;
                 }
-                env.begin_decision(&[env.homing(0)]);
+                env.begin_decision(&[env.scene().homing(0)]);
             }
         }
     }

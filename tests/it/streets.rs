@@ -115,7 +115,7 @@ fn the_first_command_paces_and_turns_a_path_and_later_ones_do_not() {
     let scenario = walking(&format!("ego_poses: [(-300 m, -1.75 m, 0 deg)],  ego_speed: 0 m/s,  {PATH}"), "blind");
     let mut env = PedestrianEnv::new(scenario, Seed::root(3));
     env.begin(0);
-    let stated = env.scripted().expect("the rule has a path");
+    let stated = env.scene().scenario.spawn.scripted().expect("the rule has a path");
     assert!((stated.heading - std::f64::consts::FRAC_PI_2).abs() < 1e-12 && (stated.speed - 1.0).abs() < 1e-12);
     env.begin_decision(&[WalkCommand { heading: 0.0, speed: 2.0 }]);
     for tick in 0..60 {
@@ -350,7 +350,7 @@ fn lights_keep_their_cycle_and_opposite_legs_share_a_turn() {
     }
     let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(1));
     env.begin(0);
-    env.begin_decision(&[env.scripted().unwrap()]);
+    env.begin_decision(&[env.scene().scenario.spawn.scripted().unwrap()]);
     for tick in 0..400 {
         let time = 3.5 + f64::from(tick) * 0.05;
         let clock = env.world().light_clock().expect("lights work");

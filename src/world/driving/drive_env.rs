@@ -160,7 +160,7 @@ impl DriveEnv {
             self.met = true;
         }
         if std::mem::take(&mut self.is_due) {
-            walker.choose(&self.env, &mut self.commands);
+            walker.choose(&self.env.scene(), &mut self.commands);
             if walker.fault().is_some() {
                 return (Some(false), None);
             }

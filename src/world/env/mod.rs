@@ -36,6 +36,7 @@ mod running;
 mod run_up;
 mod pedestrian_env;
 mod pursuit;
+mod scene;
 mod trace;
 mod pair;
 mod other_drive;
@@ -53,6 +54,7 @@ pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};
 pub use scenario::{EpisodeRule, Scenario};
+pub use scene::Scene;
 pub use signal::{
     Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
 };

@@ -14,8 +14,7 @@ use super::signal::{Wanted, is_measured};
 use super::signal_meter::SignalMeter;
 use super::spawn::{Pacing, Release};
 use super::{
-    Controller, Driven, Ending, LeftOut, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario,
-    Spawn, SpawnRule, StartBank, StateHashes, Trace,
+    Controller, Driven, Ending, LeftOut, Outcome, RewardRule, Scenario, Scene, Spawn, SpawnRule, StartBank, StateHashes, Trace,
 };
 use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -263,6 +262,13 @@ impl PedestrianEnv {
         &self.scenario
     }
 
+    /// What pedestrians see now.
+    #[inline]
+    pub fn scene(&self) -> Scene<'_> {
+        let Self { scenario, world, bounds, .. } = self;
+        Scene { scenario, world, commands: &self.walks.commands, bounds, starts: &self.starts.1 }
+    }
+
     /// The world as it is now.
     pub fn world(&self) -> &World {
         &self.world
@@ -305,13 +311,6 @@ impl PedestrianEnv {
     /// Hashes the start of the running episode and all its states since.
     fn state_hash(&self) -> u64 {
         hashed(self.episode.digest, &self.episode.spawn)
-    }
-
-    /// A pedestrian's observation of the ego.
-    pub fn observe(&self, pedestrian: usize) -> Observation {
-        let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
-        let observed = self.scenario.cast.pedestrian(pedestrian).observation.speed;
-        Observation::new(&state.pose, state.speed(), &ego.pose, ego.speed, observed)
     }
 
     /// The outcome of the episode; none while it runs.
@@ -385,11 +384,6 @@ impl PedestrianEnv {
         if first {
             self.begin_samples();
         }
-    }
-
-    /// The command that each pedestrian carries out now.
-    pub fn commands(&self) -> &[WalkCommand] {
-        &self.walks.commands
     }
 
     /// Lets the drivers prepare for the next tick, so that drivers of many environments can be queried at once.
@@ -535,71 +529,12 @@ impl PedestrianEnv {
         self.episode.digest = digest;
     }
 
-    /// The bounds of a joint action.
-    pub fn bounds(&self) -> &[(f64, f64)] {
-        &self.bounds
-    }
-
-    /// Writes the joint state: what each controlled pedestrian observes, in the frame and units of its controller.
-    pub fn write_state(&self, state: &mut [f64]) {
-        let mut rest = state;
-        for (number, role) in self.scenario.cast.controlled() {
-            let Some(part) = rest.split_off_mut(..role.observation.dim()) else { return };
-            let (pedestrian, initial, ego) = self.viewpoint(number);
-            let (of_the_ego, rays) = part.split_at_mut(ObservationSpec::DIM);
-            of_the_ego.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
-            role.observation.look(pedestrian, initial, ego, &self.world.obstacles, rays);
-        }
-    }
-
-    /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.
-    pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
-        commands.copy_from_slice(&self.walks.commands);
-        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
-            commands[number] = role.action.command(*part, |speed| self.origin(number, role.action.frame, speed));
-        }
-    }
-
-    /// Writes the joint action for commands of all pedestrians: the inverse of [`PedestrianEnv::write_commands`], up to rounding. In the
-    /// frame of the world and in natural units nothing is rounded.
-    pub fn write_action(&self, commands: &[WalkCommand], action: &mut [f64]) {
-        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks_mut().0) {
-            *part = role.action.action_for(commands[number], |speed| self.origin(number, role.action.frame, speed));
-        }
-    }
-
-    /// The direction of heading 0 of a pedestrian's actions in the world (rad), at a chosen speed (m/s).
-    fn origin(&self, pedestrian: usize, frame: ReferenceFrame, speed: f64) -> f64 {
-        match frame {
-            ReferenceFrame::Meeting => self.meeting(pedestrian, self.bumper(), speed, 1.0).heading,
-            frame => {
-                let (pose, initial, ego) = self.viewpoint(pedestrian);
-                frame.origin(pose, initial, ego)
-            }
-        }
-    }
-
-    /// The direction from which a pedestrian's chosen heading is measured at a speed (m/s), in the world (rad).
-    pub fn action_origin(&self, number: usize, speed: f64) -> f64 {
-        self.origin(number, self.scenario.cast.pedestrian(number).action.frame, speed)
-    }
-
     /// Draws the next episodes by another spawn rule. It is not probed: it must be a part of the present one around whose poses of the car a
     /// pedestrian can be placed.
     pub fn respawn(&mut self, rule: SpawnRule) {
         Arc::make_mut(&mut self.scenario).spawn = rule;
     }
 
-    /// The command that leads the pedestrian as the test or the path of the spawn rule states; none where the rule has neither.
-    pub fn scripted(&self) -> Option<WalkCommand> {
-        self.scenario.spawn.scripted()
-    }
-
-    /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.
-    fn viewpoint(&self, pedestrian: usize) -> (&Pose, f64, Point) {
-        let initial = self.starts.1[pedestrian].pose.yaw;
-        (&self.world.pedestrians[pedestrian].state.pose, initial, self.world.ego().state.pose.position())
-    }
 }
 
 /// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take; afterwards the stated turns.
@@ -647,7 +582,7 @@ impl Env for PedestrianEnv {
 
     fn reset(&mut self, state: &mut [f64]) {
         self.begin(self.next_episode);
-        self.write_state(state);
+        self.scene().write_state(state);
     }
 
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
@@ -656,13 +591,13 @@ impl Env for PedestrianEnv {
             Some(_) => Step { reward: 0.0, terminated: false, truncated: true },
             None => {
                 let mut commands = std::mem::take(&mut self.walks.scratch);
-                self.write_commands(action, &mut commands);
+                self.scene().write_commands(action, &mut commands);
                 let step = self.carry_out(&commands);
                 self.walks.scratch = commands;
                 step
             }
         };
-        self.write_state(state);
+        self.scene().write_state(state);
         step
     }
 

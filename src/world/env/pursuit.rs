@@ -1,43 +1,9 @@
-//! Commands of pedestrians that know the ego's position: straight at the ego, or to its future position.
+//! The heading of a pedestrian that meets a moving car.
 
-use super::PedestrianEnv;
 use crate::geometry::{Point, Vector, wrap_angle};
-use crate::sim::{VehicleState, WalkCommand};
+use crate::sim::VehicleState;
 
-impl PedestrianEnv {
-    /// The command of a homing pedestrian: straight at the ego, at its greatest speed.
-    pub fn homing(&self, pedestrian: usize) -> WalkCommand {
-        let (state, speed) = (&self.world().pedestrians[pedestrian].state, self.greatest_speed(pedestrian));
-        let offset = self.world().ego().state.pose.position() - state.pose.position();
-        WalkCommand { heading: libm::atan2(offset.y, offset.x), speed }
-    }
-
-    /// The command of an intercepting pedestrian: to the nearest place where it can meet an ego that keeps its velocity, or straight at
-    /// the ego when there is none.
-    pub fn intercept(&self, pedestrian: usize) -> WalkCommand {
-        self.meeting(pedestrian, self.world().ego().state.pose.position(), self.greatest_speed(pedestrian), 1.0)
-    }
-
-    /// The command of a pedestrian that meets a point of the ego at this speed (m/s), if the ego keeps its velocity; straight at the point
-    /// when it cannot meet it. `lead` is the share of the ego's way until then by which it aims ahead of the point: 1 meets it, 0 walks
-    /// straight at it.
-    pub fn meeting(&self, pedestrian: usize, point: Point, speed: f64, lead: f64) -> WalkCommand {
-        let (pose, ego) = (&self.world().pedestrians[pedestrian].state.pose, &self.world().ego().state);
-        WalkCommand { heading: meeting_heading(pose.position(), ego, point, speed, lead), speed }
-    }
-
-    /// The middle of the ego's bumper.
-    pub(super) fn bumper(&self) -> Point {
-        let ego = self.world().ego();
-        ego.state.pose.to_world(Vector::new(ego.blueprint.half_length, 0.0))
-    }
-
-    fn greatest_speed(&self, pedestrian: usize) -> f64 {
-        self.scenario().cast.pedestrian(pedestrian).action.speed.1
-    }
-}
-
-/// The heading (rad) in which a pedestrian here meets a point of the ego at this speed (m/s). See [`PedestrianEnv::meeting`].
+/// The heading (rad) in which a pedestrian here meets a point of the ego at this speed (m/s). See [`Scene::meeting`](super::Scene::meeting).
 pub(super) fn meeting_heading(here: Point, ego: &VehicleState, point: Point, speed: f64, lead: f64) -> f64 {
     let offset = point - here;
     let velocity = ego.pose.forward() * ego.speed;

@@ -142,7 +142,7 @@ impl Trace {
     /// Carries out a decision in an environment and records all of its ticks.
     pub fn watch_decision(&mut self, env: &mut PedestrianEnv, commands: &[WalkCommand]) -> Step {
         env.begin_decision(commands);
-        self.decide(env.world(), env.commands());
+        self.decide(env.world(), env.scene().commands);
         loop {
             if let Some(step) = self.watch_tick(env) {
                 return step;

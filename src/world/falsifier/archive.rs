@@ -4,7 +4,7 @@ use rand::RngExt;
 
 use super::crossing::{Crossing, Goal};
 use super::{Falsifier, Homing, Intercept, Simulator, TrainError, WalkPolicy};
-use crate::env::{FailureCell, PedestrianEnv};
+use crate::env::{FailureCell, Scene};
 use crate::sim::WalkCommand;
 use base::keys;
 use base::seed::{Seed, Stream};
@@ -67,9 +67,9 @@ type Context = [f64; 3];
 const SCALES: Context = [6.0, 3.0, 1.5];
 
 /// The context at the start of an episode. A start at the right of the car is mirrored to its left: goals know no side.
-fn context(env: &PedestrianEnv) -> Context {
-    let ego = &env.world().ego().state;
-    let local = ego.pose.to_local(env.world().pedestrians[0].state.pose.position());
+fn context(scene: &Scene<'_>) -> Context {
+    let ego = &scene.world.ego().state;
+    let local = ego.pose.to_local(scene.world.pedestrians[0].state.pose.position());
     [local.x, local.y.abs(), ego.speed]
 }
 
@@ -338,7 +338,7 @@ impl Archive {
             if !simulator.begin(start) {
                 return None;
             }
-            let context = context(simulator.env());
+            let context = context(&simulator.scene());
             let begins = elites.memory.len() < FIRST_TRIES;
             let proposal = match begins && number == 0 && stream.random::<f64>() >= self.keys.explore {
                 true => Proposal { goal: Goal::INTERCEPT, parent: None, expected: 0.0 },
@@ -420,7 +420,7 @@ impl Falsifier for Archive {
 fn run(simulator: &mut Simulator<'_>, walker: &mut dyn WalkPolicy) -> Option<f64> {
     // No controller of this search draws random numbers.
     walker.begin(Seed::root(0).stream());
-    Some(simulator.finish(|env, commands| walker.choose(env, commands))?.reward)
+    Some(simulator.finish(|scene, commands| walker.choose(scene, commands))?.reward)
 }
 
 /// The controller that the search ends up with: at each start the elite that promises most.
@@ -436,12 +436,12 @@ impl WalkPolicy for Found {
         self.begun = false;
     }
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         if !self.begun {
             self.begun = true;
-            self.crossing = Crossing::new(self.elites.best(&context(env)));
+            self.crossing = Crossing::new(self.elites.best(&context(scene)));
         }
-        self.crossing.choose(env, commands);
+        self.crossing.choose(scene, commands);
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {

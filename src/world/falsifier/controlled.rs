@@ -86,7 +86,7 @@ impl Controlled {
 impl Falsifier for Controlled {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut walker = self.controller.walk_policy();
-        let mut commands = vec![WalkCommand::default(); simulator.env().world().pedestrians.len()];
+        let mut commands = vec![WalkCommand::default(); simulator.scene().world.pedestrians.len()];
         let mut faults = 0;
         for start in 0.. {
             if !simulator.begin(start) {
@@ -94,7 +94,7 @@ impl Falsifier for Controlled {
             }
             walker.begin(seed.index(start).stream());
             loop {
-                walker.choose(simulator.env(), &mut commands);
+                walker.choose(&simulator.scene(), &mut commands);
                 if let Some(fault) = walker.fault() {
                     faults += 1;
                     if faults == MOST_FAULTS {

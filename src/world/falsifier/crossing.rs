@@ -1,5 +1,5 @@
 use super::WalkPolicy;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::geometry::{Point, Vector};
 use crate::sim::{Gait, WalkCommand};
 use base::seed::Stream;
@@ -67,11 +67,11 @@ impl Crossing {
         Self { goal, side: None, line: None }
     }
 
-    fn command(&mut self, env: &PedestrianEnv, pedestrian: usize) -> WalkCommand {
-        let world = env.world();
+    fn command(&mut self, scene: &Scene<'_>, pedestrian: usize) -> WalkCommand {
+        let world = scene.world;
         let (walker, ego) = (&world.pedestrians[pedestrian], world.ego());
         let pose = &ego.state.pose;
-        let (low, high) = env.scenario().cast.pedestrian(pedestrian).action.speed;
+        let (low, high) = scene.scenario.cast.pedestrian(pedestrian).action.speed;
         let speed = (high * (STROLL + (1.0 - STROLL) * self.goal.pace)).max(low);
         let here = walker.state.pose.position();
         let side = *self.side.get_or_insert(if pose.to_local(here).y > 0.0 { 1.0 } else { -1.0 });
@@ -80,7 +80,7 @@ impl Crossing {
         let point = Vector::new((1.0 - self.goal.depth) * half_length, across);
         let aim = pose.to_world(point);
         let wanted = if self.goal.pursuit >= 0.5 {
-            env.meeting(pedestrian, aim, speed, 2.0 * self.goal.pursuit - 1.0)
+            scene.meeting(pedestrian, aim, speed, 2.0 * self.goal.pursuit - 1.0)
         } else if let Some(line) = self.line {
             WalkCommand { heading: line, speed }
         } else {
@@ -88,7 +88,7 @@ impl Crossing {
             let heading = pose.forward() * libm::sin(slant) - pose.left() * (side * libm::cos(slant));
             WalkCommand { heading: libm::atan2(heading.y, heading.x), speed }
         };
-        if self.line.is_some() || self.must_go(env, pedestrian, aim, &wanted) {
+        if self.line.is_some() || self.must_go(scene, pedestrian, aim, &wanted) {
             self.line = Some(wanted.heading);
             return wanted;
         }
@@ -96,17 +96,17 @@ impl Crossing {
     }
 
     /// Whether it has to set off in order to meet the car.
-    fn must_go(&self, env: &PedestrianEnv, pedestrian: usize, aim: Point, wanted: &WalkCommand) -> bool {
+    fn must_go(&self, scene: &Scene<'_>, pedestrian: usize, aim: Point, wanted: &WalkCommand) -> bool {
         if self.goal.hurry >= 1.0 {
             return true;
         }
         // A body that needs time to its speed loses half of that time.
-        let delay = match env.scenario().cast.pedestrian(pedestrian).body.gait {
+        let delay = match scene.scenario.cast.pedestrian(pedestrian).body.gait {
             Gait::Carla { ramp, .. } => ramp / 2.0,
             Gait::Inertial { acceleration, .. } => wanted.speed / acceleration / 2.0,
         };
-        let ego = &env.world().ego().state;
-        let here = env.world().pedestrians[pedestrian].state.pose.position();
+        let ego = &scene.world.ego().state;
+        let here = scene.world.pedestrians[pedestrian].state.pose.position();
         let local = ego.pose.to_local(here) - ego.pose.to_local(aim);
         let across = Vector::new(libm::cos(wanted.heading), libm::sin(wanted.heading));
         let (along, aside) = (across.dot(&ego.pose.forward()), across.dot(&ego.pose.left()));
@@ -124,9 +124,9 @@ impl WalkPolicy for Crossing {
         (self.side, self.line) = (None, None);
     }
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         for (pedestrian, command) in commands.iter_mut().enumerate() {
-            *command = self.command(env, pedestrian);
+            *command = self.command(scene, pedestrian);
         }
     }
 

@@ -49,8 +49,8 @@ pub fn evaluate_crossings<T>(
                 }
             }
             let mut crossing = Crossing::new(*goal);
-            let outcome = play_begun(&mut env, &mut trace, |env, commands| {
-                crossing.choose(env, commands);
+            let outcome = play_begun(&mut env, &mut trace, |scene, commands| {
+                crossing.choose(scene, commands);
                 Some(())
             });
             let outcome = outcome.expect("a crossing has a command for every decision");

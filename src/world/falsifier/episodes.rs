@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::WalkPolicy;
 use crate::av::Fault;
-use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use crate::env::{Outcome, PedestrianEnv, Scenario, Scene, Trace};
 use crate::sim::WalkCommand;
 use base::seed::Seed;
 
@@ -78,12 +78,12 @@ impl Place {
 
     /// Takes a decision, or ends the episode when the walk policy fails.
     fn decide(&mut self) {
-        self.walker.choose(&self.env, &mut self.commands);
+        self.walker.choose(&self.env.scene(), &mut self.commands);
         if let Some(fault) = self.walker.fault() {
             return self.env.abandon(fault);
         }
         self.env.begin_decision(&self.commands);
-        self.trace.decide(self.env.world(), self.env.commands());
+        self.trace.decide(self.env.world(), self.env.scene().commands);
     }
 }
 
@@ -93,7 +93,7 @@ pub(crate) fn play(
     env: &mut PedestrianEnv,
     trace: &mut Trace,
     episode: u64,
-    choose: impl FnMut(&PedestrianEnv, &mut [WalkCommand]) -> Option<()>,
+    choose: impl FnMut(&Scene<'_>, &mut [WalkCommand]) -> Option<()>,
 ) -> Option<Outcome> {
     env.begin(episode);
     play_begun(env, trace, choose)
@@ -103,12 +103,12 @@ pub(crate) fn play(
 pub(super) fn play_begun(
     env: &mut PedestrianEnv,
     trace: &mut Trace,
-    mut choose: impl FnMut(&PedestrianEnv, &mut [WalkCommand]) -> Option<()>,
+    mut choose: impl FnMut(&Scene<'_>, &mut [WalkCommand]) -> Option<()>,
 ) -> Option<Outcome> {
     trace.begin(env.world());
     let mut commands = vec![WalkCommand::default(); trace.pedestrian_count()];
     loop {
-        choose(env, &mut commands)?;
+        choose(&env.scene(), &mut commands)?;
         trace.watch_decision(env, &commands);
         if let Some(outcome) = env.outcome() {
             return Some(*outcome);
@@ -151,8 +151,8 @@ impl<T> Trial<'_, T> {
         episode: u64,
     ) -> ControlFlow<()> {
         walker.begin(self.walker_seed.index(episode).stream());
-        let played = play(env, trace, episode, |env, commands| {
-            walker.choose(env, commands);
+        let played = play(env, trace, episode, |scene, commands| {
+            walker.choose(scene, commands);
             walker.fault().is_none().then_some(())
         });
         if let (None, Some(fault)) = (played, walker.fault()) {

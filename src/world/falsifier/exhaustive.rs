@@ -62,7 +62,7 @@ impl Falsifier for Exhaustive {
             for goal in &goals {
                 let mut crossing = Crossing::new(*goal);
                 let ended = simulator.begin(start)
-                    && simulator.finish(|env, commands| crossing.choose(env, commands)).is_some();
+                    && simulator.finish(|scene, commands| crossing.choose(scene, commands)).is_some();
                 if !ended {
                     return Ok(None);
                 }

@@ -14,7 +14,7 @@ pub(super) fn is_hard(start: &PedestrianEnv, number: u64) -> bool {
         let Some(mut env) = start.snapshot() else { return false };
         let mut crossing = Crossing::new(goal);
         loop {
-            crossing.choose(&env, &mut commands);
+            crossing.choose(&env.scene(), &mut commands);
             if env.carry_out(&commands).done() {
                 return env.is_fault().unwrap_or_else(|| env.is_failure());
             }

@@ -1,5 +1,5 @@
 use super::WalkPolicy;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::sim::WalkCommand;
 use base::keys;
 use base::seed::Stream;
@@ -16,9 +16,9 @@ pub struct Intercept;
 impl WalkPolicy for Intercept {
     fn begin(&mut self, _: Stream) {}
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         for (pedestrian, command) in commands.iter_mut().enumerate() {
-            *command = env.intercept(pedestrian);
+            *command = scene.intercept(pedestrian);
         }
     }
 

@@ -52,12 +52,12 @@ impl Env for Ground<'_> {
     fn reset(&mut self, state: &mut [f64]) {
         self.share.begin(self.next);
         self.next += self.stride;
-        self.share.env().write_state(state);
+        self.share.scene().write_state(state);
     }
 
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
         let step = self.share.act(action);
-        self.share.env().write_state(state);
+        self.share.scene().write_state(state);
         step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false })
     }
 

@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::{RecordedWalking, WalkPolicy};
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
 use base::seed::Stream;
@@ -99,7 +99,7 @@ impl Natural {
     }
 
     /// The walk of a pedestrian that has just appeared.
-    fn first(&mut self, env: &PedestrianEnv, pedestrian: usize) -> Walk {
+    fn first(&mut self, scene: &Scene<'_>, pedestrian: usize) -> Walk {
         let stream = self.stream.as_mut().expect("an episode has started");
         let preferred = self.walking.speed(stream);
         let recorded = self.walking.accepted_gap(stream);
@@ -109,7 +109,7 @@ impl Natural {
             Gaps::HcmObserved => HCM_OBSERVED_GAP,
         };
         let heeds = stream.random::<f64>() < self.heed;
-        let (ego, here) = (&env.world().ego().state.pose, env.world().pedestrians[pedestrian].state.pose.position());
+        let (ego, here) = (&scene.world.ego().state.pose, scene.world.pedestrians[pedestrian].state.pose.position());
         let aside = ego.to_local(here).y;
         let across = ego.left() * if aside > 0.0 { -1.0 } else { 1.0 };
         let across = libm::atan2(across.y, across.x);
@@ -126,8 +126,8 @@ impl Default for Natural {
 
 impl Walk {
     /// Whether its gap is large enough to set off.
-    fn may_go(&self, env: &PedestrianEnv, pedestrian: usize) -> bool {
-        let world = env.world();
+    fn may_go(&self, scene: &Scene<'_>, pedestrian: usize) -> bool {
+        let world = scene.world;
         let (ego, person) = (world.ego(), &world.pedestrians[pedestrian]);
         let place = ego.state.pose.to_local(person.state.pose.position());
         let way = place.x - ego.blueprint.half_length;
@@ -150,25 +150,25 @@ impl WalkPolicy for Natural {
         self.walks.clear();
     }
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
-        let rule = &env.scenario().episode;
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        let rule = &scene.scenario.episode;
         let seconds = f64::from(rule.hold) * rule.tick;
         for (pedestrian, command) in commands.iter_mut().enumerate() {
             if self.walks.len() <= pedestrian {
-                let walk = self.first(env, pedestrian);
+                let walk = self.first(scene, pedestrian);
                 self.walks.push(walk);
             }
             let walk = &mut self.walks[pedestrian];
             let stream = self.stream.as_mut().expect("an episode has started");
             walk.walking = match walk.walking {
-                None if !walk.may_go(env, pedestrian) => None,
+                None if !walk.may_go(scene, pedestrian) => None,
                 None => Some((walk.preferred, 0.0)),
                 Some((speed, turned)) => {
                     let (faster, turn) = self.walking.change(speed - walk.preferred, turned, seconds, stream);
                     Some(((speed + faster).max(0.0), turned + turn))
                 }
             };
-            let (low, high) = env.scenario().cast.pedestrian(pedestrian).action.speed;
+            let (low, high) = scene.scenario.cast.pedestrian(pedestrian).action.speed;
             let (speed, turned) = walk.walking.unwrap_or((low, 0.0));
             *command = WalkCommand { heading: wrap_angle(walk.across + turned), speed: speed.clamp(low, high) };
         }

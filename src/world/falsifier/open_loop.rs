@@ -144,19 +144,19 @@ impl OpenLoop {
                 if !simulator.begin(start) {
                     return None;
                 }
-                let env = simulator.env();
-                let all = 0..env.world().pedestrians.len();
-                let limited = |pedestrian| !env.scenario().cast.pedestrian(pedestrian).action.is_any_heading();
+                let scene = simulator.scene();
+                let all = 0..scene.world.pedestrians.len();
+                let limited = |pedestrian| !scene.scenario.cast.pedestrian(pedestrian).action.is_any_heading();
                 let line = |pedestrian| match limited(pedestrian) {
-                    true => env.action_origin(pedestrian, 0.0),
-                    false => env.homing(pedestrian).heading,
+                    true => scene.action_origin(pedestrian, 0.0),
+                    false => scene.homing(pedestrian).heading,
                 };
                 let lines: Vec<f64> = all.map(line).collect();
                 let mut decision = 0;
-                let outcome = simulator.finish(|env, commands| {
+                let outcome = simulator.finish(|scene, commands| {
                     let leg = (decision / self.plan.decisions).min(self.plan.legs - 1);
                     decision += 1;
-                    let cast = &env.scenario().cast;
+                    let cast = &scene.scenario.cast;
                     let components =
                         point.chunks_exact(point.len() / self.plan.legs).nth(leg).expect("a plan has its legs");
                     for ((pedestrian, role), part) in cast.controlled().zip(components.as_chunks().0) {

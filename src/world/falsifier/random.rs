@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::WalkPolicy;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::sim::WalkCommand;
 use base::keys;
 use base::seed::Stream;
@@ -23,11 +23,11 @@ impl WalkPolicy for Random {
         self.stream = Some(stream);
     }
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         let stream = self.stream.as_mut().expect("an episode has started");
         self.action.clear();
-        self.action.extend(env.bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>()));
-        env.write_commands(&self.action, commands);
+        self.action.extend(scene.bounds.iter().map(|(low, high)| low + (high - low) * stream.random::<f64>()));
+        scene.write_commands(&self.action, commands);
     }
 
     fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {

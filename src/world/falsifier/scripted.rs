@@ -1,5 +1,5 @@
 use super::WalkPolicy;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::sim::WalkCommand;
 use base::keys;
 use base::seed::Stream;
@@ -18,12 +18,12 @@ pub struct Scripted;
 impl WalkPolicy for Scripted {
     fn begin(&mut self, _: Stream) {}
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
-        let facing = |pedestrian: usize| env.world().pedestrians[pedestrian].state.pose.yaw;
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        let facing = |pedestrian: usize| scene.world.pedestrians[pedestrian].state.pose.yaw;
         for (pedestrian, command) in commands.iter_mut().enumerate() {
             *command = WalkCommand { heading: facing(pedestrian), speed: 0.0 };
         }
-        if let (Some(first), Some(script)) = (commands.first_mut(), env.scripted()) {
+        if let (Some(first), Some(script)) = (commands.first_mut(), scene.scenario.spawn.scripted()) {
             *first = script;
         }
     }

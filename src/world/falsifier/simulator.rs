@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::{Failure, StartSet};
-use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario};
+use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario, Scene};
 use crate::sim::WalkCommand;
 use base::seed::Seed;
 use learn::Step;
@@ -101,6 +101,11 @@ impl<'a> Simulator<'a> {
         &self.env
     }
 
+    /// What pedestrians see now.
+    pub fn scene(&self) -> Scene<'_> {
+        self.env.scene()
+    }
+
     /// Whether the budget is used up.
     pub fn is_spent(&self) -> bool {
         self.spent
@@ -147,7 +152,7 @@ impl<'a> Simulator<'a> {
         }
         let step = self.env.carry_out(commands);
         self.used += u64::from(self.env.world().ticks - before);
-        self.commands.extend_from_slice(self.env.commands());
+        self.commands.extend_from_slice(self.env.scene().commands);
         if let Some(clock) = &mut self.clock {
             clock.push(self.used);
         }
@@ -159,11 +164,11 @@ impl<'a> Simulator<'a> {
 
     /// Carries out the decision for a joint action, as [`Simulator::step`] does.
     pub fn act(&mut self, action: &[f64]) -> Option<Step> {
-        self.decide(|env, commands| env.write_commands(action, commands))
+        self.decide(|scene, commands| scene.write_commands(action, commands))
     }
 
     /// Runs the episode to its end; none when the budget is used up before. `choose` writes the commands of each decision.
-    pub fn finish(&mut self, mut choose: impl FnMut(&PedestrianEnv, &mut [WalkCommand])) -> Option<Outcome> {
+    pub fn finish(&mut self, mut choose: impl FnMut(&Scene<'_>, &mut [WalkCommand])) -> Option<Outcome> {
         loop {
             self.decide(&mut choose)?;
             if let Some(outcome) = self.env.outcome() {
@@ -172,9 +177,9 @@ impl<'a> Simulator<'a> {
         }
     }
 
-    fn decide(&mut self, choose: impl FnOnce(&PedestrianEnv, &mut [WalkCommand])) -> Option<Step> {
+    fn decide(&mut self, choose: impl FnOnce(&Scene<'_>, &mut [WalkCommand])) -> Option<Step> {
         let mut commands = std::mem::take(&mut self.chosen);
-        choose(&self.env, &mut commands);
+        choose(&self.env.scene(), &mut commands);
         let step = self.step(&commands);
         self.chosen = commands;
         step

@@ -1,5 +1,5 @@
 use super::WalkPolicy;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::sim::WalkCommand;
 use base::seed::Stream;
 use learn::{ActorCritic, FrameStack, Scratch};
@@ -57,8 +57,8 @@ impl WalkPolicy for TrainedWalker {
         self.begun = false;
     }
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
-        env.write_state(&mut self.state);
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        scene.write_state(&mut self.state);
         if self.begun {
             self.stack.push(&self.state);
         } else {
@@ -72,10 +72,10 @@ impl WalkPolicy for TrainedWalker {
             }
             _ => self.actor_critic.act(seen, &mut self.action, &mut self.scratch),
         }
-        for (component, (low, high)) in self.action.iter_mut().zip(env.bounds()) {
+        for (component, (low, high)) in self.action.iter_mut().zip(scene.bounds) {
             *component = component.clamp(*low, *high);
         }
-        env.write_commands(&self.action, commands);
+        scene.write_commands(&self.action, commands);
     }
 
     fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {

@@ -83,7 +83,7 @@ impl TreeSearch {
 
     /// Grows a tree from one start; none when the budget is used up.
     fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
-        let mut tree = Tree::new(simulator.env().bounds().len());
+        let mut tree = Tree::new(simulator.scene().bounds.len());
         for _ in 0..self.keys.tries {
             if !simulator.begin(start) {
                 return None;
@@ -177,7 +177,7 @@ impl Tree {
 
 /// The numbers of an action drawn uniformly from its bounds.
 fn draw<'a>(simulator: &'a Simulator<'_>, stream: &'a mut Stream) -> impl Iterator<Item = f64> + 'a {
-    simulator.env().bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>())
+    simulator.scene().bounds.iter().map(|(low, high)| low + (high - low) * stream.random::<f64>())
 }
 
 impl Falsifier for TreeSearch {

@@ -1,5 +1,5 @@
 use crate::av::Fault;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::sim::WalkCommand;
 use base::seed::Stream;
 
@@ -8,9 +8,8 @@ pub trait WalkPolicy: Send {
     /// Prepares for an episode that has just started; `stream` holds its random numbers.
     fn begin(&mut self, stream: Stream);
 
-    /// Chooses the next decision: one command for each pedestrian, in the order of their numbers. It may read the whole present state of
-    /// the environment.
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]);
+    /// Chooses the next decision: one command for each pedestrian, in the order of their numbers.
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]);
 
     /// Why the last choice failed; the commands of that choice mean nothing, and the episode is in error. None for policies of this crate,
     /// which cannot fail.

@@ -22,7 +22,7 @@ impl<W: WalkPolicy + Clone + std::fmt::Debug + Send + Sync + 'static> Falsifier 
                 break;
             }
             walker.begin(seed.index(start).stream());
-            simulator.finish(|env, commands| walker.choose(env, commands));
+            simulator.finish(|scene, commands| walker.choose(scene, commands));
         }
         Ok(Some(Box::new(walker)))
     }

@@ -53,13 +53,13 @@ impl BoxOfStarts {
         self.env.respawn(rule);
         let walker = self.walker.as_mut();
         walker.begin(self.seed.child("walker").index(number).stream());
-        let played = play(&mut self.env, &mut self.trace, number, |env, commands| match target {
+        let played = play(&mut self.env, &mut self.trace, number, |scene, commands| match target {
             Some(target) => {
                 commands.fill(target);
                 Some(())
             }
             None => {
-                walker.choose(env, commands);
+                walker.choose(scene, commands);
                 walker.fault().is_none().then_some(())
             }
         });

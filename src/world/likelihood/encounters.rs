@@ -60,7 +60,7 @@ impl Encounters {
         }
         lot.before.push(lot.walk.drawn());
         self.decision += 1;
-        self.walker.choose(&self.env, &mut self.commands);
+        self.walker.choose(&self.env.scene(), &mut self.commands);
         if let Some(fault) = self.walker.fault() {
             self.env.abandon(fault);
             return true;

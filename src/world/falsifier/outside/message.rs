@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::av::Fault;
 use crate::av::external::Body;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 
 /// Name and major version of the protocol. Keys may be added within a version; a program must ignore keys that it does not know.
 pub const PROTOCOL: &str = "falsify-pedestrian/1";
@@ -31,8 +31,8 @@ struct Car {
 }
 
 impl<'a> Hello<'a> {
-    pub fn new(env: &'a PedestrianEnv) -> Self {
-        let (scenario, car) = (env.scenario(), &env.world().ego().blueprint);
+    pub fn new(scene: &Scene<'a>) -> Self {
+        let (scenario, car) = (scene.scenario, &scene.world.ego().blueprint);
         Self {
             r#type: "hello",
             protocol: PROTOCOL,
@@ -42,7 +42,7 @@ impl<'a> Hello<'a> {
             vehicle: Car { length: 2.0 * car.half_length, width: 2.0 * car.half_width },
             pedestrians: scenario.cast.controlled().count(),
             state: scenario.cast.obs_dim(),
-            action_bounds: env.bounds(),
+            action_bounds: scene.bounds,
         }
     }
 }
@@ -80,8 +80,8 @@ struct Step<'a> {
 }
 
 /// Writes the request for a decision, with its line end; `seed` only at the first decision of an episode.
-pub(super) fn write_request(out: &mut Vec<u8>, id: u32, seed: Option<u64>, state: &[f64], env: &PedestrianEnv) {
-    let (world, cast) = (env.world(), &env.scenario().cast);
+pub(super) fn write_request(out: &mut Vec<u8>, id: u32, seed: Option<u64>, state: &[f64], scene: &Scene<'_>) {
+    let (world, cast) = (scene.world, &scene.scenario.cast);
     let ego = &world.ego().state;
     let pedestrians = cast.controlled().map(|(number, _)| {
         let walker = &world.pedestrians[number].state;

@@ -11,21 +11,21 @@ pub use networked::{Networked, NetworkedKeys, UnsuitableNetwork};
 pub use programmed::{Programmed, ProgrammedKeys};
 
 use crate::av::Fault;
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::sim::WalkCommand;
 
 /// Writes the commands for an action, cut to its bounds; without one the pedestrians stand.
-fn carry_out(env: &PedestrianEnv, action: Result<&mut [f64], Fault>, commands: &mut [WalkCommand]) -> Option<Fault> {
+fn carry_out(scene: &Scene<'_>, action: Result<&mut [f64], Fault>, commands: &mut [WalkCommand]) -> Option<Fault> {
     match action {
         Ok(action) => {
-            for (number, (low, high)) in action.iter_mut().zip(env.bounds()) {
+            for (number, (low, high)) in action.iter_mut().zip(scene.bounds) {
                 *number = number.clamp(*low, *high);
             }
-            env.write_commands(action, commands);
+            scene.write_commands(action, commands);
             None
         }
         Err(fault) => {
-            commands.copy_from_slice(env.commands());
+            commands.copy_from_slice(scene.commands);
             Some(fault)
         }
     }

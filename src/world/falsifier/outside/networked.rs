@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::carry_out;
 use crate::av::Fault;
 use crate::av::onnx::{Network, Runner};
-use crate::env::{ObservationSpec, PedestrianEnv};
+use crate::env::{ObservationSpec, Scene};
 use crate::falsifier::WalkPolicy;
 use crate::sim::WalkCommand;
 use base::keys;
@@ -74,8 +74,8 @@ impl WalkPolicy for Networked {
         (self.begun, self.fault) = (false, None);
     }
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
-        let (numbers, inputs) = (env.scenario().cast.obs_dim(), self.stack.as_slice().len());
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        let (numbers, inputs) = (scene.scenario.cast.obs_dim(), self.stack.as_slice().len());
         if numbers != self.state.len() {
             if !inputs.is_multiple_of(numbers) {
                 self.fault = Some(Fault::Answer("its network does not fit the states of the adversary"));
@@ -84,7 +84,7 @@ impl WalkPolicy for Networked {
             self.state.resize(numbers, 0.0);
             self.stack = FrameStack::new(numbers, inputs / numbers);
         }
-        env.write_state(&mut self.state);
+        scene.write_state(&mut self.state);
         if std::mem::replace(&mut self.begun, true) {
             self.stack.push(&self.state);
         } else {
@@ -95,7 +95,7 @@ impl WalkPolicy for Networked {
             self.action.iter_mut().zip(answer).for_each(|(number, given)| *number = f64::from(given));
             self.action.as_mut_slice()
         });
-        self.fault = carry_out(env, action, commands);
+        self.fault = carry_out(scene, action, commands);
     }
 
     fn fault(&self) -> Option<Fault> {

@@ -6,7 +6,7 @@ use super::carry_out;
 use super::message::{Hello, read_action, read_greeting, write_request};
 use crate::av::Fault;
 use crate::av::external::{Opener, Peer, Program, ProgramKeys};
-use crate::env::PedestrianEnv;
+use crate::env::Scene;
 use crate::falsifier::WalkPolicy;
 use crate::sim::WalkCommand;
 use base::keys;
@@ -61,13 +61,13 @@ impl Programmed {
         Self { session, id, seed: None, generation: 0, state: Vec::new(), action: Vec::new(), fault: None }
     }
 
-    fn ask(&mut self, env: &PedestrianEnv) -> Result<(), Fault> {
-        self.state.resize(env.scenario().cast.obs_dim(), 0.0);
-        self.action.resize(env.bounds().len(), 0.0);
-        env.write_state(&mut self.state);
+    fn ask(&mut self, scene: &Scene<'_>) -> Result<(), Fault> {
+        self.state.resize(scene.scenario.cast.obs_dim(), 0.0);
+        self.action.resize(scene.bounds.len(), 0.0);
+        scene.write_state(&mut self.state);
         let mut session = self.session.lock().unwrap_or_else(PoisonError::into_inner);
         let Session { peer, timeout, request, answer, .. } = &mut *session;
-        let hello = || serde_json::to_vec(&Hello::new(env)).expect("numbers and words have a form in JSON");
+        let hello = || serde_json::to_vec(&Hello::new(scene)).expect("numbers and words have a form in JSON");
         let generation = peer.ready(hello, read_greeting)?;
         let seed = self.seed.take();
         if seed.is_some() {
@@ -75,7 +75,7 @@ impl Programmed {
         } else if self.generation != generation {
             return Err(Fault::Restarted);
         }
-        write_request(request, self.id, seed, &self.state, env);
+        write_request(request, self.id, seed, &self.state, scene);
         let (id, action) = (self.id, &mut self.action);
         peer.exchange(request, *timeout, answer, |line| read_action(line, id, action)).inspect_err(|_| peer.end())
     }
@@ -89,9 +89,9 @@ impl WalkPolicy for Programmed {
         self.session.lock().unwrap_or_else(PoisonError::into_inner).peer.forgive();
     }
 
-    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
-        let asked = self.ask(env);
-        self.fault = carry_out(env, asked.map(|()| self.action.as_mut_slice()), commands);
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        let asked = self.ask(scene);
+        self.fault = carry_out(scene, asked.map(|()| self.action.as_mut_slice()), commands);
     }
 
     fn fault(&self) -> Option<Fault> {

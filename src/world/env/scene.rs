@@ -1,0 +1,102 @@
+use super::pursuit::meeting_heading;
+use super::{Observation, ObservationSpec, ReferenceFrame, Scenario};
+use crate::geometry::{Point, Pose, Vector};
+use crate::sim::{ActorStart, WalkCommand, World};
+
+/// What a policy of pedestrians sees: time, roads, lights and all actors as they are now.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    pub scenario: &'a Scenario,
+    pub world: &'a World,
+    /// The command that each pedestrian carries out now.
+    pub commands: &'a [WalkCommand],
+    /// The bounds of a joint action.
+    pub bounds: &'a [(f64, f64)],
+    /// Where each pedestrian started.
+    pub(super) starts: &'a [ActorStart],
+}
+
+impl Scene<'_> {
+    /// A pedestrian's observation of the ego.
+    pub fn observe(&self, pedestrian: usize) -> Observation {
+        let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
+        let observed = self.scenario.cast.pedestrian(pedestrian).observation.speed;
+        Observation::new(&state.pose, state.speed(), &ego.pose, ego.speed, observed)
+    }
+
+    /// Writes the joint state: what each controlled pedestrian observes, in the frame and units of its controller.
+    pub fn write_state(&self, state: &mut [f64]) {
+        let mut rest = state;
+        for (number, role) in self.scenario.cast.controlled() {
+            let Some(part) = rest.split_off_mut(..role.observation.dim()) else { return };
+            let (pedestrian, initial, ego) = self.viewpoint(number);
+            let (of_the_ego, rays) = part.split_at_mut(ObservationSpec::DIM);
+            of_the_ego.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
+            role.observation.look(pedestrian, initial, ego, &self.world.obstacles, rays);
+        }
+    }
+
+    /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.
+    pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
+        commands.copy_from_slice(self.commands);
+        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
+            commands[number] = role.action.command(*part, |speed| self.origin(number, role.action.frame, speed));
+        }
+    }
+
+    /// Writes the joint action for commands of all pedestrians: the inverse of [`Scene::write_commands`], up to rounding. In the frame of the
+    /// world and in natural units nothing is rounded.
+    pub fn write_action(&self, commands: &[WalkCommand], action: &mut [f64]) {
+        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks_mut().0) {
+            *part = role.action.action_for(commands[number], |speed| self.origin(number, role.action.frame, speed));
+        }
+    }
+
+    /// The direction from which a pedestrian's chosen heading is measured at a speed (m/s), in the world (rad).
+    pub fn action_origin(&self, number: usize, speed: f64) -> f64 {
+        self.origin(number, self.scenario.cast.pedestrian(number).action.frame, speed)
+    }
+
+    fn origin(&self, pedestrian: usize, frame: ReferenceFrame, speed: f64) -> f64 {
+        let (pose, initial, place) = self.viewpoint(pedestrian);
+        match frame {
+            ReferenceFrame::Meeting => {
+                let ego = self.world.ego();
+                let bumper = ego.state.pose.to_world(Vector::new(ego.blueprint.half_length, 0.0));
+                meeting_heading(pose.position(), &ego.state, bumper, speed, 1.0)
+            }
+            frame => frame.origin(pose, initial, place),
+        }
+    }
+
+    /// The command of a homing pedestrian: straight at the ego, at its maximum speed.
+    pub fn homing(&self, pedestrian: usize) -> WalkCommand {
+        let (pose, _, ego) = self.viewpoint(pedestrian);
+        let offset = ego - pose.position();
+        WalkCommand { heading: libm::atan2(offset.y, offset.x), speed: self.max_speed(pedestrian) }
+    }
+
+    /// The command of an intercepting pedestrian: to the nearest place where it can meet an ego that keeps its velocity, or straight at
+    /// the ego if it cannot.
+    pub fn intercept(&self, pedestrian: usize) -> WalkCommand {
+        self.meeting(pedestrian, self.world.ego().state.pose.position(), self.max_speed(pedestrian), 1.0)
+    }
+
+    /// The command of a pedestrian that meets a point of the ego at this speed (m/s), if the ego keeps its velocity; straight at the point
+    /// if it cannot meet it. `lead` is the fraction of the ego's way until then by which it aims ahead of the point: 1 meets it, 0 walks
+    /// straight at it.
+    pub fn meeting(&self, pedestrian: usize, point: Point, speed: f64, lead: f64) -> WalkCommand {
+        let pose = &self.world.pedestrians[pedestrian].state.pose;
+        WalkCommand { heading: meeting_heading(pose.position(), &self.world.ego().state, point, speed, lead), speed }
+    }
+
+    fn max_speed(&self, pedestrian: usize) -> f64 {
+        self.scenario.cast.pedestrian(pedestrian).action.speed.1
+    }
+
+    /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.
+    fn viewpoint(&self, pedestrian: usize) -> (&Pose, f64, Point) {
+        let initial = self.starts[pedestrian].pose.yaw;
+        (&self.world.pedestrians[pedestrian].state.pose, initial, self.world.ego().state.pose.position())
+    }
+}
