@@ -14,7 +14,8 @@ use super::signal::{Wanted, is_measured};
 use super::signal_meter::SignalMeter;
 use super::spawn::{Pacing, Release};
 use super::{
-    Controller, Driven, Ending, LeftOut, Outcome, RewardRule, Scenario, Scene, Spawn, SpawnRule, StartBank, StateHashes, Trace,
+    Controller, Driven, Ending, LeftOut, Outcome, RewardRule, Scenario, Scene, Spawn, SpawnRule, StartBank,
+    StateHashes, Trace,
 };
 use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -534,7 +535,6 @@ impl PedestrianEnv {
     pub fn respawn(&mut self, rule: SpawnRule) {
         Arc::make_mut(&mut self.scenario).spawn = rule;
     }
-
 }
 
 /// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take; afterwards the stated turns.
