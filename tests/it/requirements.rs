@@ -12,7 +12,7 @@ use falsify::session::{
 };
 use learn::Env;
 use results::campaign::{self, InMemory, Silent, repeat_failure, watch};
-use results::report::{FailureFilter, Gate, narrative};
+use results::report::{FailureFilter, Failures, Gate, driver_results, narrative};
 use world::env::{Outcome, PedestrianEnv, Trace as EpisodeTrace};
 use world::judge::{LaneDeparture, NearMiss, Question, ViolationVerdict, judge};
 use world::requirement::Trace;
@@ -188,6 +188,17 @@ fn every_method_searches_for_violations_of_its_goal() {
         assert!(!cells.is_empty());
     }
     assert!(without_touch > 0, "a violation needs no touch");
+    for result in finished.searches.iter().filter(|it| ["plans", "evolved", "grown"].contains(&&*it.key.falsifier)) {
+        let failures = &result.spent.failures;
+        let starts: std::collections::BTreeSet<u64> = failures.iter().map(|failure| failure.start).collect();
+        assert_eq!(starts.len(), failures.len(), "{} leaves a start after a violation", result.key.falsifier);
+    }
+    let of_driver = driver_results(&plan.campaigns[0].drivers, &[], &Failures::default(), &finished.searches);
+    let counted = of_driver[0].searched.unwrap();
+    let blamed = finished.searches.iter().flat_map(|it| (0..it.spent.failures.len()).map(|place| it.blame(place)));
+    let (preventable, faults): (Vec<bool>, Vec<bool>) = blamed.unzip();
+    let count = |all: Vec<bool>| all.into_iter().filter(|is| *is).count();
+    assert_eq!((counted.preventable, counted.fault), (count(preventable), count(faults)), "by the goal in every table");
     let others = searches("");
     let same = |a: &compile::Search, b: &compile::Search| a.fingerprint == b.fingerprint;
     let pairs = plan.campaigns[0].searches.iter().zip(&others.campaigns[0].searches);

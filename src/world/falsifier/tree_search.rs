@@ -89,9 +89,7 @@ impl TreeSearch {
                 return None;
             }
             self.simulate(&mut tree, simulator, stream)?;
-            if self.keys.on.after_failure == AfterFailure::Next
-                && simulator.env().outcome().is_some_and(crate::env::Outcome::is_collision)
-            {
+            if self.keys.on.after_failure == AfterFailure::Next && simulator.env().is_failure() {
                 break;
             }
         }
