@@ -6,7 +6,6 @@ use crate::campaign::SearchResult;
 use crate::report::ListedFailure;
 use base::statistics::mean;
 use compile::Driver;
-use world::judge::Verdict;
 
 /// The failures of a driver that searches found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -125,12 +124,12 @@ fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
         return None;
     }
     let sum = of_driver.iter().fold(SearchFailures::default(), |sum, search| {
-        let count =
-            |counts: fn(&Verdict) -> bool| search.verdicts.iter().flatten().filter(|verdict| counts(verdict)).count();
+        let all = search.spent.failures.len();
+        let count = |counts: fn((bool, bool)) -> bool| (0..all).filter(|place| counts(search.blame(*place))).count();
         SearchFailures {
-            all: sum.all + search.spent.failures.len(),
-            preventable: sum.preventable + count(Verdict::is_preventable),
-            fault: sum.fault + count(Verdict::is_fault),
+            all: sum.all + all,
+            preventable: sum.preventable + count(|(preventable, _)| preventable),
+            fault: sum.fault + count(|(_, fault)| fault),
             fault_if: std::array::from_fn(|place| {
                 let changed = search.verdicts.iter().flatten().filter(|verdict| verdict.sensitivity.values()[place]);
                 sum.fault_if[place] + changed.count()
