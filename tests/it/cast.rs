@@ -23,18 +23,22 @@ const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
-import "lib/towns.scn"
 town long {
   lane_width: 3.5 m
   traffic_lights: false
   street long { through: [(0 m, 0 m), (250 m, 0 m), (500 m, 0 m)]  speed_limit: 50 km/h }
+}
+town lit {
+  traffic_lights: true
+  street main { through: [(-150 m, 0 m), (0 m, 0 m), (150 m, 0 m)]  speed_limit: 50 km/h }
+  street side { through: [(0 m, 0 m), (0 m, 150 m)]  speed_limit: 30 km/h }
 }
 policy follower = idm()
 policy slow = idm(limit_share: 0.4)
 campaign cast {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   train { towns: [long] policies: [blind] rewards: [r2] runs: 1 }
-  evaluate { towns: [long, village] policies: [blind, follower, slow] pedestrians: [intercept] }
+  evaluate { towns: [long, lit] policies: [blind, follower, slow] pedestrians: [intercept] }
 }
 "#;
 
@@ -155,7 +159,7 @@ fn an_episode_of_four_is_the_same_again_and_goes_on_from_where_it_was_saved() {
 fn drivers_know_the_others_and_their_own_signs_and_lights() {
     let blueprint = || vehicle("blind").blueprint;
     let body = scenario("long", "blind").cast.pedestrian.body;
-    let town = scenario("village", "blind").town;
+    let town = scenario("lit", "blind").town;
     let (fast, slow) = {
         let sign = |limit: f64| town.speed_signs.iter().find(|sign| (sign.limit - limit / 3.6).abs() < 1e-9).unwrap();
         (sign(50.0), sign(30.0))

@@ -50,7 +50,7 @@ fn covers_are_equal_with_any_number_of_threads() {
     assert_eq!(one.len(), 2);
     assert!(one.iter().zip(&three).all(|(one, three)| one.found == three.found));
     let [blind, idm] = &one[..] else { unreachable!() };
-    assert!(blind.found.coverage.failures() > 10 * idm.found.coverage.failures(), "a driver that sees brakes");
+    assert!(blind.found.coverage.failures() > 5 * idm.found.coverage.failures(), "a driver that sees brakes");
     assert!(one.iter().all(|each| each.found.coverage.points.len() <= 300 && !each.found.coverage.looks.is_empty()));
 }
 
