@@ -85,7 +85,12 @@ pub(super) fn build(declaration: &Declaration, site: &mut Site<'_>) -> Option<Dr
             let streets: Vec<_> = declaration.block.nested(StreetKeys::KIND).collect();
             let bends = design.fast_bends(MAX_LATERAL).into_iter();
             let fast = bends.map(|bend| {
-                diagnostics::fast_bend(streets[bend.street].place("speed_limit"), bend.radius, bend.lateral, MAX_LATERAL)
+                diagnostics::fast_bend(
+                    streets[bend.street].place("speed_limit"),
+                    bend.radius,
+                    bend.lateral,
+                    MAX_LATERAL,
+                )
             });
             site.said.extend(fast);
             Some(Drawn { parts, half_width })
