@@ -343,17 +343,6 @@ fn output_that_is_lost_is_noticed() {
 }
 
 #[test]
-fn the_program_of_a_file_with_a_matrix_is_shown() {
-    let folder = tempfile::tempdir().unwrap();
-    let text = campaign()
-        .replace("training: ppo_paper\n", "training: ppo_paper matrix { far: [10 m, 20 m] }\n")
-        .replace("campaign tiny", "param far: length = 30 m\nspawn short { distance: 7 m .. far }\ncampaign tiny");
-    std::fs::write(folder.path().join("tiny.scn"), text.replace("spawn: ahead", "spawn: short")).unwrap();
-    let output = falsify(&["debug", "hir", "tiny.scn"], folder.path());
-    assert!(output.status.success(), "{output:?}");
-}
-
-#[test]
 fn check_fix_applies_repairs_without_an_alternative() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("typo.scn");

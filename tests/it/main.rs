@@ -51,7 +51,6 @@ mod recordings;
 mod release;
 mod replaying;
 mod requirements;
-mod sarif;
 mod scenarios;
 mod sessions;
 mod settings;

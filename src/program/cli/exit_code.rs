@@ -61,7 +61,7 @@ impl ExitCode {
             Self::WriteFailed => "a file cannot be written",
             Self::GateFailed => "a `--fail-if` condition is true, or needs an interval that too few runs have",
             Self::Differs => {
-                "a repeated episode or training came out differently, or a file of a report was changed (`verify`, `replay`, `export`)"
+                "a repeated episode or training came out differently, or a file of a report was changed (`replay`, `export`)"
             }
             Self::Incomplete => {
                 "work is missing: a shard to merge (`merge`), or a part of a campaign on which no process works (`status`)"

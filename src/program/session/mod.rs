@@ -1,4 +1,4 @@
-//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `judge`, `compare`, `recheck`,
+//! The program as a library: `check`, `run`, `merge`, `replay`, `status`, `failures`, `judge`, `compare`, `recheck`,
 //! `export`, `preview`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
@@ -38,7 +38,6 @@ mod reasons;
 mod replay;
 mod export;
 mod export_files;
-mod verify;
 mod failures;
 mod judge;
 mod compare;
@@ -46,6 +45,7 @@ mod driver_pairs;
 mod encounters;
 mod recheck;
 
+pub use crate::commands::{ReplayAllOptions, ReplayedReport, Retrained};
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
 pub use changed_program::ChangedProgram;
 pub use check::{Checked, Planned};
@@ -79,6 +79,6 @@ pub use starts::{EndsOfRoads, SampledStarts, sampled_starts};
 pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
 pub use stop::Stop;
 pub use stored::RepeatOptions;
-pub use verify::{Retrained, VerifyOptions, VerifyReport};
+pub(crate) use stored::Source;
 
 pub use world::judge::{Encountered, Reference, Verdict};
