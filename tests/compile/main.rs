@@ -24,6 +24,7 @@ mod hostile_input;
 mod inline_kinds;
 mod interfuser_driving;
 mod judge;
+mod language_reference;
 mod learning;
 mod map_facts;
 mod messages;

@@ -57,7 +57,6 @@ mod settings;
 mod shards;
 mod stale;
 mod tables_elsewhere;
-mod tidy;
 mod together;
 mod tools;
 mod unbreakable;

@@ -16,7 +16,6 @@ pub(crate) mod network_trial;
 pub use exit_code::ExitCode;
 #[cfg(any(fuzzing, test))]
 pub use settings::is_read as settings_are_read;
-pub use settings::settings;
 
 use std::ffi::OsString;
 

@@ -56,15 +56,10 @@ fn setting(option: &Arg) -> Option<&'static str> {
 }
 
 /// The options of `falsify run` that correspond to the settings, in their order.
-pub fn options() -> Vec<Arg> {
+fn options() -> Vec<Arg> {
     let run = RunArgs::augment_args(Command::new("run"));
     let option = |key: &str| run.get_arguments().find(|option| option.get_id() == key).cloned();
     KEYS.into_iter().map(|(key, _)| option(key).expect("each setting is an option of `run`")).collect()
-}
-
-/// The settings for the reference: the name, the variable of the environment, and the option of `falsify run`.
-pub fn settings() -> Vec<(&'static str, Option<&'static str>, Arg)> {
-    KEYS.into_iter().zip(options()).map(|((key, variable), option)| (key, variable, option)).collect()
 }
 
 /// Finds the file in a folder or the nearest one above it, and reads it; none when there is no such file.
