@@ -248,24 +248,6 @@ fn completions_know_the_commands() {
 }
 
 #[test]
-fn a_map_is_drawn_and_its_waypoints_listed() {
-    let folder = tempfile::tempdir().unwrap();
-    crate::maps::write_maps(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib/towns.scn"), folder.path());
-    let output = falsify(&["preview", "harbour.xodr", "--waypoints", "2", "--out", "maps"], folder.path());
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("town harbour") && text.contains("6 junctions"), "{text}");
-    let picture = std::fs::read_to_string(folder.path().join("maps/harbour.svg")).unwrap();
-    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
-    let table = std::fs::read_to_string(folder.path().join("maps/harbour_waypoints.csv")).unwrap();
-    assert!(table.starts_with("road_id,section_id,lane_id,s,x,y") && table.lines().count() > 400);
-    for distance in ["2", "0"] {
-        let output = falsify(&["preview", "none.xodr", "--waypoints", distance], folder.path());
-        assert_eq!(output.status.code(), Some(2), "{output:?}");
-    }
-}
-
-#[test]
 fn settings_change_values_and_reach_the_manifest() {
     let folder = tempfile::tempdir().unwrap();
     let text = campaign().replace("runs: 2", "runs: tries").replace(

@@ -89,8 +89,8 @@ fn maps_that_are_too_large_are_refused_and_the_others_are_drawn_soon() {
             }
             None => {
                 assert_eq!(output.status.code(), Some(0), "{name}: {output:?}");
-                let picture = fs::metadata(place.path().join(format!("{name}.svg"))).unwrap();
-                assert!(picture.len() < 20 << 20, "{name}: {} bytes", picture.len());
+                let page = fs::metadata(place.path().join(format!("{name}.preview.html"))).unwrap();
+                assert!(page.len() < 20 << 20, "{name}: {} bytes", page.len());
             }
         }
     }

@@ -17,7 +17,6 @@ mod explain;
 mod new;
 mod demo;
 mod lsp;
-mod map;
 mod preview;
 
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
@@ -127,7 +126,7 @@ pub enum Command {
     /// Give scenario files their canonical layout.
     #[command(after_help = fmt::EXAMPLES)]
     Fmt(fmt::FmtArgs),
-    /// Show a scenario on a page that follows the file while you edit it, or draw a map.
+    /// Show a scenario or a map on a page that follows the file while you edit it.
     #[command(after_help = preview::EXAMPLES)]
     Preview(preview::PreviewArgs),
     /// Serve an editor by the language server protocol on the standard streams.

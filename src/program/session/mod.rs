@@ -1,5 +1,5 @@
 //! The program as a library: `check`, `run`, `merge`, `replay`, `status`, `failures`, `judge`, `compare`, `recheck`,
-//! `export`, `preview`.
+//! `export`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
 //! takes a struct of plain options, returns a value or an [`Error`], and the observer hears each [`Event`] meanwhile. No call prints, reads
@@ -14,7 +14,6 @@ mod input;
 mod setup;
 mod check;
 mod starts;
-mod preview;
 mod options;
 mod campaign_report;
 mod manifest;
@@ -68,7 +67,6 @@ pub(crate) use options::seconds;
 pub use options::{RunOptions, TableFormat, Ticks};
 pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
-pub use preview::{Preview, PreviewOptions};
 pub use reasons::{Reason, reasons};
 pub use recheck::RecheckOptions;
 pub use repeat::Repeated;
