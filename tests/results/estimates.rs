@@ -7,12 +7,12 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
 use results::campaign::{self, EstimateResult, InMemory, Silent};
-use world::likelihood::{Encounters, Event, Likelihood, Lot, Question, TestBed};
+use world::likelihood::{Encounters, Event, Question};
 
 /// A campaign with this block.
 fn campaign(block: &str) -> Campaign {
     let text = format!(
-        "edition 1\nimport \"lib/drivers.scn\"\nimport \"lib/estimators.scn\"\nimport \"lib/pedestrians.scn\"\nimport \"lib/sensors.scn\"\nimport \"lib/towns.scn\"\n\
+        "edition 1\nimport \"lib/drivers.scn\"\nimport \"lib/pedestrians.scn\"\nimport \"lib/sensors.scn\"\nimport \"lib/towns.scn\"\n\
          policy squinting = idm(time_headway: 1.5 s, sensors: poor)\n\
          spawn ahead_of_it {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }}\n\
          episode brief {{ tick: 0.05 s  hold: 10  ticks: 240  end_when: ahead < -6 m }}\n\
@@ -30,73 +30,37 @@ fn estimates(block: &str) -> Vec<EstimateResult> {
 
 #[test]
 fn what_has_a_default_may_be_left_out() {
-    let plan = campaign(
-        "estimate { towns: [harbour]  policies: [idm]  estimators: [monte_carlo] }\ncover { towns: [harbour]  policies: [idm] }",
-    );
+    let plan = campaign("estimate { towns: [harbour]  policies: [idm] }\ncover { towns: [harbour]  policies: [idm] }");
     assert_eq!((plan.estimations.len(), plan.covers.len()), (1, 1));
 }
 
 #[test]
-fn methods_agree_with_plain_encounters() {
-    let all = estimates(
-        "estimate { towns: [harbour]  policies: [squinting]  estimators: [monte_carlo]  event: failure  relative_error: 0.05  budget: 2_000_000 }\n\
-         estimate { towns: [harbour]  policies: [squinting]  estimators: [splitting]  event: failure  relative_error: 0.1  budget: 2_000_000 }",
+fn the_unbiased_probability_is_that_of_the_counted_encounters() {
+    let block =
+        "estimate { towns: [harbour]  policies: [squinting]  event: failure  relative_error: 0.1  budget: 2_000_000 }";
+    let found = estimates(block)[0].estimate.clone().unwrap();
+    let failure = found.of(Event::Failure);
+    assert_eq!((failure.seen, found.short), (100, false));
+    assert_eq!(failure.probability, 99.0 / (found.counted - 1) as f64);
+    assert!(
+        failure.low < failure.probability && failure.probability < failure.high && found.counted <= found.encounters
     );
-    let of = |place: usize| -> &Likelihood { all[place].estimate.as_ref().unwrap().of(Event::Failure) };
-    let (plain, split) = (of(0), of(1));
-    assert!(plain.seen >= 200 && split.seen >= 4, "{plain:?} {split:?}");
-    // The difference of two independent estimates, in their standard errors.
-    let error = plain.relative_error.unwrap() * plain.probability;
-    let other = split.relative_error.unwrap() * split.probability;
-    let z = (plain.probability - split.probability) / (error * error + other * other).sqrt();
-    assert!(z.abs() < 3.0, "{plain:?} and {split:?}, {z} deviations");
-}
-
-#[test]
-fn a_branch_repeats_the_encounter_up_to_its_decision_and_the_whole_lot_repeats_the_branch() {
-    let plan = campaign("estimate { towns: [harbour]  policies: [squinting]  estimators: [monte_carlo] }");
+    // Encounters do not depend on those before them.
+    let plan = campaign(block);
     let estimation = &plan.estimations[0];
+    let seed = estimation.drawn(&Seed::root(5));
     let new = || Encounters::new(&estimation.scenario, estimation.walker.walk_policy(), Question::Collision);
-    let mut differ = 0;
-    for number in 0..20 {
-        let (mut bed, mut lot) = (new(), Lot::new(number, &Seed::root(9).index(number)));
-        bed.begin(&mut lot);
-        let mut levels = vec![bed.level()];
-        let mut mark = None;
-        while bed.step(&mut lot) {
-            levels.push(bed.level());
-            if levels.len() == 4 {
-                mark = bed.mark();
-            }
-        }
-        let whole = bed.trial();
-        let Some(mark) = mark else { continue };
-        // The rest is drawn anew from the state in the middle.
-        let mut branch = lot.redrawn(3, &Seed::root(10).index(number));
-        bed.restore(&mark, &mut branch);
-        let mut branched = vec![bed.level()];
-        while bed.step(&mut branch) {
-            branched.push(bed.level());
-        }
-        let end = bed.trial();
-        assert_eq!(branched[0].to_bits(), levels[3].to_bits());
-        differ += u32::from(end != whole);
-        // The same lot from its start, in another bed, is the same encounter.
-        let mut other = new();
-        other.begin(&mut branch);
-        let mut again = vec![other.level()];
-        while other.step(&mut branch) {
-            again.push(other.level());
-        }
-        assert_eq!(again[3..], branched[..]);
-        assert_eq!(other.trial(), end);
+    let mut bed = new();
+    let all: Vec<_> = (0..found.encounters).map(|number| bed.run(number, &seed.index(number))).collect();
+    assert_eq!(all.iter().filter(|each| each.events[0]).count() as u64, 100);
+    for number in [3, 17, 90] {
+        assert_eq!(new().run(number, &seed.index(number)), all[number as usize]);
     }
-    assert!(differ > 5, "only {differ} branches came to another end");
 }
 
 #[test]
 fn an_estimate_does_not_depend_on_threads() {
-    let block = "estimate { towns: [harbour]  policies: [idm]  estimators: [monte_carlo, splitting]  event: failure  budget: 300_000 }";
+    let block = "estimate { towns: [harbour]  policies: [idm]  event: failure  budget: 300_000 }";
     let of = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let all = pool.install(|| estimates(block));
