@@ -325,8 +325,9 @@ fn contents(head: &str, signature: &Signature) -> String {
         let keys: Vec<&str> = child.params.iter().map(|param| param.name).collect();
         let _ = writeln!(
             page,
-            "{} {{ … }}, any number of times\n    {}\n    keys: {}",
+            "{} {{ … }}, {}\n    {}\n    keys: {}",
             child.name,
+            child.occurrence(),
             child.doc,
             keys.join(", ")
         );

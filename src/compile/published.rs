@@ -58,18 +58,15 @@ pub fn form() -> Form {
         "margins",
         "For each figure, the difference that matters: ours is equivalent where the difference is shown to be smaller.",
         margins.into(),
-    );
+    )
+    .once();
     Form::plain(PublishedKeys::signature().holding(vec![margins, cells]))
 }
 
 /// The figures of a declaration.
 pub fn lower(declaration: &Declaration, program: &Program, said: &mut Vec<Diagnostic>) -> Published {
     let PublishedKeys { source, runs } = declaration.block.keys();
-    let mut margins = declaration.block.nested("margins");
-    let stated = margins.next();
-    if let Some(second) = margins.next() {
-        said.push(diagnostics::contradiction(second.head, "`margins` is given twice".to_string()));
-    }
+    let stated = declaration.block.nested("margins").next();
     let cells = declaration.block.inside().map(|(block, keys)| cell(block, keys, stated, program, said)).collect();
     Published { source, docs: declaration.docs.join(" "), runs, cells }
 }

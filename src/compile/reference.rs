@@ -61,7 +61,7 @@ fn contents(page: &mut String, signature: &Signature) {
         let _ = writeln!(page, "Made for ticks of {tick} s.\n");
     }
     for child in &signature.children {
-        let _ = writeln!(page, "Block `{}`, any number of times: {}\n", child.name, child.doc);
+        let _ = writeln!(page, "Block `{}`, {}: {}\n", child.name, child.occurrence(), child.doc);
         contents(page, child);
     }
 }

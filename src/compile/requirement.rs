@@ -3,9 +3,7 @@ use std::sync::Arc;
 use super::lowering::Lowering;
 use base::diagnostic::Span;
 use base::keys;
-use base::signature::{
-    Bounds, Comparison, DeclarationId, Form, Formula, Keys, Requirement, Temporal, VariableId, Within, short,
-};
+use base::signature::{DeclarationId, Form, Keys, Requirement, Temporal, Within, short};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::env::EpisodeRule;
@@ -50,7 +48,6 @@ impl Lowering<'_> {
             let formula = self.program.get(*id).block.place("formula");
             self.compare_bounds(place(index), formula, each, rule);
         }
-        self.forbid_contradictions(&all, place);
         all
     }
 
@@ -67,33 +64,6 @@ impl Lowering<'_> {
                 self.said.push(diagnostics::bound_between_ticks(place, formula, &each.name, &text, rule.tick));
             } else if before + end > length * (1.0 + 1e-9) {
                 self.said.push(diagnostics::bound_too_long(place, formula, &each.name, before + end, length));
-            }
-        }
-    }
-
-    /// Reports two requirements of which the bounds of one quantity show that no episode satisfies both.
-    fn forbid_contradictions(&mut self, all: &[NamedRequirement], place: impl Fn(usize) -> Span) {
-        let demands: Vec<Vec<Demand>> = all
-            .iter()
-            .map(|each| {
-                let mut found = Vec::new();
-                demands(&each.requirement.formula, &each.requirement.parts, Times::Start, &mut found);
-                found
-            })
-            .collect();
-        for (second, theirs) in demands.iter().enumerate() {
-            for (first, ours) in demands[..second].iter().enumerate() {
-                let clash = |a: &Demand, b: &Demand| a.quantity == b.quantity && a.times.meet(b.times) && a.is_apart(b);
-                let found = theirs.iter().find_map(|b| ours.iter().find(|a| clash(a, b)).map(|a| (a, b)));
-                if let Some((a, b)) = found {
-                    let names = (&*all[first].name, &*all[second].name);
-                    self.said.push(diagnostics::requirements_clash(
-                        place(second),
-                        place(first),
-                        names,
-                        (a.text, b.text),
-                    ));
-                }
             }
         }
     }
@@ -118,74 +88,4 @@ fn bounds_of(formula: &Temporal, before: f64, all: &mut Vec<(Within, f64)>) {
         Temporal::Always(within, inner) | Temporal::Eventually(within, inner) => visit(within, &[inner]),
         Temporal::Until(within, a, b) => visit(within, &[a, b]),
     }
-}
-
-/// When a demand must be met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Times {
-    /// At the start.
-    Start,
-    /// At all samples.
-    All,
-    /// At one sample.
-    One,
-}
-
-impl Times {
-    /// Whether there is a sample at which both demands must be met.
-    fn meet(self, other: Self) -> bool {
-        self == Self::All || other == Self::All || (self, other) == (Self::Start, Self::Start)
-    }
-}
-
-/// What a requirement demands of one quantity.
-struct Demand<'a> {
-    quantity: &'a Formula,
-    /// The values that it may have, ends included or not.
-    values: Bounds,
-    strict: bool,
-    times: Times,
-    text: &'a str,
-}
-
-impl Demand<'_> {
-    /// Whether no value meets both.
-    fn is_apart(&self, other: &Self) -> bool {
-        let ((a, b), (c, d)) = (self.values, other.values);
-        let touches = b == c || d == a;
-        b < c || d < a || touches && (self.strict || other.strict)
-    }
-}
-
-/// The comparisons with a constant that must be true wherever the formula is true.
-fn demands<'a>(formula: &'a Temporal, parts: &'a [Comparison], times: Times, found: &mut Vec<Demand<'a>>) {
-    match formula {
-        Temporal::Part(index) => found.extend(demand(&parts[*index], times)),
-        Temporal::And(a, b) => {
-            demands(a, parts, times, found);
-            demands(b, parts, times, found);
-        }
-        Temporal::Always(within, inner) if within.from == 0.0 && times != Times::One => {
-            let whole = within.to.is_infinite() && times == Times::Start;
-            demands(inner, parts, if whole { Times::All } else { times }, found);
-        }
-        Temporal::Eventually(_, inner) if times == Times::Start => demands(inner, parts, Times::One, found),
-        _ => {}
-    }
-}
-
-fn demand(part: &Comparison, times: Times) -> Option<Demand<'_>> {
-    use base::signature::BinaryOperator::Subtract;
-    part.dimension?;
-    let Formula::Binary(Subtract, more, less) = &part.margin else { return None };
-    let constant = |formula: &Formula| {
-        let is_free = !formula.mentions(&|_: VariableId| true);
-        is_free.then(|| formula.evaluate(&|_| unreachable!("it names no variable")))
-    };
-    let (quantity, values) = match (constant(more), constant(less)) {
-        (Some(most), None) => (less, (f64::NEG_INFINITY, most)),
-        (None, Some(least)) => (more, (least, f64::INFINITY)),
-        _ => return None,
-    };
-    Some(Demand { quantity, values, strict: part.strict, times, text: &part.text })
 }

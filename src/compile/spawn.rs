@@ -87,7 +87,7 @@ impl RouteKeys {
     }
 }
 
-/// A kind of start in which the pedestrian's walk is stated: its keys, and its rule; none after reporting what is wrong.
+/// A kind of start in which the pedestrian's walk is stated: its keys, and its rule; `None` after reporting what is wrong.
 type WalkKind = (fn() -> Signature, fn(&Declaration, &mut Vec<Diagnostic>) -> Option<SpawnRule>);
 
 /// All such kinds; a new one is a line here.
@@ -103,7 +103,7 @@ pub fn form() -> Form {
     Form { kinds: KINDS.iter().map(|(signature, _)| signature()).collect(), ..Form::plain(plain) }
 }
 
-/// The rule; none after reporting that its constraints contradict each other.
+/// The rule; `None` after reporting what is wrong with it.
 pub fn lower(
     declaration: &Declaration,
     vocabulary: &Vocabulary,
@@ -115,7 +115,6 @@ pub fn lower(
     }
     let block = &declaration.block;
     let keys: SpawnKeys = block.keys();
-    let (bearing, distance) = ((&keys.bearing, block.place("bearing")), (&keys.distance, block.place("distance")));
     let steady = keys.ego_speed.is_none();
     let at_rest = Distribution::Constant(0.0);
     if !steady && keys.test_speed.is_some() {
@@ -123,11 +122,13 @@ pub fn lower(
         said.push(diagnostics::contradiction(block.place("test_speed"), message).help("remove one of them"));
         return None;
     }
-    let speed = (keys.ego_speed.as_ref().unwrap_or(&at_rest), block.place("ego_speed"));
     let before = said.len();
-    if keys.measure == Measure::Area && !matches!(distance.0, Distribution::Uniform(..)) {
+    if keys.measure == Measure::Area && !matches!(keys.distance, Distribution::Uniform(..)) {
         let message = "places are uniform over the ground only when the distance is a range `low .. high`".to_string();
-        said.push(diagnostics::contradiction(block.place("measure"), message).label(distance.1, "this is no range"));
+        said.push(
+            diagnostics::contradiction(block.place("measure"), message)
+                .label(block.place("distance"), "this is not a range"),
+        );
     }
     let mut constraints = vec![Constraint::Clearance(keys.clearance)];
     constraints.extend(keys.ground.map(Constraint::Ground));
@@ -136,32 +137,21 @@ pub fn lower(
         Sight::Visible => constraints.push(Constraint::Sight(true)),
         Sight::Hidden => constraints.push(Constraint::Sight(false)),
     }
-    let mut sector = Sector::new(vocabulary, bearing, distance, speed);
-    let all = keys.require.into_iter().flatten().zip(block.members("require").iter().copied());
-    let (unknown, mut left): (Vec<_>, Vec<_>) =
-        all.partition(|(condition, _)| steady && sector::names(condition, vocabulary, "ego_speed"));
-    said.extend(unknown.into_iter().map(|(_, span)| {
-        let message = "`ego_speed` is not drawn here: the driver comes at its own speed".to_string();
-        diagnostics::contradiction(span, message).help("draw it, as in `ego_speed: 5 m/s .. 8 m/s`")
-    }));
-    // The part of the sector that one condition leaves may contradict another condition, in either order.
-    for _ in 0..2 {
-        let mut kept = Vec::new();
-        for (condition, span) in left {
-            match sector.require(&condition, span) {
-                Ok(rest) => kept.extend(rest.map(|rest| (rest, span))),
-                Err(diagnostic) => said.push(*diagnostic),
-            }
+    let speed = keys.ego_speed.as_ref().unwrap_or(&at_rest);
+    let mut sector = Sector::new(vocabulary, &keys.bearing, &keys.distance, speed);
+    for (condition, span) in keys.require.into_iter().flatten().zip(block.members("require").iter().copied()) {
+        if steady && sector::names(&condition, vocabulary, "ego_speed") {
+            let message = "`ego_speed` is not drawn here: the driver comes at its own speed".to_string();
+            let help = "draw it, as in `ego_speed: 5 m/s .. 8 m/s`";
+            said.push(diagnostics::contradiction(span, message).help(help));
+            continue;
         }
-        left = kept;
+        match sector.require(&condition, span) {
+            Ok(Some(condition)) => constraints.push(Constraint::Require { condition, text: sources.plain_text(span) }),
+            Ok(None) => {}
+            Err(diagnostic) => said.push(*diagnostic),
+        }
     }
-    if said.len() == before {
-        said.extend(sector.require_together(&left).err().map(|diagnostic| *diagnostic));
-    }
-    constraints.extend(left.into_iter().map(|(condition, span)| {
-        let text = sources.plain_text(span);
-        Constraint::Require { condition, text }
-    }));
     let ego_start = ego_start(block, keys.ego_poses, said);
     let [bearing, distance, ego_speed] = sector.into_distributions();
     (said.len() == before).then(|| SpawnRule {

@@ -25,9 +25,7 @@ pub struct File {
     pub imports: Vec<Import>,
     /// Its parameters, in order.
     pub params: Vec<Param>,
-    /// The names of statements that could not be read.
-    pub unread: Vec<String>,
-    /// Whether the file contains declarations that could not be read; their names are unknown.
+    /// Whether the file contains statements that could not be read; the names that they declare are unknown.
     pub torn: bool,
     /// Its declarations, in order; variants of a file share equal ones.
     pub declarations: Vec<Arc<Declaration>>,
@@ -93,8 +91,8 @@ pub enum Entry {
     Child(Declaration),
     /// A value without a key, in parentheses.
     Bare(Expression),
-    /// The words of something that could not be read.
-    Unread(Vec<String>),
+    /// Something that could not be read.
+    Unread,
 }
 
 /// `key: value`

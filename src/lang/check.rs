@@ -1,22 +1,19 @@
 //! AST → HIR: forms, kinds, keys, references, defaults.
 
-use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::ast::{self, Entry, ExpressionKind, Name};
 use super::defaults::Defaults;
-use super::diagnostics::KeyOf;
 use super::formula::{Scope, named};
 use super::hir::ParamId;
 use super::hir::{Block, Clause, Declaration, Program};
 use super::names::names_of_all;
-use super::params::{DIMENSIONS, Params, type_of};
+use super::params::Params;
 use super::value::{Context, plain_number, value};
 use super::{Loaded, diagnostics};
 use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use base::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
-use base::units::{Dimension, parse_unit};
 
 /// The results of checking, reused for further variants of the same files, which differ only in their settings.
 #[derive(Debug)]
@@ -26,8 +23,8 @@ pub struct Checked<'f> {
     faultless: BTreeMap<DeclarationId, Faultless>,
 }
 
-/// The longest name of a declaration (bytes): files are named after several of them.
-const LONGEST_NAME: usize = 50;
+/// Maximum length of the name of a declaration (bytes): files are named after several of them.
+const MAX_NAME: usize = 50;
 
 /// A declaration without errors, and its result.
 #[derive(Debug)]
@@ -56,8 +53,8 @@ impl<'f> Checked<'f> {
     }
 }
 
-/// The number of diagnostics after which checking ends, so that a file in which all is wrong fits into the memory.
-const MOST: usize = 20_000;
+/// Maximum number of diagnostics, after which checking ends, so that a file in which all is wrong fits into the memory.
+const MAX_DIAGNOSTICS: usize = 20_000;
 
 /// Checks all files against what the language offers.
 ///
@@ -74,12 +71,12 @@ pub fn check<'f>(
     let ids = number_declarations(&loaded.files);
     let mut declarations = Vec::new();
     let form_names: Vec<&str> = forms.iter().map(|form| form.name).collect();
-    let names = names_of_all(&loaded.files, &ids, &mut diagnostics);
+    let names = names_of_all(&loaded.files, &ids, forms, &mut diagnostics);
     let mut params = Params::resolve(loaded, &names, forms, vocabulary, sources, &mut diagnostics);
     for (place, file) in loaded.files.iter().enumerate() {
         let context = Context { vocabulary, forms, names: &names[place], sources };
         for (written, id) in file.declarations.iter().zip(&ids[&file.source]) {
-            if diagnostics.len() > MOST {
+            if diagnostics.len() > MAX_DIAGNOSTICS {
                 break;
             }
             if let Some(known) = checked.find(*id, written, &mut params) {
@@ -120,25 +117,6 @@ pub fn once(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.retain(|each| said.insert((each.primary.span, each.code, each.message.clone())));
 }
 
-/// Where a key belongs that a signature does not have: in one of its blocks, or else in another form.
-fn key_of<'f>(word: &str, signature: &'f Signature, forms: &'f [Form]) -> Option<KeyOf<'f>> {
-    let has = |signature: &Signature| signature.params.iter().any(|param| param.name == word);
-    if let Some(block) = signature.children.iter().find(|child| has(child)) {
-        return Some(KeyOf::Block(block.name));
-    }
-    let of = |form: &&Form| form.kinds.iter().chain(&form.plain).any(has);
-    let within =
-        |form: &'f Form| form.kinds.iter().chain(&form.plain).flat_map(|each| &each.children).find(|each| has(each));
-    let form = forms.iter().find(of).map(|form| form.name);
-    form.or_else(|| forms.iter().find_map(within).map(|child| child.name)).map(KeyOf::Form)
-}
-
-/// Whether numbers of a type may be of this dimension.
-fn measures(ty: &Type, dimension: Dimension) -> bool {
-    ty.dimension() == Some(dimension)
-        || matches!(ty, Type::Integer { .. } | Type::Ticks { .. }) && dimension == Dimension::RATIO
-}
-
 fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<DeclarationId>> {
     let mut next = 0;
     let mut number = |file: &ast::File| {
@@ -147,6 +125,17 @@ fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<Declaratio
         (file.source, (first..next).map(DeclarationId).collect())
     };
     files.iter().map(&mut number).collect()
+}
+
+/// A key that a block gives.
+struct Given {
+    key: &'static str,
+    /// The place of the key.
+    span: Span,
+    /// The place of its value.
+    place: Span,
+    /// `None` if it is wrong.
+    value: Option<Value>,
 }
 
 struct Checker<'a, 'b, 'f> {
@@ -179,13 +168,7 @@ impl<'f> Checker<'_, '_, 'f> {
         let (form, block) = match forms.iter().find(|form| form.name == written.form.text) {
             None => {
                 let Name { text, span } = &written.form;
-                let kind = written.kind.as_ref().filter(|_| written.name.is_none());
-                let has =
-                    |form: &&Form| kind.is_some_and(|kind| form.kinds.iter().any(|known| known.name == kind.text));
-                self.diagnostics.push(match forms.iter().find(has) {
-                    Some(form) => diagnostics::missing_form(*span, text, form.name),
-                    None => diagnostics::unknown_form(*span, text, form_names),
-                });
+                self.diagnostics.push(diagnostics::unknown_form(*span, text, form_names));
                 ("", empty(""))
             }
             Some(form) => {
@@ -199,8 +182,8 @@ impl<'f> Checker<'_, '_, 'f> {
             }
         };
         let name = written.name.as_ref().map_or_else(String::new, |name| name.text.clone());
-        if let Some(long) = written.name.as_ref().filter(|name| name.text.len() > LONGEST_NAME) {
-            self.diagnostics.push(diagnostics::long_name(long.span, LONGEST_NAME));
+        if let Some(long) = written.name.as_ref().filter(|name| name.text.len() > MAX_NAME) {
+            self.diagnostics.push(diagnostics::long_name(long.span, MAX_NAME));
         }
         let docs = written.docs.clone();
         let is_inline = written.is_inline;
@@ -227,148 +210,25 @@ impl<'f> Checker<'_, '_, 'f> {
     }
 
     fn block(&mut self, written: &ast::Declaration, signature: &'f Signature) -> Block {
-        let keys: Vec<&str> = signature.params.iter().map(|param| param.name).collect();
-        let words: Vec<&str> = signature.children.iter().map(|child| child.name).collect();
-        let mut given: Vec<(&Name, &'static str, Span, Option<Value>)> = Vec::new();
-        let mut members = Vec::new();
-        let mut children = Vec::new();
-        let mut clauses: Vec<Clause> = Vec::new();
-        let mut named: BTreeMap<(&str, &str), Span> = BTreeMap::new();
-        // Keys with a reported suggestion: their absence is not reported again.
-        let mut meant: BTreeSet<String> = BTreeSet::new();
-        // Keys that are not given, for suggestions.
-        let left = LazyCell::new(|| {
-            let key = |entry: &Entry| match entry {
-                Entry::Property(property) => keys.iter().find(|key| **key == property.key.text).copied(),
-                _ => None,
-            };
-            let given: BTreeSet<&str> = written.entries.iter().filter_map(key).collect();
-            keys.iter().copied().filter(|key| !given.contains(key)).collect::<Vec<&str>>()
-        });
-        // The ends of values that have been reported as one.
-        let mut told = 0;
-        for (place, entry) in written.entries.iter().enumerate() {
+        let mut given: Vec<Given> = Vec::new();
+        let (mut members, mut children, mut clauses) = (Vec::new(), Vec::new(), Vec::new());
+        let mut before = BTreeMap::new();
+        // Keys that a typo or something unreadable probably gives: their absence is not reported.
+        let (mut misspelt, mut unread) = (BTreeSet::new(), false);
+        for entry in &written.entries {
             match entry {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
+                    Some(param) => self.property(property, param, &mut given, &mut members),
                     None => {
+                        let is_left = |key: &&str| given.iter().all(|known| known.key != *key);
+                        let left: Vec<&str> = signature.params.iter().map(|p| p.name).filter(is_left).collect();
                         let Name { text, span } = &property.key;
-                        let elsewhere = key_of(text, signature, self.context.forms);
-                        let is_event =
-                            signature.clauses && self.context.vocabulary.events.iter().any(|event| event.name == text);
-                        let unknown = match is_event {
-                            true => diagnostics::event_for_key(*span, signature.name, text),
-                            false => diagnostics::unknown_key(*span, signature.name, text, &left, &words, elsewhere),
-                        };
-                        meant.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
+                        let unknown = diagnostics::unknown_key(*span, signature.name, text, &left);
+                        misspelt.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
                         self.diagnostics.push(unknown);
                     }
-                    Some(param) => {
-                        if let Some((first, ..)) = given.iter().find(|(_, name, ..)| *name == param.name) {
-                            self.diagnostics.push(diagnostics::duplicate_key(
-                                property.key.span,
-                                param.name,
-                                first.span,
-                            ));
-                            continue;
-                        }
-                        let bare = written.entries[place + 1..].iter().map_while(|entry| match entry {
-                            Entry::Bare(value) => Some(value.span),
-                            _ => None,
-                        });
-                        if let Some(end) = self.torn(property.value.span, bare, param) {
-                            self.whole = false;
-                            given.push((&property.key, param.name, property.value.span, None));
-                            told = end;
-                            continue;
-                        }
-                        if let Some(said) = counted_in_ticks(&property.value, param, signature, &written.entries) {
-                            self.whole = false;
-                            given.push((&property.key, param.name, property.value.span, None));
-                            self.diagnostics.push(said);
-                            continue;
-                        }
-                        let before = self.diagnostics.len();
-                        let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
-                        for said in &mut self.diagnostics[before..] {
-                            diagnostics::show_key(said, property.key.span, param);
-                        }
-                        self.whole &= checked.is_some();
-                        given.push((&property.key, param.name, property.value.span, checked));
-                        if matches!(param.ty, Type::List(_)) {
-                            let spans = match &property.value.kind {
-                                ast::ExpressionKind::List(members) => {
-                                    members.iter().map(|member| member.span).collect()
-                                }
-                                _ => vec![property.value.span],
-                            };
-                            members.push((param.name, spans));
-                        }
-                    }
                 },
-                Entry::Bare(expression) if expression.span.start < told => {}
-                Entry::Bare(expression) => {
-                    // It may be the value of any missing key.
-                    meant.extend(keys.iter().map(|key| (*key).to_string()));
-                    let text = self.context.sources.text(expression.span);
-                    let of_kind = type_of(text)
-                        .and_then(|word| DIMENSIONS.iter().find(|(name, _)| *name == word))
-                        .map(|(_, dimension)| *dimension);
-                    let is_text = matches!(expression.kind, ExpressionKind::Text(_));
-                    let fits = |param: &&Param| match is_text {
-                        true => matches!(param.ty, Type::Text | Type::Path),
-                        false => of_kind.is_none_or(|kind| measures(&param.ty, kind)),
-                    };
-                    // Keys that must be given come before those with a default.
-                    let fitting = || signature.params.iter().filter(fits);
-                    let needed: Vec<&str> =
-                        fitting().filter(|param| param.default.is_none()).map(|param| param.name).collect();
-                    let fitting = if needed.is_empty() { fitting().map(|param| param.name).collect() } else { needed };
-                    self.diagnostics.push(diagnostics::bare_argument(expression.span, text, &fitting));
-                }
-                Entry::Unread(words) => {
-                    self.whole = false;
-                    meant.extend(words.iter().cloned());
-                }
-                Entry::Child(child) => match signature.children.iter().find(|c| c.name == child.form.text) {
-                    None => {
-                        let Name { text: word, span } = &child.form;
-                        if keys.contains(&word.as_str()) {
-                            meant.insert(word.clone());
-                        }
-                        self.diagnostics.push(match (&child.kind, child.entries.as_slice()) {
-                            (Some(kind), []) if keys.contains(&word.as_str()) && child.name.is_none() => {
-                                let meant = format!("{word}: {}", kind.text);
-                                diagnostics::mistake(span.to(kind.span), "a key is followed by `:`", Some(&meant))
-                            }
-                            _ => diagnostics::unknown_block(*span, signature.name, word, &words, &keys),
-                        });
-                    }
-                    Some(inner) => {
-                        if let Some(kind) = &child.kind {
-                            let place = child.form.span.to(kind.span);
-                            let meant = child.name.is_none().then(|| format!("{} {}", child.form.text, kind.text));
-                            let said = "a block follows its name directly";
-                            let said = diagnostics::mistake(place, said, meant.as_deref());
-                            // `search meet = intercept()`
-                            let own =
-                                self.context.forms.iter().find(|form| form.kinds.iter().any(|k| k.name == kind.text));
-                            self.diagnostics.push(match (own, &child.name) {
-                                (Some(form), Some(name)) => said.help(format!(
-                                    "declare it outside, `{} {} = {}(…)`, and name it in a key",
-                                    form.name, name.text, kind.text
-                                )),
-                                _ => said,
-                            });
-                        }
-                        if let Some(name) = &child.name {
-                            let before = named.insert((&child.form.text, &name.text), name.span);
-                            let again =
-                                |first| diagnostics::duplicate_declaration(name.span, inner.name, &name.text, first);
-                            self.diagnostics.extend(before.map(again));
-                        }
-                        children.push(self.block(child, inner));
-                    }
-                },
+                Entry::Child(child) => children.extend(self.child(child, signature, &mut before)),
                 Entry::Clause(clause) if signature.clauses => {
                     let clause = self.clause(clause, &clauses);
                     self.whole &= clause.is_some();
@@ -377,67 +237,105 @@ impl<'f> Checker<'_, '_, 'f> {
                 Entry::Clause(clause) => {
                     self.diagnostics.push(diagnostics::unexpected_clause(clause.event.span, signature.name));
                 }
+                Entry::Bare(expression) => {
+                    unread = true;
+                    let keys: Vec<&str> = signature.params.iter().map(|param| param.name).collect();
+                    let text = self.context.sources.text(expression.span);
+                    self.diagnostics.push(diagnostics::bare_argument(expression.span, text, &keys));
+                }
+                Entry::Unread => (unread, self.whole) = (true, false),
             }
         }
         let mut arguments = Arguments::default();
         let mut missing = Vec::new();
         for param in &signature.params {
-            let value = match given.iter().find(|(_, name, ..)| *name == param.name) {
-                Some((_, _, _, checked)) => checked.clone(),
-                None => match param.default {
-                    Some("") => Some(Value::Absent),
-                    Some(text) => Some(self.defaults.value(param, text, self.context.names, self.context.sources)),
-                    None if meant.contains(param.name) => None,
-                    None => {
-                        missing.push(param);
-                        None
-                    }
-                },
+            let value = match (given.iter().find(|given| given.key == param.name), param.default) {
+                (Some(given), _) => given.value.clone(),
+                (None, Some("")) => None,
+                (None, Some(text)) => Some(self.defaults.value(param, text, self.context.names, self.context.sources)),
+                (None, None) => {
+                    missing.extend((!unread && !misspelt.contains(param.name)).then_some(param));
+                    None
+                }
             };
             arguments.push(param.name, value.unwrap_or(Value::Absent));
         }
         if !missing.is_empty() {
             self.diagnostics.push(diagnostics::missing_keys(written.head, signature.name, &missing));
         }
-        let places: Vec<(&str, Span)> = given.iter().map(|(_, name, span, _)| (*name, *span)).collect();
+        let places: Vec<(&str, Span)> = given.iter().map(|given| (given.key, given.place)).collect();
+        let name = written.name.as_ref().map(|name| name.text.clone());
+        let block =
+            Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head };
+        self.rising(&block, signature);
+        block
+    }
+
+    /// Checks the value of a key.
+    fn property(
+        &mut self,
+        property: &ast::Property,
+        param: &'f Param,
+        given: &mut Vec<Given>,
+        members: &mut Vec<(&'static str, Vec<Span>)>,
+    ) {
+        let (key, written) = (property.key.span, &property.value);
+        if let Some(first) = given.iter().find(|given| given.key == param.name) {
+            return self.diagnostics.push(diagnostics::duplicate_key(key, param.name, first.span));
+        }
+        let before = self.diagnostics.len();
+        let value = value(written, &param.ty, self.context, self.diagnostics);
+        for said in &mut self.diagnostics[before..] {
+            diagnostics::show_key(said, key, param);
+        }
+        self.whole &= value.is_some();
+        given.push(Given { key: param.name, span: key, place: written.span, value });
+        if matches!(param.ty, Type::List(_)) {
+            let spans = match &written.kind {
+                ast::ExpressionKind::List(members) => members.iter().map(|member| member.span).collect(),
+                _ => vec![written.span],
+            };
+            members.push((param.name, spans));
+        }
+    }
+
+    /// Checks a block inside another one, which has these others before it.
+    fn child<'w>(
+        &mut self,
+        child: &'w ast::Declaration,
+        signature: &'f Signature,
+        before: &mut BTreeMap<(&'f str, Option<&'w str>), Span>,
+    ) -> Option<Block> {
+        let Name { text: word, span } = &child.form;
+        let Some(inner) = signature.children.iter().find(|inner| inner.name == *word) else {
+            let words: Vec<&str> = signature.children.iter().map(|child| child.name).collect();
+            self.diagnostics.push(diagnostics::unknown_block(*span, signature.name, word, &words));
+            return None;
+        };
+        if let Some(first) = before.insert((inner.name, None), child.head).filter(|_| inner.once) {
+            self.diagnostics.push(diagnostics::repeated_block(*span, signature.name, word, first));
+        }
+        if let Some(name) = &child.name
+            && let Some(first) = before.insert((inner.name, Some(&name.text)), name.span)
+        {
+            self.diagnostics.push(diagnostics::duplicate_declaration(name.span, inner.name, &name.text, first));
+        }
+        Some(self.block(child, inner))
+    }
+
+    /// Reports keys whose values must not lie above those of others.
+    fn rising(&mut self, block: &Block, signature: &Signature) {
         for [low, high] in &signature.rising {
-            let place = |key: &str| places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
-            if let (Value::Number(a), Value::Number(b)) = (arguments.value(low), arguments.value(high))
+            let place = |key: &str| block.places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
+            if let (Value::Number(a), Value::Number(b)) = (block.arguments.value(low), block.arguments.value(high))
                 && a > b
             {
                 let (first, second) = (place(low), place(high));
-                let span = second.or(first).unwrap_or(written.head);
+                let span = second.or(first).unwrap_or(block.head);
                 let other = first.filter(|_| second.is_some());
                 self.diagnostics.push(diagnostics::not_rising(span, low, high, other));
             }
         }
-        let name = written.name.as_ref().map(|name| name.text.clone());
-        Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head }
-    }
-
-    /// Reports a value that continues in the values after it, which have no key: a number with commas, or a list without brackets.
-    /// Returns where it ends.
-    fn torn(&mut self, value: Span, mut bare: impl Iterator<Item = Span>, param: &Param) -> Option<usize> {
-        let text = &self.context.sources.get(value.source).text;
-        let first = bare.next()?;
-        let comma = decimal_comma(&text[..first.start], &text[first.start..]);
-        let listed = matches!(param.ty, Type::List(_));
-        let (start, end, diagnostic) = match comma {
-            Some((whole, part)) if !listed => {
-                let (start, end) = (first.start - whole, first.start + part);
-                (start, end, diagnostics::decimal_comma(Span { start, end, ..first }, &text[start..end]))
-            }
-            _ if listed => {
-                let span = value.to(bare.last().unwrap_or(first));
-                (span.start, span.end, diagnostics::unbracketed_list(span, self.context.sources.text(span)))
-            }
-            _ => return None,
-        };
-        if start < value.start {
-            return None;
-        }
-        self.diagnostics.push(diagnostic);
-        Some(end)
     }
 
     fn clause(&mut self, written: &ast::Clause, earlier: &[Clause]) -> Option<Clause> {
@@ -445,17 +343,7 @@ impl<'f> Checker<'_, '_, 'f> {
         let known: Vec<&str> = events().map(|event| event.name).collect();
         let name = &written.event;
         let Some(event) = events().find(|event| event.name == name.text) else {
-            self.diagnostics.push(diagnostics::unknown_event(
-                name.span,
-                &name.text,
-                &known,
-                events().find(|event| event.words.contains(&name.text.as_str())).map(|event| event.name),
-            ));
-            // What is paid is looked at all the same.
-            let Context { vocabulary, names, .. } = *self.context;
-            let every: Vec<&'static str> = vocabulary.variables.iter().map(|variable| variable.name).collect();
-            let scope = Scope { vocabulary, available: &every, event: "this event", names, whole: true };
-            plain_number(&written.formula, &scope, self.diagnostics);
+            self.diagnostics.push(diagnostics::unknown_event(name.span, &name.text, &known));
             return None;
         };
         let mut subject = None;
@@ -489,51 +377,4 @@ impl<'f> Checker<'_, '_, 'f> {
         let formula = plain_number(&written.formula, &scope, self.diagnostics)?;
         Some(Clause { event: event.name, word, subject, formula, span: name.span })
     }
-}
-
-/// A number written with commas; `text` starts with the digits after the first comma. Returns its bytes before and after it.
-fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
-    let digits = |text: &mut dyn Iterator<Item = u8>| text.take_while(u8::is_ascii_digit).count();
-    let whole = digits(&mut before.strip_suffix(',')?.bytes().rev());
-    let mut part = digits(&mut text.bytes());
-    if whole == 0 || part == 0 {
-        return None;
-    }
-    while text[part..].starts_with(',') {
-        match digits(&mut text[part + 1..].bytes()) {
-            0 => break,
-            more => part += 1 + more,
-        }
-    }
-    Some((whole + 1, part))
-}
-
-/// A time where a number of ticks is expected, with that number; none where the value is something else.
-fn counted_in_ticks(
-    value: &ast::Expression,
-    param: &Param,
-    signature: &Signature,
-    entries: &[Entry],
-) -> Option<Diagnostic> {
-    let time = seconds(value).filter(|_| matches!(param.ty, Type::Ticks { .. }))?;
-    let Some(ticks) = signature.params.iter().find(|param| param.name == "tick") else {
-        return Some(diagnostics::time_for_budget(value.span, param.name));
-    };
-    let default = ticks.default?;
-    let written = entries.iter().find_map(|entry| match entry {
-        Entry::Property(property) if property.key.text == "tick" => Some(&property.value),
-        _ => None,
-    });
-    let tick = match written {
-        Some(tick) => seconds(tick)?,
-        None => default.strip_suffix(" s")?.parse().ok()?,
-    };
-    Some(diagnostics::time_for_ticks(value.span, param.name, time, tick))
-}
-
-/// A number with a unit of time, in s.
-fn seconds(value: &ast::Expression) -> Option<f64> {
-    let ExpressionKind::Number { value, unit: Some(unit) } = &value.kind else { return None };
-    let unit = parse_unit(&unit.text).ok().filter(|unit| unit.dimension == Dimension::TIME)?;
-    Some(value * unit.factor)
 }

@@ -93,10 +93,6 @@ pub(super) fn formula(
 pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Unit> {
     let names = || -> Vec<&str> { UNIT_NAMES.iter().map(|(name, _)| *name).collect() };
     match parse_unit(&name.text) {
-        Ok(_) if name.text == "m/h" => {
-            diagnostics.push(diagnostics::unknown_unit(name.span, &name.text, Some(&name.text), &names()));
-            None
-        }
         Ok(unit) => Some(unit),
         Err(UnitError::Unknown { name: part }) => {
             diagnostics.push(diagnostics::unknown_unit(name.span, &name.text, Some(&part), &names()));
@@ -107,17 +103,6 @@ pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Uni
             None
         }
     }
-}
-
-/// Keeps, of the units that a number may lack, that of the number on the other side, if there is one.
-fn as_other(mut said: Diagnostic, beside: &Expression) -> Diagnostic {
-    if let ExpressionKind::Number { unit: Some(unit), .. } = &beside.kind {
-        let ends = format!(" {}", unit.text);
-        if said.fixes.iter().any(|fix| fix.text.ends_with(&ends)) {
-            said.fixes.retain(|fix| fix.text.ends_with(&ends));
-        }
-    }
-    said
 }
 
 /// A part of a formula.
@@ -174,9 +159,6 @@ impl Checker<'_> {
         match &expression.kind {
             ExpressionKind::Number { value, unit: None } => Some(Part::constant(*value, Dimension::RATIO)),
             ExpressionKind::Number { value, unit: Some(name) } => {
-                if parse_unit(&name.text).is_err() && self.names_quantity(&name.text) {
-                    return self.say(diagnostics::missing_sign(name.span, &name.text));
-                }
                 let unit = unit(name, self.diagnostics)?;
                 Some(Part::constant(value * unit.factor, unit.dimension))
             }
@@ -267,12 +249,6 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether a word is a variable or a parameter.
-    fn names_quantity(&self, word: &str) -> bool {
-        let scope = self.scope;
-        scope.vocabulary.variables.iter().any(|variable| variable.name == word) || scope.names.param(word).is_some()
-    }
-
     fn binary(&mut self, operator: BinaryOperator, left: &Expression, right: &Expression, span: Span) -> Option<Part> {
         use BinaryOperator::{
             Add, And, Divide, Greater, GreaterEqual, Implies, Less, LessEqual, Multiply, Or, Subtract,
@@ -308,12 +284,10 @@ impl Checker<'_> {
             _ if a.dimension != b.dimension && (compares(operator) || !self.scope.whole) => {
                 return match (plain(left), plain(right)) {
                     (Some(number), _) if a.dimension == Dimension::RATIO => {
-                        let said = diagnostics::bare_number(left.span, b.dimension, &number.to_string(), right.span);
-                        self.say(as_other(said, right))
+                        self.say(diagnostics::bare_number(left.span, b.dimension, &number.to_string(), right.span))
                     }
                     (_, Some(number)) if b.dimension == Dimension::RATIO => {
-                        let said = diagnostics::bare_number(right.span, a.dimension, &number.to_string(), left.span);
-                        self.say(as_other(said, left))
+                        self.say(diagnostics::bare_number(right.span, a.dimension, &number.to_string(), left.span))
                     }
                     _ => self.say(diagnostics::mixed_dimensions(left.span, a.dimension, right.span, b.dimension)),
                 };
@@ -359,7 +333,7 @@ impl Checker<'_> {
     fn counted(&mut self, part: Part, lost: bool, span: Span) -> Option<Part> {
         let (low, high) = part.bounds;
         if low == high && !low.is_finite() {
-            return self.say(diagnostics::not_finite(span, "this is no finite number"));
+            return self.say(diagnostics::not_finite(span, "this is not a finite number"));
         }
         if !is_finite(part.bounds) {
             self.grows.get_or_insert(span);
@@ -401,15 +375,7 @@ impl Checker<'_> {
         let Some((_, function, _)) = FUNCTIONS.iter().find(|(known, ..)| *known == name.text) else {
             return self.say(diagnostics::unknown_function(name.span, &name.text, &known));
         };
-        let before = self.diagnostics.len();
         let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
-        // Between two arguments a comma is missing rather than a sign.
-        if let ([_], Function::Min | Function::Max) = (arguments, function)
-            && let Some(said) = self.diagnostics[before..].iter_mut().find(|said| diagnostics::lacks_sign(said))
-        {
-            diagnostics::or_comma(said);
-            return None;
-        }
         let (fits, expected) = match function {
             Function::Min | Function::Max => (arguments.len() > 1, "two arguments or more"),
             Function::LogLikelihood => (arguments.len() == 3, "a value, a mean and a standard deviation"),

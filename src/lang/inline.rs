@@ -122,7 +122,7 @@ impl<'a> Inline<'a> {
                         self.entries(&mut child.entries, inner);
                     }
                 }
-                Entry::Clause(_) | Entry::Bare(_) | Entry::Unread(_) => {}
+                Entry::Clause(_) | Entry::Bare(_) | Entry::Unread => {}
             }
         }
     }

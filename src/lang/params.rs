@@ -11,7 +11,7 @@ use super::value::{Context, distributions, value};
 use super::{Loaded, diagnostics, hir};
 use base::diagnostic::{Diagnostic, Label, SourceId, Sources, Span};
 use base::signature::{Form, Signature, Type, Value, Vocabulary};
-use base::units::{Dimension, parse_unit};
+use base::units::Dimension;
 
 /// Words for types that are dimensions.
 pub const DIMENSIONS: &[(&str, Dimension)] = &[
@@ -265,12 +265,7 @@ impl<'a> Params<'a> {
                     let mut known: Vec<&str> = DIMENSIONS.iter().map(|(name, _)| *name).collect();
                     known.extend(OTHER_TYPES);
                     known.extend(self.forms.iter().map(|form| form.name));
-                    diagnostics.push(diagnostics::unknown_type(
-                        param.ty.span,
-                        word,
-                        type_of(self.sources.text(written.span)),
-                        &known,
-                    ));
+                    diagnostics.push(diagnostics::unknown_type(param.ty.span, word, &known));
                     None
                 }
             },
@@ -292,7 +287,7 @@ impl<'a> Params<'a> {
                 Entry::Property(Property { value, .. }) | Entry::Bare(value) => self.expression(value, place),
                 Entry::Clause(Clause { formula, .. }) => self.expression(formula, place),
                 Entry::Child(child) => self.entries(&mut child.entries, place),
-                Entry::Unread(_) => {}
+                Entry::Unread => {}
             }
         }
     }
@@ -334,7 +329,7 @@ fn mentioned_in(entry: &Entry, names: &Names, found: &mut Vec<ParamId>) {
         Entry::Property(Property { value, .. }) | Entry::Bare(value) => mentioned(value, names, found),
         Entry::Clause(Clause { formula, .. }) => mentioned(formula, names, found),
         Entry::Child(child) => child.entries.iter().for_each(|entry| mentioned_in(entry, names, found)),
-        Entry::Unread(_) => {}
+        Entry::Unread => {}
     }
 }
 
@@ -363,26 +358,5 @@ fn relocate(kind: &mut ExpressionKind, place: Span) {
     if let ExpressionKind::Range(low, high) = kind {
         low.span = place;
         high.span = place;
-    }
-}
-
-/// Whether a word is the type of a parameter, except for forms.
-pub(super) fn is_type(word: &str) -> bool {
-    DIMENSIONS.iter().any(|(name, _)| *name == word) || OTHER_TYPES.contains(&word)
-}
-
-/// The word for the type of a value, as far as its text shows it.
-pub(super) fn type_of(value: &str) -> Option<&'static str> {
-    let number =
-        value.trim_start_matches('-').bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
-    let unit = value.trim_start_matches('-')[number..].split_whitespace().next();
-    match unit {
-        _ if value == "true" || value == "false" => Some("boolean"),
-        _ if value.starts_with('"') => Some("text"),
-        _ if number == 0 => None,
-        None => Some("number"),
-        Some(unit) => parse_unit(unit).ok().and_then(|unit| {
-            DIMENSIONS.iter().find(|(_, dimension)| *dimension == unit.dimension).map(|(name, _)| *name)
-        }),
     }
 }

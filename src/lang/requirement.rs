@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::ast::{Expression, ExpressionKind, Known, Name, Operator};
 use super::diagnostics;
 use super::formula::{Scope, Sort, formula, functions, is_function};
+use super::value::describe;
 use base::diagnostic::{Diagnostic, Sources};
 use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, Variable, VariableId, Within};
 use base::units::Dimension;
@@ -35,7 +36,7 @@ pub(super) fn is_temporal(name: &str) -> bool {
     OPERATORS.iter().any(|(known, _)| *known == name)
 }
 
-/// Checks an expression as a requirement; `None` when something was wrong and has been reported.
+/// Checks an expression as a requirement; `None` after an error has been reported.
 pub(super) fn requirement(
     expression: &Expression,
     scope: &Scope,
@@ -46,7 +47,7 @@ pub(super) fn requirement(
     let formula = checker.visit(expression)?;
     let Checker { parts, is_temporal, .. } = checker;
     if !is_temporal && !parts.is_empty() {
-        diagnostics.push(diagnostics::only_at_start(expression.span, sources.text(expression.span)));
+        diagnostics.push(diagnostics::only_at_start(expression.span));
     }
     Some(Arc::new(Requirement { parts, formula }))
 }
@@ -125,12 +126,8 @@ impl Checker<'_> {
 
     /// `[0 s, 2 s]`
     fn bound(&mut self, bound: &Expression) -> Option<Within> {
-        if let ExpressionKind::Range(low, high) = &bound.kind {
-            let meant = format!("[{}, {}]", self.sources.text(low.span), self.sources.text(high.span));
-            return self.say(diagnostics::not_a(bound.span, "bound `[from, to]`", "range").fix(meant));
-        }
         let ExpressionKind::List(ends) = &bound.kind else {
-            return self.say(diagnostics::not_a(bound.span, "bound such as `[0 s, 2 s]`", "value"));
+            return self.say(diagnostics::not_a(bound.span, "bound such as `[0 s, 2 s]`", &describe(bound)));
         };
         let [low, high] = ends.as_slice() else {
             return self.say(diagnostics::wrong_bound(bound.span, ends.len()));
@@ -142,8 +139,7 @@ impl Checker<'_> {
             return self.say(diagnostics::out_of_range(low.span, text, "0 s or more".into()));
         }
         if from > to {
-            let swapped = format!("[{}, {}]", self.sources.text(high.span), self.sources.text(low.span));
-            return self.say(diagnostics::empty_range(bound.span, swapped, None));
+            return self.say(diagnostics::empty_range(bound.span));
         }
         Some(Within { from, to })
     }

@@ -14,10 +14,10 @@ use base::units::{Dimension, parse_unit};
 
 /// The word of a block that multiplies a declaration.
 const MATRIX: &str = "matrix";
-/// The greatest number of combinations of all matrices.
-const MOST_COMBINATIONS: usize = 1000;
-/// The greatest number of repeated checks of parameters and declarations, in all: each combination checks all of them.
-const MOST_CHECKS: usize = 300_000;
+/// Maximum number of combinations of all matrices.
+const MAX_COMBINATIONS: usize = 1000;
+/// Maximum number of repeated checks of parameters and declarations, in all: each combination checks all of them.
+const MAX_CHECKS: usize = 300_000;
 
 /// A value for a parameter, or for a key of a declaration.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,7 +112,7 @@ pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
                 None => {
                     let mut declared = loaded.files.iter().flat_map(|file| &file.declarations);
                     if declared.any(|each| each.name.as_ref().is_some_and(|known| known.text == name.text)) {
-                        let reason = format!("`{}` is a declaration and no parameter; name one of its keys", name.text);
+                        let reason = format!("`{}` is a declaration, not a parameter; name one of its keys", name.text);
                         said.push(diagnostics::bad_setting(name.span, &reason));
                         continue;
                     }
@@ -213,7 +213,7 @@ pub fn matrices(
 ) -> (Vec<Matrix>, Vec<Diagnostic>) {
     let (mut matrices, mut diagnostics) = (Vec::new(), Vec::new());
     let size: usize = loaded.files.iter().map(|file| file.params.len() + file.declarations.len()).sum();
-    let mut left = MOST_COMBINATIONS.min(MOST_CHECKS / size.max(1));
+    let mut left = MAX_COMBINATIONS.min(MAX_CHECKS / size.max(1));
     for file in &mut loaded.files {
         for (index, declaration) in file.declarations.iter_mut().enumerate() {
             if !forms.iter().any(|form| form.multiplies && form.name == declaration.form.text) {
@@ -258,9 +258,8 @@ fn axes_of<'a>(
                     diagnostics.push(diagnostics::duplicate_key(property.key.span, &property.key.text, *first));
                 }
                 None if members(property).is_empty() => diagnostics.push(diagnostics::empty_list(property.value.span)),
-                None if let ExpressionKind::Range(low, high) = &property.value.kind => {
-                    let ends = [low, high].map(|end| sources.text(end.span));
-                    diagnostics.push(diagnostics::axis_range(property.value.span, ends));
+                None if matches!(property.value.kind, ExpressionKind::Range(..)) => {
+                    diagnostics.push(diagnostics::axis_range(property.value.span));
                     seen.insert(&property.key.text, property.key.span);
                 }
                 None => {
@@ -282,10 +281,10 @@ fn axes_of<'a>(
             Entry::Bare(value) => {
                 diagnostics.push(diagnostics::bare_argument(value.span, sources.text(value.span), &[]));
             }
-            Entry::Unread(_) => {}
+            Entry::Unread => {}
             Entry::Clause(clause) => diagnostics.push(diagnostics::unexpected_clause(clause.event.span, MATRIX)),
             Entry::Child(child) => {
-                diagnostics.push(diagnostics::unknown_block(child.form.span, MATRIX, &child.form.text, &[], &[]));
+                diagnostics.push(diagnostics::unknown_block(child.form.span, MATRIX, &child.form.text, &[]));
             }
         }
     }
@@ -300,7 +299,7 @@ fn text_of(value: &Expression, sources: &Sources) -> String {
     }
 }
 
-/// A quantity in SI, in whatever unit it is written; none for other values.
+/// A quantity in SI, in whatever unit it is written; `None` for other values.
 fn in_si(value: &Expression) -> Option<String> {
     let ExpressionKind::Number { value, unit } = &value.kind else { return None };
     let unit = parse_unit(unit.as_ref().map_or("", |unit| unit.text.as_str())).ok();

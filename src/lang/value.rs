@@ -4,7 +4,6 @@ mod number;
 mod list;
 mod name;
 mod distribution;
-mod suggested;
 
 use super::ast::{Expression, ExpressionKind, Known};
 use super::diagnostics;
@@ -15,7 +14,6 @@ use base::diagnostic::{Diagnostic, Sources};
 use base::signature::{Form, Formula, Type, Value, Vocabulary};
 use base::units::Dimension;
 pub use distribution::distributions;
-use suggested::{otherwise, places_with_units};
 
 /// The context of a value.
 pub(super) struct Context<'a> {
@@ -26,7 +24,7 @@ pub(super) struct Context<'a> {
     pub sources: &'a Sources,
 }
 
-/// Checks an expression as a value of this type; `None` when something was wrong and has been reported.
+/// Checks an expression as a value of this type; `None` after an error has been reported.
 pub(super) fn value(
     expression: &Expression,
     ty: &Type,
@@ -34,10 +32,6 @@ pub(super) fn value(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<Value> {
     if matches!(expression.kind, ExpressionKind::Known(Known::Wrong)) {
-        return None;
-    }
-    if let Some(meant) = places_with_units(expression, ty, context) {
-        diagnostics.push(diagnostics::missing_units(expression.span, meant));
         return None;
     }
     match ty {
@@ -78,11 +72,29 @@ pub(super) fn value(
     }
 }
 
+/// What an expression is, for messages.
+pub(super) fn describe(expression: &Expression) -> String {
+    match &expression.kind {
+        ExpressionKind::Number { unit: None, .. } => "a plain number".into(),
+        ExpressionKind::Number { .. } => "a quantity".into(),
+        ExpressionKind::Known(Known::Quantity(_, dimension)) => diagnostics::one(dimension),
+        ExpressionKind::Known(Known::Declaration(form, _)) => format!("the name of {}", diagnostics::one(form)),
+        ExpressionKind::Known(Known::Distribution(_, dimension)) => format!("a distribution of {dimension}"),
+        ExpressionKind::Known(Known::Wrong) => "a parameter".into(),
+        ExpressionKind::Text(_) => "a text".into(),
+        ExpressionKind::Name(word) => format!("the word `{word}`"),
+        ExpressionKind::Range(..) => "a range".into(),
+        ExpressionKind::List(_) => "a list".into(),
+        ExpressionKind::Group(parts) if parts.len() > 1 => format!("a tuple of {}", parts.len()),
+        _ => "a formula".into(),
+    }
+}
+
 /// Reports an expression of another kind than its type wants, unless it is a parameter that may have been in a statement which could not be read.
 fn unfit(expression: &Expression, ty: &Type, context: &Context, diagnostics: &mut Vec<Diagnostic>) -> Option<Value> {
     let lost = |word: &str| context.names.may_be_unread(word, context.names.params());
     if !matches!(&expression.kind, ExpressionKind::Name(word) if lost(word)) {
-        diagnostics.push(otherwise(expression, ty, context));
+        diagnostics.push(diagnostics::wrong_type(expression.span, ty, &describe(expression)));
     }
     None
 }
@@ -94,8 +106,8 @@ fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a>
     Scope { vocabulary: context.vocabulary, available, event, names: context.names, whole }
 }
 
-/// The greatest absolute value of a reward: learners compute in 32 bits, and add up.
-const MOST_PAID: f64 = 1e9;
+/// Maximum absolute value of a reward: learners compute in 32 bits, and add up.
+const MAX_REWARD: f64 = 1e9;
 
 /// The usual size of a variable (SI); rewards for larger values are rare.
 fn everyday(dimension: Dimension) -> f64 {
@@ -112,11 +124,11 @@ pub(super) fn plain_number(
         (formula, Sort::Quantity(Dimension::RATIO)) => {
             let (low, high) = formula.bounds(&|id| {
                 let Some(variable) = scope.vocabulary.variables.get(id.0) else { return ROBUST };
-                let (most, (low, high)) = (everyday(variable.dimension), variable.bounds);
-                (low.max(-most), high.min(most))
+                let (limit, (low, high)) = (everyday(variable.dimension), variable.bounds);
+                (low.max(-limit), high.min(limit))
             });
-            if low < -MOST_PAID || high > MOST_PAID {
-                diagnostics.push(diagnostics::too_much(expression.span, MOST_PAID));
+            if low < -MAX_REWARD || high > MAX_REWARD {
+                diagnostics.push(diagnostics::too_much(expression.span, MAX_REWARD));
                 return None;
             }
             Some(formula)

@@ -248,6 +248,24 @@ fn completions_know_the_commands() {
 }
 
 #[test]
+fn a_map_is_drawn_and_its_waypoints_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    crate::maps::write_maps(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib/towns.scn"), folder.path());
+    let output = falsify(&["preview", "harbour.xodr", "--waypoints", "2", "--out", "maps"], folder.path());
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("town harbour") && text.contains("6 junctions"), "{text}");
+    let picture = std::fs::read_to_string(folder.path().join("maps/harbour.svg")).unwrap();
+    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
+    let table = std::fs::read_to_string(folder.path().join("maps/harbour_waypoints.csv")).unwrap();
+    assert!(table.starts_with("road_id,section_id,lane_id,s,x,y") && table.lines().count() > 400);
+    for distance in ["2", "0"] {
+        let output = falsify(&["preview", "none.xodr", "--waypoints", distance], folder.path());
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+    }
+}
+
+#[test]
 fn settings_change_values_and_reach_the_manifest() {
     let folder = tempfile::tempdir().unwrap();
     let text = campaign().replace("runs: 2", "runs: tries").replace(
@@ -325,16 +343,27 @@ fn output_that_is_lost_is_noticed() {
 }
 
 #[test]
+fn the_program_of_a_file_with_a_matrix_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = campaign()
+        .replace("training: ppo_paper\n", "training: ppo_paper matrix { far: [10 m, 20 m] }\n")
+        .replace("campaign tiny", "param far: length = 30 m\nspawn short { distance: 7 m .. far }\ncampaign tiny");
+    std::fs::write(folder.path().join("tiny.scn"), text.replace("spawn: ahead", "spawn: short")).unwrap();
+    let output = falsify(&["debug", "hir", "tiny.scn"], folder.path());
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
 fn check_fix_applies_repairs_without_an_alternative() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("typo.scn");
-    let text = "edition 1\npolicy p = idm(time_hedway: 2 s)\nepisode e { ticks: 30 s  hold: 1 s }\nspawn s { distance: 7 .. 30 m }\n";
+    let text =
+        "edition 1\npolicy p = idm(time_hedway: 2 s)\nepisode e { tiks: 600 }\nspawn s { distance: 7 .. 30 m }\n";
     std::fs::write(&file, text).unwrap();
     let output = falsify(&["check", "--fix", "typo.scn"], folder.path());
     let repaired = std::fs::read_to_string(&file).unwrap();
     assert!(repaired.contains("idm(time_headway: 2 s)"), "{repaired}");
-    // 30 s and 1 s in ticks of 0.05 s.
-    assert!(repaired.contains("ticks: 600") && repaired.contains("hold: 20"), "{repaired}");
+    assert!(repaired.contains("ticks: 600") && repaired.contains("distance: 7 .. 30 m"), "{repaired}");
     assert!(error(&output).contains("repaired in typo.scn"), "{output:?}");
     // What is right stays as it is.
     let before = std::fs::read(&file).unwrap();

@@ -308,7 +308,7 @@ fn what_the_library_declares_can_be_read() {
 
 #[test]
 fn repairs_are_offered_where_the_mistake_is() {
-    let text = "edition 1\nspwan s { bearing: -60 .. 60 deg }\nspawn t { bearing: -60 } // A direction.\n";
+    let text = "edition 1\nspwan s { bearing: -60 .. 60 deg }\npolicy p = idm(magrin: 1 m)\n";
     let mut session = Session::new();
     session.open(FILE, text);
     let line = |number: u32, to: u32| json!({ "start": { "line": number, "character": 0 }, "end": { "line": number, "character": to } });
@@ -316,7 +316,7 @@ fn repairs_are_offered_where_the_mistake_is() {
         let params = json!({ "textDocument": { "uri": FILE }, "range": range, "context": { "diagnostics": [] } });
         session.ask("textDocument/codeAction", params)
     };
-    let (none, word, unit) = (ask(line(0, 3)), ask(line(1, 3)), ask(line(2, 40)));
+    let (none, word, key) = (ask(line(0, 3)), ask(line(1, 3)), ask(line(2, 40)));
     let answers = session.hold();
     let texts = |id: u64| -> Vec<String> {
         let actions = result(&answers, id).as_array().unwrap();
@@ -325,7 +325,7 @@ fn repairs_are_offered_where_the_mistake_is() {
     };
     assert_eq!(texts(none), Vec::<String>::new());
     assert_eq!(texts(word), ["spawn"]);
-    assert_eq!(texts(unit), ["-60 deg", "-60 rad"]);
+    assert_eq!(texts(key), ["margin"]);
     let action = &result(&answers, word)[0];
     assert_eq!((&action["kind"], &action["isPreferred"]), (&json!("quickfix"), &json!(true)));
     assert_eq!(action["diagnostics"][0]["code"], "unknown-form");
@@ -347,7 +347,7 @@ fn a_missing_import_is_added_where_imports_stand() {
     let [action] = result(&answers, asked).as_array().unwrap().as_slice() else { panic!("one repair") };
     let edit = &action["edit"]["changes"][FILE][0];
     let place = json!({ "line": 1, "character": 22 });
-    assert_eq!(edit["newText"], "\nimport \"std/drivers.scn\"");
+    assert_eq!(edit["newText"], "\nimport model3 from \"std/drivers.scn\"");
     assert_eq!(edit["range"], json!({ "start": place, "end": place }));
 }
 

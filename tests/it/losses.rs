@@ -47,14 +47,14 @@ fn copy(from: &Path, to: &Path) {
 fn repairs_keep_comments_and_leave_other_files_alone() {
     let place = tempfile::tempdir().unwrap();
     let path = |name: &str| place.path().join(name);
-    fs::write(path("a.scn"), "Edition 1\n// why\n\n// licence\nimport \"std/towns.scn\"\n").unwrap();
-    fs::write(path("b.scn"), "edition: \"1\"\n// why\n").unwrap();
+    fs::write(path("a.scn"), "// why\n\n// licence\nimport \"std/towns.scn\"\n").unwrap();
+    fs::write(path("b.scn"), "edition 1\nspwan s { } // why\n").unwrap();
     falsify(&["check", "--fix", "a.scn", "b.scn"], place.path());
     assert_eq!(
         fs::read_to_string(path("a.scn")).unwrap(),
         "edition 1\n// why\n\n// licence\nimport \"std/towns.scn\"\n"
     );
-    assert_eq!(fs::read_to_string(path("b.scn")).unwrap(), "edition 1\n// why\n");
+    assert_eq!(fs::read_to_string(path("b.scn")).unwrap(), "edition 1\nspawn s { } // why\n");
     let program = "# A driver.\nimport sys\nif a || b { x = 5 % 2 }\npolicy p = $PATH\n";
     fs::write(path("driver.py"), program).unwrap();
     let refused = falsify(&["check", "--fix", "driver.py"], place.path());
@@ -66,11 +66,11 @@ fn repairs_keep_comments_and_leave_other_files_alone() {
     let refused = falsify(&["check", "--fix", "later.scn"], place.path());
     assert!(error(&refused).contains("later.scn was left alone: this program does not know its edition"));
     assert_eq!(fs::read_to_string(path("later.scn")).unwrap(), later);
-    fs::write(path("fixed.scn"), "Edition 1\n").unwrap();
+    fs::write(path("fixed.scn"), "episode e { }\n").unwrap();
     fs::set_permissions(path("fixed.scn"), fs::Permissions::from_mode(0o444)).unwrap();
     let refused = falsify(&["check", "--fix", "fixed.scn"], place.path());
     assert_eq!(refused.status.code(), Some(6), "{refused:?}");
-    assert_eq!(fs::read_to_string(path("fixed.scn")).unwrap(), "Edition 1\n");
+    assert_eq!(fs::read_to_string(path("fixed.scn")).unwrap(), "episode e { }\n");
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn a_gate_does_not_pass_for_want_of_a_table() {
 fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
     let place = report();
     let (whole, other) = (place.path().join("out/small"), place.path().join("other"));
-    assert!(falsify(&["replay", "--all", "out/small"], place.path()).status.success());
+    assert!(falsify(&["verify", "out/small"], place.path()).status.success());
     copy(&whole, &other);
     let table = other.join("episodes.parquet");
     let mut bytes = fs::read(&table).unwrap();
@@ -122,7 +122,7 @@ fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
         [&manifest[..cut], &manifest.replace("wall_time_s = ", "wall_time_s = 1"), &format!("{manifest}# more\n")]
     {
         fs::write(other.join("manifest.toml"), text).unwrap();
-        let output = falsify(&["replay", "--all", "other"], place.path());
+        let output = falsify(&["verify", "other"], place.path());
         assert_eq!(output.status.code(), Some(8), "{output:?}");
         let text = format!("{}{}", error(&output), said(&output));
         assert_eq!(text.matches("is not as it was written").count(), 1, "{text}");
@@ -140,7 +140,7 @@ fn links_lead_neither_out_of_a_report_nor_out_of_the_folder_that_is_named() {
     fs::remove_file(other.join("scenario/small.scn")).unwrap();
     std::os::unix::fs::symlink(here.join("secret"), other.join("scenario/small.scn")).unwrap();
     fs::remove_file(here.join("small.scn")).unwrap();
-    let output = falsify(&["replay", "--anyway", "--all", "other"], here);
+    let output = falsify(&["verify", "--anyway", "other"], here);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     assert!(error(&output).contains("cannot read `small.scn`: there is no such file"), "{}", error(&output));
     assert!(!error(&output).contains("nobody should quote"), "{}", error(&output));

@@ -169,7 +169,8 @@ impl Type {
                 with_units(*dimension, &format!("{dimension}, range or distribution"))
             }
             Type::Integer { min, max } if *max == i64::MAX => format!("whole number from {min}"),
-            Type::Integer { min, max } | Type::Ticks { min, max } => format!("whole number from {min} to {max}"),
+            Type::Integer { min, max } => format!("whole number from {min} to {max}"),
+            Type::Ticks { min, max } => format!("whole number of ticks from {min} to {max}"),
             Type::Boolean => "`true` or `false`".into(),
             Type::Choice(words) | Type::Step(words) => format!("one of {}", words.join(", ")),
             Type::Text => "text in quotes".into(),

@@ -10,8 +10,10 @@ pub struct Signature {
     pub doc: &'static str,
     /// Its keys.
     pub params: Vec<Param>,
-    /// Blocks that may stand inside, any number of each.
+    /// Blocks that may stand inside.
     pub children: Vec<Signature>,
+    /// Whether it may stand only once in its owner, if it is a block.
+    pub once: bool,
     /// Whether `on event => formula` clauses may stand inside.
     pub clauses: bool,
     /// Pairs of keys; the value of the first must not be above that of the second.
@@ -25,7 +27,8 @@ pub struct Signature {
 impl Signature {
     /// A kind with keys and nothing inside.
     pub fn new(name: &'static str, doc: &'static str, params: Vec<Param>) -> Self {
-        Self { name, doc, params, children: Vec::new(), clauses: false, rising: Vec::new(), tick: None, surrogate: "" }
+        let (children, rising) = (Vec::new(), Vec::new());
+        Self { name, doc, params, children, once: false, clauses: false, rising, tick: None, surrogate: "" }
     }
 
     /// The same, with the condition that no value of these keys is above that of the next one.
@@ -53,14 +56,24 @@ impl Signature {
     /// It is not a key.
     pub fn usually(mut self, key: &str, default: Option<&'static str>, doc: &'static str) -> Self {
         let param = self.params.iter_mut().find(|param| param.name == key);
-        let param = param.unwrap_or_else(|| panic!("`{key}` is no key of `{}`", self.name));
+        let param = param.unwrap_or_else(|| panic!("`{key}` is not a key of `{}`", self.name));
         (param.default, param.doc) = (default, doc);
         self
     }
 
-    /// The same with these blocks, any number of each.
+    /// The same with these blocks.
     pub fn holding(self, children: Vec<Signature>) -> Self {
         Self { children, ..self }
+    }
+
+    /// The same as a block that may stand only once in its owner.
+    pub fn once(self) -> Self {
+        Self { once: true, ..self }
+    }
+
+    /// How often it may stand in its owner, in words.
+    pub fn occurrence(&self) -> &'static str {
+        if self.once { "at most once" } else { "any number of times" }
     }
 
     /// The same, made for ticks of this length (s).

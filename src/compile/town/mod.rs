@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use base::diagnostic::{Diagnostic, Sources, Span};
 use base::signature::{Form, Keys, Signature};
-use drawn::{RowHousesKeys, TownKeys};
+use drawn::TownKeys;
 use lang::hir::{Block, Declaration};
 use lang::{Reader, diagnostics};
 use map::OpenDriveKeys;
@@ -122,9 +122,6 @@ pub fn lower(
         }
     };
     let before = said.len();
-    if let Some(second) = block.nested(RowHousesKeys::KIND).nth(1) {
-        said.push(diagnostics::contradiction(second.head, "this town has `row_houses` already".into()));
-    }
     let standing = objects::standing(block, said);
     // Rows of houses leave out houses that would stand where an obstacle is placed by hand.
     parts.obstacles.retain(|row| !standing.iter().any(|(_, own)| own.overlaps(row)));

@@ -10,24 +10,23 @@ pub use text::*;
 pub use values::*;
 pub use worlds::*;
 
-use super::foreign_names::own_words;
 use super::suggest::nearest;
 use base::diagnostic::{Diagnostic, Span};
 
-/// The greatest number of words of a list that is shown; a hostile file may have any number.
-const MOST_SHOWN: usize = 40;
+/// Maximum number of words of a list that are shown; a hostile file may have any number.
+const MAX_SHOWN: usize = 40;
 
 fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     let mut words = words.into_iter();
-    let mut shown: Vec<String> = words.by_ref().take(MOST_SHOWN).map(|word| format!("`{}`", cut(word))).collect();
+    let mut shown: Vec<String> = words.by_ref().take(MAX_SHOWN).map(|word| format!("`{}`", cut(word))).collect();
     shown.extend(words.next().map(|_| "…".to_string()));
     shown.join(", ")
 }
 
 /// A word of the user's, shortened for messages.
-fn cut(word: &str) -> std::borrow::Cow<'_, str> {
-    const MOST: usize = 60;
-    match word.char_indices().nth(MOST) {
+pub(crate) fn cut(word: &str) -> std::borrow::Cow<'_, str> {
+    const MAX_LETTERS: usize = 60;
+    match word.char_indices().nth(MAX_LETTERS) {
         Some((end, _)) => format!("{}…", &word[..end]).into(),
         None => word.into(),
     }
@@ -53,16 +52,13 @@ fn unknown<'a>(
     word: &str,
     known: impl IntoIterator<Item = &'a str>,
 ) -> Diagnostic {
-    // As above: a comparison of every unknown word with every known one would take too long.
-    const MOST: usize = 200;
+    // A comparison of every unknown word with every known one would take too long.
+    const MAX_COMPARED: usize = 200;
     let diagnostic = Diagnostic::error(code, span, message);
-    let known: Vec<&str> = known.into_iter().take(MOST).collect();
-    if let Some(own) = own_words(word).iter().find(|own| known.contains(own)) {
-        return diagnostic.here(format!("here it is called `{own}`")).fix(*own);
-    }
+    let known: Vec<&str> = known.into_iter().take(MAX_COMPARED).collect();
     match nearest(word, known.iter().copied()) {
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
-        None if known.is_empty() => diagnostic.here("there is none here"),
+        None if known.is_empty() => diagnostic.here("none is declared or imported"),
         None => diagnostic.help(format!("known here: {}", quoted(known))),
     }
 }

@@ -1,9 +1,6 @@
 //! Wrong names: forms, kinds, keys, declarations, parameters, settings.
 
-use super::super::foreign_names::{counts_pedestrians, own_words};
-use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
-use crate::ast::Name;
 use base::diagnostic::{Diagnostic, Span};
 use base::signature::Param;
 
@@ -30,13 +27,8 @@ pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
         .help("give the parameter another name: it would replace the word wherever that is written")
 }
 
-/// The type of a parameter is not known; its value may suggest another one.
-pub fn unknown_type(span: Span, word: &str, of_value: Option<&str>, known: &[&str]) -> Diagnostic {
-    if let Some(own) = of_value.filter(|own| *own != "number" && own_words(word) == ["number"]) {
-        return Diagnostic::error("unknown-type", span, format!("unknown type `{}`", cut(word)))
-            .here(format!("its value is {}", one(own)))
-            .fix(own);
-    }
+/// The type of a parameter is not known.
+pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
     unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
 }
 
@@ -51,14 +43,6 @@ pub fn repeated_setting(span: Span, path: &str, first: Span) -> Diagnostic {
     Diagnostic::error("bad-setting", span, format!("`{path}` is set twice")).label(first, "first set here")
 }
 
-/// A matrix names the key of a declaration.
-pub fn dotted_key(span: Span, path: &str) -> Diagnostic {
-    let name = path.replace('.', "_");
-    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key contains no points").help(format!(
-        "a `matrix` sets parameters: declare one, as in `param {name}: length = …`, name it where `{path}` stands, and here"
-    ))
-}
-
 /// A matrix varies a parameter without effect on its campaign.
 pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
     Diagnostic::warning("unused", span, format!("`{name}` has no effect on campaign `{campaign}`"))
@@ -67,11 +51,7 @@ pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
 
 /// A setting names nothing.
 pub fn unknown_setting<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    let mut known = known.into_iter().peekable();
-    let none = known.peek().is_none();
-    let said =
-        unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known);
-    if none { said.help(format!("declare it, as in `param {}: length = 20 m`", cut(word))) } else { said }
+    unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known)
 }
 
 /// A setting names several things.
@@ -94,23 +74,12 @@ pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnost
     )
 }
 
-/// A declaration starts with its name; its kind is one of this form.
-pub fn missing_form(span: Span, word: &str, form: &str) -> Diagnostic {
-    Diagnostic::error("unknown-form", span, format!("unknown declaration `{}`", cut(word)))
-        .here(format!("is this the name of {}?", one(form)))
-        .fix(format!("{form} {word}"))
-}
-
-/// The first word of a declaration is no form.
+/// The first word of a declaration is not a form.
 pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
-    if matches!(word, "param" | "let" | "def" | "const" | "var" | "val") {
-        return Diagnostic::error("unknown-form", span, "this statement cannot be read")
-            .help("a parameter needs a type: `param far: length = 30 m`");
-    }
     unknown("unknown-form", span, format!("unknown declaration `{}`", cut(word)), word, forms.iter().copied())
 }
 
-/// The word after `=` is no kind of this form.
+/// The word after `=` is not a kind of this form.
 pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagnostic {
     unknown("unknown-kind", span, format!("unknown kind `{}` of {form}", cut(word)), word, kinds.iter().copied())
 }
@@ -126,58 +95,9 @@ pub fn missing_name(span: Span, form: &str) -> Diagnostic {
     Diagnostic::error("missing-name", span, format!("this {form} has no name")).help(format!("write `{form} name …`"))
 }
 
-/// Where a key belongs that is not in the signature.
-#[derive(Clone, Copy)]
-pub enum KeyOf<'a> {
-    /// In a block of the same owner.
-    Block(&'a str),
-    /// In another form.
-    Form(&'a str),
-}
-
-/// A key is not in the signature; the given keys are those of the signature without a value, the blocks those that it may hold.
-pub fn unknown_key(
-    span: Span,
-    owner: &str,
-    word: &str,
-    keys: &[&str],
-    blocks: &[&str],
-    elsewhere: Option<KeyOf>,
-) -> Diagnostic {
-    let message = format!("`{owner}` has no key `{}`", cut(word));
-    let error = || Diagnostic::error("unknown-key", span, message.clone());
-    let is_key = |of: &str| format!("`{word}` is a key of `{of}`");
-    // A word of another language for a key of its own goes before a block's key of that name.
-    let is_own = own_words(word).iter().any(|own| keys.contains(own));
-    if let Some(KeyOf::Block(block)) = elsewhere.filter(|_| !is_own) {
-        return nearest(word, keys.iter().copied()).into_iter().fold(error().help(is_key(block)), Diagnostic::fix);
-    }
-    let block = own_words(word).iter().copied().find(|own| blocks.contains(own));
-    if let Some(block) = block.or_else(|| nearest(word, blocks.iter().copied())) {
-        return error()
-            .here(format!("did you mean the block `{block}`?"))
-            .help(format!("write `{block} name {{ … }}`"));
-    }
-    if owner == "town" && own_words(word).contains(&"file") {
-        return error().here("a map has a kind of its own").help("write `town name = opendrive(file: \"my.xodr\")`");
-    }
-    let diagnostic = unknown("unknown-key", span, message.clone(), word, keys.iter().copied());
-    match elsewhere {
-        _ if !diagnostic.fixes.is_empty() => diagnostic,
-        _ if counts_pedestrians(word) => error().here("an episode has one pedestrian").help(
-            "its body is the `adversary` of the campaign, and the `falsifiers` of `search` or the `pedestrians` of `evaluate` move it",
-        ),
-        Some(KeyOf::Form(form)) => diagnostic.help(is_key(form)),
-        _ if word == "seed" => diagnostic.help("the seed is given when it is run: `falsify run --seed 7 …`"),
-        _ => diagnostic,
-    }
-}
-
-/// An event is written in place of a key.
-pub fn event_for_key(span: Span, owner: &str, word: &str) -> Diagnostic {
-    Diagnostic::error("unknown-key", span, format!("`{owner}` has no key `{word}`"))
-        .here("this is an event")
-        .help(format!("write the reward of an event as `on {word} => …`"))
+/// A key is not in the signature.
+pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
+    unknown("unknown-key", span, format!("`{owner}` has no key `{}`", cut(word)), word, keys.iter().copied())
 }
 
 /// A key is given twice.
@@ -201,53 +121,34 @@ pub fn no_training(campaign: Span, trains: Span) -> Diagnostic {
         .help("`training` is the name of a training, and says how they are trained")
 }
 
-/// A value in parentheses has no key; these keys may be meant.
+/// A value in parentheses has no key.
 pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::error("bare-argument", span, "this value has no key");
     match keys {
-        [] => diagnostic.help("no key here takes such a value"),
-        [only] => diagnostic.fix(format!("{only}: {written}")),
+        [] => diagnostic.help("no key is allowed here"),
         keys => diagnostic.help(format!("write `key: {}`, with one of {}", cut(written), quoted(keys.iter().copied()))),
     }
 }
 
-/// Arguments of a function have keys; `call` is the call without them.
-pub fn named_argument(keys: &[&Name], place: Span, call: &str) -> Diagnostic {
-    let (first, others) = keys.split_first().expect("a key is named");
-    let message = format!("functions take no keys such as `{}`", first.text);
-    let diagnostic = Diagnostic::error("named-argument", first.span, message);
-    // The order of arguments, by the names that other libraries have for them; some functions accept any order.
-    const ORDER: [&[&str]; 3] = [
-        &["x", "value", "low", "lo", "lower", "least", "min", "from", "start", "begin", "mean", "mu", "loc"],
-        &[
-            "mean", "mu", "loc", "high", "hi", "upper", "most", "max", "to", "end", "stop", "sd", "std", "stddev",
-            "sigma", "scale",
-        ],
-        &["sd", "std", "stddev", "sigma", "scale"],
-    ];
-    let any = call.starts_with("min(") || call.starts_with("max(") || others.is_empty();
-    let in_order = keys.len() < 4 && keys.iter().zip(ORDER).all(|(key, known)| known.contains(&key.text.as_str()));
-    let plain = !call.contains(':') && !call.contains("//") && !call.contains("/*");
-    let turned = !plain || !any && !in_order;
-    let diagnostic = others.iter().fold(diagnostic, |said, key| said.label(key.span, "nor this"));
-    if turned { diagnostic.help("write the arguments in order, without keys") } else { diagnostic.fix_at(place, call) }
+/// Arguments of a function have keys.
+pub fn named_argument(span: Span, key: &str) -> Diagnostic {
+    Diagnostic::error("named-argument", span, format!("functions take no keys such as `{key}`"))
+        .help("write the arguments in order, without keys")
 }
 
 /// A block may not stand here.
-pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str], keys: &[&str]) -> Diagnostic {
-    if let Some(block) = blocks.iter().find(|block| word.starts_with(**block) && keys.contains(&word)) {
-        return Diagnostic::error("unknown-block", span, format!("`{word}` is a key of `{owner}`, not a block"))
-            .here(format!("did you mean `{block}`?"))
-            .fix(*block);
-    }
-    if keys.contains(&word) {
-        return Diagnostic::error("unknown-block", span, format!("`{word}` is a key of `{owner}`, not a block"))
-            .help(format!("write `{word}: …`"));
-    }
+pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str]) -> Diagnostic {
+    let message = format!("`{owner}` has no block `{}`", cut(word));
     if blocks.is_empty() {
-        return Diagnostic::error("unknown-block", span, format!("`{owner}` has no blocks such as `{}`", cut(word)));
+        return Diagnostic::error("unknown-block", span, message).here("no blocks are allowed here");
     }
-    unknown("unknown-block", span, format!("`{owner}` has no block `{}`", cut(word)), word, blocks.iter().copied())
+    unknown("unknown-block", span, message, word, blocks.iter().copied())
+}
+
+/// A block that is allowed once stands here again.
+pub fn repeated_block(span: Span, owner: &str, word: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("repeated-block", span, format!("`{owner}` takes one block `{word}`"))
+        .label(first, "the first is here")
 }
 
 /// An `on` clause may not stand here.
@@ -306,25 +207,6 @@ pub fn kind_in_place(span: Span, form: &str, written: &str) -> Diagnostic {
     Diagnostic::error("unknown-name", span, format!("expected the name of a {form}, found a declaration of one"))
         .here("this is written in a declaration of its own")
         .help(format!("declare it: `{form} mine = {}`, and write `mine` here", cut(written)))
-}
-
-/// A list of names stands where one name is expected.
-pub fn several_for_one(span: Span, form: &str, written: &[&str]) -> Diagnostic {
-    let diagnostic = Diagnostic::error("wrong-type", span, format!("expected the name of one {form}, found a list"));
-    match (form, written) {
-        (_, [only]) => diagnostic.fix(*only),
-        ("adversary", _) => diagnostic
-            .here("the pedestrians are trained with one adversary")
-            .help(format!("`evaluate {{ adversaries: [{}] }}` evaluates them with several", written.join(", "))),
-        _ => diagnostic.help(format!("for several, write a `matrix` over a parameter of the type `{form}`")),
-    }
-}
-
-/// A pose has no heading.
-pub fn missing_heading(span: Span, written: &[&str]) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, "expected a pose, found a point")
-        .here("a pose has a heading, too")
-        .fix(format!("({}, 0 deg)", written.join(", ")))
 }
 
 /// A declaration is never used.

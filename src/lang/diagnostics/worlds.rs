@@ -87,13 +87,6 @@ pub fn bound_between_ticks(span: Span, formula: Span, name: &str, bound: &str, t
         .help(format!("ticks are {} s apart; the present sample is at 0 s", short(tick)))
 }
 
-/// Two requirements demand values of one quantity that exclude each other.
-pub fn requirements_clash(span: Span, other: Span, names: (&str, &str), texts: (&str, &str)) -> Diagnostic {
-    contradiction(span, format!("no episode satisfies both `{}` and `{}`", names.0, names.1))
-        .here(format!("demands `{}`", texts.1))
-        .label(other, format!("demands `{}`", texts.0))
-}
-
 /// A search looks for collisions alone, and the campaign requires more.
 pub fn goalless_search(span: Span, requirement: &str) -> Diagnostic {
     Diagnostic::warning(
@@ -138,13 +131,6 @@ pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic 
     )
     .here(format!("the episode lasts {} s, and the pedestrian walks at most {speed:.1} m/s", short(time)))
     .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `adversary`")
-}
-
-/// A bend asks a car at the speed limit for more lateral acceleration than drivers allow: radius of the lane (m), both accelerations (m/s²).
-pub fn fast_bend(span: Span, radius: f64, lateral: f64, limit: f64) -> Diagnostic {
-    Diagnostic::warning("fast-bend", span, "this limit is too high for a bend of the street")
-        .here(format!("asks for {lateral:.1} m/s^2 sideways on a lane with a radius of {radius:.1} m; {} is usual", short(limit)))
-        .help("a driver that does not slow down for bends leaves the road: lower the limit, or give the town a larger `bend_radius`")
 }
 
 /// Something is farther (m) from every street than any actor.

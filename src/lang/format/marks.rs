@@ -35,7 +35,7 @@ impl Marks {
             self.blocks.insert(pair.as_span().start());
         }
         for inner in pair.into_inner() {
-            if holds_statements && inner.as_rule() != Rule::EOI {
+            if holds_statements && !matches!(inner.as_rule(), Rule::EOI | Rule::open_block) {
                 let shares_line = matches!(inner.as_rule(), Rule::property | Rule::clause);
                 self.statements.insert(inner.as_span().start(), shares_line);
             }

@@ -1,12 +1,11 @@
 //! Distributions: constants, ranges, and calls of the functions that make them.
 
-use super::Context;
 use super::number::{ends, is_formula, quantity, within};
-use super::suggested::{as_beside, as_dashed_range, describe};
+use super::{Context, describe};
 use crate::ast::{Expression, ExpressionKind, Known};
 use crate::diagnostics;
 use crate::formula::is_function;
-use base::diagnostic::{Diagnostic, Span};
+use base::diagnostic::Diagnostic;
 use base::signature::{Distribution, LEAST, MOST, Type};
 use base::units::Dimension;
 
@@ -19,8 +18,8 @@ const DISTRIBUTIONS: &[(&str, &str)] = &[
     ("weighted", "one pair `(weight, distribution)` or more"),
 ];
 
-/// The most parts of a distribution. Parameters that name each other may double them again and again.
-const MOST_PARTS: usize = 4096;
+/// Maximum number of parts of a distribution. Parameters that name each other may double them again and again.
+const MAX_PARTS: usize = 4096;
 
 /// The names of the functions that make distributions.
 pub fn distributions() -> impl Iterator<Item = &'static str> {
@@ -53,8 +52,8 @@ pub(super) fn distribution(
                 said.push(diagnostics::unknown_distribution(function.span, &function.text, &known));
                 return None;
             };
-            if parts_of(expression) > MOST_PARTS {
-                said.push(diagnostics::too_many_parts(span, MOST_PARTS));
+            if parts_of(expression) > MAX_PARTS {
+                said.push(diagnostics::too_many_parts(span, MAX_PARTS));
                 return None;
             }
             let parts = |said: &mut Vec<Diagnostic>| {
@@ -67,11 +66,8 @@ pub(super) fn distribution(
                     Some(Distribution::Uniform(a, b))
                 }
                 ("normal", [mean, deviation]) => {
-                    let before = said.len();
                     let middle = quantity(mean, dimension, context, said);
                     let spread = quantity(deviation, dimension, context, said);
-                    as_beside(&mut said[before..], mean, deviation, dimension, context);
-                    as_beside(&mut said[before..], deviation, mean, dimension, context);
                     let (mean, spread) = (middle?, spread?);
                     within(spread, LEAST, MOST, dimension, deviation.span, context, said)?;
                     let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -105,12 +101,7 @@ pub(super) fn distribution(
                 }
             }
         }
-        _ if is_formula(expression) => {
-            let before = said.len();
-            let constant = quantity(expression, dimension, context, said).map(Distribution::Constant);
-            as_dashed_range(&mut said[before..], expression, dimension, context);
-            constant
-        }
+        _ if is_formula(expression) => quantity(expression, dimension, context, said).map(Distribution::Constant),
         _ => {
             let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
             said.push(diagnostics::wrong_type(
@@ -123,14 +114,14 @@ pub(super) fn distribution(
     }
 }
 
-/// The number of parts of a distribution, counted up to a little more than [`MOST_PARTS`].
+/// The number of parts of a distribution, counted up to a little more than [`MAX_PARTS`].
 fn parts_of(expression: &Expression) -> usize {
     match &expression.kind {
         ExpressionKind::Known(Known::Distribution(known, _)) => known.leaves(),
         // `(weight, distribution)`
         ExpressionKind::Group(members) => members.last().map_or(0, parts_of),
         ExpressionKind::Call { arguments: members, .. } => {
-            let add = |sum: usize, member: &Expression| if sum > MOST_PARTS { sum } else { sum + parts_of(member) };
+            let add = |sum: usize, member: &Expression| if sum > MAX_PARTS { sum } else { sum + parts_of(member) };
             members.iter().fold(0, add)
         }
         _ => 1,
@@ -144,25 +135,11 @@ fn weighted(
     context: &Context,
     said: &mut Vec<Diagnostic>,
 ) -> Option<(f64, Distribution)> {
-    let ExpressionKind::Group(members) = &pair.kind else {
+    let members = if let ExpressionKind::Group(members) = &pair.kind { members.as_slice() } else { &[] };
+    let [weight, part] = members else {
         said.push(diagnostics::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
         return None;
     };
-    let [weight, part] = members.as_slice() else {
-        said.push(diagnostics::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
-        return None;
-    };
-    if let (
-        ExpressionKind::Number { unit: Some(_), .. } | ExpressionKind::Range(..),
-        ExpressionKind::Number { unit: None, .. },
-    ) = (&weight.kind, &part.kind)
-        && dimension != Dimension::RATIO
-    {
-        let text = |span: Span| context.sources.text(span);
-        let found = diagnostics::not_a(pair.span, "pair `(weight, distribution)`", "pair the other way round");
-        said.push(found.fix(format!("({}, {})", text(part.span), text(weight.span))));
-        return None;
-    }
     let number = quantity(weight, Dimension::RATIO, context, said);
     let part = distribution(part, dimension, context, said);
     let number = number?;

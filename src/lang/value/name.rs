@@ -66,11 +66,6 @@ pub(super) fn reference(
             diagnostics.push(diagnostics::kind_in_place(span, form, written(expression)));
             None
         }
-        ExpressionKind::List(members) => {
-            let members: Vec<&str> = members.iter().map(written).collect();
-            diagnostics.push(diagnostics::several_for_one(span, form, &members));
-            None
-        }
         _ => unfit(expression, &Type::Reference(form), context, diagnostics),
     }
 }
@@ -81,7 +76,7 @@ fn named(span: Span, form: &str, word: &str, context: &Context, diagnostics: &mu
     if let Some(id) = names.find(form, word) {
         return Some(Value::Reference(id));
     }
-    if names.may_be_unread(word, names.of_form(form)) || names.has_form_beside(context.forms, word) {
+    if names.may_be_unread(word, names.of_form(form)) {
         return None;
     }
     let other = names.other_form(context.forms, word);

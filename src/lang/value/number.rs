@@ -1,9 +1,6 @@
 //! Numbers with their units: single ones, whole ones, ranges, distributions, places.
 
-use std::f64::consts::TAU;
-
 use super::distribution::distribution;
-use super::suggested::{as_allowed, as_beside, as_difference, as_meant, round_the_back};
 use super::{Context, unfit};
 use crate::ast::{Expression, ExpressionKind, Known};
 use crate::diagnostics;
@@ -23,10 +20,7 @@ pub(super) fn single(
     if !is_formula(expression) {
         return unfit(expression, ty, context, diagnostics);
     }
-    let before = diagnostics.len();
-    let number = quantity(expression, dimension, context, diagnostics);
-    as_allowed(&mut diagnostics[before..], expression, dimension, (min, max));
-    let number = number?;
+    let number = quantity(expression, dimension, context, diagnostics)?;
     within(number, min, max, dimension, expression.span, context, diagnostics)?;
     Some(Value::Number(number))
 }
@@ -47,10 +41,8 @@ pub(super) fn whole(
     let written = context.sources.text(span);
     let is_literal = matches!(expression.kind, ExpressionKind::Number { .. });
     let whole = number as i64;
-    if number.fract() != 0.0 {
-        diagnostics.push(diagnostics::not_whole(span, number));
-    } else if is_literal && written.contains('.') {
-        diagnostics.push(diagnostics::pointed(span, written));
+    if number.fract() != 0.0 || is_literal && written.contains('.') {
+        diagnostics.push(diagnostics::not_whole(span, written));
     } else if number.abs() > 9e15 || whole < min || whole > max {
         let bounds = if max == i64::MAX { format!("{min} or more") } else { format!("{min} to {max}") };
         diagnostics.push(diagnostics::out_of_range(span, short(number), bounds));
@@ -71,10 +63,7 @@ pub(super) fn range(
     let ExpressionKind::Range(low, high) = &expression.kind else {
         return unfit(expression, ty, context, diagnostics);
     };
-    let before = diagnostics.len();
-    let ends = ends(expression.span, low, high, dimension, context, diagnostics);
-    as_allowed(&mut diagnostics[before..], expression, dimension, (min, max));
-    let (a, b) = ends?;
+    let (a, b) = ends(expression.span, low, high, dimension, context, diagnostics)?;
     within(a, min, max, dimension, low.span, context, diagnostics)?;
     within(b, min, max, dimension, high.span, context, diagnostics)?;
     Some(Value::Range(a, b))
@@ -93,28 +82,16 @@ pub(super) fn drawn(
     if is_list && !is_formula(expression) || matches!(expression.kind, ExpressionKind::Text(_)) {
         return unfit(expression, ty, context, diagnostics);
     }
-    let before = diagnostics.len();
-    let drawn = distribution(expression, dimension, context, diagnostics);
-    as_allowed(&mut diagnostics[before..], expression, dimension, (min, max));
-    let drawn = drawn?;
+    let drawn = distribution(expression, dimension, context, diagnostics)?;
     let (low, high) = drawn.support();
     if low == f64::NEG_INFINITY && min > low || high == f64::INFINITY && max < high {
         let allowed = bounds(min, max, dimension);
         diagnostics.push(diagnostics::unbounded(span, context.sources.text(span), &allowed));
         return None;
     }
-    let before = diagnostics.len();
-    let inside = within(low, min, max, dimension, span, context, diagnostics)
-        .and_then(|()| within(high, min, max, dimension, span, context, diagnostics));
-    if inside.is_some() {
-        diagnostics.extend(as_difference(expression, &drawn, context));
-        return Some(Value::Distribution(drawn));
-    }
-    if let Some(meant) = as_meant(expression, &drawn, ty, context) {
-        let said = diagnostics.split_off(before);
-        diagnostics.extend(said.into_iter().map(|said| said.fix(meant.clone())));
-    }
-    None
+    within(low, min, max, dimension, span, context, diagnostics)?;
+    within(high, min, max, dimension, span, context, diagnostics)?;
+    Some(Value::Distribution(drawn))
 }
 
 /// A point, or a pose: a point and a heading.
@@ -128,11 +105,6 @@ pub(super) fn place(
         return unfit(expression, ty, context, diagnostics);
     };
     let is_pose = matches!(ty, Type::Pose);
-    if is_pose && parts.len() == 2 {
-        let written: Vec<&str> = parts.iter().map(|part| context.sources.text(part.span)).collect();
-        diagnostics.push(diagnostics::missing_heading(expression.span, &written));
-        return None;
-    }
     if parts.len() != if is_pose { 3 } else { 2 } {
         return unfit(expression, ty, context, diagnostics);
     }
@@ -155,22 +127,10 @@ pub(super) fn ends(
     context: &Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<(f64, f64)> {
-    let bare = |end: &Expression| matches!(end.kind, ExpressionKind::Number { unit: None, .. });
-    if bare(low) && bare(high) && dimension != Dimension::RATIO {
-        let written = context.sources.text(low.span.to(high.span));
-        let (a, b) = (context.sources.text(low.span), context.sources.text(high.span));
-        diagnostics.push(diagnostics::missing_unit_of_both(low.span.to(high.span), dimension, written, (a, b)));
-        return None;
-    }
-    let before = diagnostics.len();
     let (a, b) = (quantity(low, dimension, context, diagnostics), quantity(high, dimension, context, diagnostics));
-    as_beside(&mut diagnostics[before..], low, high, dimension, context);
-    as_beside(&mut diagnostics[before..], high, low, dimension, context);
     let (a, b) = (a?, b?);
     if a > b {
-        let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
-        let behind = dimension == Dimension::ANGLE && a > 0.0 && b < 0.0;
-        diagnostics.push(diagnostics::empty_range(span, swapped, behind.then(|| round_the_back(a, b + TAU))));
+        diagnostics.push(diagnostics::empty_range(span));
         return None;
     }
     Some((a, b))
@@ -219,12 +179,8 @@ pub(super) fn quantity(
         }
         Sort::Quantity(found) => {
             let bare = matches!(expression.kind, ExpressionKind::Number { .. });
-            let number = formula.evaluate(&|_: VariableId| unreachable!("no variable is in scope"));
-            diagnostics.push(match (dimension, found) {
-                (Dimension::RATIO, _) if !bare => diagnostics::uncounted(expression.span, found),
-                (Dimension::TIME, Dimension::FREQUENCY) if bare && number > 0.0 => {
-                    diagnostics::wrong_unit(expression.span, dimension, found).fix(format!("{} s", short(1.0 / number)))
-                }
+            diagnostics.push(match dimension {
+                Dimension::RATIO if !bare => diagnostics::uncounted(expression.span, found),
                 _ => diagnostics::wrong_unit(expression.span, dimension, found),
             });
             None

@@ -130,6 +130,10 @@ impl WalkPolicy for Crossing {
         }
     }
 
+    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(*self))
+    }
+
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(*self))
     }
