@@ -50,7 +50,7 @@
 //! A caller adds kinds of its own to the language: a driving policy with [`Catalog::with_policy`](language::Catalog::with_policy), a town with
 //! [`Catalog::with_town`](language::Catalog::with_town), a pedestrian that walks with [`Catalog::with_walker`](language::Catalog::with_walker).
 //! [`keys!`](language::keys) declares what a kind takes.
-#![doc = include_str!("ARCHITECTURE.md")]
+#![doc = include_str!("../ARCHITECTURE.md")]
 #![warn(missing_docs)]
 
 use std::ffi::OsString;

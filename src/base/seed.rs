@@ -4,10 +4,8 @@
 //! Adding a task to a campaign therefore changes no other task.
 
 mod stream;
-mod tape;
 
 pub use stream::Stream;
-pub use tape::Tape;
 
 /// A node in the tree of random streams.
 ///
@@ -54,6 +52,11 @@ impl Seed {
     /// The random stream at this node, from its start.
     pub fn stream(&self) -> Stream {
         Stream::at(self.0, 0)
+    }
+
+    /// The random stream at this node, of which every draw takes at least 64 bits.
+    pub fn wide_stream(&self) -> Stream {
+        self.stream().widened()
     }
 }
 

@@ -156,8 +156,6 @@ keys! {
         /// Who walks, each by itself: pedestrians that learn nothing, such as `natural`, or a `controller` of the file. The probability is that of an encounter with
         /// this pedestrian, from a start that the `spawn` draws.
         pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[natural]",
-        /// How it is estimated.
-        estimators: Vec<DeclarationId> as Reference("estimator"),
         /// The requirement whose violations are estimated, instead of collisions.
         requirement: Option<DeclarationId> as Reference("requirement"),
         /// What the `relative_error` is about: any failure, one that a careful human would have avoided, or a fault. All three are estimated.

@@ -6,8 +6,8 @@ use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
 use super::walker::WalkerKind;
 use super::{
-    adversary, campaign, controller, episode, estimator, falsifier, policy, published, requirement, reward, sensors,
-    spawn, town, training, vehicle, walker,
+    adversary, campaign, controller, episode, falsifier, policy, published, requirement, reward, sensors, spawn, town,
+    training, vehicle, walker,
 };
 use base::signature::{Form, Signature, Type, Vocabulary};
 use world::av::external::Opener;
@@ -53,7 +53,6 @@ impl Catalog {
             training::form(),
             controller::form(),
             falsifier::form(),
-            estimator::form(),
             published::form(),
             campaign::form(),
         ];

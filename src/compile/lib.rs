@@ -26,7 +26,6 @@ mod requirement;
 mod episode;
 mod training;
 mod walker;
-mod estimator;
 mod falsifier;
 mod published;
 mod controller;
@@ -56,9 +55,9 @@ pub use fingerprint::Fingerprint;
 pub use harden::{Harden, HardenKey, VariedKey, WrittenPolicy};
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, ControllerKind, Documented, Driver, Estimation, EstimationKey, Evaluation, FirstSearch, NO_REWARD,
-    NamedTown, OutsideSetting, Plan, Published, PublishedCell, PublishedFigure, Search, SearchKey, Training,
-    TrainingKey, episodes_seed,
+    Campaign, ControllerKind, Documented, Driver, Estimation, EstimationKey, Evaluation, NO_REWARD, NamedTown,
+    OutsideSetting, Plan, Published, PublishedCell, PublishedFigure, Search, SearchKey, Training, TrainingKey,
+    episodes_seed,
 };
 pub use policy_kind::PolicyKind;
 pub use programs::{ExternalProgram, Programs, changed_files};

@@ -13,7 +13,7 @@ use world::av::sensors::SensorModel;
 use world::driving::DriveRule;
 use world::env::Scenario;
 use world::falsifier::{Controller, Falsifier};
-use world::likelihood::{Estimator, Event, Question};
+use world::likelihood::{Event, Question};
 use world::requirement::NamedRequirement;
 use world::road::Town;
 
@@ -139,7 +139,7 @@ pub struct Campaign {
     pub evaluations: Vec<Evaluation>,
     /// The searches, in order of block, town, policy, falsifier, run.
     pub searches: Vec<Search>,
-    /// The estimates, in order of block, town, policy, pedestrian, estimator, run.
+    /// The estimates, in order of block, town, policy, pedestrian, run.
     pub estimations: Vec<Estimation>,
     /// The covers, in order of block, town, policy.
     pub covers: Vec<Cover>,
@@ -436,10 +436,6 @@ impl Search {
 pub struct EstimationKey {
     /// Its short name.
     pub id: RunId,
-    /// Name of the estimator.
-    pub estimator: String,
-    /// Its kind.
-    pub method: &'static str,
     /// Name of the pedestrian.
     pub walker: String,
     /// The requirement whose violations are estimated; empty for collisions.
@@ -453,11 +449,11 @@ pub struct EstimationKey {
     pub run: u32,
 }
 
-/// `splitting of natural in harbour against idm, run 0`.
+/// `natural in harbour against idm, run 0`.
 impl fmt::Display for EstimationKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { estimator, walker, town, policy, run, .. } = self;
-        write!(f, "{estimator} of {walker} in {town} against {policy}, run {run}")
+        let Self { walker, town, policy, run, .. } = self;
+        write!(f, "{walker} in {town} against {policy}, run {run}")
     }
 }
 
@@ -470,9 +466,6 @@ pub struct Estimation {
     /// The pedestrian.
     pub walker: Controller,
     pub question: Question,
-    pub estimator: Estimator,
-    /// The search that goes before it, for an estimator that needs one.
-    pub search: Option<FirstSearch>,
     /// What the relative error is about.
     pub event: Event,
     pub relative_error: f64,
@@ -486,20 +479,12 @@ pub struct Estimation {
     pub programs: Programs,
 }
 
-/// A search whose failures tell an estimator where to look.
-#[derive(Debug, Clone)]
-pub struct FirstSearch {
-    pub falsifier: Arc<dyn Falsifier>,
-    pub scenario: Arc<Scenario>,
-    pub budget: u64,
-}
-
 impl Estimation {
     /// The seed of what it draws. Equal pedestrians have equal starts against all drivers.
     pub fn drawn(&self, seed: &Seed) -> Seed {
         let key = &self.key;
         let place = seed.child("estimate").child(&key.town).child(&key.walker);
-        place.child(&key.estimator).index(key.block.into()).index(key.run.into())
+        place.child("monte_carlo").index(key.block.into()).index(key.run.into())
     }
 }
 

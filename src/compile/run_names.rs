@@ -79,7 +79,7 @@ impl Campaign {
         }
         for estimation in &mut self.estimations {
             let key = &estimation.key;
-            let names = campaign.clone().and("estimate").and(&key.block.to_string()).and(&key.estimator);
+            let names = campaign.clone().and("estimate").and(&key.block.to_string());
             let names = names.and(&key.walker).and(&key.requirement).and(&key.town).and(&key.policy);
             let names = names.and(&key.run.to_string()).and(&estimation.fingerprint.to_string());
             estimation.key.id = register.name(names.and(&estimation.budget.to_string()));

@@ -1,5 +1,7 @@
 //! A writer of MCAP: chunked and indexed, with checksums, not compressed.
 //!
+//! The crate `mcap` without its compressors brings 15 crates and 15 s of compilation, for thirteen kinds of records of which none is read here.
+//!
 //! # Source
 //! The MCAP format specification, version 0; the checksum is that of ISO 3309 (CRC-32).
 

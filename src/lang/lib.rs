@@ -33,7 +33,6 @@ mod suggest;
 pub mod error_index;
 pub mod keywords;
 mod format;
-mod outline;
 mod inline;
 
 pub use check::{Checked, check, once};
@@ -41,7 +40,6 @@ pub use format::format;
 pub use formula::functions;
 pub use inline::{declare_inline, declare_inline_axes};
 pub use load::{Loaded, Reader, Unreadable, load, reason};
-pub use outline::outline;
 pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
 pub use requirement::temporal_operators;

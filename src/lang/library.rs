@@ -12,7 +12,6 @@ const FOLDER: &str = "<std>";
 const FILES: &[(&str, &str)] = &[
     ("carla_towns.scn", include_str!("library/carla_towns.scn")),
     ("drivers.scn", include_str!("library/drivers.scn")),
-    ("estimators.scn", include_str!("library/estimators.scn")),
     ("fmvss127.scn", include_str!("library/fmvss127.scn")),
     ("ncap.scn", include_str!("library/ncap.scn")),
     ("paper.scn", include_str!("library/paper.scn")),

@@ -2,7 +2,7 @@
 //!
 //! pest parses (`grammar/*.pest`). All code that reads a text which need not parse uses these tokens: the brackets before
 //! parsing, recovery after it, the layout and the editor. They agree with the leaves of the grammar in every text that parses
-//! (a test below), and with the colours of editors (`tests/it/editors.rs`).
+//! (a test below), and with the colours of editors (`tests/compile/editors.rs`).
 
 use std::ops::Range;
 

@@ -11,7 +11,7 @@ use learn::{PpoConfig, Trainer};
 
 use ped_world::{End, PedWorld, Reward, Road, Rules, Units};
 
-#[path = "../it/ped_world.rs"]
+#[path = "../learn/ped_world.rs"]
 #[expect(dead_code, reason = "the tests look at more of the world than a training does")]
 mod ped_world;
 

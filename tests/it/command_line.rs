@@ -248,24 +248,6 @@ fn completions_know_the_commands() {
 }
 
 #[test]
-fn a_map_is_drawn_and_its_waypoints_listed() {
-    let folder = tempfile::tempdir().unwrap();
-    crate::maps::write_maps(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib/towns.scn"), folder.path());
-    let output = falsify(&["preview", "harbour.xodr", "--waypoints", "2", "--out", "maps"], folder.path());
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("town harbour") && text.contains("6 junctions"), "{text}");
-    let picture = std::fs::read_to_string(folder.path().join("maps/harbour.svg")).unwrap();
-    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
-    let table = std::fs::read_to_string(folder.path().join("maps/harbour_waypoints.csv")).unwrap();
-    assert!(table.starts_with("road_id,section_id,lane_id,s,x,y") && table.lines().count() > 400);
-    for distance in ["2", "0"] {
-        let output = falsify(&["preview", "none.xodr", "--waypoints", distance], folder.path());
-        assert_eq!(output.status.code(), Some(2), "{output:?}");
-    }
-}
-
-#[test]
 fn settings_change_values_and_reach_the_manifest() {
     let folder = tempfile::tempdir().unwrap();
     let text = campaign().replace("runs: 2", "runs: tries").replace(
@@ -340,17 +322,6 @@ fn output_that_is_lost_is_noticed() {
     let mut command = command();
     let output = command.args(["explain", "policy"]).stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(6), "{output:?}");
-}
-
-#[test]
-fn the_program_of_a_file_with_a_matrix_is_shown() {
-    let folder = tempfile::tempdir().unwrap();
-    let text = campaign()
-        .replace("training: ppo_paper\n", "training: ppo_paper matrix { far: [10 m, 20 m] }\n")
-        .replace("campaign tiny", "param far: length = 30 m\nspawn short { distance: 7 m .. far }\ncampaign tiny");
-    std::fs::write(folder.path().join("tiny.scn"), text.replace("spawn: ahead", "spawn: short")).unwrap();
-    let output = falsify(&["debug", "hir", "tiny.scn"], folder.path());
-    assert!(output.status.success(), "{output:?}");
 }
 
 #[test]

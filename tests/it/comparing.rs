@@ -90,16 +90,12 @@ fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
     child.stdin.take().unwrap().write_all(three.as_bytes()).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), text(&output).lines().count()), (Some(0), 3), "{output:?}");
-    let first = three.lines().next().unwrap();
-    let verify = falsify(&["verify", first], here);
-    assert_eq!(verify.status.code(), Some(0), "{verify:?}");
-    assert!(text(&verify).contains("1 repeated, 1 equal"), "{verify:?}");
 
     // A file that was edited is named as such, and no bug is suspected.
     let summary = here.join("reports/two/summary.md");
     let whole = std::fs::read_to_string(&summary).unwrap();
     std::fs::write(&summary, format!("{whole}\nA remark of ours.\n")).unwrap();
-    let verify = falsify(&["verify", "reports/two", "--sample", "3"], here);
+    let verify = falsify(&["replay", "--all", "reports/two", "--sample", "3"], here);
     assert_eq!(verify.status.code(), Some(8), "{verify:?}");
     let said = text(&verify);
     assert!(said.contains("edited or replaced after the run: summary.md;") && !said.contains("a bug"), "{said}");

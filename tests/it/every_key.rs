@@ -501,7 +501,6 @@ forms! {
     keys_of_trainings_change_outcomes: "training",
     keys_of_controllers_change_outcomes: "controller",
     keys_of_falsifiers_change_outcomes: "falsifier",
-    keys_of_estimators_change_outcomes: "estimator",
     keys_of_requirements_change_outcomes: "requirement",
     keys_of_published_figures_change_tables: "published",
     keys_of_campaigns_change_outcomes: "campaign",

@@ -339,7 +339,7 @@ fn stop_and_yield_signs_on_the_way_are_in_the_messages() {
         let place = tempfile::tempdir().unwrap();
         let here = place.path();
         let sign = format!(r#"<signal id="7" s="300" t="-4" type="{kind}" orientation="+"/>"#);
-        std::fs::write(here.join("real.xodr"), crate::map_facts::map("", &sign)).unwrap();
+        std::fs::write(here.join("real.xodr"), crate::straight_road::map("", &sign)).unwrap();
         std::fs::write(here.join("writing.py"), WRITING).unwrap();
         let scenario = "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\ntown real = opendrive(file: \"real.xodr\")\n\
             policy mine = external(command: \"python3 writing.py\", worlds: 1, timeout: 60 s)\n\

@@ -1,4 +1,4 @@
-//! The packages of `src/ARCHITECTURE.md`: the compiler holds their borders, and this holds their doors and their ceilings.
+//! The packages of `ARCHITECTURE.md`: the compiler holds their borders, and this holds their doors and their ceilings.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 4_000),
     ("src/results", 29_750),
     ("src/program", 13_200),
-    ("tests/it", 19_100),
+    ("tests", 19_900),
 ];
 
 /// Crates that only some places may name.
@@ -142,10 +142,10 @@ fn the_learner_does_not_multiply_with_nalgebra() {
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
-/// The names of code in `src/ARCHITECTURE.md` exist: the package, and the last name in it.
+/// The names of code in `ARCHITECTURE.md` exist: the package, and the last name in it.
 #[test]
 fn what_the_architecture_names_exists() {
-    let page = std::fs::read_to_string(top().join("src/ARCHITECTURE.md")).unwrap();
+    let page = std::fs::read_to_string(top().join("ARCHITECTURE.md")).unwrap();
     assert!(page.split_whitespace().count() <= 1_500, "the page has at most 1,500 words");
     let code = code();
     let mut missing = BTreeSet::new();

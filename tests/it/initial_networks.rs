@@ -130,6 +130,6 @@ fn networks_of_a_report_are_taken_and_held_by_the_next_report() {
     run(&format!("hidden: [8], from: \"{name}\""), "second");
     let held = here.join("second/warm/scenario").join(name);
     assert_eq!(std::fs::read(held).unwrap(), std::fs::read(here.join(name)).unwrap());
-    let verified = falsify(&["verify", "second/warm", "--trainings"], here);
+    let verified = falsify(&["replay", "--all", "second/warm", "--trainings"], here);
     assert!(verified.status.success(), "{} {}", said(&verified), error(&verified));
 }

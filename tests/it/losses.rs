@@ -95,7 +95,7 @@ fn a_gate_does_not_pass_for_want_of_a_table() {
 fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
     let place = report();
     let (whole, other) = (place.path().join("out/small"), place.path().join("other"));
-    assert!(falsify(&["verify", "out/small"], place.path()).status.success());
+    assert!(falsify(&["replay", "--all", "out/small"], place.path()).status.success());
     copy(&whole, &other);
     let table = other.join("episodes.parquet");
     let mut bytes = fs::read(&table).unwrap();
@@ -122,7 +122,7 @@ fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
         [&manifest[..cut], &manifest.replace("wall_time_s = ", "wall_time_s = 1"), &format!("{manifest}# more\n")]
     {
         fs::write(other.join("manifest.toml"), text).unwrap();
-        let output = falsify(&["verify", "other"], place.path());
+        let output = falsify(&["replay", "--all", "other"], place.path());
         assert_eq!(output.status.code(), Some(8), "{output:?}");
         let text = format!("{}{}", error(&output), said(&output));
         assert_eq!(text.matches("is not as it was written").count(), 1, "{text}");
@@ -140,7 +140,7 @@ fn links_lead_neither_out_of_a_report_nor_out_of_the_folder_that_is_named() {
     fs::remove_file(other.join("scenario/small.scn")).unwrap();
     std::os::unix::fs::symlink(here.join("secret"), other.join("scenario/small.scn")).unwrap();
     fs::remove_file(here.join("small.scn")).unwrap();
-    let output = falsify(&["verify", "--anyway", "other"], here);
+    let output = falsify(&["replay", "--anyway", "--all", "other"], here);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     assert!(error(&output).contains("cannot read `small.scn`: there is no such file"), "{}", error(&output));
     assert!(!error(&output).contains("nobody should quote"), "{}", error(&output));

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use falsify::results::WriteError;
 use falsify::session::{
     CampaignOutcome, CampaignState, EpisodeName, Error, Event, Export, Input, MergeOptions, Observer, RepeatOptions,
-    Repeated, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable, VerifyOptions,
+    Repeated, ReplayAllOptions, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable,
 };
 
 const SCENARIO: &str = r#"
@@ -98,16 +98,9 @@ fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
     let ticks = std::fs::read_to_string(&table.path).unwrap().lines().count() - 1;
     assert_eq!(ticks, replay.episode.trace.vehicle(0).len());
 
-    let wanted = VerifyOptions {
-        report: report.folder.clone(),
-        episodes: Vec::new(),
-        sample: std::num::NonZero::new(7),
-        all: false,
-        trainings: false,
-        seed: 1,
-        repeat: RepeatOptions::default(),
-    };
-    let verified = session.verify(&wanted).unwrap();
+    let options_of_all = ReplayAllOptions { sample: std::num::NonZero::new(7), ..ReplayAllOptions::default() };
+    let stored = replay.report.clone();
+    let verified = session.replay_all(stored, &options_of_all, &RepeatOptions::default()).unwrap();
     assert!(verified.is_equal() && verified.repeated == 7);
 
     let status = session.status(&StatusOptions { out: out.clone(), cache: None }).unwrap();

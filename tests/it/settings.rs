@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::program::{falsify, falsify_with, said};
+use crate::program::{falsify, falsify_with};
 
 fn folder_with(text: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -10,56 +10,46 @@ fn folder_with(text: &str) -> tempfile::TempDir {
     folder
 }
 
-/// The line of a setting in the output of `falsify config`.
-fn line<'a>(text: &'a str, key: &str) -> &'a str {
-    text.lines().find(|line| line.starts_with(&format!("{key} = "))).unwrap_or_else(|| panic!("no `{key}` in\n{text}"))
+const CAMPAIGN: &str = r#"edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+campaign c {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random]  episodes: 1 }
+}
+"#;
+
+/// The manifest of a smoke run with these options and variables.
+fn manifest(folder: &Path, options: &[&str], variables: &[(&str, &str)]) -> String {
+    std::fs::write(folder.join("c.scn"), CAMPAIGN).unwrap();
+    let output = falsify_with(&[&["run", "--smoke", "c.scn"], options].concat(), folder, variables);
+    assert!(output.status.success(), "{output:?}");
+    std::fs::read_to_string(folder.join("out/c-smoke/manifest.toml")).unwrap()
 }
 
 #[test]
-fn flags_come_before_the_environment_before_the_file_before_defaults() {
-    let folder = folder_with("# ours\nseed = 5\nthreads = 2\nformats = [\"csv\"]\n");
-    let variables = [("FALSIFY_SEED", "6"), ("FALSIFY_THREADS", "3")];
-    let text = said(&falsify_with(&["config", "--seed", "7"], folder.path(), &variables));
-    assert!(line(&text, "seed").ends_with("# --seed") && line(&text, "seed").starts_with("seed = 7 "), "{text}");
-    assert!(line(&text, "threads").starts_with("threads = 3 ") && text.contains("# FALSIFY_THREADS"), "{text}");
-    assert!(line(&text, "formats").starts_with("formats = [\"csv\"] "), "{text}");
-    assert!(line(&text, "formats").ends_with("# falsify.toml, line 4"), "{text}");
-    assert!(
-        line(&text, "out").starts_with("out = \"reports\" ") && line(&text, "out").ends_with("# default"),
-        "{text}"
-    );
+fn flags_precede_the_environment_which_precedes_the_file() {
+    let folder = folder_with("# ours\nseed = 5\nout = \"out\"\nformats = [\"csv\"]\n");
+    assert!(manifest(folder.path(), &[], &[]).contains("seed = 5\n"));
+    let variables = [("FALSIFY_SEED", "6")];
+    assert!(manifest(folder.path(), &[], &variables).contains("seed = 6\n"));
+    assert!(manifest(folder.path(), &["--seed", "7"], &variables).contains("seed = 7\n"));
+    assert!(!folder.path().join("out/c-smoke/episodes.parquet").exists(), "the file names one format");
 }
 
 #[test]
-fn what_config_prints_is_a_file_of_the_same_settings() {
-    let folder = folder_with("out = \"a folder\"\nseed = 5\n");
-    let printed = said(&falsify(&["config", "--formats", "parquet"], folder.path()));
-    let other = folder_with(&printed);
-    let again = said(&falsify(&["config"], other.path()));
-    let settings = |text: &str| -> Vec<String> {
-        text.lines()
-            .map(|line| line.split('#').next().unwrap().trim().to_string())
-            .filter(|line| !line.is_empty())
-            .collect()
-    };
-    assert_eq!(settings(&printed), settings(&again));
-    assert!(settings(&printed).len() >= 5, "{printed}");
-}
-
-#[test]
-fn paths_are_meant_from_the_file_which_folders_below_see_too() {
-    let folder = folder_with("out = \"results\"\n");
+fn paths_are_relative_to_the_file_and_the_nearest_file_counts() {
+    let folder = folder_with("out = \"out\"\n");
     let below = folder.path().join("a/b");
     std::fs::create_dir_all(&below).unwrap();
-    let text = said(&falsify(&["config"], &below));
-    let wanted = folder.path().canonicalize().unwrap().join("results");
-    assert!(line(&text, "out").contains(&format!("\"{}\"", wanted.display())), "{text}");
+    std::fs::write(below.join("c.scn"), CAMPAIGN).unwrap();
+    assert!(falsify(&["run", "--smoke", "c.scn"], &below).status.success());
+    assert!(folder.path().join("out/c-smoke/manifest.toml").exists());
     std::fs::write(below.join("falsify.toml"), "seed = 9\n").unwrap();
-    let text = said(&falsify(&["config"], &below));
-    assert!(
-        line(&text, "out").ends_with("# default") && line(&text, "seed").starts_with("seed = 9 "),
-        "the nearest: {text}"
-    );
+    assert!(falsify(&["run", "--smoke", "c.scn"], &below).status.success());
+    let manifest = std::fs::read_to_string(below.join("reports/c-smoke/manifest.toml")).unwrap();
+    assert!(manifest.contains("seed = 9\n"), "{manifest}");
 }
 
 #[test]
@@ -84,19 +74,8 @@ fn mistakes_are_drawn_all_at_once_and_only_where_settings_matter() {
 #[test]
 fn what_is_no_toml_is_shown_where_it_breaks() {
     let folder = folder_with("seed = = 3\n");
-    let output = falsify(&["config"], folder.path());
+    let output = falsify(&["run", "x.scn"], folder.path());
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(error.contains("error[syntax]: this is no TOML") && error.contains("falsify.toml:1:"), "{error}");
-}
-
-#[test]
-fn every_setting_is_explained() {
-    let page =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/reference/settings.md")).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    for line in said(&falsify(&["config"], folder.path())).lines().skip(1) {
-        let key = line.trim_start_matches("# ").split(' ').next().unwrap();
-        assert!(page.contains(&format!("`{key}`")), "docs/src/reference/settings.md does not explain `{key}`");
-    }
 }

@@ -96,7 +96,8 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     assert!(refused.contains("`falsify recheck --allow-external reports/d` lets the new program meet"), "{refused}");
     let reason =
         "possible reason: `params.py` of `mine` has changed since the report; `falsify recheck --allow-external";
-    for arguments in [&["replay", "--allow-external", &name][..], &["verify", "--allow-external", "reports/d"]] {
+    for arguments in [&["replay", "--allow-external", &name][..], &["replay", "--allow-external", "--all", "reports/d"]]
+    {
         let text = falsify_said(here, arguments, 8);
         assert!(text.contains(reason) && !text.contains("drive the same way twice"), "{arguments:?}: {text}");
     }

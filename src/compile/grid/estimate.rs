@@ -2,24 +2,15 @@ use std::sync::Arc;
 
 use super::axis::Usual;
 use super::ground::note_towns;
+use crate::RunId;
 use crate::campaign::EstimateKeys;
 use crate::lowering::Lowering;
-use crate::plan::{Campaign, Estimation, EstimationKey, FirstSearch};
-use crate::{RunId, estimator};
+use crate::plan::{Campaign, Estimation, EstimationKey};
 use base::signature::{DeclarationId, Value};
 use lang::hir::Block;
-use world::env::{PedestrianRole, RewardRule};
+use world::env::RewardRule;
 use world::falsifier::Controller;
-use world::likelihood::{Estimator, Question};
-
-/// A method of an `estimate` block, with the search that goes before it.
-struct Method {
-    name: String,
-    kind: &'static str,
-    estimator: Estimator,
-    search: Option<(Arc<dyn world::falsifier::Falsifier>, RewardRule, u64)>,
-    declarations: Vec<DeclarationId>,
-}
+use world::likelihood::Question;
 
 impl Lowering<'_> {
     pub(super) fn estimate(
@@ -37,10 +28,8 @@ impl Lowering<'_> {
         let bodies = [(&usual.car, adversary)];
         let Some(ground) = self.ground(campaign_block, block, &keys.places, &keys.start, &bodies) else { return };
         let walkers: Option<Vec<_>> = keys.pedestrians.iter().map(|word| self.walker(word)).collect();
-        let (Some(walkers), methods) = (walkers, self.methods(campaign_block, &keys.estimators, body, usual)) else {
-            return;
-        };
-        let axes = [ground.towns.len(), ground.policies.len(), walkers.len() * methods.len(), keys.runs as usize];
+        let Some(walkers) = walkers else { return };
+        let axes = [ground.towns.len(), ground.policies.len(), walkers.len(), keys.runs as usize];
         if !self.fits(block, axes) {
             return;
         }
@@ -55,26 +44,15 @@ impl Lowering<'_> {
         let requirement =
             asked.first().map(|id: &DeclarationId| self.program.get(*id).name.clone()).unwrap_or_default();
         for place in ground.places() {
-            for (walker, method) in walkers.iter().flat_map(|walker| methods.iter().map(move |method| (walker, method)))
-            {
-                let scenario =
-                    |reward: &RewardRule| place.scenario(car, body, &usual.rule.value, reward, &requirements);
+            for walker in &walkers {
                 let ground = place.declarations(&usual.car, adversary, &usual.rule);
                 let walked: Vec<DeclarationId> = walker.1.into_iter().collect();
-                let parts =
-                    [ground.as_slice(), &usual.requirements.ids, &asked, &walked, &method.declarations].concat();
+                let parts = [ground.as_slice(), &usual.requirements.ids, &asked, &walked].concat();
                 let (fingerprint, programs) = (self.fingerprint(&parts), self.programs(&parts));
-                let search = method.search.as_ref().map(|(falsifier, reward, budget)| FirstSearch {
-                    falsifier: falsifier.clone(),
-                    scenario: scenario(reward),
-                    budget: *budget,
-                });
-                let scenario = scenario(&RewardRule::default());
+                let scenario = place.scenario(car, body, &usual.rule.value, &RewardRule::default(), &requirements);
                 campaign.estimations.extend((0..keys.runs).map(|run| Estimation {
                     key: EstimationKey {
                         id: RunId::default(),
-                        estimator: method.name.clone(),
-                        method: method.kind,
                         walker: walker.0.name().to_string(),
                         requirement: requirement.clone(),
                         town: place.town.name.to_string(),
@@ -85,8 +63,6 @@ impl Lowering<'_> {
                     scenario: scenario.clone(),
                     walker: walker.0.clone(),
                     question,
-                    estimator: method.estimator.clone(),
-                    search: search.clone(),
                     event: keys.event,
                     relative_error: keys.relative_error,
                     budget: keys.budget,
@@ -96,33 +72,6 @@ impl Lowering<'_> {
                 }));
             }
         }
-    }
-
-    fn methods(
-        &mut self,
-        campaign: &Block,
-        ids: &[DeclarationId],
-        walker: &PedestrianRole,
-        usual: &Usual,
-    ) -> Vec<Method> {
-        let mut methods = Vec::new();
-        for id in ids {
-            let declaration = self.program.get(*id);
-            let estimator = estimator::lower(declaration);
-            let mut declarations = vec![*id];
-            let search = match &estimator {
-                Estimator::Importance(method) => {
-                    let rivals = self.falsifiers(campaign, &[method.falsifier()], walker, usual.training.as_ref());
-                    let Some(rival) = rivals.into_iter().next() else { continue };
-                    declarations.extend(&rival.declarations);
-                    Some((rival.falsifier, rival.reward.1, method.search_budget()))
-                }
-                _ => None,
-            };
-            let (name, kind) = (declaration.name.clone(), declaration.kind);
-            methods.push(Method { name, kind, estimator, search, declarations });
-        }
-        methods
     }
 
     /// A pedestrian that learns nothing, and its declaration; none after reporting what is wrong with it.

@@ -7,6 +7,8 @@ use lang::hir::{Block, Declaration};
 use world::geometry::Point;
 use world::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
 
+/// Lateral acceleration that a bend may ask for at the speed limit before a check warns (m/s²): what passengers still accept.
+const MAX_LATERAL: f64 = 4.0;
 /// Points of streets closer than this are one node (m).
 const SAME_NODE: f64 = 0.01;
 
@@ -32,7 +34,7 @@ keys! {
         /// Radius of the middle of a street where it bends: 0.5 m more than half the width of the street at least.
         bend_radius: f64 as within(LENGTH, 3.0, 1000.0) = "12 m",
         /// Radius of the sidewalk's outer edge at the corner of a junction.
-        corner_radius: f64 as within(LENGTH, 0.5, 100.0) = "2 m",
+        corner_radius: f64 as within(LENGTH, 0.5, 100.0) = "5 m",
         /// Whether all junctions have traffic lights.
         traffic_lights: bool = "false",
         /// Which approaches of a junction have green at once: one, or those opposite to each other. The `episode` has the
@@ -79,7 +81,20 @@ pub(super) fn build(declaration: &Declaration, site: &mut Site<'_>) -> Option<Dr
     let widths = design.streets.iter().map(|street| street.carriageway.street_half_width(&design.profile));
     let half_width = widths.fold(0.0, f64::max);
     match design.build() {
-        Ok(parts) => Some(Drawn { parts, half_width }),
+        Ok(parts) => {
+            let streets: Vec<_> = declaration.block.nested(StreetKeys::KIND).collect();
+            let bends = design.fast_bends(MAX_LATERAL).into_iter();
+            let fast = bends.map(|bend| {
+                diagnostics::fast_bend(
+                    streets[bend.street].place("speed_limit"),
+                    bend.radius,
+                    bend.lateral,
+                    MAX_LATERAL,
+                )
+            });
+            site.said.extend(fast);
+            Some(Drawn { parts, half_width })
+        }
         Err(faults) => {
             site.said.extend(faults.iter().map(|fault| unbuildable(fault, &declaration.block)));
             None

@@ -133,6 +133,13 @@ pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic 
     .help("give a shorter `distance`, more `ticks` of the `episode`, or a higher `speed` of the `adversary`")
 }
 
+/// A bend asks a car at the speed limit for more lateral acceleration than drivers allow: radius of the lane (m), both accelerations (m/s²).
+pub fn fast_bend(span: Span, radius: f64, lateral: f64, limit: f64) -> Diagnostic {
+    Diagnostic::warning("fast-bend", span, "this limit is too high for a bend of the street")
+        .here(format!("asks for {lateral:.1} m/s^2 sideways on a lane with a radius of {radius:.1} m; {} is usual", short(limit)))
+        .help("a driver that does not slow down for bends leaves the road: lower the limit, or give the town a larger `bend_radius`")
+}
+
 /// Something is farther (m) from every street than any actor.
 pub fn far_from_streets(span: Span, far: f64) -> Diagnostic {
     Diagnostic::warning("out-of-reach", span, format!("this is more than {far} m from every street"))

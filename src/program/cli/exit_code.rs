@@ -29,45 +29,9 @@ pub enum ExitCode {
 }
 
 impl ExitCode {
-    /// All of them, in order.
-    pub const ALL: [Self; 11] = [
-        Self::Done,
-        Self::Internal,
-        Self::Usage,
-        Self::Scenario,
-        Self::Nothing,
-        Self::RunFailed,
-        Self::WriteFailed,
-        Self::GateFailed,
-        Self::Differs,
-        Self::Incomplete,
-        Self::Interrupted,
-    ];
-
     /// Of two exit codes the first that is no success.
     pub fn or(self, next: Self) -> Self {
         if self == Self::Done { next } else { self }
-    }
-
-    /// Its meaning, for the reference.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Done => "done",
-            Self::Internal => "internal error: a bug of `falsify`",
-            Self::Usage => "wrong usage, or a missing file",
-            Self::Scenario => "errors in a scenario",
-            Self::Nothing => "nothing to run",
-            Self::RunFailed => "a training failed, a driver failed as a program, or a reward was not a number",
-            Self::WriteFailed => "a file cannot be written",
-            Self::GateFailed => "a `--fail-if` condition is true, or needs an interval that too few runs have",
-            Self::Differs => {
-                "a repeated episode or training came out differently, or a file of a report was changed (`verify`, `replay`, `export`)"
-            }
-            Self::Incomplete => {
-                "work is missing: a shard to merge (`merge`), or a part of a campaign on which no process works (`status`)"
-            }
-            Self::Interrupted => "interrupted by Ctrl-C or SIGTERM",
-        }
     }
 }
 

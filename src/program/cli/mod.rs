@@ -16,7 +16,6 @@ pub(crate) mod network_trial;
 pub use exit_code::ExitCode;
 #[cfg(any(fuzzing, test))]
 pub use settings::is_read as settings_are_read;
-pub use settings::settings;
 
 use std::ffi::OsString;
 
@@ -43,26 +42,30 @@ pub fn command_line(language: fn() -> Catalog, arguments: impl IntoIterator<Item
 }
 
 fn run_command(given: &[OsString]) -> Ended {
-    let mut known = commands::command();
-    let (mut arguments, mut matches) = parse(&mut known, given)?;
+    if given.get(1).is_some_and(|word| word == network_trial::WORD) {
+        return Ok(network_trial::carry_out());
+    }
+    let mut command = commands::command();
+    let (name, mut arguments) = parse(&mut command, given)?;
     arguments.color.apply();
-    let mut settings = None;
-    if matches.subcommand_name().is_some_and(|name| settings::concern(&known, name)) {
-        settings = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder))?;
+    if settings::concern(&command, &name) {
+        let settings = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder))?;
         if let Some(settings) = &settings {
-            (arguments, matches) = parse(&mut settings::apply(commands::command(), settings), given)?;
+            (_, arguments) = parse(&mut settings::apply(commands::command(), settings), given)?;
         }
     }
-    // Frees the memory of the known options, which is needed soon.
-    drop(known);
-    arguments.command.run(&matches, settings.as_ref())
+    // Frees the memory of the options, which is needed soon.
+    drop(command);
+    arguments.command.run()
 }
 
-/// Reads arguments; the error is the exit code, after the reason has been printed.
-fn parse(command: &mut Command, given: &[OsString]) -> Result<(Arguments, ArgMatches), ExitCode> {
-    let parsed = command.try_get_matches_from_mut(given);
-    let parsed = parsed.and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
-    parsed.map_err(|error| {
+/// Reads arguments and the name of their command; the error is the exit code, after the reason has been printed.
+fn parse(command: &mut Command, given: &[OsString]) -> Result<(String, Arguments), ExitCode> {
+    let read = |matches: ArgMatches| {
+        let name = matches.subcommand_name().unwrap_or_default().to_owned();
+        Ok((name, Arguments::from_arg_matches(&matches)?))
+    };
+    command.try_get_matches_from_mut(given).and_then(read).map_err(|error| {
         if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand && given.len() < 2 {
             console::note(welcome::WELCOME);
             return ExitCode::Usage;

@@ -7,12 +7,15 @@ use super::exit_code::ExitCode;
 use compile::NetworkTrial;
 use world::av::onnx::{Model, Network};
 
+/// The argument with which the program starts itself.
+pub const WORD: &str = "try-network";
+
 /// The trial of a network before it is loaded.
 pub fn trial() -> Arc<NetworkTrial> {
-    Arc::new(|bytes| process::trial(&["debug", "network", "-"], bytes))
+    Arc::new(|bytes| process::trial(&[WORD], bytes))
 }
 
-/// `falsify debug network -`: what the child does. Whether the network can be used is found out later, by the program that started it.
+/// What the child does. Whether the network can be used is found out later, by the program that started it.
 pub fn carry_out() -> ExitCode {
     process::limit_trial();
     let mut bytes = Vec::new();

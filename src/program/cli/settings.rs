@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, ArgAction, Args, Command, ValueHint};
@@ -35,14 +35,8 @@ const KEYS: [(&str, Option<&str>); 10] = [
     ("max_ticks", None),
 ];
 
-/// The settings of a file.
-#[derive(Debug)]
-pub struct Settings {
-    /// The file.
-    pub path: PathBuf,
-    /// The values of each key in the form that an option takes, and their line, from 1.
-    pub values: BTreeMap<&'static str, (Vec<String>, usize)>,
-}
+/// The settings of a file: the values of each key in the form that an option takes.
+pub type Settings = BTreeMap<&'static str, Vec<String>>;
 
 /// Whether a command has settings. The command must be the chosen one, so that its options exist.
 pub fn concern(command: &Command, name: &str) -> bool {
@@ -62,15 +56,10 @@ fn setting(option: &Arg) -> Option<&'static str> {
 }
 
 /// The options of `falsify run` that correspond to the settings, in their order.
-pub fn options() -> Vec<Arg> {
+fn options() -> Vec<Arg> {
     let run = RunArgs::augment_args(Command::new("run"));
     let option = |key: &str| run.get_arguments().find(|option| option.get_id() == key).cloned();
     KEYS.into_iter().map(|(key, _)| option(key).expect("each setting is an option of `run`")).collect()
-}
-
-/// The settings for the reference: the name, the variable of the environment, and the option of `falsify run`.
-pub fn settings() -> Vec<(&'static str, Option<&'static str>, Arg)> {
-    KEYS.into_iter().zip(options()).map(|((key, variable), option)| (key, variable, option)).collect()
 }
 
 /// Finds the file in a folder or the nearest one above it, and reads it; none when there is no such file.
@@ -95,8 +84,8 @@ pub fn find(folder: &Path) -> Result<Option<Settings>, ExitCode> {
 
 /// Makes the settings the defaults of their options.
 pub fn apply(command: Command, settings: &Settings) -> Command {
-    let with_default = |option: Arg| match setting(&option).and_then(|key| settings.values.get(key)) {
-        Some((values, _)) => option.default_values(values),
+    let with_default = |option: Arg| match setting(&option).and_then(|key| settings.get(key)) {
+        Some(values) => option.default_values(values),
         None => option,
     };
     command.mut_subcommands(|subcommand| subcommand.mut_args(with_default))
@@ -120,8 +109,7 @@ fn read(path: &Path, text: &str, source: SourceId) -> Result<Settings, Vec<Diagn
         };
         match take(option, value.get_ref(), folder) {
             Ok(taken) => {
-                let line = text[..key.span().start].matches('\n').count() + 1;
-                values.insert(known, (taken, line));
+                values.insert(known, taken);
             }
             Err((code, why)) => {
                 let message = format!("`{known}` cannot be set to this");
@@ -130,7 +118,7 @@ fn read(path: &Path, text: &str, source: SourceId) -> Result<Settings, Vec<Diagn
         }
     }
     wrong.sort_by_key(|diagnostic| diagnostic.primary.span);
-    if wrong.is_empty() { Ok(Settings { path: path.to_path_buf(), values }) } else { Err(wrong) }
+    if wrong.is_empty() { Ok(values) } else { Err(wrong) }
 }
 
 /// Whether a text is one of settings.

@@ -12,11 +12,10 @@ use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::{GivenArgs, session};
 use crate::session::{Checked, Disk, Error};
-use base::diagnostic::{Record, records, sarif};
+use base::diagnostic::records;
 use base::files;
 use driver_trial::{TrialArgs, try_driver};
 use fix::fix;
-use lang::error_index::mistakes;
 use lang::{Reader, reason};
 
 /// Shown after the help.
@@ -26,7 +25,6 @@ Examples:
   falsify check --fix my.scn                 repair what a message says how to repair
   falsify check - < my.scn                   from the standard input
   falsify check --format json my.scn         one JSON object a line, for programs
-  falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
   falsify check --sample 1000 --format json my.scn
                                              where episodes would start, for programs
   falsify check -- python3 my_av.py          see whether a driver of your own speaks the protocol of
@@ -51,7 +49,7 @@ pub struct CheckArgs {
     #[arg(long, conflicts_with_all = ["map", "set"])]
     pub fix: bool,
     /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint. This includes spawns that
-    /// cannot place a pedestrian. Not with SARIF, which has no field for it.
+    /// cannot place a pedestrian.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub sample: Option<u32>,
     /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
@@ -72,8 +70,6 @@ pub enum Format {
     Human,
     /// One JSON object a line, on the output.
     Json,
-    /// A SARIF 2.1.0 log, on the output.
-    Sarif,
 }
 
 /// The name of the standard input among the files.
@@ -96,9 +92,6 @@ impl Reader for InputAndFiles {
 pub fn check(options: &CheckArgs) -> Ended {
     if let Some(words) = options.trial.words() {
         return Ok(try_driver(&options.trial, words));
-    }
-    if options.format == Format::Sarif && options.sample.is_some() {
-        return Err(misused("SARIF has no field for samples; use `--format json`"));
     }
     // The words of a driver's command without `--` before them.
     if let [first, .., last] = options.files.as_slice()
@@ -127,7 +120,6 @@ pub fn check(options: &CheckArgs) -> Ended {
     let checked = match options.format {
         Format::Human => for_people(&found),
         Format::Json => json(&found),
-        Format::Sarif => log(&found),
     };
     let plan = found.compiled.plan.as_ref().or(found.compiled.unplaced.as_ref());
     let sampled = options.sample.zip(plan).map(|(count, plan)| sample::sample(plan, count, options));
@@ -156,34 +148,15 @@ fn for_people(found: &Checked) -> ExitCode {
     ExitCode::Done
 }
 
-/// The most diagnostics that are written for programs.
-const MOST: usize = 1_000;
-
-/// The diagnostics that are written for programs, and how many are not.
-fn listed(found: &Checked) -> Vec<Record> {
-    let all = &found.compiled.diagnostics;
-    if all.len() > MOST {
-        console::note(&format!("the first {MOST} of {} are listed", console::count(all.len(), "mistake")));
-    }
-    records(&all[..all.len().min(MOST)], &found.sources)
-}
+/// Maximum number of diagnostics that are written for programs.
+const MAX_LISTED: usize = 1_000;
 
 /// Prints the diagnostics for programs, one object a line.
 fn json(found: &Checked) -> ExitCode {
-    console::say_objects(&listed(found));
-    code(found)
-}
-
-/// Prints the diagnostics as SARIF.
-fn log(found: &Checked) -> ExitCode {
-    let mistakes = mistakes();
-    let rules: Vec<(&str, &str)> = mistakes.iter().map(|mistake| (mistake.code, mistake.text)).collect();
-    let records = listed(found);
-    let log = serde_json::to_string_pretty(&sarif(&records, &rules));
-    console::say(&log.expect("texts and numbers have a form in JSON"));
-    code(found)
-}
-
-fn code(found: &Checked) -> ExitCode {
+    let all = &found.compiled.diagnostics;
+    if all.len() > MAX_LISTED {
+        console::note(&format!("the first {MAX_LISTED} of {} are listed", console::count(all.len(), "mistake")));
+    }
+    console::say_objects(&records(&all[..all.len().min(MAX_LISTED)], &found.sources));
     if found.errors() > 0 { ExitCode::Scenario } else { ExitCode::Done }
 }

@@ -1,6 +1,5 @@
 //! Options of the commands that repeat episodes of a report.
 
-use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
@@ -20,20 +19,6 @@ pub struct RepeatArgs {
     /// Let scenarios start programs as drivers again; use it only with files that you trust.
     #[arg(long)]
     pub allow_external: bool,
-}
-
-/// Which episodes, and where their reports are.
-#[derive(Debug, Args)]
-pub struct NameArgs {
-    /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
-    #[arg(required = true, value_name = "[PATH/]RUN:EPISODE", value_parser = str::parse::<Named>)]
-    pub names: Vec<Named>,
-    /// The report, or the folder of reports, of names without a path.
-    #[arg(long, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
-    pub report: PathBuf,
-    /// Options of the repetition.
-    #[command(flatten)]
-    pub repeat: RepeatArgs,
 }
 
 /// An argument that names episodes.
@@ -68,8 +53,8 @@ pub fn resolved(names: &[Named]) -> Result<Vec<EpisodePath>, ExitCode> {
     Ok(all)
 }
 
-/// The most characters of a line that an error quotes.
-const MOST_QUOTED: usize = 80;
+/// Maximum number of characters of a line that an error quotes.
+const MAX_QUOTED: usize = 80;
 
 fn on_input() -> Result<Vec<EpisodePath>, ExitCode> {
     let text = files::text_of(std::io::stdin());
@@ -77,25 +62,10 @@ fn on_input() -> Result<Vec<EpisodePath>, ExitCode> {
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let name = |(number, line): (usize, &str)| {
         line.trim().parse().map_err(|error: NoEpisodeName| {
-            let start: String = line.chars().take(MOST_QUOTED).collect();
+            let start: String = line.chars().take(MAX_QUOTED).collect();
             misused(format!("line {} of the input, `{}`: {error}", number + 1, start.escape_debug()))
         })
     };
     let names: Vec<EpisodePath> = lines.map(name).collect::<Result<_, _>>()?;
     if names.is_empty() { Err(misused("the input has no name of an episode")) } else { Ok(names) }
-}
-
-impl NameArgs {
-    /// Options for a session for each of the episodes.
-    ///
-    /// # Errors
-    /// The exit code, after the reason has been printed.
-    pub fn replays(&self) -> Result<Vec<session::ReplayOptions>, ExitCode> {
-        let replay = |EpisodePath { report, name }| session::ReplayOptions {
-            name,
-            report: report.unwrap_or_else(|| self.report.clone()),
-            repeat: self.repeat.repeat.clone(),
-        };
-        Ok(resolved(&self.names)?.into_iter().map(replay).collect())
-    }
 }

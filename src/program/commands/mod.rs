@@ -7,7 +7,6 @@ mod merge;
 mod status;
 mod replay;
 mod export;
-mod verify;
 mod failures;
 mod judge;
 mod compare;
@@ -17,18 +16,14 @@ mod check;
 mod explain;
 mod new;
 mod demo;
-mod config;
-mod manual;
-mod debug;
 mod lsp;
-mod map;
 mod preview;
 
-use clap::{ArgMatches, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
 use crate::cli::exit_code::{Ended, ExitCode};
-use crate::cli::settings::{self, Settings};
 use crate::cli::{console, interrupt};
+pub use replay::{ReplayAllOptions, ReplayedReport, Retrained};
 pub use run::RunArgs;
 
 const EXAMPLES: &str = "\
@@ -64,9 +59,9 @@ pub struct Arguments {
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Write a scenario", &["new", "check", "explain", "fmt", "preview"]),
     ("Run it", &["demo", "run", "status", "merge"]),
-    ("Look at what was found", &["failures", "replay", "compare", "recheck", "verify", "judge"]),
+    ("Look at what was found", &["failures", "replay", "compare", "recheck", "judge"]),
     ("Give it away", &["export"]),
-    ("For editors and packagers", &["config", "debug", "lsp", "completions", "manual"]),
+    ("For editors and shells", &["lsp", "completions"]),
 ];
 
 /// The commands and options, with a help that lists the commands in groups.
@@ -98,18 +93,12 @@ pub enum Command {
     /// Show how far campaigns are and how to go on; show and remove what is stored.
     #[command(after_help = status::EXAMPLES)]
     Status(status::StatusArgs),
-    /// Show the settings of this folder, from flags, the environment and falsify.toml.
-    #[command(after_help = config::EXAMPLES, args = settings::options())]
-    Config,
-    /// Repeat an episode of a report, describe it, and compare it with the report.
+    /// Repeat episodes of a report, describe them, and compare them with the report; --all repeats the whole report.
     #[command(after_help = replay::EXAMPLES)]
     Replay(replay::ReplayArgs),
     /// Write episodes for other programs (OpenSCENARIO, OSI, CARLA …), or draw them.
     #[command(after_help = export::EXAMPLES)]
     Export(export::ExportArgs),
-    /// Repeat a sample of what a report holds and compare it byte for byte.
-    #[command(after_help = verify::EXAMPLES)]
-    Verify(verify::VerifyArgs),
     /// Compare two reports, or two drivers of one, start by start.
     #[command(after_help = compare::EXAMPLES)]
     Compare(compare::CompareArgs),
@@ -137,12 +126,9 @@ pub enum Command {
     /// Give scenario files their canonical layout.
     #[command(after_help = fmt::EXAMPLES)]
     Fmt(fmt::FmtArgs),
-    /// Show a scenario on a page that follows the file while you edit it, or draw a map.
+    /// Show a scenario or a map on a page that follows the file while you edit it.
     #[command(after_help = preview::EXAMPLES)]
     Preview(preview::PreviewArgs),
-    /// Show a file as it is parsed, checked or planned.
-    #[command(after_help = debug::EXAMPLES)]
-    Debug(debug::DebugArgs),
     /// Serve an editor by the language server protocol on the standard streams.
     #[command(after_help = lsp::EXAMPLES)]
     Lsp {
@@ -150,9 +136,6 @@ pub enum Command {
         #[arg(long)]
         stdio: bool,
     },
-    /// Write the manual pages of all commands.
-    #[command(after_help = manual::EXAMPLES)]
-    Manual(manual::ManualArgs),
     /// Print a completion script for a shell.
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {
@@ -162,24 +145,18 @@ pub enum Command {
 }
 
 impl Command {
-    /// Runs the command; the settings are those of the folder.
-    pub fn run(self, matches: &ArgMatches, settings: Option<&Settings>) -> Ended {
+    /// Runs the command.
+    pub fn run(self) -> Ended {
         // These may have started programs, which must not outlive them. Others with programs have handlers of their own.
-        if let Self::Replay(_) | Self::Export(_) | Self::Verify(_) | Self::Compare(_) | Self::Recheck(_) = self {
+        if let Self::Replay(_) | Self::Export(_) | Self::Compare(_) | Self::Recheck(_) = self {
             interrupt::end_when_asked();
         }
         match self {
-            Self::Config => {
-                let (_, options) = matches.subcommand().expect("it is the command `config`");
-                config::config(options, settings);
-                Ok(ExitCode::Done)
-            }
             Self::Run(options) => run::run(&options),
             Self::Status(options) => status::status(&options),
             Self::Merge(options) => merge::merge(&options),
             Self::Replay(options) => replay::replay(&options),
             Self::Export(options) => export::export(&options),
-            Self::Verify(options) => verify::verify(&options),
             Self::Compare(options) => compare::compare(&options),
             Self::Recheck(options) => recheck::recheck(&options),
             Self::Failures(options) => failures::failures(&options),
@@ -188,11 +165,9 @@ impl Command {
             Self::Explain(options) => explain::explain(&options),
             Self::New(options) => new::new(&options),
             Self::Demo(options) => demo::demo(&options),
-            Self::Debug(options) => debug::debug(&options),
             Self::Lsp { .. } => lsp::lsp(),
             Self::Fmt(options) => fmt::fmt(&options),
             Self::Preview(options) => preview::preview(&options),
-            Self::Manual(options) => manual::manual(&options),
             Self::Completions { shell } => {
                 let mut script = Vec::new();
                 clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);

@@ -1,30 +1,36 @@
-//! `falsify preview`: a page of the towns of a scenario that follows the file while it is edited, or of an OpenDRIVE map.
+//! `falsify preview`: a page of the towns of a scenario, which follows the file while it is edited, or of a map.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
-use clap::Args;
+use clap::{Args, value_parser};
 
-use super::map::{map, spacing};
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::unwritten;
 use crate::cli::input::{GivenArgs, session};
 use crate::cli::{console, interrupt};
-use crate::session::{self, Preview};
-use results::report;
+use crate::session::{Checked, Error, SampledStarts, Session, sampled_starts};
+use base::diagnostic::{Colour, render};
+use results::report::{self, MapPage, StartLayer, TownView};
+use world::road::{AssumedLimit, GiveWay, LaneKind, Town, opendrive};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify preview my.scn                     write my.preview.html and follow my.scn until Ctrl-C
   falsify preview my.scn --once              write the page and end
-  falsify preview Town02.xodr                Town02.svg and Town02.html, and what the map holds
+  falsify preview Town02.xodr                the map with the names of its lanes, and what it holds
 
-Exit codes: 0 the page is written   3 --once, and the scenario has errors   6 the page cannot be written   130 Ctrl-C";
+Exit codes: 0 the page is written   3 --once, and the file has errors   6 the page cannot be written   130 Ctrl-C";
 
-/// Between two looks at the files.
+/// Time between two checks of the files.
 const PAUSE: Duration = Duration::from_millis(250);
+/// Maximum number of layers of starts in a town.
+const MAX_LAYERS: usize = 12;
+/// Maximum number of problems on a page.
+const MAX_PROBLEMS: usize = 50;
 
 /// Options of `falsify preview`.
 #[derive(Debug, Args)]
@@ -35,33 +41,45 @@ pub struct PreviewArgs {
     /// Replacements of parts of the file.
     #[command(flatten)]
     pub given: GivenArgs,
-    /// Folder for the page, `NAME.preview.html`, and the script that tells it of a new version, `NAME.preview.js`; of a map for `NAME.svg` and
-    /// `NAME.html`.
+    /// Folder for the page, `NAME.preview.html`, and the script that tells it of a new version, `NAME.preview.js`.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
     pub out: PathBuf,
     /// Write the page once and end.
     #[arg(long)]
     pub once: bool,
-    /// The starts.
-    #[command(flatten)]
-    pub starts: session::PreviewOptions,
-    /// Of a map: also write the waypoints of all driving lanes at this distance (m), as CARLA would: `NAME_waypoints.csv`.
-    #[arg(long, value_name = "METRES", value_parser = spacing)]
-    pub waypoints: Option<f64>,
+    /// The number of starts that are drawn of every spawn in every town.
+    #[arg(long, default_value_t = 300, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000))]
+    pub sample: u32,
+    /// Seed of the starts.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+}
+
+/// The towns of a file with starts of episodes, and what is wrong with the file.
+#[derive(Debug, Clone, Default)]
+struct Preview {
+    /// The diagnostics as they are drawn under their lines, without colour.
+    problems: Vec<String>,
+    /// The number of errors.
+    errors: usize,
+    /// The files that were read, or that could not be read.
+    files: Vec<PathBuf>,
+    /// Whether the file has errors and the towns are those of an earlier preview.
+    outdated: bool,
+    towns: Vec<(String, Arc<Town>)>,
+    starts: Vec<(String, SampledStarts)>,
 }
 
 /// `falsify preview`
 pub fn preview(options: &PreviewArgs) -> Ended {
-    if options.file.extension().is_none_or(|extension| extension != "scn") {
-        return map(options);
-    }
     let session = session(options.given.allow_external);
-    let input = options.given.input(std::slice::from_ref(&options.file));
-    let wanted = session::PreviewOptions { input, ..options.starts.clone() };
-    if options.once {
-        let preview = session.preview(&wanted, &Preview::default());
-        let page = write(&preview, options, None)?;
+    if options.once || is_map(&options.file) {
+        let preview = Preview::default().next(&session, options);
+        let page = preview.write(options, None)?;
         preview.problems.iter().for_each(|problem| console::note(problem));
+        if let Some((_, town)) = preview.towns.first().filter(|_| is_map(&options.file)) {
+            describe(town);
+        }
         console::say(&page.display().to_string());
         return if preview.errors == 0 { Ok(ExitCode::Done) } else { Err(ExitCode::Scenario) };
     }
@@ -70,20 +88,16 @@ pub fn preview(options: &PreviewArgs) -> Ended {
     for version in 1u64.. {
         // Changes while the files are read count as later ones.
         let mut known = stamps(&preview.files);
-        preview = session.preview(&wanted, &preview);
+        preview = preview.next(&session, options);
         if known.len() != preview.files.len() {
             known = stamps(&preview.files);
         }
         // A page of an earlier call has another number.
-        let stamp = format!("{}-{version}", std::process::id());
-        let page = write(&preview, options, Some(stamp))?;
+        let page = preview.write(options, Some(format!("{}-{version}", std::process::id())))?;
         if version == 1 {
             console::say(&format!("open {} in a browser; Ctrl-C ends", page.display()));
         }
-        console::say(&match preview.errors {
-            0 => "no errors".to_string(),
-            errors => console::count(errors, "error"),
-        });
+        console::say(&preview.count_errors());
         while stamps(&preview.files) == known {
             std::thread::sleep(PAUSE);
         }
@@ -91,7 +105,7 @@ pub fn preview(options: &PreviewArgs) -> Ended {
     Ok(ExitCode::Done)
 }
 
-/// When each file was last changed, and its length; nothing of a file that is not there.
+/// When each file was last changed, and its length; `None` for a missing file.
 fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
     let stamp = |file: &PathBuf| {
         let data = std::fs::metadata(file).ok()?;
@@ -100,28 +114,176 @@ fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
     files.iter().map(stamp).collect()
 }
 
-/// Writes the page and, if it has a version, the script that names it; the error is the exit code, after the reason has been printed.
-fn write(preview: &Preview, options: &PreviewArgs, version: Option<String>) -> Result<PathBuf, ExitCode> {
-    let place = |ending: &str| {
-        let mut name = OsString::from(options.file.file_stem().unwrap_or_default());
-        name.push(ending);
-        options.out.join(name)
-    };
-    let page = place(".preview.html");
-    let script = place(".preview.js");
-    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let follows = version.as_ref().map(|version| (address(&name(&script)), version.clone()));
-    let text = preview.page(&name(&options.file), follows);
-    let written = report::write_file(&page, text.as_bytes()).and_then(|()| match version {
-        // The page is there before the script names it.
-        Some(version) => report::write_file(&script, format!("falsifyVersion(\"{version}\");\n").as_bytes()),
-        None => Ok(()),
-    });
-    written.map(|()| page).map_err(unwritten)
+/// Whether a file is a map. Its page is written once.
+fn is_map(file: &Path) -> bool {
+    file.extension().is_none_or(|extension| extension != "scn")
+}
+
+impl Preview {
+    /// Reads the file again. One with errors keeps the towns of this preview.
+    fn next(&self, session: &Session, options: &PreviewArgs) -> Self {
+        if is_map(&options.file) { self.next_map(&options.file) } else { self.next_scenario(session, options) }
+    }
+
+    /// A version with errors, which keeps the towns.
+    fn kept(&self, problems: Vec<String>, errors: usize, files: Vec<PathBuf>) -> Self {
+        Self { problems, errors, files, outdated: !self.towns.is_empty(), ..self.clone() }
+    }
+
+    fn next_map(&self, file: &Path) -> Self {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        let read = base::files::text(file).map_err(|error| lang::reason(&error));
+        let town = read.and_then(|text| opendrive::read(&text, &name).map_err(|error| error.to_string()));
+        match town {
+            Ok(parts) => Self {
+                files: vec![file.into()],
+                towns: vec![(name.into_owned(), Arc::new(Town::new(parts)))],
+                ..Self::default()
+            },
+            Err(error) => {
+                let problem = format!("error: cannot use the map `{}`: {error}", file.display());
+                self.kept(vec![problem], 1, vec![file.into()])
+            }
+        }
+    }
+
+    fn next_scenario(&self, session: &Session, options: &PreviewArgs) -> Self {
+        let input = options.given.input(std::slice::from_ref(&options.file));
+        let checked = match session.check(&input) {
+            Ok(checked) => checked,
+            Err(Error::Unreadable { files }) => {
+                let problems: Vec<String> = files.iter().map(|file| format!("error: {file}")).collect();
+                return self.kept(problems, files.len(), input.files);
+            }
+            Err(other) => return self.kept(vec![format!("error: {other}")], 1, input.files),
+        };
+        let files = checked.records.iter().map(|record| PathBuf::from(&record.path)).collect();
+        let errors = checked.errors();
+        let Checked { compiled, sources, .. } = checked;
+        let shown = compiled.diagnostics.iter().take(MAX_PROBLEMS).map(|each| render(each, &sources, Colour::Never));
+        let more = compiled.diagnostics.len().saturating_sub(MAX_PROBLEMS);
+        let problems = shown.chain((more > 0).then(|| format!("… and {more} more"))).collect();
+        // Spawns that cannot be satisfied are drawn too: the map may show why.
+        let Some(plan) = compiled.plan.or(compiled.unplaced) else { return self.kept(problems, errors, files) };
+        let mut towns: Vec<(String, Arc<Town>)> = Vec::new();
+        for town in plan.towns.iter().chain(plan.campaigns.iter().flat_map(|campaign| &campaign.towns)) {
+            if towns.iter().all(|(name, _)| *name != town.name) {
+                towns.push((town.name.clone(), town.town.clone()));
+            }
+        }
+        let mut starts: Vec<(String, SampledStarts)> = Vec::new();
+        for campaign in &plan.campaigns {
+            for sampled in sampled_starts(campaign, options.sample, options.seed) {
+                let same = |(_, other): &(String, SampledStarts)| {
+                    other.town == sampled.town && other.scenario.spawn == sampled.scenario.spawn
+                };
+                // The variants of a matrix often share their starts.
+                if !starts.iter().any(same) {
+                    starts.push((format!("{}, spawn {}", campaign.name, sampled.scenario.spawn.name), sampled));
+                }
+            }
+        }
+        Self { problems, errors, files, outdated: false, towns, starts }
+    }
+
+    /// Writes the page and, if it has a version, the script that names it; the error is the exit code, after the reason has been printed.
+    fn write(&self, options: &PreviewArgs, version: Option<String>) -> Result<PathBuf, ExitCode> {
+        let place = |ending: &str| {
+            let mut name = OsString::from(options.file.file_stem().unwrap_or_default());
+            name.push(ending);
+            options.out.join(name)
+        };
+        let (page, script) = (place(".preview.html"), place(".preview.js"));
+        let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let follows = version.as_ref().map(|version| (address(&name(&script)), version.clone()));
+        let text = self.page(&name(&options.file), follows);
+        let written = report::write_file(&page, text.as_bytes()).and_then(|()| match version {
+            // The page is there before the script names it.
+            Some(version) => report::write_file(&script, format!("falsifyVersion(\"{version}\");\n").as_bytes()),
+            None => Ok(()),
+        });
+        written.map(|()| page).map_err(unwritten)
+    }
+
+    /// The page with this title. A page that `follows` a script (its file name, and the version of this page) loads itself again when
+    /// the script names another version.
+    fn page(&self, title: &str, follows: Option<(String, String)>) -> String {
+        let layers = |town: &str| {
+            let here = self.starts.iter().filter(|(_, sampled)| sampled.town == town).take(MAX_LAYERS);
+            here.map(|(name, sampled)| StartLayer { name: name.clone(), survey: &sampled.survey }).collect()
+        };
+        let views = self.towns.iter().map(|(name, town)| TownView { town, starts: layers(name) });
+        let towns = match self.towns.len() {
+            0 => "no town to show".to_owned(),
+            towns => console::count(towns, "town"),
+        };
+        let outdated = if self.outdated { "; the maps are those of the last version that could be drawn" } else { "" };
+        report::map_page(&MapPage {
+            title: title.to_string(),
+            note: format!("{}, {towns}{outdated}", self.count_errors()),
+            problems: self.problems.clone(),
+            towns: views.collect(),
+            follows,
+        })
+    }
+
+    fn count_errors(&self) -> String {
+        if self.errors == 0 { "no errors".into() } else { console::count(self.errors, "error") }
+    }
 }
 
 /// A file name in a relative address.
 fn address(name: &str) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
     name.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
+}
+
+/// Prints what a map holds and what was skipped of its file.
+fn describe(town: &Town) {
+    let (low, high) = town.bounds();
+    let kilometres = |kind: LaneKind| {
+        let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| {
+            let length = section.end - section.start;
+            section.lanes.iter().filter(move |lane| lane.id != 0 && lane.kind == kind).map(move |_| length)
+        });
+        // The sum of no numbers is -0.0.
+        format!("{:.2} km", lanes.sum::<f64>() / 1000.0 + 0.0)
+    };
+    let inside = town.roads.iter().filter(|road| road.junction.is_some()).count();
+    let junctions = console::count(town.junctions.len(), "junction");
+    let signs = |kind| town.give_way_signs.iter().filter(|sign| sign.kind == kind).count().to_string();
+    console::say(&format!("town {}", town.name));
+    for (what, value) in [
+        ("extent", format!("{:.0} m × {:.0} m", high.x - low.x, high.y - low.y)),
+        ("roads", format!("{} ({inside} inside {junctions})", town.roads.len())),
+        ("driving lanes", kilometres(LaneKind::Driving)),
+        ("sidewalks", kilometres(LaneKind::Sidewalk)),
+        ("traffic lights", town.traffic_lights.len().to_string()),
+        ("speed limits", limits(town)),
+        ("speed signs", town.speed_signs.len().to_string()),
+        ("stop signs", signs(GiveWay::Stop)),
+        ("yield signs", signs(GiveWay::Yield)),
+        ("crosswalks", town.crosswalks.len().to_string()),
+        ("obstacles", town.obstacles.len().to_string()),
+        ("warnings", town.warnings.len().to_string()),
+    ] {
+        console::say(&format!("  {what:16}{value}"));
+    }
+    town.warnings.iter().for_each(|warning| console::say(&format!("    {warning}")));
+}
+
+/// The limits that the map gives its driving lanes.
+fn limits(town: &Town) -> String {
+    let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| &section.lanes);
+    let driving = lanes.filter(|lane| lane.kind == LaneKind::Driving);
+    let known = driving.flat_map(|lane| &lane.limits).filter_map(|(_, limit)| limit.map(|limit| limit * 3.6));
+    let (min, max) = known.fold((f64::INFINITY, 0.0_f64), |(min, max), limit| (min.min(limit), max.max(limit)));
+    let known = match (max - min).abs() {
+        _ if max == 0.0 && !town.speed_signs.is_empty() => "those of the signs, 30 km/h before the first".to_owned(),
+        _ if max == 0.0 => String::new(),
+        difference if difference < 0.5 => format!("{max:.0} km/h"),
+        _ => format!("{min:.0} to {max:.0} km/h"),
+    };
+    let assumed = AssumedLimit::of(&town.roads, &town.speed_signs).map(|assumed| assumed.to_string());
+    [known, assumed.unwrap_or_default()].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
 }

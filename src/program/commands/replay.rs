@@ -1,15 +1,18 @@
+mod all;
+
 use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
 
-use super::episode::NameArgs;
+use super::episode::{Named, RepeatArgs, resolved};
 use crate::cli::console;
 use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;
-use crate::session::{self, Replay, Session, TickTable, reasons};
-use results::report::{self, Narrative};
+use crate::session::{self, EpisodePath, Replay, Session, TickTable, reasons};
+pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
+use results::report::{self, Narrative, StoredReport};
 use world::judge::{Question, ViolationVerdict};
 
 /// Shown after the help.
@@ -22,6 +25,10 @@ Examples:
                                              the five worst failures of reports/
   falsify replay 1a2b3c4d:17 --ticks way.csv
                                              also write every tick as a table, .csv or .parquet
+  falsify replay --all reports/first_look --sample 100
+                                             100 episodes of a report, every column compared byte for byte
+  falsify replay --all reports/first_look --trainings
+                                             all of them, and train every pedestrian again
 
 `falsify failures` lists the names of failures; they are also in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and
 search_failures.csv (`run_id`, `failure`).
@@ -32,14 +39,23 @@ Exit codes: 0 it is as in the report   2 no such episode, or a file is missing  
 /// Options of `falsify replay`.
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
-    /// The episodes.
+    /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
+    #[arg(required_unless_present = "all", conflicts_with = "all", value_name = "[PATH/]RUN:EPISODE", value_parser = str::parse::<Named>)]
+    pub names: Vec<Named>,
+    /// The report, or the folder of reports, of names without a path.
+    #[arg(long, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub report: PathBuf,
+    /// A whole report instead.
     #[command(flatten)]
-    pub which: NameArgs,
+    pub all: ReplayAllOptions,
+    /// Options of the repetition.
+    #[command(flatten)]
+    pub repeat: RepeatArgs,
     /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
-    #[arg(long, value_name = "FILE", value_parser = table_file, display_order = 16)]
+    #[arg(long, value_name = "FILE", value_parser = table_file, conflicts_with = "all", display_order = 16)]
     pub ticks: Option<PathBuf>,
     /// Print one JSON object, for programs.
-    #[arg(long, display_order = 17)]
+    #[arg(long, conflicts_with = "all", display_order = 17)]
     pub json: bool,
 }
 
@@ -51,17 +67,25 @@ fn table_file(text: &str) -> Result<PathBuf, String> {
 
 /// `falsify replay`
 pub fn replay(options: &ReplayArgs) -> Ended {
-    let episodes = options.which.replays()?;
+    let session = session(options.repeat.allow_external);
+    let repeat = &options.repeat.repeat;
+    if let Some(folder) = &options.all.report {
+        let report = StoredReport::open(folder).map_err(|error| failed(error.into()))?;
+        let replayed = session.replay_all(report, &options.all, repeat).map_err(failed)?;
+        return Ok(all::tell(&replayed));
+    }
+    let episodes = resolved(&options.names)?;
     if episodes.len() > 1 && options.ticks.is_some() {
         return Err(misused("--ticks writes one file, so it takes one episode"));
     }
-    let session = session(options.which.repeat.allow_external);
     let mut ended = ExitCode::Done;
-    for (number, episode) in episodes.iter().enumerate().take_while(|_| !console::closed()) {
+    for (number, EpisodePath { report, name }) in episodes.into_iter().enumerate().take_while(|_| !console::closed()) {
         if number > 0 && !options.json {
             console::say("");
         }
-        ended = ended.or(replay_one(&session, episode, options).unwrap_or_else(|code| code));
+        let report = report.unwrap_or_else(|| options.report.clone());
+        let which = session::ReplayOptions { name, report, repeat: repeat.clone() };
+        ended = ended.or(replay_one(&session, &which, options).unwrap_or_else(|code| code));
     }
     Ok(ended)
 }

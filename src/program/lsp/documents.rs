@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use lsp_types::{Position, Range, Uri};
 
-use base::diagnostic::{self, Lines, Span};
+use base::diagnostic::{Lines, Span};
 use lang::library;
 
 /// The buffers an editor has open; they have precedence over files on disk.
@@ -83,10 +83,17 @@ impl Documents {
     pub fn uri(&self, path: &Path) -> Option<Uri> {
         match self.open.get(&plain(path)) {
             Some(document) => Some(document.uri.clone()),
-            None if path.is_absolute() => Uri::from_str(&diagnostic::uri(&plain(path).display().to_string())).ok(),
+            None if path.is_absolute() => Uri::from_str(&address(&plain(path).display().to_string())).ok(),
             None => None,
         }
     }
+}
+
+/// A path as an address: characters other than letters, digits and plain signs are percent-encoded.
+fn address(path: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
+    let encode = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+    format!("file://{}", path.bytes().map(encode).collect::<String>())
 }
 
 /// The path of an editor's name; a buffer that is not a file keeps its name.

@@ -21,7 +21,7 @@ pub struct NoEpisodeName;
 
 impl EpisodeName {
     /// Reads a name in a table of a report.
-    pub(super) fn of_table(name: String) -> Result<Self, Error> {
+    pub(crate) fn of_table(name: String) -> Result<Self, Error> {
         name.parse().map_err(|_| Error::BadName { name })
     }
 }

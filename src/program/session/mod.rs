@@ -1,5 +1,5 @@
-//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `judge`, `compare`, `recheck`,
-//! `export`, `preview`.
+//! The program as a library: `check`, `run`, `merge`, `replay`, `status`, `failures`, `judge`, `compare`, `recheck`,
+//! `export`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
 //! takes a struct of plain options, returns a value or an [`Error`], and the observer hears each [`Event`] meanwhile. No call prints, reads
@@ -14,7 +14,6 @@ mod input;
 mod setup;
 mod check;
 mod starts;
-mod preview;
 mod options;
 mod campaign_report;
 mod manifest;
@@ -38,7 +37,6 @@ mod reasons;
 mod replay;
 mod export;
 mod export_files;
-mod verify;
 mod failures;
 mod judge;
 mod compare;
@@ -46,6 +44,7 @@ mod driver_pairs;
 mod encounters;
 mod recheck;
 
+pub use crate::commands::{ReplayAllOptions, ReplayedReport, Retrained};
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
 pub use changed_program::ChangedProgram;
 pub use check::{Checked, Planned};
@@ -68,7 +67,6 @@ pub(crate) use options::seconds;
 pub use options::{RunOptions, TableFormat, Ticks};
 pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
-pub use preview::{Preview, PreviewOptions};
 pub use reasons::{Reason, reasons};
 pub use recheck::RecheckOptions;
 pub use repeat::Repeated;
@@ -79,6 +77,6 @@ pub use starts::{EndsOfRoads, SampledStarts, sampled_starts};
 pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
 pub use stop::Stop;
 pub use stored::RepeatOptions;
-pub use verify::{Retrained, VerifyOptions, VerifyReport};
+pub(crate) use stored::Source;
 
 pub use world::judge::{Encountered, Reference, Verdict};

@@ -26,7 +26,7 @@ pub struct RepeatOptions {
 }
 
 /// A report with its campaign.
-pub(super) struct Source {
+pub(crate) struct Source {
     pub report: StoredReport,
     pub campaign: Campaign,
     /// The user's seed.
@@ -86,7 +86,7 @@ impl Session {
     }
 
     /// Compiles the campaign of a report again, from the files that it holds and the settings of its manifest.
-    pub(super) fn reopen(&self, report: StoredReport, options: &RepeatOptions) -> Result<Source, Error> {
+    pub(crate) fn reopen(&self, report: StoredReport, options: &RepeatOptions) -> Result<Source, Error> {
         self.announce(report.manifest());
         let (source, changes) = self.compile_again(report, options, &[])?;
         if !changes.is_empty() && !options.anyway {

@@ -1,10 +1,8 @@
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use super::run::Shared;
 use super::{Event, Task, TaskError};
+use base::seed::Seed;
 use compile::{Estimation, EstimationKey};
-use world::falsifier::Simulator;
-use world::likelihood::{Encounters, Estimate, Limits};
+use world::likelihood::{self, Encounters, Estimate, Limits};
 
 /// The result of an estimate.
 #[derive(Debug, Clone)]
@@ -45,28 +43,7 @@ pub(super) fn estimate(shared: Shared<'_>, index: usize) -> Option<EstimateResul
     }
     shared.tell(Event::Begun(task));
     let late = || shared.stop() || results.limit(task, 0).is_some();
-    let seed = plan.drawn(seed);
-    let starts = seed.child("search").child("starts");
-    let mut before = 0;
-    let found = match &plan.search {
-        None => None,
-        Some(search) => {
-            let used = AtomicU64::new(0);
-            let progress = |ticks: u64| {
-                let used = used.fetch_add(ticks, Ordering::Relaxed) + ticks;
-                shared.tell(Event::Estimating { estimation: index, ticks: used });
-            };
-            let mut simulator =
-                Simulator::new(search.scenario.clone(), starts, search.budget, &late).with_progress(&progress);
-            if let Err(error) = search.falsifier.search(&mut simulator, &seed.child("search")) {
-                return Some(EstimateResult::new(plan, Err(TaskError::Training(error))));
-            }
-            let spent = simulator.into_spent();
-            before = spent.ticks;
-            Some(spent)
-        }
-    };
-    let progress = |ticks: u64| shared.tell(Event::Estimating { estimation: index, ticks: ticks.max(before) });
+    let progress = |ticks: u64| shared.tell(Event::Estimating { estimation: index, ticks });
     let limits = Limits {
         event: plan.event,
         relative_error: plan.relative_error,
@@ -74,14 +51,17 @@ pub(super) fn estimate(shared: Shared<'_>, index: usize) -> Option<EstimateResul
         stop: &late,
         progress: &progress,
     };
-    let make = || Encounters::new(&plan.scenario, plan.walker.walk_policy(), plan.question);
-    let estimate = plan.estimator.estimate(&make, found.as_ref().map(|found| (found, &starts)), &seed, limits);
+    let make = || {
+        let mut encounters = Encounters::new(&plan.scenario, plan.walker.walk_policy(), plan.question);
+        move |number: u64, seed: &Seed| encounters.run(number, seed)
+    };
+    let estimate = likelihood::estimate(&make, &plan.drawn(seed), limits);
     if let Some(limit) = results.limit(task, 0).filter(|_| !shared.stop()) {
         return Some(EstimateResult::new(plan, Err(limit)));
     }
     if estimate.stopped {
         return None;
     }
-    let estimate = if estimate.fresh == 0 { Err(TaskError::NoEncounter) } else { Ok(estimate) };
+    let estimate = if estimate.counted == 0 { Err(TaskError::NoEncounter) } else { Ok(estimate) };
     Some(EstimateResult::new(plan, estimate))
 }

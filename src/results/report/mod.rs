@@ -12,7 +12,6 @@ mod render;
 mod read;
 mod catalogue;
 mod caution;
-mod waypoints;
 mod manifest;
 mod scenario_files;
 mod parquet;
@@ -67,8 +66,8 @@ pub use recheck::{
 };
 pub use render::{
     MapPage, Narrative, StartLayer, Starts, Suite, Tally, TownView, animation, covers_for_terminal,
-    drivers_for_terminal, estimates_for_terminal, failures_for_terminal, hardened_for_terminal, junit, labelled_map,
-    map_page, narrative, overview_for_terminal, overview_page, protocol_for_terminal, requirements_for_terminal,
+    drivers_for_terminal, estimates_for_terminal, failures_for_terminal, hardened_for_terminal, junit, map_page,
+    narrative, overview_for_terminal, overview_page, protocol_for_terminal, requirements_for_terminal,
     results_for_terminal, searches_for_terminal, shown, spawn_map, strip, town_map,
 };
 pub use render::{
@@ -78,7 +77,6 @@ pub use render::{
 pub use scenario_files::{MOST_HELD_BYTES, held_places};
 pub use table_stream::TableStream;
 pub use text_forms::{csv_text, json_rows};
-pub use waypoints::waypoints;
 pub use write::{pedestrian_file, write, write_failure_modes};
 
 /// A row of a table, or several.

@@ -134,10 +134,7 @@ fn estimation(estimation: &Estimation, seed: u64) -> Id {
     let key = &estimation.key;
     Id::of(&[
         b"estimate",
-        // The falsifier of a first search may learn.
-        vector_instructions().as_bytes(),
         &seed.to_le_bytes(),
-        key.estimator.as_bytes(),
         key.walker.as_bytes(),
         key.town.as_bytes(),
         key.policy.as_bytes(),

@@ -103,10 +103,6 @@ const MOST_FAULTS: u32 = 10;
 /// Commands of an episode for which memory is reserved; longer episodes reserve more once.
 const MOST_ROOM: u32 = 4096;
 
-/// A car below this speed (m/s) is farther from a collision than its gap says. With 0.5 m/s touches of the standing car are nearly the nearest encounters
-/// that are no failure, and populations end there (reports/likelihood.md).
-const SLOW: f64 = 5.0;
-
 /// The commands that the pedestrians carry out, in the order of their numbers.
 #[derive(Debug, Clone)]
 struct Walks {
@@ -149,8 +145,6 @@ struct Episode {
     /// Whether the hit that ended it is a fault of the driver.
     is_fault: bool,
     least_gap: f64,
-    /// Least [`PedestrianEnv::nearness`] up to now (m).
-    nearest: f64,
     digest: u64,
     state_hashes: StateHashes,
     outcome: Option<Outcome>,
@@ -172,7 +166,6 @@ impl Episode {
             reward: 0.0,
             is_fault: false,
             least_gap: f64::INFINITY,
-            nearest: f64::INFINITY,
             digest: 0,
             state_hashes: StateHashes::default(),
             outcome: None,
@@ -317,12 +310,6 @@ impl PedestrianEnv {
     /// The outcome of the episode; none while it runs.
     pub fn outcome(&self) -> Option<&Outcome> {
         self.episode.outcome.as_ref()
-    }
-
-    /// How near the running episode came to a collision (m): the least gap at any tick, with what the car's speed lacked then of
-    /// 5 m/s added, a metre for each m/s. A pedestrian who touches a standing car is not near to one.
-    pub fn nearness(&self) -> f64 {
-        self.episode.nearest
     }
 
     /// The actors that touched in the last tick, and how; none when there was no touch.
@@ -519,12 +506,9 @@ impl PedestrianEnv {
                 digest = mix(digest, value.to_bits());
             }
             // The distance of the centres bounds the gap from below; most ticks need no more.
-            let slow = (SLOW - ego.state.speed).max(0.0);
-            let reach = self.episode.least_gap.max(self.episode.nearest - slow) + size + pedestrian.body.reach();
+            let reach = self.episode.least_gap + size + pedestrian.body.reach();
             if (middle - place).norm_squared() < reach * reach {
-                let gap = self.world.gap(0, number);
-                self.episode.least_gap = self.episode.least_gap.min(gap);
-                self.episode.nearest = self.episode.nearest.min(gap + slow);
+                self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, number));
             }
         }
         self.episode.digest = digest;

@@ -130,10 +130,6 @@ impl WalkPolicy for Crossing {
         }
     }
 
-    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(Box::new(*self))
-    }
-
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(*self))
     }

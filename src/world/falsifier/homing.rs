@@ -21,8 +21,4 @@ impl WalkPolicy for Homing {
             *command = scene.homing(pedestrian);
         }
     }
-
-    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(Box::new(*self))
-    }
 }

@@ -22,10 +22,6 @@ impl WalkPolicy for Intercept {
         }
     }
 
-    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(Box::new(*self))
-    }
-
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(*self))
     }

@@ -174,14 +174,6 @@ impl WalkPolicy for Natural {
         }
     }
 
-    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(Box::new(self.clone()))
-    }
-
-    fn reseed(&mut self, stream: Stream) {
-        self.stream = Some(stream);
-    }
-
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(self.clone()))
     }

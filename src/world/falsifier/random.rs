@@ -30,14 +30,6 @@ impl WalkPolicy for Random {
         scene.write_commands(&self.action, commands);
     }
 
-    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(Box::new(self.clone()))
-    }
-
-    fn reseed(&mut self, stream: Stream) {
-        self.stream = Some(stream);
-    }
-
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(self.clone()))
     }

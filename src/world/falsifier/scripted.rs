@@ -28,10 +28,6 @@ impl WalkPolicy for Scripted {
         }
     }
 
-    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(Box::new(*self))
-    }
-
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(*self))
     }

@@ -17,16 +17,6 @@ pub trait WalkPolicy: Send {
         None
     }
 
-    /// A copy in its present state, with its memory; none when that is elsewhere, as in another process.
-    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
-        None
-    }
-
-    /// Draws all that it draws from now on from another stream; its memory stays.
-    fn reseed(&mut self, stream: Stream) {
-        let _ = stream;
-    }
-
     /// Another policy that chooses as this one does, for episodes that run at the same time. None when this policy cannot be in two
     /// episodes at once.
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {

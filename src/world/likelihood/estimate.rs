@@ -1,5 +1,38 @@
-use super::Event;
-use base::statistics::{clopper_pearson, student_quantile};
+use rayon::prelude::*;
+
+use super::{Event, Events};
+use base::seed::Seed;
+use base::statistics::clopper_pearson;
+
+/// Significance level of the intervals, and of the one-sided bound of an event that was never seen.
+const ALPHA: f64 = 0.05;
+/// Minimum and maximum number of encounters between two checks of the budget; in between, as many as there were before.
+const BATCH: (u64, u64) = (50, 1000);
+/// Number of consecutive encounters that one worker runs.
+const ROW: usize = 50;
+
+/// When an estimate ends.
+#[derive(Clone, Copy)]
+pub struct Limits<'a> {
+    /// The event that the relative error is about.
+    pub event: Event,
+    /// The relative error at which it ends.
+    pub relative_error: f64,
+    /// Maximum number of ticks. A batch that has begun is finished.
+    pub budget: u64,
+    pub stop: &'a (dyn Fn() -> bool + Sync),
+    /// Called with the number of ticks used so far.
+    pub progress: &'a (dyn Fn(u64) + Sync),
+}
+
+/// The result of an encounter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Encounter {
+    /// Whether it counts. The driver may be lost before a pedestrian had any part in it.
+    pub counts: bool,
+    pub events: Events,
+    pub ticks: u64,
+}
 
 /// The probability of an event in an encounter, with a 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -7,38 +40,25 @@ pub struct Likelihood {
     pub event: Event,
     /// The probability, 0 to 1.
     pub probability: f64,
-    /// The 95 % interval. Where the event was never seen it begins at 0, and its end is a one-sided bound.
+    /// The 95 % interval. If the event was never seen, it begins at 0, and its end is a one-sided bound.
     pub low: f64,
     pub high: f64,
-    /// Standard error of the probability as a share of it; none where the event was never seen.
+    /// Standard error as a fraction of the probability; `None` if the event was never seen.
     pub relative_error: Option<f64>,
-    /// Number of fresh encounters whose share has the same error.
-    pub effective: f64,
-    /// Encounters, populations or draws in which it was seen.
+    /// Number of encounters in which it was seen.
     pub seen: u64,
 }
 
-/// The least effective number of weights of a sum that has an interval, and the greatest share of a single one.
-pub(super) const SOUND: (f64, f64) = (50.0, 0.1);
-
-/// The result of an estimator.
+/// How likely failures are.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Estimate {
     /// One for each event, in the order of [`Event`].
     pub likelihoods: Vec<Likelihood>,
-    /// Encounters that were simulated, whole or in part.
+    /// Number of encounters.
     pub encounters: u64,
+    /// Number of these that count; probabilities are among these.
+    pub counted: u64,
     pub ticks: u64,
-    /// Share of fresh encounters that count; probabilities are among these.
-    pub counting: f64,
-    /// Encounters of the plain kind among them: fresh ones, each from a start of its own.
-    pub fresh: u64,
-    /// The levels that the populations climbed, from the first to 0; empty for other methods.
-    pub levels: Vec<f64>,
-    /// The probability of a failure by each population; empty for other methods.
-    pub populations: Vec<f64>,
-    /// The greatest share of a single encounter in the sum of the weights; 0 for methods without weights.
-    pub greatest_weight: f64,
     /// Whether it ended before the relative error was reached.
     pub short: bool,
     /// Whether it was stopped from outside.
@@ -47,60 +67,84 @@ pub struct Estimate {
 
 impl Likelihood {
     /// Of a number of independent encounters, in some of which the event was seen.
-    pub fn of_share(event: Event, seen: u64, encounters: u64) -> Self {
-        // Where nothing was seen the bound is one-sided.
-        let alpha = if seen == 0 { 0.1 } else { 0.05 };
+    pub fn new(event: Event, seen: u64, encounters: u64) -> Self {
+        let alpha = if seen == 0 { 2.0 * ALPHA } else { ALPHA };
         let (low, high) = clopper_pearson(seen, encounters, alpha);
         let probability = seen as f64 / (encounters.max(1)) as f64;
         let relative_error = (seen > 0).then(|| ((1.0 - probability) / seen as f64).sqrt());
-        Self { event, probability, low, high, relative_error, effective: encounters as f64, seen }
+        Self { event, probability, low, high, relative_error, seen }
     }
-
-    /// Of independent estimates without bias, one of each population. `fresh` is the number of fresh encounters among all, which bounds what was never
-    /// seen.
-    pub fn of_estimates(event: Event, estimates: &[f64], fresh: u64) -> Self {
-        let count = estimates.len() as f64;
-        let mean = estimates.iter().sum::<f64>() / count.max(1.0);
-        let seen = estimates.iter().filter(|each| **each > 0.0).count() as u64;
-        if seen == 0 {
-            return Self { effective: fresh as f64, seen, ..Self::of_share(event, 0, fresh) };
-        }
-        let squares: f64 = estimates.iter().map(|each| (each - mean) * (each - mean)).sum();
-        let error = (squares / (count * (count - 1.0))).sqrt() / mean;
-        let (low, high) = around(mean, error, student_quantile(count - 1.0));
-        let effective = (1.0 - mean) / (mean * error * error);
-        Self { event, probability: mean, low, high, relative_error: Some(error), effective, seen }
-    }
-
-    /// The same event among the encounters that count, where all others were asked too.
-    pub fn among(self, counting: f64) -> Self {
-        let share = |value: f64| (value / counting).min(1.0);
-        Self { probability: share(self.probability), low: share(self.low), high: share(self.high), ..self }
-    }
-}
-
-/// An interval about a probability with a relative error, equally wide in orders of magnitude: estimates of a small probability are skewed.
-pub(super) fn around(probability: f64, error: f64, quantile: f64) -> (f64, f64) {
-    let factor = libm::exp(quantile * error);
-    (probability / factor, (probability * factor).min(1.0))
 }
 
 impl Estimate {
     pub fn of(&self, event: Event) -> &Likelihood {
-        self.likelihoods.iter().find(|each| each.event == event).expect("each event has one")
+        &self.likelihoods[event as usize]
     }
 
-    /// Whether a few encounters are most of a sum of weights.
-    pub fn is_degenerate(&self) -> bool {
-        let few = |each: &Likelihood| each.seen > 0 && each.effective < SOUND.0;
-        self.greatest_weight > SOUND.1 || self.greatest_weight > 0.0 && self.likelihoods.iter().any(few)
+    /// Fraction of the encounters that count.
+    pub fn counting(&self) -> f64 {
+        self.counted as f64 / self.encounters.max(1) as f64
     }
+}
 
-    /// Whether the populations disagree: the greatest says more than ten times the median.
-    pub fn populations_disagree(&self) -> bool {
-        let mut sorted = self.populations.clone();
-        sorted.sort_by(f64::total_cmp);
-        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        sorted.last().is_some_and(|greatest| *greatest > 10.0 * middle)
+/// Number of encounters, none of which has the event, that bound its probability with 95 % confidence: ln α / ln(1 − p).
+pub fn encounters_needed(bound: f64) -> u64 {
+    (libm::log(ALPHA) / libm::log1p(-bound)).ceil() as u64
+}
+
+/// Counts the events of independent encounters. `make` makes a worker, which runs the encounter with a number and a seed.
+///
+/// It ends with the encounter in which the event was seen often enough for the relative error; then the probability is (r − 1) / (n − 1),
+/// which has no bias (Haldane, *On a method of estimating frequencies*, Biometrika 33, 1945). The result does not depend on the number of
+/// threads.
+pub fn estimate<W: FnMut(u64, &Seed) -> Encounter>(
+    make: &(dyn Fn() -> W + Sync),
+    seed: &Seed,
+    limits: Limits<'_>,
+) -> Estimate {
+    let wanted = (1.0 / (limits.relative_error * limits.relative_error)).ceil() as u64;
+    let target = limits.event as usize;
+    let (mut encounters, mut counted, mut ticks) = (0, 0, 0);
+    let mut seen = [0; Event::COUNT];
+    let (mut enough, mut stopped) = (false, false);
+    while !enough && ticks < limits.budget {
+        stopped = (limits.stop)();
+        if stopped {
+            break;
+        }
+        let next = encounters.clamp(BATCH.0, BATCH.1);
+        for encounter in batch(make, seed, encounters..encounters + next) {
+            ticks += encounter.ticks;
+            if enough {
+                continue;
+            }
+            encounters += 1;
+            counted += u64::from(encounter.counts);
+            seen.iter_mut().zip(encounter.events).for_each(|(seen, event)| *seen += u64::from(event));
+            enough = seen[target] == wanted;
+        }
+        (limits.progress)(ticks);
     }
+    let likelihood = |event: &Event| {
+        let plain = Likelihood::new(*event, seen[*event as usize], counted);
+        let unbiased = (plain.seen as f64 - 1.0) / (counted as f64 - 1.0);
+        let probability = if enough && *event == limits.event { unbiased } else { plain.probability };
+        Likelihood { probability, ..plain }
+    };
+    let likelihoods = Event::ALL.iter().map(likelihood).collect();
+    Estimate { likelihoods, encounters, counted, ticks, short: !enough, stopped }
+}
+
+/// Runs the encounters with these numbers.
+fn batch<W: FnMut(u64, &Seed) -> Encounter>(
+    make: &(dyn Fn() -> W + Sync),
+    seed: &Seed,
+    numbers: std::ops::Range<u64>,
+) -> Vec<Encounter> {
+    let numbers: Vec<u64> = numbers.collect();
+    let rows = numbers.par_chunks(ROW).map(|numbers| {
+        let mut run = make();
+        numbers.iter().map(|number| run(*number, &seed.index(*number))).collect::<Vec<_>>()
+    });
+    rows.collect::<Vec<_>>().into_iter().flatten().collect()
 }

@@ -34,15 +34,6 @@ pub fn estimate_doubts(result: &EstimateResult) -> Vec<&'static str> {
     if result.has_program {
         doubts.push("a program draws numbers of its own: over starts, pedestrian and the seeds that it is given");
     }
-    if estimate.is_degenerate() {
-        doubts.push("weights degenerate: the interval is that of the plain encounters alone");
-    }
-    if estimate.populations_disagree() {
-        doubts.push("populations disagree: more particles");
-    }
-    if estimate.levels.last().is_some_and(|level| *level < 0.0) {
-        doubts.push("no population reached a failure: the bound is that of fresh encounters");
-    }
     if estimate.short {
         doubts.push("error above the wanted");
     }
@@ -68,8 +59,6 @@ pub fn estimate_columns<'a>() -> Table<'a, Row<'a>> {
         text("requirement", "", "the requirement whose violation is the failure; empty for collisions")
             .of(|row: &Row<'_>| row.result.key.requirement.clone()),
     )
-    .column(text("estimator", "", "name of the estimator").of(|row: &Row<'_>| row.result.key.estimator.clone()))
-    .column(text("method", "", "its kind").of(|row: &Row<'_>| row.result.key.method.to_string()))
     .column(count("block", "", "number of the `estimate` block in its campaign, from 0").of(|row: &Row<'_>| u64::from(row.result.key.block)))
     .column(count("run", "", "number of the run, from 0").of(|row: &Row<'_>| u64::from(row.result.key.run)))
     .column(
@@ -86,24 +75,13 @@ pub fn estimate_columns<'a>() -> Table<'a, Row<'a>> {
             .of(|row: &Row<'_>| row.likelihood.high),
     )
     .column(
-        share("relative_error", "standard error as a share of the probability; missing where the event was never seen")
+        share("relative_error", "standard error as a fraction of the probability; missing if the event was never seen")
             .of(|row: &Row<'_>| row.likelihood.relative_error),
     )
-    .column(
-        number(
-            "effective",
-            "",
-            "effective number: fresh encounters whose share has the same error; for `importance` the effective number of weights (Kish)",
-        )
-        .of(|row: &Row<'_>| row.likelihood.effective),
-    )
-    .column(
-        count("seen", "", "encounters in which it was seen; for `subset_simulation` populations in which it was seen")
-            .of(|row: &Row<'_>| row.likelihood.seen),
-    )
-    .column(count("encounters", "", "encounters that were simulated, whole or in part").of(|row: &Row<'_>| row.estimate.encounters))
+    .column(count("seen", "", "encounters in which it was seen").of(|row: &Row<'_>| row.likelihood.seen))
+    .column(count("encounters", "", "encounters that were simulated").of(|row: &Row<'_>| row.estimate.encounters))
     .column(count("ticks", "", "simulator ticks that were used").of(|row: &Row<'_>| row.estimate.ticks))
-    .column(share("counting", "share of fresh encounters that count").of(|row: &Row<'_>| row.estimate.counting))
+    .column(share("counting", "fraction of encounters that count").of(|row: &Row<'_>| row.estimate.counting()))
     .column(
         number("per_hour", "1/h", "events per hour, at the encounters per hour that the scenario states; missing without")
             .of(|row: &Row<'_>| exposed(row, 0)),
@@ -113,7 +91,7 @@ pub fn estimate_columns<'a>() -> Table<'a, Row<'a>> {
             .of(|row: &Row<'_>| exposed(row, 1)),
     )
     .column(
-        text("doubts", "", "what a reader must know: a program that draws numbers of its own, degenerate weights, populations that disagree, an error that was not reached")
+        text("doubts", "", "what a reader must know: a program that draws numbers of its own, an error that was not reached")
             .of(|row: &Row<'_>| estimate_doubts(row.result).join("; ")),
     )
 }

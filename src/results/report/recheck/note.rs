@@ -20,7 +20,7 @@ pub enum RecheckNote {
     CommandsAlone { failures: u64 },
     /// Failures of the report are no failures any more when the old driver drives.
     #[error(
-        "failures of the report that end otherwise now although the old driver drives: {failures}; another version of the program made the report, or the driver does not drive the same way twice; `falsify verify` shows them"
+        "failures of the report that end otherwise now although the old driver drives: {failures}; another version of the program made the report, or the driver does not drive the same way twice; `falsify replay --all` shows them"
     )]
     OtherNow { failures: u64 },
     /// Failures cannot be repeated.

@@ -34,4 +34,4 @@ pub use sections::{
 };
 pub use summary::summary;
 pub use table::Section;
-pub use town::{MapPage, StartLayer, Starts, TownView, labelled_map, map_page, spawn_map, town_map};
+pub use town::{MapPage, StartLayer, Starts, TownView, map_page, spawn_map, town_map};

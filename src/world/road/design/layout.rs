@@ -203,14 +203,22 @@ impl Layout {
         }
     }
 
+    /// The radius of the middle of a street where it bends at a node (m); `None` if the node is not a bend.
+    pub fn bend_radius(&self, design: &TownDesign, node: usize) -> Option<f64> {
+        let bend = *self.joints.get(node)? == Joint::Bend;
+        bend.then(|| design.bend_radius.max(LEAST_TANGENT / self.half_turn(node)))
+    }
+
+    /// The tangent of half the angle by which a street turns at a bend.
+    fn half_turn(&self, node: usize) -> f64 {
+        libm::tan(wrap_angle(self.gap(node, 0) - PI).abs() / 2.0)
+    }
+
     /// How far from its node a leg starts (m).
     fn leg_cut(&self, design: &TownDesign, node: usize, leg: usize) -> f64 {
         match self.joints[node] {
             Joint::Nothing | Joint::DeadEnd | Joint::Straight => 0.0,
-            Joint::Bend => {
-                let turn = wrap_angle(self.gap(node, 0) - PI).abs();
-                (design.bend_radius * libm::tan(turn / 2.0)).max(LEAST_TANGENT)
-            }
+            Joint::Bend => (design.bend_radius * self.half_turn(node)).max(LEAST_TANGENT),
             Joint::Junction => {
                 // The outer edges of two neighbouring streets are joined by an arc of the corner's radius, and so the
                 // middles by an arc about the same centre. If one street is wider, the arc is that of two such streets.

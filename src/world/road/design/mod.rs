@@ -19,7 +19,7 @@ mod building_row;
 pub use building_row::BuildingRow;
 pub use carriageway::Carriageway;
 pub use error::DesignError;
-pub use town_design::{Node, Street, StreetProfile, TownDesign};
+pub use town_design::{FastBend, Node, Street, StreetProfile, TownDesign};
 
 #[cfg(test)]
 mod tests;

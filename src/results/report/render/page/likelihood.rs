@@ -42,15 +42,10 @@ fn panel(town: &str, results: &[EstimateResult]) -> Panel {
         .filter_map(|result| Some((result, result.estimate.as_ref()?)))
         .collect();
     let several = |of: fn(&EstimateResult) -> &str| rows.iter().any(|(result, _)| of(result) != of(rows[0].0));
-    let (walkers, methods) = (several(|each| &each.key.walker), several(|each| &each.key.estimator));
-    let name = |result: &EstimateResult| {
-        let mut name = result.key.policy.clone();
-        for (shown, word) in [(walkers, &result.key.walker), (methods, &result.key.estimator)] {
-            if shown {
-                name = format!("{name}, {word}");
-            }
-        }
-        name
+    let walkers = several(|each| &each.key.walker);
+    let name = |result: &EstimateResult| match walkers {
+        true => format!("{}, {}", result.key.policy, result.key.walker),
+        false => result.key.policy.clone(),
     };
     let least = |likelihood: &Likelihood| if likelihood.seen > 0 { likelihood.low.max(1e-9) } else { likelihood.high };
     let lowest = rows.iter().map(|(_, estimate)| least(estimate.of(Event::Fault))).fold(0.1, f64::min);

@@ -1,7 +1,7 @@
 use crate::campaign::EstimateResult;
 use crate::report::estimate_doubts;
 use crate::report::render::table::{Column, Section, Table, Value};
-use world::likelihood::{Event, Likelihood};
+use world::likelihood::{Event, Likelihood, encounters_needed};
 
 /// How likely failures are; none without an estimate.
 pub fn estimates(results: &[EstimateResult]) -> Option<Section> {
@@ -12,8 +12,9 @@ pub fn estimates(results: &[EstimateResult]) -> Option<Section> {
     let notes = vec![
         "The probability is that of an encounter: a start that the `spawn` draws, with a pedestrian who walks by itself as stated. It says nothing of how often such \
          encounters occur; events per hour or per 1,000 km need a number of encounters, which the scenario states or not. In brackets the 95 % interval; where an \
-         event was never seen, the one-sided 95 % bound. *Effective* is the number of fresh encounters whose share has the same error."
+         event was never seen, the one-sided 95 % bound."
             .into(),
+        bounds(),
     ];
     Some(Section {
         id: "estimates",
@@ -25,9 +26,9 @@ pub fn estimates(results: &[EstimateResult]) -> Option<Section> {
 }
 
 pub(super) fn table(results: &[&EstimateResult]) -> Table {
-    let texts = ["driver", "town", "pedestrian", "by"].map(Column::text);
+    let texts = ["driver", "town", "pedestrian"].map(Column::text);
     let events = ["any failure", "preventable", "fault"].map(Column::number);
-    let numbers = ["encounters", "effective"].map(Column::number);
+    let numbers = ["encounters"].map(Column::number);
     let exposed = [(0, "faults per hour"), (1, "faults per 1,000 km")];
     let exposed = exposed.into_iter().filter(|(unit, _)| results.iter().any(|each| each.exposure[*unit].is_some()));
     let exposed: Vec<(usize, &str)> = exposed.collect();
@@ -42,12 +43,10 @@ pub(super) fn table(results: &[&EstimateResult]) -> Table {
         } else {
             format!("{} ({})", key.walker, key.requirement)
         };
-        let mut row: Vec<Value> =
-            vec![Value::from(&key.policy), Value::from(&key.town), who.into(), Value::from(&key.estimator)];
+        let mut row: Vec<Value> = vec![Value::from(&key.policy), Value::from(&key.town), who.into()];
         row.extend(Event::ALL.iter().map(|event| Value::Text(one_in(estimate.of(*event)))));
         let fault = estimate.of(Event::Fault);
         row.push(Value::Count(estimate.encounters));
-        row.push(Value::Text(rounded(fault.effective)));
         row.extend(exposed.iter().map(|(unit, _)| match result.exposure[*unit] {
             Some(encounters) => Value::Text(rate(fault, encounters)),
             None => Value::Number(None, 2),
@@ -59,6 +58,16 @@ pub(super) fn table(results: &[&EstimateResult]) -> Table {
         row
     };
     Table { head, rows: results.iter().map(row).collect(), ..Table::default() }
+}
+
+/// How many encounters a wanted bound needs.
+fn bounds() -> String {
+    let needed =
+        |bound: f64| format!("1 in {}: {} encounters", rounded(1.0 / bound), rounded(encounters_needed(bound) as f64));
+    format!(
+        "To bound an event that is never seen, with 95 % confidence, below {}.",
+        [1e-3, 1e-4, 1e-5, 1e-6].map(needed).join("; ")
+    )
 }
 
 /// `1 in 17,000 (9,000 to 40,000)`.
@@ -110,7 +119,6 @@ mod tests {
             low: 2.5e-5,
             high: 1.13e-4,
             relative_error: Some(0.2),
-            effective: 4e5,
             seen: 10,
         };
         assert_eq!(one_in(&likelihood), "1 in 17,000 (8,800 to 40,000)");

@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
-use super::labelled_map::{STYLE, all_lanes, lane_name, surfaces, view};
+use super::map_surfaces::{STYLE, all_lanes, lane_name, surfaces, view};
 use super::scenery::{SectionLane, needed, step};
 use crate::report::render::page::{OWN_SCRIPTS, head, json};
 use crate::report::render::svg::{Digits, px};
@@ -11,15 +11,13 @@ use world::env::{Spawn, Survey};
 use world::geometry::{Point, Pose};
 use world::road::{LaneKind, Town};
 
-/// The most starts that a layer shows; more would hide each other.
-const SHOWN: usize = 300;
+/// Maximum number of starts that a layer shows; more would hide each other.
+const MAX_SHOWN: usize = 300;
 
 /// A page of towns.
 #[derive(Debug, Clone)]
 pub struct MapPage<'a> {
     pub title: String,
-    /// What the page is about, beside the name of the program.
-    pub kind: &'a str,
     /// A line below the title.
     pub note: String,
     /// What is wrong with the scenario, drawn under its lines.
@@ -55,7 +53,7 @@ struct LaneData {
     middle: Vec<[f64; 4]>,
 }
 
-/// The page. It needs no other file, except the script that tells a preview of a new version.
+/// The page. It needs no other file, except the script that tells it of a new version.
 pub fn map_page(page: &MapPage<'_>) -> String {
     let policy = if page.follows.is_some() { "'unsafe-inline' 'self' file:" } else { OWN_SCRIPTS };
     let html = html! {
@@ -64,7 +62,7 @@ pub fn map_page(page: &MapPage<'_>) -> String {
             (head(&page.title, None, policy, &[STYLE, include_str!("map_page.css")]))
             body {
                 header.top {
-                    p.kind { "falsify · " (page.kind) }
+                    p.kind { "falsify · preview" }
                     h1 { (page.title) }
                     p.meta { (page.note) }
                     button #theme type="button" hidden { "Dark" }
@@ -124,7 +122,7 @@ fn town_section(number: usize, shown: &TownView<'_>, title: &str) -> Markup {
                     rect.paper x=(left) y=(top) width=(width) height=(height) {}
                     (surfaces(town))
                     @for (layer, starts) in shown.starts.iter().enumerate() {
-                        g.starts data-layer=(layer) { @for spawn in starts.survey.spawns.iter().take(SHOWN) { (start(spawn)) } }
+                        g.starts data-layer=(layer) { @for spawn in starts.survey.spawns.iter().take(MAX_SHOWN) { (start(spawn)) } }
                     }
                     g.axes {}
                     g.kept {}

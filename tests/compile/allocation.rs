@@ -1,0 +1,120 @@
+//! A tick allocates nothing: an episode's memory exists before the episode starts.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::path::Path;
+use std::sync::Arc;
+
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, compile};
+use world::env::{Controller, PedestrianEnv, Trace};
+use world::sim::WalkCommand;
+
+use crate::cast::{ahead, away, two_and_two};
+
+/// Counts the allocations of each thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[expect(unsafe_code, reason = "an allocator cannot be written otherwise; it passes everything on")]
+// SAFETY: every call is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise about the layout is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise about pointer and layout is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/sensors.scn"
+import "lib/towns.scn"
+import "lib/requirements.scn"
+/// All signals that are measured tick by tick, and all operators.
+requirement every_signal = always(
+  until(gap > 1 m or closing_speed < 9 m/s or ttc > 1 s or pet > 1 s, in_sight, [0.5 s, 2 s]) or eventually(
+    ego_jerk < 9 m/s^3 and pedestrian_acceleration < 3 m/s^2 and abs(lane_offset) < 1 m and bearing < 1 rad, [0 s, 3 s]
+  ) or crosswalk_waiting
+)
+policy squinting = aeb(sensors: poor)
+policy lav_eyed = idm(sensors: lav_eyes)
+campaign ticks {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  requirements: [
+    no_collision, safe_passing, comfort, keeps_lane, stops_at_red, yields_at_crosswalk, no_imminent_risk, every_signal
+  ]
+  train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
+  evaluate {
+    towns: [village]  pedestrians: [intercept]
+    policies: [
+      behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, idm, blind,
+      aeb, rss, predictive, oracle, late_oracle, careful_human, squinting, lav_eyed
+    ]
+  }
+}
+"#;
+
+#[test]
+fn a_tick_allocates_nothing_with_any_driver() {
+    let root = crate::repository().join("scenarios/ticks.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap();
+    for evaluation in &plan.campaigns[0].evaluations {
+        let mut env = PedestrianEnv::new(Arc::clone(&evaluation.scenario), Seed::root(1));
+        let mut trace = Trace::new(&evaluation.scenario);
+        let mut walk = |episode| {
+            env.begin(episode);
+            let before = ALLOCATIONS.get();
+            trace.begin(env.world());
+            while env.outcome().is_none() {
+                let commands = [env.scene().intercept(0)];
+                trace.watch_decision(&mut env, &commands);
+            }
+            ALLOCATIONS.get() - before
+        };
+        // Indices and queues are filled in the first episodes.
+        for episode in 0..10 {
+            walk(episode);
+        }
+        let allocations: u64 = (10..60).map(&mut walk).sum();
+        assert_eq!(allocations, 0, "{}", evaluation.policy);
+    }
+}
+
+#[test]
+fn a_tick_of_two_cars_and_two_pedestrians_allocates_nothing() {
+    let walking = Controller::Fixed(WalkCommand { heading: 1.0, speed: 1.0 });
+    let scenario = Arc::new(two_and_two("follower", ("slow", ahead(40.0)), (away(), walking)));
+    let mut env = PedestrianEnv::new(Arc::clone(&scenario), Seed::root(1));
+    let mut trace = Trace::new(&scenario);
+    let mut walk = |episode| {
+        env.begin(episode);
+        let before = ALLOCATIONS.get();
+        trace.begin(env.world());
+        while env.outcome().is_none() {
+            let commands = [env.scene().homing(0), env.scene().homing(1)];
+            trace.watch_decision(&mut env, &commands);
+        }
+        ALLOCATIONS.get() - before
+    };
+    for episode in 0..10 {
+        walk(episode);
+    }
+    assert_eq!((10..30).map(&mut walk).sum::<u64>(), 0);
+}

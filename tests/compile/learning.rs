@@ -1,0 +1,54 @@
+//! The whole chain learns: text → scenario → training → evaluation.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, ControllerKind, compile};
+use world::env::Outcome;
+use world::falsifier::{ActionMode, Random, TrainedWalker, TrainingRun, WalkPolicy, evaluate, first_networks, train};
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+training half = ppo(steps: 30_000)
+campaign learning {
+  vehicle: plain_car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: half
+  train { towns: [harbour] policies: [idm] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] policies: [idm] pedestrians: [trained, untrained] }
+}
+"#;
+
+#[test]
+fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
+    let root = crate::repository().join("scenarios/learning.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap();
+    let (training, evaluation) = (&plan.campaigns[0].trainings[0], &plan.campaigns[0].evaluations[0]);
+    assert_eq!(evaluation.controller, ControllerKind::Trained(0));
+    let go_on = |_: &_| ControlFlow::Continue(());
+    let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
+    let rate = |walker: &mut dyn WalkPolicy| {
+        let (episodes, own) = (Seed::root(4), Seed::root(5));
+        let outcomes = evaluate(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));
+        outcomes.iter().filter(|outcome: &&Outcome| outcome.is_touch()).count()
+    };
+    let obs_dim = evaluation.scenario.cast.obs_dim();
+    let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, obs_dim, ActionMode::Deterministic));
+    let random = rate(&mut Random::default());
+    assert!(learnt > 120 && random < 40, "{learnt} and {random} of 200");
+    let first = plan.campaigns[0].evaluations[1].first.as_deref().unwrap();
+    let networks = first_networks(&evaluation.scenario.cast, &first.config, &Seed::root(3));
+    let begun = TrainingRun::begin(&training.scenarios(), 1, &training.config, &Seed::root(3)).unwrap();
+    assert_eq!(
+        networks,
+        begun.finish().actor_critic,
+        "the untrained network is the one with which the training begins"
+    );
+    let untrained = rate(&mut TrainedWalker::new(networks, obs_dim, ActionMode::Deterministic));
+    assert!(untrained < 60, "{untrained} of 200");
+}

@@ -1,0 +1,90 @@
+//! What mistakes look like on the screen: short scenarios with all messages about them, compared with `tests/suite/messages.snap`.
+//!
+//! `INSTA_UPDATE=always` writes the file again; then read the difference.
+
+use std::path::Path;
+
+use base::diagnostic::{Colour, Sources, render};
+use compile::{Catalog, compile};
+use lang::error_index::mistakes;
+
+/// Mistakes beside those on the page of mistakes.
+const OTHERS: &[(&str, &str)] = &[
+    ("an unknown property", "edition 1\nspawn s { with_wind: 5 }\n"),
+    ("an undeclared parameter", "edition 1\nparam far: length = 30 m\nspawn s { distance: 7 m .. fra }\n"),
+    ("a forgotten comma", "edition 1\npolicy p = idm(limit_share: 1 margin: 1 m)\n"),
+    ("a forgotten value", "edition 1\nspawn s { distance: 7 m ..\n  clearance: 1 m }\n"),
+    ("a condition that is never true", "edition 1\nspawn s { require: 7 m > 30 m }\n"),
+    ("an emoji in a formula", "edition 1\nreward r { on hit => 1 🚗🚗 }\n"),
+    ("an import that is being typed", "edition 1\nimport \"lib/\nreward r { on hit => 1 }\n"),
+    ("a model that is not there", "edition 1\npolicy p = onnx(model: \"nowhere.onnx\")\n"),
+    (
+        "several mistakes at once",
+        "edition 1\nrewrd r {}\nepisode e { tiks: 1.5  hold: 0 }\nspawn s { clearance: 2 s }\n",
+    ),
+];
+
+fn drawn(text: &str) -> String {
+    // An example on the page of mistakes imports itself under this name.
+    let root = Path::new(if text.contains("import \"mistake.scn\"") { "mistake.scn" } else { "my.scn" });
+    let maps = crate::repository().join("tests/suite/files");
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(maps.join(path)) };
+    let mut sources = Sources::default();
+    let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    let said: Vec<String> = compiled.diagnostics.iter().map(|each| render(each, &sources, Colour::Never)).collect();
+    if said.is_empty() { "no mistake".into() } else { said.join("\n\n") }
+}
+
+/// The number of diagnostics of a file, and the file after the first offered import is added.
+fn mended(text: &str) -> (usize, String) {
+    let root = Path::new("my.scn");
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
+    let mut sources = Sources::default();
+    let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    let mut mended = text.to_string();
+    if let Some(fix) = compiled.diagnostics.iter().flat_map(|each| &each.fixes).find(|fix| fix.text.contains("import"))
+    {
+        mended.replace_range(fix.span.start..fix.span.end, &fix.text);
+    }
+    (compiled.diagnostics.len(), mended)
+}
+
+#[test]
+fn an_import_is_offered_where_it_can_stand() {
+    let ahead = "import ahead from \"std/paper.scn\"\n";
+    let spawn = "campaign c { spawn: ahead }\n";
+    for (before, after) in [
+        ("", ahead.to_string()),
+        ("edition 1\n", format!("edition 1\n{ahead}")),
+        ("edition 1 // the first\n", format!("edition 1 // the first\n{ahead}")),
+        (
+            "edition 1\nimport idm from \"std/drivers.scn\"\n",
+            format!("edition 1\nimport idm from \"std/drivers.scn\"\n{ahead}"),
+        ),
+    ] {
+        let text = format!("{before}{spawn}");
+        let (told, mended) = mended(&text);
+        assert_eq!(mended, format!("{after}{spawn}"));
+        assert_eq!(self::mended(&mended).0, told - 1, "{mended}");
+    }
+}
+
+#[test]
+fn messages_look_as_they_did() {
+    let mut page = String::new();
+    let mut shown = 0;
+    let short =
+        |text: &str| !text.starts_with("falsify ") && !text.contains('…') && text.lines().all(|line| line.len() < 120);
+    let all = mistakes();
+    let coded = all.iter().filter(|mistake| short(mistake.bad)).map(|mistake| (mistake.code, mistake.bad));
+    for (name, text) in OTHERS.iter().copied().chain(coded) {
+        page.push_str(&format!("# {name}\n\n{}\n\n", drawn(text)));
+        shown += 1;
+    }
+    assert!(shown > 50, "{shown}");
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path("../suite");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!("messages", page));
+}

@@ -1,0 +1,100 @@
+//! The pedestrians of `std/pedestrians.scn`: their bodies, and what they do in episodes.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+use base::seed::Seed;
+use compile::{Catalog, Plan, compile};
+use world::env::{Outcome, Scenario, Trace};
+use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_noting};
+use world::geometry::Obstacles;
+use world::judge::PedestrianMotion;
+use world::sim::Gait;
+
+const SCENARIO: &str = r#"
+edition 1
+import "std/paper.scn"
+import "std/pedestrians.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+campaign walked {
+  vehicle: model3  adversary: plausible  spawn: ahead  episode: thirty_seconds
+  evaluate {
+    towns: [harbour] policies: [behavior] pedestrians: [random] episodes: 1
+    adversaries: [plausible, child, elderly, runner, suicidal, literal]
+  }
+}
+"#;
+
+fn plan() -> Plan {
+    let root = crate::repository().join("scenarios/walked.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap().plan.unwrap()
+}
+
+fn scenario(plan: &Plan, adversary: &str) -> Arc<Scenario> {
+    let mut evaluations = plan.campaigns[0].evaluations.iter();
+    let found = evaluations.find(|each| *each.adversary == *adversary).unwrap();
+    assert_eq!(found.controller.name(), "random");
+    found.scenario.clone()
+}
+
+/// What the pedestrian did in each of some episodes.
+fn motions(scenario: &Arc<Scenario>, walker: &mut dyn WalkPolicy, episodes: u32) -> Vec<PedestrianMotion> {
+    let seed = Seed::root(3);
+    let note = &mut |_: u32, _: &Outcome, trace: &Trace| PedestrianMotion::new(&trace.main_pair(scenario));
+    let go_on = &mut |_| ControlFlow::Continue(());
+    evaluate_noting(walker, scenario, 0..episodes, &seed, &seed.child("walker"), note, go_on)
+}
+
+#[test]
+fn the_bodies_are_those_that_their_sources_give() {
+    let plan = plan();
+    let gait = |name: &str| scenario(&plan, name).cast.pedestrian.body.gait;
+    let fastest = |name: &str| scenario(&plan, name).cast.pedestrian.action.speed.1;
+    for (name, acceleration, degrees, speed) in [
+        ("plausible", 1.65, 80.0_f64, 8.0 / 3.6),
+        ("child", 0.96, 80.0, 5.0 / 3.6),
+        ("elderly", 0.96, 41.0, 1.25),
+        ("runner", 3.11, 80.0, 11.0 / 3.6),
+    ] {
+        let Gait::Inertial { acceleration: found, stopping, turn_rate } = gait(name) else { panic!("{name}") };
+        assert_eq!((found, stopping), (acceleration, acceleration), "{name}");
+        assert!((turn_rate - degrees.to_radians()).abs() < 1e-12 && (fastest(name) - speed).abs() < 1e-12, "{name}");
+    }
+    // The dummies of Euro NCAP reach their speed v within a distance d: v² / 2 d.
+    for (kmh, distance, acceleration) in [(8.0_f64, 1.5, 1.65), (5.0, 1.0, 0.96), (11.0, 1.5, 3.11)] {
+        assert!(((kmh / 3.6).powi(2) / (2.0 * distance) - acceleration).abs() < 0.005, "{kmh} km/h");
+    }
+    // The paper's pedestrians have the gait that they always had.
+    let nimble = Gait::Carla { ramp: 0.0, turning: 20.0, stopping: f64::INFINITY };
+    assert_eq!(gait("suicidal"), nimble);
+    assert_eq!(gait("literal"), Gait::Carla { ramp: 2.0, turning: 8.0, stopping: 20.48 });
+}
+
+#[test]
+fn what_a_plausible_pedestrian_does_in_free_space_is_foreseeable() {
+    let plan = plan();
+    let free = |name: &str| {
+        let scenario = scenario(&plan, name);
+        Arc::new(Scenario { obstacles: Arc::new(Obstacles::new(&[])), ..Scenario::clone(&scenario) })
+    };
+    type MakeWalker = fn() -> Box<dyn WalkPolicy>;
+    let walkers: [(&str, MakeWalker); 3] = [
+        ("random", || Box::new(Random::default())),
+        ("homing", || Box::new(Homing)),
+        ("intercept", || Box::new(Intercept)),
+    ];
+    for (name, walker) in walkers {
+        for body in ["plausible", "child", "elderly"] {
+            for motion in motions(&free(body), walker().as_mut(), 40) {
+                assert!(motion.is_foreseeable(), "{name}, {body}: {motion:?}");
+            }
+        }
+        let nimble = motions(&free("suicidal"), walker().as_mut(), 40);
+        assert!(nimble.iter().all(|motion| !motion.is_foreseeable()), "{name}: {nimble:?}");
+    }
+    let fastest = motions(&free("plausible"), &mut Intercept, 40);
+    assert!(fastest.iter().any(|motion| motion.peak_speed > 2.2 && motion.velocity_change > 1.64), "{fastest:?}");
+}

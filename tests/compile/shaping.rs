@@ -1,0 +1,146 @@
+//! Shaping and curriculum in the pedestrian's world: they guide the learner and change nothing else.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Training, compile};
+use learn::{Env, shaping};
+use rand::RngExt;
+use world::env::{PedestrianEnv, SpawnRule};
+use world::falsifier::train;
+
+/// Rewards with and without a potential; a spawn whose near part is empty.
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+reward plain { on hit => 1  on step => -0.01 }
+reward zero { potential: 0 * distance / 1 m  on hit => 1  on step => -0.01 }
+reward shaped {
+  potential: -distance / 30 m - miss_distance / 10 m + 0.1 * elapsed in s
+  on hit => 1
+  on step => -0.01
+}
+training short = ppo(steps: 300, steps_per_update: 100, epochs: 2, environments: 2)
+spawn aside {
+  bearing: -60 deg .. 60 deg
+  distance: 7 m .. 30 m
+  require: abs(aside) > 12 m
+}
+episode ten_seconds { ticks: 200 }
+campaign c {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: ten_seconds  training: short
+  train { towns: [harbour] policies: [behavior] rewards: [plain, zero, shaped] runs: 1 }
+  train { towns: [lights] policies: [behavior] rewards: [plain] runs: 1  spawn: aside }
+}
+town lights { street quay { through: [(0 m, 0 m), (400 m, 0 m)] } }
+"#;
+
+fn trainings() -> Vec<Training> {
+    let root = crate::repository().join("scenarios/shaping.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    plan.campaigns.into_iter().next().unwrap().trainings
+}
+
+#[test]
+fn whatever_the_pedestrian_does_a_terminated_episode_earns_the_potential_of_its_start() {
+    let all = trainings();
+    let (plain, shaped) = (&all[0].scenario, &all[2].scenario);
+    let seed = Seed::root(5);
+    let mut envs = [plain, shaped].map(|scenario| PedestrianEnv::new(scenario.clone(), seed));
+    let (mut terminated, mut cut) = (0, 0);
+    for episode in 0..60 {
+        let mut stream = seed.child("acts").index(episode).stream();
+        let mut state = [0.0; 4];
+        envs.iter_mut().for_each(|env| env.reset(&mut state));
+        let [plain, shaped] = &mut envs;
+        assert_eq!(plain.potential(), 0.0);
+        let (begin, gamma) = (shaped.potential(), 0.98);
+        let (mut before, mut discount, mut sum) = (begin, 1.0, 0.0);
+        assert!(begin < -7.0 / 30.0);
+        loop {
+            // One in two walks at the car, so that many reach it.
+            let action = match episode % 2 {
+                0 => [0.0, 3.5],
+                _ => [stream.random_range(-3.0..3.0), stream.random_range(0.0..3.5)],
+            };
+            let step = shaped.step(&action, &mut state);
+            assert_eq!(plain.step(&action, &mut state), step, "the reward itself is not shaped");
+            let after = shaped.potential();
+            sum += discount * shaping(before, after, step, gamma);
+            (before, discount) = (after, discount * gamma);
+            if step.terminated {
+                terminated += 1;
+                assert!((sum + begin).abs() < 1e-12, "{sum} {begin}");
+            } else if step.truncated {
+                cut += 1;
+                assert!((sum + begin - discount * after).abs() < 1e-12);
+            }
+            if step.done() {
+                assert_eq!(plain.outcome(), shaped.outcome());
+                break;
+            }
+        }
+    }
+    assert!(terminated > 10 && cut > 5, "{terminated} {cut}");
+}
+
+#[test]
+fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
+    let trained: Vec<_> = trainings()[..3]
+        .iter()
+        .map(|it| {
+            let go_on = &mut |_: &_| ControlFlow::Continue(());
+            train(&it.scenario, it.environments, &it.config, &Seed::root(3), go_on).unwrap()
+        })
+        .collect();
+    assert_eq!(trained[0], trained[1], "a potential of 0 is none");
+    assert_ne!(trained[0].actor_critic, trained[2].actor_critic);
+    // Ten decisions at most, each worth −0.01, and 1 for a hit; the potential alone would be worth more.
+    let rewards = trained[2].learning_curve.iter().flat_map(|log| &log.finished).map(|episode| episode.reward);
+    assert!(rewards.clone().count() > 10 && rewards.clone().all(|reward| (-0.1 - 1e-9..=1.0).contains(&reward)));
+    // The first rollout is of the same policy, with the same episodes.
+    assert_eq!(trained[0].learning_curve[0].finished, trained[2].learning_curve[0].finished);
+}
+
+#[test]
+fn starts_widen_from_near_to_all() {
+    let training = &trainings()[0];
+    let begin = |width: Option<f64>| -> Vec<_> {
+        let mut env = PedestrianEnv::new(training.scenario.clone(), Seed::root(8));
+        if let Some(width) = width {
+            env.set_curriculum(width);
+        }
+        let spawns = (0..200).map(|episode| {
+            env.begin(episode);
+            (env.world().ego().state.pose, env.world().pedestrians[0].state.pose)
+        });
+        spawns.collect()
+    };
+    for (width, farthest) in [(0.0, 9.3), (0.5, 19.65), (1.0, 30.0)] {
+        let apart = |(ego, walker): &(world::geometry::Pose, world::geometry::Pose)| {
+            (walker.position() - ego.position()).norm()
+        };
+        let found = begin(Some(width)).iter().map(apart).fold(0.0, f64::max);
+        assert!(found <= farthest + 1e-9 && found > farthest - 1.0, "{width}: {found}");
+    }
+    assert_eq!(begin(None), begin(Some(1.0)));
+}
+
+#[test]
+fn where_no_pedestrian_can_stand_near_they_begin_anywhere() {
+    let training = &trainings()[3];
+    let rule: SpawnRule = training.scenario.spawn.nearest(0.0).unwrap();
+    assert!(rule.distance.support().1 < 12.0, "none of them is 12 m aside");
+    let mut env = PedestrianEnv::new(training.scenario.clone(), Seed::root(8));
+    env.set_curriculum(0.0);
+    for episode in 0..5 {
+        env.begin(episode);
+        assert!(env.scene().observe(0).distance > 12.0);
+    }
+}

@@ -1,0 +1,10 @@
+//! The tests of the language's layout.
+
+#[path = "../common/repository.rs"]
+mod repository;
+#[path = "../common/shipped.rs"]
+mod shipped;
+
+mod format;
+
+use repository::repository;

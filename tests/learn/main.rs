@@ -1,0 +1,18 @@
+//! The tests of the learner.
+#![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
+
+#[macro_use]
+#[path = "../common/loud.rs"]
+mod loud;
+#[path = "../common/reference.rs"]
+mod reference;
+#[path = "../common/repository.rs"]
+mod repository;
+
+mod ped_world;
+mod ped_world_reference;
+mod policies_elsewhere;
+mod recorded_update;
+mod sb3_curves;
+
+use repository::repository;

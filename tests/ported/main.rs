@@ -1,0 +1,18 @@
+//! The rebuilt drivers, compared with recordings of the originals.
+#![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
+
+#[macro_use]
+#[path = "../common/loud.rs"]
+mod loud;
+#[path = "../common/gzip.rs"]
+mod gzip;
+#[path = "../common/reference.rs"]
+mod reference;
+#[path = "../common/repository.rs"]
+mod repository;
+
+mod behavior_agent_reference;
+mod interfuser_reference;
+mod lav_reference;
+
+use repository::repository;

@@ -1,0 +1,65 @@
+//! Covers: how much of a box of starts can fail where the picture says that it passes.
+
+use std::path::{Path, PathBuf};
+
+use base::seed::Seed;
+use compile::{Campaign, Catalog, compile};
+use results::campaign::{CoverResult, InMemory, Silent, run};
+
+fn compiled(block: &str) -> Result<Campaign, String> {
+    let text = format!(
+        "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\nimport \"std/towns.scn\"\n\
+         spawn near {{ bearing: -60 deg .. 60 deg distance: 7 m .. 40 m }}\n\
+         spawn one {{ bearing: 10 deg distance: 20 m }}\n\
+         spawn held = crossing_test(meeting: (0 m, -1.75 m, 0 deg), test_speeds: [30 km/h], overlaps: [50 percent], \
+         approach: 75 percent .. 100 percent, headway: 8 s)\n\
+         episode short {{ ticks: 300 hold: 10 }}\n\
+         campaign c {{ vehicle: model3 adversary: layered_walker spawn: near episode: short\n{block} }}"
+    );
+    let root = crate::repository().join("scenarios/test_of_covers.scn");
+    let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
+    let files: [PathBuf; 1] = [root.clone()];
+    let compiled = compile(&files, &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    let messages: Vec<String> = compiled.diagnostics.iter().map(|each| format!("{each:?}")).collect();
+    compiled.plan.map(|plan| plan.campaigns[0].clone()).ok_or_else(|| messages.join("\n"))
+}
+
+fn covers(block: &str, threads: usize) -> Vec<CoverResult> {
+    let campaign = compiled(block).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| run(&campaign, &Seed::root(1), &InMemory::default(), &Silent)).covers
+}
+
+#[test]
+fn a_driver_that_sees_nobody_fails_all_over_the_layer_and_its_picture_says_so() {
+    let block = "cover { towns: [test_track] policies: [blind] spawn: held pedestrian: scripted failure: collision \
+                 epsilon: 5 percent budget: 600 picture: [walking_speed, turn] }";
+    let [result] = &covers(block, 1)[..] else { panic!("one cover") };
+    let names: Vec<&str> = result.parameters.iter().map(|drawn| drawn.parameter.name()).collect();
+    assert_eq!((names, &result.picture), (vec!["approach", "walking_speed", "turn"], &vec![1, 2]));
+    let coverage = &result.found.coverage;
+    assert!(result.is_covered() && result.found.errors == 0 && result.found.unplaced == 0, "{:?}", coverage.looks);
+    assert_eq!(coverage.failures(), coverage.points.len() as u64, "without braking every point meets the car");
+    assert_eq!(coverage.shown(&coverage.picture(coverage.best().unwrap())), 1.0);
+}
+
+#[test]
+fn covers_are_equal_with_any_number_of_threads() {
+    let block = "cover { towns: [harbour] policies: [blind, idm] pedestrian: intercept failure: collision epsilon: 10 percent budget: 300 }";
+    let (one, three) = (covers(block, 1), covers(block, 3));
+    assert_eq!(one.len(), 2);
+    assert!(one.iter().zip(&three).all(|(one, three)| one.found == three.found));
+    let [blind, idm] = &one[..] else { unreachable!() };
+    assert!(blind.found.coverage.failures() > 5 * idm.found.coverage.failures(), "a driver that sees brakes");
+    assert!(one.iter().all(|each| each.found.coverage.points.len() <= 300 && !each.found.coverage.looks.is_empty()));
+}
+
+#[test]
+fn a_box_needs_ranges_and_a_picture_its_parameters() {
+    let cover = |keys: &str| compiled(&format!("cover {{ towns: [harbour] policies: [blind] {keys} }}")).unwrap_err();
+    assert!(cover("spawn: one").contains("no box to cover"), "{}", cover("spawn: one"));
+    assert!(cover("picture: [delay]").contains("bearing, distance"), "{}", cover("picture: [delay]"));
+    let twice = cover("picture: [bearing, bearing]");
+    assert!(twice.contains("bearing"), "{twice}");
+    assert!(cover("pedestrian: scripted").contains("no test"));
+}

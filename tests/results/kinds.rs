@@ -1,0 +1,166 @@
+//! Kinds of failure, from the tables of episodes to the files of a report.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use base::seed::Seed;
+use compile::{Campaign, Catalog, Evaluation, compile};
+use polars::prelude::{Column, DataFrame, NamedFrom, Series};
+use results::campaign::watch;
+use results::record::{EpisodeRow, RunKey, episodes};
+use results::report::{FailureModes, ReportFolder, write_failure_modes};
+use world::judge::{NearMiss, judge};
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+campaign kinds {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 2 }
+  evaluate { towns: [harbour] policies: [behavior] pedestrians: [random, intercept] episodes: 90 }
+}
+"#;
+
+fn campaign() -> Campaign {
+    let root = crate::repository().join("scenarios/kinds.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    compiled.plan.unwrap().campaigns.remove(0)
+}
+
+/// A row for each of an evaluation's episodes.
+fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
+    let noted = watch(
+        evaluation,
+        None,
+        0..evaluation.episodes,
+        seed,
+        &mut |outcome, trace| {
+            let scenario = &evaluation.scenario;
+            (*outcome, judge(&trace.main_pair(scenario)), NearMiss::new(&trace.main_pair(scenario)))
+        },
+        &mut |_| ControlFlow::Continue(()),
+    );
+    let key = std::sync::Arc::new(RunKey::of(evaluation));
+    let row = |(episode, (outcome, verdict, near_miss))| EpisodeRow {
+        lane: None,
+        key: key.clone(),
+        episode,
+        outcome,
+        verdict,
+        false_alarms: None,
+        near_miss,
+        motion: Default::default(),
+        degrees: Vec::new(),
+        weight: 1.0,
+    };
+    (0..).zip(noted).map(row).collect()
+}
+
+/// All files of a report on these runs, and the text of the summary.
+fn report(campaign: &Campaign, seed: &Seed, runs: &[DataFrame]) -> BTreeMap<String, String> {
+    let out = tempfile::tempdir().unwrap();
+    let drafts = tempfile::tempdir_in(out.path()).unwrap();
+    let folder = ReportFolder::begin(out.path(), "kinds", drafts.path()).unwrap();
+    let mut modes = FailureModes::new(campaign, &[], seed);
+    runs.iter().for_each(|run| modes.add(run).unwrap());
+    let section = write_failure_modes(&folder, &modes.finish()).unwrap();
+    let words = section.map_or(String::new(), |section| section.to_markdown());
+    let place = folder.finish(true).unwrap();
+    let mut files = BTreeMap::from([("words".to_string(), words)]);
+    for folder in [place.clone(), place.join("modes")] {
+        for entry in std::fs::read_dir(folder).into_iter().flatten() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension != "parquet") {
+                let name = path.strip_prefix(&place).unwrap().display().to_string();
+                files.insert(name, std::fs::read_to_string(&path).unwrap());
+            }
+        }
+    }
+    files
+}
+
+/// The rows of a table as maps.
+fn table(text: &str) -> Vec<BTreeMap<String, String>> {
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row = |line: &str| {
+        assert_eq!(line.split(',').count(), head.len(), "{line}");
+        head.iter().zip(line.split(',')).map(|(name, value)| (name.to_string(), value.to_string())).collect()
+    };
+    lines.map(row).collect()
+}
+
+#[test]
+fn kinds_add_up_and_their_examples_can_be_repeated() {
+    let (campaign, seed) = (campaign(), Seed::root(7));
+    let rows: Vec<Vec<EpisodeRow>> = campaign.evaluations.iter().map(|each| rows(each, &seed)).collect();
+    let frames: Vec<DataFrame> = rows.iter().map(|rows| episodes(rows)).collect();
+    let files = report(&campaign, &seed, &frames);
+    let backwards: Vec<DataFrame> = frames.iter().rev().cloned().collect();
+    for (name, text) in report(&campaign, &seed, &backwards) {
+        assert_eq!(files[&name], text, "the order of the runs does not matter: {name}");
+    }
+
+    let modes = table(&files["failure_modes.csv"]);
+    for pedestrian in ["random", "intercept"] {
+        let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+        let here: Vec<_> = modes.iter().filter(|row| row["controller"] == pedestrian).collect();
+        let collisions: Vec<&EpisodeRow> = rows
+            .iter()
+            .flatten()
+            .filter(|row| row.key.cell.controller == pedestrian && row.outcome.is_collision())
+            .collect();
+        assert!(collisions.len() > 10, "{}", collisions.len());
+        let counted: f64 =
+            here.iter().filter(|row| row["cluster"] == "0").map(|row| number(row, "kind_failures")).sum();
+        assert_eq!(counted, collisions.len() as f64);
+        assert!((here.iter().map(|row| number(row, "share")).sum::<f64>() - 1.0).abs() < 1e-9);
+        for row in here {
+            let (run, episode) = (number(row, "example_run") as u32, number(row, "example_episode") as u32);
+            let is_it = |each: &&Evaluation| each.controller.name() == pedestrian && each.trained.run == run;
+            let evaluation = campaign.evaluations.iter().find(is_it).unwrap();
+            let again = watch(
+                evaluation,
+                None,
+                episode..episode + 1,
+                &seed,
+                &mut |outcome, trace| (*outcome, judge(&trace.main_pair(&evaluation.scenario)).unwrap()),
+                &mut |_| ControlFlow::Continue(()),
+            );
+            let (outcome, verdict) = &again[0];
+            assert_eq!(row["verdict"], verdict.label.name(), "{row:?}");
+            assert_eq!(row["driving_mode"], outcome.last_mode.name());
+        }
+    }
+    for counts in table(&files["mode_counts.csv"]) {
+        assert_eq!(counts["collisions"], counts["repeated_collisions"]);
+    }
+    // The rules of a table divide the starts, and pictures are XML.
+    assert!(files.keys().any(|name| name == "modes/intercept-r1-harbour-behavior.svg"), "{:?}", files.keys());
+    for (name, text) in files.iter().filter(|(name, _)| name.ends_with(".svg")) {
+        assert!(roxmltree::Document::parse(text).is_ok(), "{name}");
+        assert!(!text.contains("NaN"), "{name}");
+    }
+    assert!(files["words"].contains("## Kinds of failure"));
+}
+
+#[test]
+fn what_does_not_repeat_is_counted_and_not_clustered() {
+    let (campaign, seed) = (campaign(), Seed::root(7));
+    let evaluation = campaign.evaluations.iter().find(|each| each.controller.name() == "intercept").unwrap();
+    let mut run = episodes(&rows(evaluation, &seed));
+    let wrong = vec!["0123456789abcdef"; run.height()];
+    run.with_column(Column::from(Series::new("digest".into(), wrong))).unwrap();
+    let files = report(&campaign, &seed, std::slice::from_ref(&run));
+    let counts = &table(&files["mode_counts.csv"])[0];
+    assert_eq!(counts["repeated_collisions"], "0");
+    assert!(counts["sampled_collisions"].parse::<u32>().unwrap() > 10);
+    for row in table(&files["failure_modes.csv"]) {
+        assert_eq!((row["kind_failures"].as_str(), row["spread_m"].as_str()), (row["cluster_members"].as_str(), ""));
+    }
+    assert!(report(&campaign, &seed, &[]).values().all(|text| !text.contains("Kinds of failure")));
+}

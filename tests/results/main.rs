@@ -1,0 +1,13 @@
+//! Tests of campaigns, without the program.
+
+#[path = "../common/repository.rs"]
+mod repository;
+
+mod approach;
+mod covers;
+mod estimates;
+mod hardening;
+mod kinds;
+mod searches;
+
+use repository::repository;
