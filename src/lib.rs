@@ -96,7 +96,7 @@ pub mod driving {
     #[doc(inline)]
     pub use process::ProcessOpener;
     #[doc(inline)]
-    pub use world::av::external::{Link, Opener, Parts, Program};
+    pub use world::av::external::{Link, Opener, Program};
     #[doc(inline)]
     pub use world::av::{Actor, Cruise, CruiseKeys, DrivingMode, DrivingPolicy, Fault, Light, Perception};
     #[doc(inline)]

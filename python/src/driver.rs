@@ -1,6 +1,5 @@
 //! A driver that is a Python object. It speaks the protocol of external drivers, so it perceives what they do.
 
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::exceptions::PyValueError;
@@ -88,7 +87,7 @@ impl Link for PythonLink {
 /// The scenario with a Python driver in the place of the one under test. `make` is called once for each driver that is needed.
 pub fn with_driver(scenario: &Scenario, make: Py<PyAny>, raised: &Raised) -> Scenario {
     let opener: Arc<dyn Opener> = Arc::new(PythonOpener { make, raised: raised.clone() });
-    let program = Program { words: vec!["a Python driver".into()], folder: PathBuf::new(), files: Vec::new() };
+    let program = Program { words: vec!["a Python driver".into()], ..Program::default() };
     let settings = Settings { worlds: 1, ..Settings::default() };
     let policy: PolicyMaker = Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone())));
     let mut scenario = scenario.clone();

@@ -1,10 +1,8 @@
 """A driver with two parameters: follows the route and brakes for actors that are in its way, or will be there soon."""
-import argparse, json, math, sys
+import json, math, sys
 
-options = argparse.ArgumentParser()
-options.add_argument("--gap", type=float, default=0.5, help="time gap that it keeps (s)")
-options.add_argument("--width", type=float, default=1.0, help="what is in its way: half the width of its corridor (m)")
-options = options.parse_args()
+# The time gap that it keeps (s), and half the width of the corridor in which an actor is in its way (m).
+parameters = {"gap": 0.5, "width": 1.0}
 
 def drive(world):
     ego = world["ego"]
@@ -17,13 +15,17 @@ def drive(world):
     target = next((p for p in ahead if math.hypot(*p) > 3.5 + 0.6 * ego["speed"]), (10.0, 0.0))
     steer = 2 * math.atan2(target[1], target[0])
     places = (local(a["x"], a["y"]) for a in world["actors"])
-    gaps = [x - 2.5 for x, y in places if x > 0 and abs(y) < options.width]
+    gaps = [x - 2.5 for x, y in places if x > 0 and abs(y) < parameters["width"]]
     if world["light"] and world["light"]["colour"] == "red":
         gaps.append(world["light"]["distance"])
-    wanted = min([0.9 * world["speed_limit"]] + [max(0, gap - 2) / options.gap for gap in gaps])
+    wanted = min([0.9 * world["speed_limit"]] + [max(0, gap - 2) / parameters["gap"] for gap in gaps])
     return {"id": world["id"], "acceleration": max(-8, min(2, 2 * (wanted - ego["speed"]))), "steer": steer}
 
 for line in sys.stdin:
     message = json.loads(line)
-    answer = {"protocol": "falsify-av/1"} if message["type"] == "hello" else {"actions": [drive(w) for w in message["worlds"]]}
+    if message["type"] == "hello":
+        parameters.update(message.get("parameters", {}))
+        answer = {"protocol": "falsify-av/1"}
+    else:
+        answer = {"actions": [drive(w) for w in message["worlds"]]}
     print(json.dumps(answer), flush=True)

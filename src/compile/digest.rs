@@ -7,7 +7,7 @@ use lang::hir::{Block, Declaration};
 use world::env::robustness_of;
 
 /// Optional keys that were added to the language later. Where they are left out they change no digest, so that tasks keep their names.
-const ADDED: &[&str] = &["from", "hard_starts"];
+const ADDED: &[&str] = &["from", "hard_starts", "parameters"];
 
 impl Lowering<'_> {
     /// The fingerprint of a task that depends on these declarations. Towns and policies among them have been lowered before, so
@@ -66,7 +66,7 @@ impl Lowering<'_> {
         }
         self.block(&mut out, declaration, &declaration.block, left_out);
         // The contents of what a program is made of are part of the scenario.
-        for (path, digest) in self.noted(declaration).iter().flat_map(|program| &program.parts.files) {
+        for (path, digest) in self.noted(declaration).iter().flat_map(|program| &program.files) {
             text(&mut out, path);
             text(&mut out, digest);
         }

@@ -83,18 +83,21 @@ pub struct WrittenPolicy {
     pub kind: &'static str,
     /// Its keys with their values as written.
     pub keys: Vec<(&'static str, String)>,
-    /// What each varied key is part of, in their order.
+    /// What each varied number is, in their order.
     pub varied: Vec<VariedKey>,
 }
 
-/// Where a varied number stands.
+/// A number that is varied.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VariedKey {
-    /// It is the value of a key, in this unit of SI.
+    /// The value of a key, in this unit of SI.
     Key { key: &'static str, unit: &'static str },
-    /// It ends a word of a text: the key, the number of the word, and what goes before it in the word.
-    Word { key: &'static str, word: usize, before: String },
+    /// A parameter of a program, which its greeting tells it.
+    Parameter { name: String },
 }
+
+/// The key with the parameters of a program.
+pub(super) const PARAMETERS: &str = "parameters";
 
 impl VariedKey {
     /// Whether it is the value of this key.
@@ -106,13 +109,13 @@ impl VariedKey {
     pub fn unit(&self) -> &'static str {
         match self {
             Self::Key { unit, .. } => unit,
-            Self::Word { .. } => "",
+            Self::Parameter { .. } => "",
         }
     }
 }
 
 impl WrittenPolicy {
-    /// The policy with these values (SI) for its varied keys, as a line of a file.
+    /// The policy with these values (SI) for what is varied, as a line of a file.
     pub fn line(&self, values: &[f64]) -> String {
         let mut keys = self.keys.clone();
         for (varied, value) in self.varied.iter().zip(values) {
@@ -124,9 +127,9 @@ impl WrittenPolicy {
                         None => keys.push((key, text)),
                     }
                 }
-                VariedKey::Word { key, word, before } => {
-                    if let Some((_, written)) = keys.iter_mut().find(|(name, _)| name == key) {
-                        *written = with_word(written, *word, &format!("{before}{}", short(*value)));
+                VariedKey::Parameter { name } => {
+                    if let Some((_, written)) = keys.iter_mut().find(|(key, _)| *key == PARAMETERS) {
+                        *written = with_parameter(written, name, *value);
                     }
                 }
             }
@@ -136,16 +139,15 @@ impl WrittenPolicy {
     }
 }
 
-/// A text with another word at a place; words are separated by single blanks.
-pub(super) fn with_word(text: &str, place: usize, word: &str) -> String {
-    let mut words: Vec<&str> = text.split(' ').collect();
-    let ends_text = |old: &str| old.ends_with('"');
-    let quoted;
-    if let Some(old) = words.get_mut(place) {
-        quoted = format!("{word}{}", if ends_text(old) { "\"" } else { "" });
-        *old = &quoted;
-    }
-    words.join(" ")
+/// A list of parameters as a file writes it, with another value of one.
+fn with_parameter(list: &str, name: &str, value: f64) -> String {
+    let start = format!("\"{name}=");
+    let Some((before, (_, after))) =
+        list.split_once(&start).and_then(|(before, rest)| Some((before, rest.split_once('"')?)))
+    else {
+        return list.into();
+    };
+    format!("{before}{start}{}\"{after}", short(value))
 }
 
 #[cfg(test)]
@@ -153,19 +155,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_repaired_policy_is_a_line_of_a_file() {
+    fn a_hardened_policy_is_a_line_of_a_file() {
         let written = WrittenPolicy {
             name: "mine".into(),
             kind: "external",
-            keys: vec![("command", "\"python my_av.py --gap=1\"".into()), ("sensors", "poor".into())],
+            keys: vec![
+                ("command", "\"python my_av.py\"".into()),
+                ("parameters", "[\"gap=1\", \"width=2\"]".into()),
+                ("sensors", "poor".into()),
+            ],
             varied: vec![
-                VariedKey::Word { key: "command", word: 2, before: "--gap=".into() },
+                VariedKey::Parameter { name: "gap".into() },
                 VariedKey::Key { key: "actuation_delay", unit: "s" },
             ],
         };
         assert_eq!(
             written.line(&[2.5, 0.1]),
-            "policy mine_hardened = external(command: \"python my_av.py --gap=2.5\", sensors: poor, actuation_delay: 0.1 s)"
+            "policy mine_hardened = external(command: \"python my_av.py\", parameters: [\"gap=2.5\", \"width=2\"], \
+             sensors: poor, actuation_delay: 0.1 s)"
         );
     }
 }

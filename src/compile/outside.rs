@@ -12,13 +12,23 @@ use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
 use world::av::onnx::{Model, Onnx, OnnxKeys, with_external_data};
 
-/// A program, if the user allows programs. It is not started here. Other arguments may have another command for a program in the same folder.
+/// A program, if the user allows programs. It is not started here. Other arguments may have other parameters for it.
 pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
+    let ExternalKeys { parameters, .. } = declaration.block.keys();
+    for (place, text) in parameters.iter().flatten().enumerate() {
+        if let Err(reason) = Program::parameter(text) {
+            let spans = declaration.block.members("parameters");
+            let span = spans.get(place).copied().unwrap_or(declaration.block.head);
+            let message = format!("`{text}` is not a parameter: {reason}");
+            lowering.said.push(diagnostics::contradiction(span, message).help("write it as \"gap=0.5\""));
+            return None;
+        }
+    }
     let (program, opener) = lowering.allowed_program(declaration)?;
     Some(Arc::new(move |arguments: &Arguments| {
         let keys = ExternalKeys::read(arguments);
-        let words = Program::parse(&keys.program.command, program.folder.clone()).map(|program| program.words);
-        let program = Program { words: words.unwrap_or_else(|_| program.words.clone()), ..program.clone() };
+        let parameters = keys.parameters.iter().flatten().filter_map(|text| Program::parameter(text).ok()).collect();
+        let program = Program { parameters, ..program.clone() };
         let brake = keys.aeb.then(BrakeKeys::default);
         let settings = Settings::from(keys);
         let opener = opener.clone();
@@ -52,7 +62,10 @@ impl Lowering<'_> {
             self.said.push(diagnostics::unusable_command(place, command, &reason));
             return None;
         }
-        self.note_program(declaration, &program, opener.as_ref());
+        if let Err(reason) = self.note_program(declaration, &program, opener.as_ref()) {
+            self.said.push(diagnostics::unusable_command(declaration.block.place("files"), command, &reason));
+            return None;
+        }
         Some((program, opener))
     }
 

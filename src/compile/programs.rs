@@ -7,7 +7,7 @@ use super::lowering::Lowering;
 use super::reached::reached;
 use base::signature::DeclarationId;
 use lang::hir::Declaration;
-use world::av::external::{Opener, Parts, Program, ProgramKeys};
+use world::av::external::{Opener, Program, ProgramKeys};
 
 /// A program of the user that drives or walks.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,16 +16,16 @@ pub struct ExternalProgram {
     pub name: String,
     /// As the files have it.
     pub command: String,
-    /// What the files say about it where its own files do not decide what it does.
+    /// Its version, as the scenario states it.
     pub version: Option<String>,
-    /// What it is made of.
-    pub parts: Parts,
+    /// BLAKE3 of its declared files in hexadecimal digits, by their paths relative to the folder of the scenario.
+    pub files: BTreeMap<String, String>,
 }
 
 impl ExternalProgram {
-    /// Why it may have changed unnoticed, as half a sentence; none when its files or its `version` say what it is.
-    pub fn unknown(&self) -> Option<&str> {
-        self.parts.unknown.as_deref().filter(|_| self.version.is_none())
+    /// Whether it may have changed unnoticed: the scenario states neither its files nor its version.
+    pub fn is_unknown(&self) -> bool {
+        self.files.is_empty() && self.version.is_none()
     }
 }
 
@@ -39,14 +39,23 @@ pub fn changed_files<'a>(one: &'a BTreeMap<String, String>, other: &'a BTreeMap<
 pub type Programs = Arc<[Arc<ExternalProgram>]>;
 
 impl Lowering<'_> {
-    /// Finds out what the program of a declaration is made of.
-    pub(super) fn note_program(&mut self, declaration: &Declaration, program: &Program, opener: &dyn Opener) {
+    /// Finds the digests of the files that the program of a declaration consists of.
+    ///
+    /// # Errors
+    /// A file cannot be read, as a part of a sentence.
+    pub(super) fn note_program(
+        &mut self,
+        declaration: &Declaration,
+        program: &Program,
+        opener: &dyn Opener,
+    ) -> Result<(), String> {
         if !self.read.wanted() || self.noted(declaration).is_some() {
-            return;
+            return Ok(());
         }
         let ProgramKeys { command, version, .. } = declaration.block.keys();
-        let found = ExternalProgram { name: declaration.name.clone(), command, version, parts: opener.parts(program) };
+        let found = ExternalProgram { name: declaration.name.clone(), command, version, files: opener.digests(program)? };
         self.shared.programs.entry(declaration.id).or_default().push((declaration.block.clone(), Arc::new(found)));
+        Ok(())
     }
 
     /// The program of a declaration, if it has one.

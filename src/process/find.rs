@@ -33,7 +33,7 @@ pub(super) fn find(program: &Program) -> Result<(), String> {
 }
 
 /// Whether a program runs scripts.
-pub(super) fn interprets(name: &str) -> bool {
+fn interprets(name: &str) -> bool {
     let file = Path::new(name).file_name().and_then(|file| file.to_str()).unwrap_or_default();
     INTERPRETERS.contains(&file.trim_end_matches(|end: char| end.is_ascii_digit() || end == '.'))
 }
@@ -51,7 +51,7 @@ mod tests {
 
     fn missing(words: &[&str]) -> Option<String> {
         let words = words.iter().map(ToString::to_string).collect();
-        find(&Program { words, folder: env!("CARGO_MANIFEST_DIR").into(), files: Vec::new() }).err()
+        find(&Program { words, folder: env!("CARGO_MANIFEST_DIR").into(), ..Program::default() }).err()
     }
 
     #[test]

@@ -8,13 +8,13 @@
 mod child;
 #[cfg(unix)]
 mod descendants;
+mod digests;
 mod find;
 #[cfg(unix)]
 mod limits;
 #[cfg(unix)]
 mod messages;
 mod opener;
-mod parts;
 #[cfg(unix)]
 mod patience;
 mod trial;

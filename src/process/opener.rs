@@ -1,10 +1,11 @@
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use world::av::Fault;
-use world::av::external::{Link, Opener, Parts, Program};
+use world::av::external::{Link, Opener, Program};
 
-/// The most notes about drivers that are printed.
-const MOST_NOTES: usize = 20;
+/// Maximum number of notes about programs that are printed.
+const MAX_NOTES: usize = 20;
 
 /// Starts drivers as child processes, and reports their errors on the error stream.
 #[derive(Debug, Clone, Default)]
@@ -17,8 +18,8 @@ impl Opener for ProcessOpener {
         super::find::find(program)
     }
 
-    fn parts(&self, program: &Program) -> Parts {
-        super::parts::parts(program)
+    fn digests(&self, program: &Program) -> Result<BTreeMap<String, String>, String> {
+        super::digests::digests(program)
     }
 
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
@@ -60,12 +61,12 @@ impl Notes {
         last.clear();
         last.push_str(text);
         *count += 1;
-        if *count <= MOST_NOTES {
+        if *count <= MAX_NOTES {
             // A name may hold commands to the terminal.
             let command =
                 program.words.join(" ").replace(|c: char| c.is_control() || ('\u{202a}'..'\u{206a}').contains(&c), " ");
             anstream::eprintln!("program `{command}`: {text}");
-        } else if *count == MOST_NOTES + 1 {
+        } else if *count == MAX_NOTES + 1 {
             anstream::eprintln!("more notes about programs are left out");
         }
     }

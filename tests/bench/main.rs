@@ -248,7 +248,7 @@ fn nearest_lane(bencher: Bencher<'_, '_>) {
 fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
     use world::av::external::{External, Program, Settings};
     let own = std::env::current_exe().expect("a bench has a file").display().to_string();
-    let program = Program { words: vec![own, format!("drive-{encoding}")], folder: PathBuf::new(), files: Vec::new() };
+    let program = Program { words: vec![own, format!("drive-{encoding}")], ..Program::default() };
     let opener = Arc::new(process::ProcessOpener::default());
     let settings = Settings { worlds: WORLDS, timeout: 60.0, ..Settings::default() };
     let maker = move || -> Box<dyn world::av::DrivingPolicy> {

@@ -1,4 +1,4 @@
-//! Results of a driver of one's own belong to all that it is made of: after an edit they are made again, and every command names the file.
+//! Results of a driver of one's own belong to its declared files: after an edit they are made again, and every command names the file.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -46,7 +46,6 @@ fn folder(command: &str, more: &str) -> Option<tempfile::TempDir> {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("drv.py"), DRIVER).unwrap();
     std::fs::write(place.path().join("params.py"), "GAP = 0.0\n").unwrap();
-    std::fs::write(place.path().join("gains.json"), "1").unwrap();
     write(place.path(), command, more);
     run(place.path(), &[], 0);
     Some(place)
@@ -79,11 +78,11 @@ fn failure(here: &Path) -> String {
 
 #[test]
 fn every_command_names_the_file_of_a_driver_that_was_edited() {
-    let Some(place) = folder("python3 drv.py", "") else { return };
+    let Some(place) = folder("python3 drv.py", r#", files: ["drv.py", "params.py"]"#) else { return };
     let here = place.path();
     let again = run(here, &[], 0);
     assert!(again.contains(
-        "1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, gains.json, params.py"
+        "1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, params.py"
     ));
     let name = failure(here);
 
@@ -111,33 +110,23 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
 }
 
 #[test]
-fn a_module_beside_the_scenario_is_known_and_a_declared_file_counts() {
-    let Some(place) = folder("python3 -m drv", r#", files: ["gains.json"]"#) else { return };
-    let here = place.path();
-    assert!(reused(&run(here, &[], 0)));
-    std::fs::write(here.join("gains.json"), "2").unwrap();
-    let list = run(here, &["--list"], 0);
-    assert!(list.contains("[run: `gains.json` changed]"), "{list}");
-}
-
-#[test]
-fn what_cannot_be_known_is_run_again_unless_the_scenario_says_its_version() {
-    let Some(place) = folder("python3 -c 'import drv'", "") else { return };
+fn work_of_a_program_without_files_is_repeated_unless_the_scenario_states_its_version() {
+    let Some(place) = folder("python3 drv.py", "") else { return };
     let here = place.path();
     let list = run(here, &["--list"], 0);
-    assert!(list.contains("[run: the program of `mine` is not known]"), "{list}");
+    assert!(list.contains("[run: `mine` declares no `files`]"), "{list}");
     let again = run(here, &[], 0);
     assert!(!reused(&again), "{again}");
-    let why = "1 stored task is run again: no file of `python3` is beside the scenario, so the program of `mine` may have changed";
-    assert!(again.contains(why) && again.contains("`version: \"…\"` in the scenario says what it is"), "{again}");
+    assert!(again.contains("1 stored task is run again: `mine` declares no `files`, so it may have changed"), "{again}");
 
-    let command = "python3 -c 'import drv'";
-    write(here, command, ", version: \"7\"");
+    write(here, "python3 drv.py", ", version: \"7\"");
     run(here, &["--replace"], 0);
     let again = run(here, &[], 0);
     assert!(reused(&again) && again.contains("`mine` is version 7"), "{again}");
-    write(here, command, ", version: \"8\"");
+    write(here, "python3 drv.py", ", version: \"8\"");
     assert!(!reused(&run(here, &["--replace"], 0)));
+    write(here, "python3 drv.py", ", files: [\"gone.py\"]");
+    assert!(run(here, &["--replace"], 3).contains("there is no file or folder `gone.py`"));
 }
 
 /// Sleeps before its answer when the file `slow` is there.
@@ -146,7 +135,7 @@ const SLEEPER: &str = "import os, time\n";
 #[cfg(unix)]
 #[test]
 fn ctrl_c_ends_a_run_that_waits_for_a_driver_and_keeps_what_was_stored() {
-    let Some(place) = folder("python3 drv.py", ", worlds: 1") else { return };
+    let Some(place) = folder("python3 drv.py", r#", worlds: 1, files: ["drv.py"]"#) else { return };
     let here = place.path();
     let slow =
         DRIVER.replace("    actions = []\n", "    if os.path.exists('slow'): time.sleep(60)\n    actions = []\n");

@@ -4,7 +4,7 @@ use super::axis::{Axis, Usual};
 use super::ground::{Ground, note_towns};
 use super::search::Rival;
 use crate::campaign::{HardenKeys, PlaceKeys};
-use crate::harden::{Harden, HardenKey, VariedKey, WrittenPolicy, with_word};
+use crate::harden::{Harden, HardenKey, PARAMETERS, VariedKey, WrittenPolicy};
 use crate::lowering::Lowering;
 use crate::plan::Campaign;
 use crate::policy;
@@ -13,12 +13,13 @@ use base::signature::{Arguments, DeclarationId, Type, Value};
 use base::units::Dimension;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
+use world::av::external::Program;
 use world::env::{PedestrianRole, RewardRule, Scenario};
 use world::falsifier::Controller;
 use world::hardening::{Attack, Hardening, Side, TrafficRule, Tunable, TunableKey};
 
-/// The most keys that a repair varies: a search with some dozens of candidates finds nothing in more.
-const MOST_KEYS: usize = 12;
+/// Maximum number of keys that are varied: a search with some dozens of candidates finds nothing in more.
+const MAX_KEYS: usize = 12;
 
 /// A town with its scenario.
 type Place = (String, Arc<Scenario>);
@@ -144,31 +145,26 @@ impl Lowering<'_> {
                     let tuned = TunableKey { name: key.into(), range: (*one, *other), before: *before };
                     varied.push((tuned, VariedKey::Key { key, unit: unit(dimension(policy, key, self.catalog)) }));
                 }
-                [Value::Text(before), Value::Text(one), Value::Text(other)] => {
-                    let Some(words) = words(key, [before, one, other]) else {
-                        let message = format!(
-                            "the texts of `{key}` must have equal words, but for a number at the end of each word that may be varied"
-                        );
-                        wrong(
-                            "from",
-                            message,
-                            "write it as \"python my_av.py --gap=1\" and \"python my_av.py --gap=3\"",
-                        );
+                [Value::List(before), Value::List(one), Value::List(other)] if key == PARAMETERS => {
+                    let Some(parameters) = parameters([before, one, other]) else {
+                        let message =
+                            "`policy`, `from` and `to` must have parameters of the same names in the same order".into();
+                        wrong("from", message, "write `parameters: [\"gap=1\"]` and `parameters: [\"gap=3\"]`");
                         return None;
                     };
-                    varied.extend(words);
+                    varied.extend(parameters);
                 }
                 _ => {
-                    let message = format!("`{key}` is no quantity, so it cannot be varied between two values");
+                    let message = format!("`{key}` is not a quantity, so it cannot be varied between two values");
                     wrong("from", message, "vary keys that are quantities, such as times and distances");
                     return None;
                 }
             }
         }
-        if varied.is_empty() || varied.len() > MOST_KEYS {
+        if varied.is_empty() || varied.len() > MAX_KEYS {
             let message = match varied.len() {
                 0 => "`from` and `to` are equal, so no key can be varied".to_string(),
-                many => format!("{many} keys are varied; at most {MOST_KEYS} can be"),
+                many => format!("{many} keys are varied; at most {MAX_KEYS} can be"),
             };
             wrong("from", message, "state the two ends of the range of some keys in `from` and in `to`");
             return None;
@@ -215,39 +211,39 @@ fn with(arguments: &Arguments, varied: &[VariedKey], values: &[f64]) -> Argument
     for (varied, value) in varied.iter().zip(values) {
         match varied {
             VariedKey::Key { key, .. } => arguments.replace(key, Value::Number(*value)),
-            VariedKey::Word { key, word, before } => {
-                let text: String = arguments.read(key);
-                let number = base::signature::short(*value);
-                arguments.replace(key, Value::Text(with_word(&text, *word, &format!("{before}{number}"))));
+            VariedKey::Parameter { name } => {
+                let Value::List(mut members) = arguments.value(PARAMETERS).clone() else { continue };
+                let text = format!("{name}={}", base::signature::short(*value));
+                let is_same = |member: &Value| parameter(member).is_some_and(|(known, _)| known == *name);
+                if let Some(member) = members.iter_mut().find(|member| is_same(member)) {
+                    *member = Value::Text(text);
+                }
+                arguments.replace(PARAMETERS, Value::List(members));
             }
         }
     }
     arguments
 }
 
-/// The numbers in which texts differ: the present text, and those of the two ends. None when they differ otherwise.
-fn words(key: &'static str, texts: [&str; 3]) -> Option<Vec<(TunableKey, VariedKey)>> {
-    let [before, from, to] = texts.map(|text| text.split(' ').collect::<Vec<_>>());
+/// A member of a list of parameters.
+fn parameter(member: &Value) -> Option<(String, f64)> {
+    if let Value::Text(text) = member { Program::parameter(text).ok() } else { None }
+}
+
+/// The parameters that differ between two ends, with their present values. `None` if the names differ.
+fn parameters([before, from, to]: [&[Value]; 3]) -> Option<Vec<(TunableKey, VariedKey)>> {
     if before.len() != from.len() || before.len() != to.len() {
         return None;
     }
     let mut found = Vec::new();
-    for (place, ((before, from), to)) in before.iter().zip(&from).zip(&to).enumerate() {
-        if from == to && from == before {
-            continue;
-        }
-        let name = before.find('=').map_or("", |end| &before[..=end]);
-        let number = |word: &str| word.strip_prefix(name)?.parse::<f64>().ok().filter(|number| number.is_finite());
-        let (now, one, other) = (number(before)?, number(from)?, number(to)?);
-        if one == other {
+    for ((before, from), to) in before.iter().zip(from).zip(to) {
+        let ((name, before), (first, from), (second, to)) = (parameter(before)?, parameter(from)?, parameter(to)?);
+        if name != first || name != second {
             return None;
         }
-        let label = name.trim_start_matches('-').trim_end_matches('=');
-        let label = if label.is_empty() { format!("word {place} of {key}") } else { label.to_string() };
-        found.push((
-            TunableKey { name: label, range: (one, other), before: now },
-            VariedKey::Word { key, word: place, before: name.to_string() },
-        ));
+        if from.total_cmp(&to).is_ne() {
+            found.push((TunableKey { name: name.clone(), range: (from, to), before }, VariedKey::Parameter { name }));
+        }
     }
     Some(found)
 }

@@ -129,7 +129,7 @@ pub fn notice(notice: &Notice) {
             console::warn(&format!("{campaign}: {notice}"));
         }
         Notice::Renewed { .. } => {
-            console::warn(&format!("{notice}; `version: \"…\"` in the scenario says what it is"));
+            console::warn(&format!("{notice}; with `files: […]` or `version: \"…\"` in the scenario they are used again"));
         }
         Notice::ProgramsNotAllowed => {
             console::warn("scenarios might start programs in that run; give --allow-external if they may again");

@@ -3,8 +3,8 @@ use std::fmt;
 use compile::{Campaign, changed_files};
 use results::report::Manifest;
 
-/// The most files that are named.
-const NAMED: usize = 3;
+/// Maximum number of files that are named.
+const MAX_NAMED: usize = 3;
 
 /// A program of the user that is not, or need not be, the one that a report was made with.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub struct ChangedProgram {
     pub name: String,
     /// Its files that have changed, by their paths in the folder of the scenario.
     pub files: Vec<String>,
-    /// Whether nobody knows if it has changed, as of a server or an image.
+    /// Whether it may have changed unnoticed, since the scenario states neither files nor version.
     pub is_unknown: bool,
 }
 
@@ -23,8 +23,8 @@ impl ChangedProgram {
         let programs = now.programs();
         let changed = programs.iter().filter_map(|now| {
             let then = then.programs.iter().find(|then| then.name == now.name)?;
-            let files = changed_files(&then.files, &now.parts.files).into_iter().map(str::to_owned).collect();
-            let is_unknown = !then.unknown.is_empty() || now.unknown().is_some();
+            let files = changed_files(&then.files, &now.files).into_iter().map(str::to_owned).collect();
+            let is_unknown = then.is_unknown() || now.is_unknown();
             Some(Self { name: now.name.clone(), files, is_unknown })
         });
         changed.filter(|each| each.is_unknown || !each.files.is_empty()).collect()
@@ -40,8 +40,8 @@ impl fmt::Display for ChangedProgram {
             [] => write!(f, "the program of `{name}` has changed"),
             [file] => write!(f, "`{file}` of `{name}` has changed"),
             _ => {
-                let first = files.iter().take(NAMED).map(|file| format!("`{file}`")).collect::<Vec<_>>().join(", ");
-                let more = files.len().saturating_sub(NAMED);
+                let first = files.iter().take(MAX_NAMED).map(|file| format!("`{file}`")).collect::<Vec<_>>().join(", ");
+                let more = files.len().saturating_sub(MAX_NAMED);
                 let more = if more > 0 { format!(" and {more} more files") } else { String::new() };
                 write!(f, "{first}{more} of `{name}` have changed")
             }

@@ -153,13 +153,11 @@ pub enum Notice {
     /// A program of the user is not what it was when the report was made.
     #[error("{0} since the report")]
     ChangedProgram(ChangedProgram),
-    /// Stored tasks of a campaign are run again, since nobody knows whether a program of theirs has changed.
-    #[error("{tasks} stored {} run again: {why}, so the program of `{program}` may have changed", if *tasks == 1 { "task is" } else { "tasks are" })]
+    /// Stored tasks of a campaign are run again, since a program without declared files may have changed.
+    #[error("{tasks} stored {} run again: `{program}` declares no `files`, so it may have changed", if *tasks == 1 { "task is" } else { "tasks are" })]
     Renewed {
         tasks: usize,
         /// The driver or the controller.
         program: String,
-        /// As half a sentence.
-        why: String,
     },
 }

@@ -1,4 +1,5 @@
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::manifest::Times;
@@ -8,7 +9,7 @@ use super::{
     CampaignOutcome, CampaignReport, Error, Event, KeepError, Notice, Planned, RunOptions, RunReport, Session, Ticks,
 };
 use base::seed::Seed;
-use compile::Campaign;
+use compile::{Campaign, ExternalProgram};
 use results::campaign::{self, Finished, Task};
 use results::report::{
     self, Episodes, FailureModes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Wanted, WriteError,
@@ -180,12 +181,11 @@ impl<'a> CampaignRun<'a> {
         }
         let results = results.renewing();
         if results.renewed() > 0 {
-            let unknown = self
-                .campaign
-                .programs()
-                .into_iter()
-                .find_map(|each| Some((each.name.clone(), each.unknown()?.to_owned())));
-            let renewed = |(program, why)| Notice::Renewed { tasks: results.renewed(), program, why };
+            let unknown = self.campaign.programs().into_iter().find(|each| each.is_unknown());
+            let renewed = |each: &Arc<ExternalProgram>| Notice::Renewed {
+                tasks: results.renewed(),
+                program: each.name.clone(),
+            };
             unknown.map(renewed).iter().for_each(|notice| self.session.notice(notice));
         }
         results

@@ -109,10 +109,7 @@ pub struct ProgramRecord {
     /// The key `version` of the scenario; empty without one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub version: String,
-    /// Why it may have changed unnoticed, as half a sentence; empty when its files or its `version` say what it is.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub unknown: String,
-    /// BLAKE3 of the files that it is made of, by their paths relative to the folder of the scenario.
+    /// BLAKE3 of the files that the scenario declares, by their paths relative to the folder of the scenario.
     pub files: BTreeMap<String, String>,
 }
 
@@ -123,9 +120,13 @@ impl ProgramRecord {
             name: program.name.clone(),
             command: program.command.clone(),
             version: program.version.clone().unwrap_or_default(),
-            unknown: program.unknown().unwrap_or_default().to_owned(),
-            files: program.parts.files.clone(),
+            files: program.files.clone(),
         }
+    }
+
+    /// Whether it may have changed unnoticed: the scenario states neither its files nor its version.
+    pub fn is_unknown(&self) -> bool {
+        self.files.is_empty() && self.version.is_empty()
     }
 }
 

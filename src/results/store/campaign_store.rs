@@ -90,10 +90,10 @@ impl<'a> CampaignStore<'a> {
         }
     }
 
-    /// Uses no stored results of tasks that depend on programs of which nobody knows whether they have changed. What other processes store
-    /// from now on is used.
+    /// Uses no stored results of tasks that depend on programs without declared files or version, which may have changed. What other processes
+    /// store from now on is used.
     pub fn renewing(self) -> Self {
-        let is_unknown = |task: &Task| programs(self.campaign, *task).any(|program| program.unknown().is_some());
+        let is_unknown = |task: &Task| programs(self.campaign, *task).any(|program| program.is_unknown());
         let stored = |task: &Task| self.store.head(self.id(*task)).is_some();
         let renewed = tasks(self.campaign).filter(is_unknown).filter(stored).collect();
         Self { renewed: Mutex::new(renewed), ..self }
@@ -222,7 +222,7 @@ impl ResultStore for CampaignStore<'_> {
             let name = self
                 .shorter
                 .get(&training)
-                .filter(|_| programs(self.campaign, task).all(|program| program.unknown().is_none()))?;
+                .filter(|_| programs(self.campaign, task).all(|program| !program.is_unknown()))?;
             let Ok(Found::Whole(header, bytes)) = self.store.read_named(name) else { return None };
             continues(&header, self.campaign, task).then_some((header, bytes))
         };

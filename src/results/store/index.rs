@@ -112,10 +112,10 @@ impl Index {
     /// What is known of a task and, if it must be run, why.
     pub fn look(&self, store: &Store, campaign: &Campaign, task: Task, ids: &Ids, seed: u64) -> Known {
         let (id, wanted) = (ids.get(task), amount(campaign, task));
-        if let Some(program) = programs(campaign, task).find(|program| program.unknown().is_some())
+        if let Some(program) = programs(campaign, task).find(|program| program.is_unknown())
             && store.head(id).is_some()
         {
-            return Known::Missing(format!("the program of `{}` is not known", program.name));
+            return Known::Missing(format!("`{}` declares no `files`", program.name));
         }
         match store.head(id) {
             Some(Ok(header)) => match header.state {
@@ -171,7 +171,7 @@ pub(super) fn programs(campaign: &Campaign, task: Task) -> impl Iterator<Item = 
 
 /// The digests of the files of a task's programs, by their paths.
 fn program_files(campaign: &Campaign, task: Task) -> BTreeMap<String, String> {
-    programs(campaign, task).flat_map(|program| program.parts.files.clone()).collect()
+    programs(campaign, task).flat_map(|program| program.files.clone()).collect()
 }
 
 /// Which files of a task's programs have changed; none when none has.

@@ -269,15 +269,15 @@ impl Drop for Progress {
 /// What the stored tasks of a campaign depend on, in words.
 fn depends(campaign: &Campaign) -> String {
     let of_program = |program: &Arc<ExternalProgram>| {
-        let ExternalProgram { name, version, parts, .. } = program.as_ref();
-        let named = parts.files.keys().take(MOST_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
-        let more = parts.files.len().saturating_sub(MOST_NAMED);
+        let ExternalProgram { name, version, files, .. } = program.as_ref();
+        let named = files.keys().take(MOST_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let more = files.len().saturating_sub(MOST_NAMED);
         let files = if more > 0 { format!("{named} and {more} more files") } else { named };
         let version = version.as_ref().map(|version| format!("version {version}"));
         let what: Vec<String> = version.into_iter().chain(Some(files).filter(|files| !files.is_empty())).collect();
         format!("; `{name}` is {}", what.join(", "))
     };
-    let known = campaign.programs().into_iter().filter(|program| program.unknown().is_none());
+    let known = campaign.programs().into_iter().filter(|program| !program.is_unknown());
     format!("same scenario, seed and build{}", known.map(of_program).collect::<String>())
 }
 

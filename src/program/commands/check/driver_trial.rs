@@ -109,7 +109,7 @@ const SHOWN_BYTES: usize = 600;
 
 /// `falsify check -- DRIVER`
 pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
-    let program = Program { words, folder: ".".into(), files: Vec::new() };
+    let program = Program { words, folder: ".".into(), ..Program::default() };
     let settings =
         Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
     console::say(&format!("driver {}", program.words.join(" ")));

@@ -25,13 +25,15 @@ keys! {
         /// Whether the emergency brake of the kind `aeb`, with its defaults, is in front of the program. It sees what the sensors give to the program, along
         /// the same route, and overrides the pedals where it brakes harder.
         aeb: bool = "false",
+        /// Named numbers, `["gap=0.5", "width=1"]`, which its greeting tells it and `harden` varies.
+        parameters: Option<Vec<String>>,
     }
     .explained("timeout", "Time that it has for the answer to a tick.")
 }
 
 impl From<ExternalKeys> for Settings {
     fn from(keys: ExternalKeys) -> Self {
-        let ExternalKeys { program, worlds, actors, route_points, aeb: _ } = keys;
+        let ExternalKeys { program, worlds, actors, route_points, .. } = keys;
         Self { timeout: program.timeout, start_timeout: program.start_timeout, worlds, actors, route_points }
     }
 }

@@ -1,4 +1,6 @@
-use super::{Parts, Program};
+use std::collections::BTreeMap;
+
+use super::Program;
 use crate::av::Fault;
 
 /// A connection to a driver that runs elsewhere: it sends a message and receives an answer.
@@ -40,10 +42,13 @@ pub trait Opener: Send + Sync {
         Ok(())
     }
 
-    /// Finds what a program is made of, so that results of a changed program are not reused.
-    fn parts(&self, program: &Program) -> Parts {
+    /// BLAKE3 of the declared files of a program in hexadecimal digits, by their paths relative to its folder. Results belong to them.
+    ///
+    /// # Errors
+    /// A file cannot be read, as a part of a sentence.
+    fn digests(&self, program: &Program) -> Result<BTreeMap<String, String>, String> {
         let _ = program;
-        Parts::default()
+        Ok(BTreeMap::new())
     }
 
     /// Starts one.

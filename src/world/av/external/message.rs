@@ -1,5 +1,7 @@
 //! The messages in JSON.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::av::view::{Kind, LaneAhead, Seen, View};
@@ -51,6 +53,8 @@ pub(super) struct Hello<'a> {
     pub actors: usize,
     pub route_points: usize,
     pub revision: u32,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: &'a BTreeMap<String, f64>,
 }
 
 #[derive(Serialize)]

@@ -10,7 +10,6 @@
 //! does both, and an [`Opener`] makes the link. A [`Peer`] keeps the link of a program, also for programs that are no drivers.
 
 mod link;
-mod parts;
 mod peer;
 mod program;
 mod message;
@@ -22,7 +21,6 @@ pub use driver::{External, ExternalKeys};
 pub use link::{Link, Opener};
 pub(crate) use message::Body;
 pub use message::PROTOCOL;
-pub use parts::Parts;
 pub use peer::Peer;
 pub use program::{Program, ProgramKeys};
 pub use session::Settings;

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use base::keys;
@@ -8,11 +9,10 @@ keys! {
         /// The program and its arguments, split at blanks and started without a shell in the folder of the file that
         /// names it.
         command: String,
-        /// Further files and folders that it depends on, beside those of its script's folder: when their contents change, its results are
-        /// made again.
+        /// The files and folders that it consists of: finished work is used again as long as their contents stay the same. Without `files` and
+        /// `version`, every run repeats the work of the program.
         files: Option<Vec<String>>,
-        /// What it is where its files do not say so, such as the version of a server, of an image or of an installed package. Without it the
-        /// results of such a program are made again in every run.
+        /// The version of a server, an image or an installed package: finished work is used again as long as the text stays the same.
         version: Option<String>,
         /// Time that it has for an answer.
         timeout: f64 as within(TIME, 0.001, 3600.0) = "1 s",
@@ -22,17 +22,32 @@ keys! {
 }
 
 /// A program with its arguments, and its working folder. No shell is involved.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
     /// The program, then its arguments; never empty.
     pub words: Vec<String>,
     /// The folder in which it runs.
     pub folder: PathBuf,
-    /// Further files and folders that it depends on, relative to that folder.
+    /// The files and folders that it consists of, relative to that folder.
     pub files: Vec<String>,
+    /// Named numbers that its greeting tells it.
+    pub parameters: BTreeMap<String, f64>,
 }
 
 impl Program {
+    /// Reads a parameter, `NAME=NUMBER`.
+    ///
+    /// # Errors
+    /// The reason why it is not one.
+    pub fn parameter(text: &str) -> Result<(String, f64), &'static str> {
+        let (name, number) = text.split_once('=').ok_or("write NAME=NUMBER")?;
+        if name.is_empty() || !name.chars().all(|letter| letter.is_alphanumeric() || letter == '_') {
+            return Err("a name consists of letters, digits and `_`");
+        }
+        let number: Option<f64> = number.parse().ok().filter(|number: &f64| number.is_finite());
+        Ok((name.into(), number.ok_or("its value is not a number")?))
+    }
+
     /// Splits a command at its blanks; text in single or double quotes stays together.
     ///
     /// # Errors
@@ -67,7 +82,7 @@ impl Program {
         if words.first().is_none_or(String::is_empty) {
             return Err("it names no program");
         }
-        Ok(Self { words, folder, files: Vec::new() })
+        Ok(Self { words, folder, ..Self::default() })
     }
 }
 
@@ -84,5 +99,13 @@ mod tests {
         assert_eq!(words("a 'b"), Err("a quote is never closed"));
         assert_eq!(words("   "), Err("it names no program"));
         assert_eq!(words("'' a"), Err("it names no program"));
+    }
+
+    #[test]
+    fn a_parameter_is_a_name_and_a_number() {
+        assert_eq!(Program::parameter("gap=-0.5"), Ok(("gap".into(), -0.5)));
+        for wrong in ["gap", "=1", "g p=1", "gap=", "gap=NaN", "gap=1 m"] {
+            assert!(Program::parameter(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::binary::{self, Room};
@@ -31,6 +32,7 @@ impl Default for Settings {
 /// A running driver with the requests of a tick, and the answers.
 pub(super) struct Session {
     peer: Peer,
+    parameters: BTreeMap<String, f64>,
     settings: Settings,
     /// What the driver's last greeting said.
     encoding: Encoding,
@@ -47,6 +49,7 @@ pub(super) struct Session {
 impl Session {
     pub fn new(opener: Arc<dyn Opener>, program: Program, settings: Settings) -> Self {
         Self {
+            parameters: program.parameters.clone(),
             peer: Peer::new(opener, program, settings.start_timeout),
             settings,
             encoding: Encoding::default(),
@@ -74,7 +77,7 @@ impl Session {
 
     /// Starts the driver if it does not run; returns the number of its starts.
     pub fn ready(&mut self, perception: &Perception<'_>) -> Result<u64, Fault> {
-        let Self { peer, settings, encoding, control, revision, .. } = self;
+        let Self { peer, parameters, settings, encoding, control, revision, .. } = self;
         let hello = || {
             let hello = Hello {
                 r#type: "hello",
@@ -86,6 +89,7 @@ impl Session {
                 actors: settings.actors,
                 route_points: settings.route_points,
                 revision: Revision::NEWEST,
+                parameters,
             };
             serde_json::to_vec(&hello).expect("numbers and words have a form in JSON")
         };
