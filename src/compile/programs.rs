@@ -53,7 +53,8 @@ impl Lowering<'_> {
             return Ok(());
         }
         let ProgramKeys { command, version, .. } = declaration.block.keys();
-        let found = ExternalProgram { name: declaration.name.clone(), command, version, files: opener.digests(program)? };
+        let found =
+            ExternalProgram { name: declaration.name.clone(), command, version, files: opener.digests(program)? };
         self.shared.programs.entry(declaration.id).or_default().push((declaration.block.clone(), Arc::new(found)));
         Ok(())
     }

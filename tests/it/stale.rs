@@ -81,9 +81,9 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     let Some(place) = folder("python3 drv.py", r#", files: ["drv.py", "params.py"]"#) else { return };
     let here = place.path();
     let again = run(here, &[], 0);
-    assert!(again.contains(
-        "1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, params.py"
-    ));
+    assert!(
+        again.contains("1 of 1 tasks were there already: same scenario, seed and build; `mine` is drv.py, params.py")
+    );
     let name = failure(here);
 
     std::fs::write(here.join("params.py"), "GAP = 14.0\n").unwrap();
@@ -117,7 +117,10 @@ fn work_of_a_program_without_files_is_repeated_unless_the_scenario_states_its_ve
     assert!(list.contains("[run: `mine` declares no `files`]"), "{list}");
     let again = run(here, &[], 0);
     assert!(!reused(&again), "{again}");
-    assert!(again.contains("1 stored task is run again: `mine` declares no `files`, so it may have changed"), "{again}");
+    assert!(
+        again.contains("1 stored task is run again: `mine` declares no `files`, so it may have changed"),
+        "{again}"
+    );
 
     write(here, "python3 drv.py", ", version: \"7\"");
     run(here, &["--replace"], 0);

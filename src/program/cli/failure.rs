@@ -129,7 +129,9 @@ pub fn notice(notice: &Notice) {
             console::warn(&format!("{campaign}: {notice}"));
         }
         Notice::Renewed { .. } => {
-            console::warn(&format!("{notice}; with `files: […]` or `version: \"…\"` in the scenario they are used again"));
+            console::warn(&format!(
+                "{notice}; with `files: […]` or `version: \"…\"` in the scenario they are used again"
+            ));
         }
         Notice::ProgramsNotAllowed => {
             console::warn("scenarios might start programs in that run; give --allow-external if they may again");

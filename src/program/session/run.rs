@@ -182,10 +182,8 @@ impl<'a> CampaignRun<'a> {
         let results = results.renewing();
         if results.renewed() > 0 {
             let unknown = self.campaign.programs().into_iter().find(|each| each.is_unknown());
-            let renewed = |each: &Arc<ExternalProgram>| Notice::Renewed {
-                tasks: results.renewed(),
-                program: each.name.clone(),
-            };
+            let renewed =
+                |each: &Arc<ExternalProgram>| Notice::Renewed { tasks: results.renewed(), program: each.name.clone() };
             unknown.map(renewed).iter().for_each(|notice| self.session.notice(notice));
         }
         results

@@ -23,7 +23,7 @@ const MAX_SHOWN: usize = 10;
 #[derive(Debug, Clone, Default, Args)]
 pub struct ReplayAllOptions {
     /// Repeat all episodes and failures of a report, compare every column byte for byte, and check the digests of its files.
-    #[arg(long, id = "all", value_name = "REPORT")]
+    #[arg(long = "all", id = "all", value_name = "REPORT")]
     pub report: Option<PathBuf>,
     /// With --all: repeat only this number of episodes and failures, drawn at random.
     #[arg(long, value_name = "N", requires = "all")]
