@@ -7,12 +7,10 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
-use falsify::session::{
-    CompareOptions, FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session,
-};
+use falsify::session::{FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
 use learn::Env;
 use results::campaign::{self, InMemory, Silent, repeat_failure, watch};
-use results::report::{FailureFilter, Failures, Gate, driver_results, narrative};
+use results::report::{FailureFilter, Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
 use world::env::{Outcome, PedestrianEnv, Trace as EpisodeTrace};
 use world::judge::{LaneDeparture, NearMiss, Question, ViolationVerdict, judge};
 use world::requirement::Trace;
@@ -318,8 +316,9 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         let (time, text) = told.events.iter().find(|(_, text)| text.contains("violates `slow_pass`")).unwrap();
         assert!((time - failure.length).abs() < 1e-9 && text.contains("decides"), "{time} {text} {failure:?}");
     }
-    let options = CompareOptions { reports: [again.clone(), other.clone()], drivers: None };
-    let compared = session.compare(&options).unwrap();
+    let stored = [&again, &other].map(|folder| StoredReport::open(folder).unwrap());
+    let side = |side: usize| Side { report: &stored[side], driver: None };
+    let compared = compare_reports(side(0), side(1)).unwrap();
     let slow_pass = compared.violations()["slow_pass"];
     assert_eq!(
         (slow_pass.new, slow_pass.fixed, slow_pass.same),

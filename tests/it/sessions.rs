@@ -139,7 +139,7 @@ fn errors_are_facts_with_their_data() {
     let mapped = session.plan(&Input { maps, ..Input::file("crossing.scn") });
     assert!(matches!(mapped, Err(Error::UnusedMap { town }) if town == "atlantis"));
     let status = session.status(&StatusOptions { out: folder.path().join("none"), cache: None });
-    assert!(matches!(status, Err(Error::NothingRun { .. })));
+    assert!(matches!(status, Err(Error::Usage(_))));
     let name = "1a2b3c4d:17".parse().unwrap();
     let which = ReplayOptions { name, report: folder.path().join("none"), repeat: RepeatOptions::default() };
     assert!(matches!(session.replay(&which), Err(Error::NoReport { .. })));

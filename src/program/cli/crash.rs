@@ -8,7 +8,7 @@ use std::panic::PanicHookInfo;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::console;
-use super::exit_code::ExitCode;
+use crate::exit_code::ExitCode;
 use base::contained;
 
 /// The most functions of this program that are named.

@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use super::console;
-use super::exit_code::ExitCode;
+use crate::exit_code::ExitCode;
 use crate::session::Stop;
 
 static STOP: LazyLock<Arc<Stop>> = LazyLock::new(Arc::default);

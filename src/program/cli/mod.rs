@@ -1,6 +1,5 @@
 //! What all commands share: input, output, progress, settings, exit codes.
 
-pub(crate) mod exit_code;
 pub(crate) mod console;
 mod crash;
 pub(crate) mod failure;
@@ -13,7 +12,7 @@ pub(crate) mod choice;
 mod welcome;
 pub(crate) mod network_trial;
 
-pub use exit_code::ExitCode;
+pub use crate::exit_code::ExitCode;
 #[cfg(any(fuzzing, test))]
 pub use settings::is_read as settings_are_read;
 
@@ -22,8 +21,8 @@ use std::ffi::OsString;
 use clap::{ArgMatches, Command, FromArgMatches};
 
 use crate::commands::{self, Arguments};
+use crate::exit_code::Ended;
 use compile::Catalog;
-use exit_code::Ended;
 
 /// Runs the program with this language. The first argument is the name of the program. A bug ends in [`ExitCode::Internal`].
 pub fn command_line(language: fn() -> Catalog, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::sync::Arc;
 
-use super::exit_code::ExitCode;
+use crate::exit_code::ExitCode;
 use compile::NetworkTrial;
 use world::av::onnx::{Model, Network};
 

@@ -12,8 +12,8 @@ use clap::{Arg, ArgAction, Args, Command, ValueHint};
 use toml::de::{DeTable, DeValue};
 
 use super::console;
-use super::exit_code::ExitCode;
 use crate::commands::RunArgs;
+use crate::exit_code::ExitCode;
 use base::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use lang::{nearest, reason};
 

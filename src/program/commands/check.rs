@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::{GivenArgs, session};
+use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Checked, Disk, Error};
 use base::diagnostic::records;
 use base::files;
@@ -133,8 +133,8 @@ fn for_people(found: &Checked) -> ExitCode {
     let plan = match found.plan() {
         Ok(plan) => plan,
         Err(error @ Error::Scenario { .. }) => {
-            console::fail(&error.to_string());
-            return ExitCode::Scenario;
+            console::fail(&format!("{} found", console::count(found.errors(), "error")));
+            return error.exit_code();
         }
         Err(other) => return failed(other),
     };

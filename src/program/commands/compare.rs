@@ -6,17 +6,17 @@ use serde_json::json;
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::session;
-use crate::session::{self, RepeatOptions, Session};
+use crate::exit_code::{Ended, ExitCode};
+use crate::session::{EpisodeName, Error};
 use results::record::TableReference;
-use results::report::{self, ReportComparison};
+use results::report::{self, FailureChange, PlayedPair, ReportComparison, Side, StoredReport};
 
-/// The number of failures in each list for people.
-pub const SHOWN: usize = 10;
-/// The number of changes that a page plays.
-const PLAYED: usize = 12;
+/// Maximum number of failures in each list for people.
+pub const MAX_SHOWN: usize = 10;
+/// Maximum number of changes that a page plays.
+const MAX_PLAYED: usize = 12;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -80,14 +80,15 @@ pub fn compare(options: &CompareArgs) -> Ended {
         _ => return Err(misused("name two reports, or one report and --drivers BEFORE AFTER")),
     };
     let drivers = options.drivers.as_ref().and_then(|names| <[String; 2]>::try_from(names.clone()).ok());
-    let session = session(options.repeat.allow_external);
-    let comparison = session.compare(&session::CompareOptions { reports, drivers }).map_err(failed)?;
+    let comparison = compared(&reports, drivers.as_ref()).map_err(failed)?;
     match options.format {
-        Form::Text => console::say(report::comparison_for_terminal(&comparison, SHOWN, console::width()).trim_end()),
+        Form::Text => {
+            console::say(report::comparison_for_terminal(&comparison, MAX_SHOWN, console::width()).trim_end())
+        }
         Form::Json => console::say(&as_json(&comparison).to_string()),
     }
     if let Some(path) = &options.page {
-        write_page(&session, &comparison, path, &options.repeat.repeat)?;
+        write_page(&comparison, path, &options.repeat)?;
     }
     judge(&conditions, &comparison)
 }
@@ -109,17 +110,52 @@ pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
     condition::judge(conditions, [cells, searches], "comparison")
 }
 
-fn write_page(
-    session: &Session,
-    comparison: &ReportComparison,
-    path: &Path,
-    repeat: &RepeatOptions,
-) -> Result<(), ExitCode> {
-    let chosen = report::worst_changes(comparison, PLAYED);
-    let pairs = session.play_changes(comparison, &chosen, repeat).map_err(failed)?;
+/// Compares two reports, or two driving policies, over the starts that they share.
+///
+/// # Errors
+/// A report cannot be read, or nothing can be compared.
+pub fn compared(reports: &[PathBuf; 2], drivers: Option<&[String; 2]>) -> Result<ReportComparison, Error> {
+    let [before, after] = [StoredReport::open(&reports[0])?, StoredReport::open(&reports[1])?];
+    for report in [&before, &after] {
+        report.check_manifest()?;
+        report.check_tables()?;
+    }
+    let driver = |side: usize| drivers.map(|drivers| drivers[side].as_str());
+    let first = Side { report: &before, driver: driver(0) };
+    let second = Side { report: &after, driver: driver(1) };
+    report::compare_reports(first, second).map_err(|error| Error::Usage(error.to_string()))
+}
+
+/// Writes a page that plays both episodes of the worst changes side by side.
+fn write_page(comparison: &ReportComparison, path: &Path, options: &RepeatArgs) -> Result<(), ExitCode> {
+    let chosen = report::worst_changes(comparison, MAX_PLAYED);
+    let pairs = played(comparison, &chosen, options).map_err(failed)?;
     report::write_file(path, report::comparison_page(comparison, &pairs).as_bytes()).map_err(unwritten)?;
     console::note(&path.display().to_string());
     Ok(())
+}
+
+/// Repeats both episodes of some changes.
+fn played(
+    comparison: &ReportComparison,
+    changes: &[&FailureChange],
+    options: &RepeatArgs,
+) -> Result<Vec<PlayedPair>, Error> {
+    if changes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let session = session(options.allow_external);
+    let reopened = |folder: &PathBuf| session.reopen(StoredReport::open(folder)?, &options.repeat);
+    let sources = [reopened(&comparison.folders[0])?, reopened(&comparison.folders[1])?];
+    let play = |change: &&FailureChange| {
+        let side = |side: usize| -> Result<report::Replay, Error> {
+            let name = EpisodeName::of_table(change.sides[side].name.clone())?;
+            let again = sources[side].repeat(name)?;
+            Ok(report::Replay::of_episode(&again.scenario, &again.outcome, &again.trace, again.verdict.as_ref()))
+        };
+        Ok(PlayedPair { change: (*change).clone(), replays: [side(0)?, side(1)?] })
+    };
+    changes.iter().map(play).collect()
 }
 
 /// Makes an object of a comparison, for programs.

@@ -1,8 +1,8 @@
 //! Conditions of `--fail-if` on the rows of tables.
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::misused;
+use crate::exit_code::{Ended, ExitCode};
 use results::record::TableReference;
 use results::report::{self, Gate, GateError, Judged};
 

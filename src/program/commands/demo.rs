@@ -7,8 +7,8 @@ use clap::{Args, Command, FromArgMatches};
 use super::new::write_new;
 use super::run::{self, RunArgs};
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::unwritten;
+use crate::exit_code::{Ended, ExitCode};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\

@@ -4,8 +4,8 @@ use std::str::FromStr;
 
 use clap::Args;
 
-use crate::cli::exit_code::ExitCode;
 use crate::cli::failure::misused;
+use crate::exit_code::ExitCode;
 use crate::session::{self, EpisodePath, NoEpisodeName};
 use base::files;
 use lang::reason;

@@ -1,9 +1,9 @@
 use clap::Args;
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::misused;
 use crate::cli::input::language;
+use crate::exit_code::{Ended, ExitCode};
 use results::report;
 
 /// Shown after the help.

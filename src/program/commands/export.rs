@@ -6,9 +6,9 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use super::episode::{Named, RepeatArgs, resolved};
 use crate::cli::choice::choice;
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;
+use crate::exit_code::{Ended, ExitCode};
 use crate::session::{self, Drawing, EpisodePath, Picture};
 use export::{EXPORTERS, EgoDriver, Exporter, Variant, Walking};
 

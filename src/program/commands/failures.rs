@@ -4,9 +4,9 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::choice::choice;
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::failed;
 use crate::cli::input::session;
+use crate::exit_code::{Ended, ExitCode};
 use crate::session::{self, FoundFailure};
 use results::report::{self, FailureFilter, FailureOrder, ListedFailure};
 

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{misused, unwritten};
+use crate::exit_code::{Ended, ExitCode};
 use base::diagnostic::Sources;
 use base::files;
 

@@ -1,11 +1,15 @@
+use std::path::{Path, PathBuf};
+
 use clap::Args;
 use serde_json::json;
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::failed;
-use crate::cli::input::session;
-use crate::session::{self, Encountered, Reference};
+use crate::exit_code::{Ended, ExitCode};
+use crate::session::{Error, Input, Session};
+use lang::reason;
+use world::env::Scenario;
+use world::judge::{Encountered, Recording, RecordingFileError, Reference, Sizes, Verdict};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -29,23 +33,67 @@ Exit codes: 0 it was judged   2 the file cannot be read, or is no recording";
 /// Options of `falsify judge`.
 #[derive(Debug, Args)]
 pub struct JudgeArgs {
-    /// The recording.
-    #[command(flatten)]
-    pub recording: session::JudgeOptions,
+    /// A recording: CSV with a header and a row for each instant.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Length of the car (m); without it that of the paper's car, 4.79.
+    #[arg(long, value_name = "METRES")]
+    pub length: Option<f64>,
+    /// Width of the car (m); without it that of the paper's car, 2.16.
+    #[arg(long, value_name = "METRES")]
+    pub width: Option<f64>,
+    /// Radius of the pedestrian (m); without it that of the paper's pedestrian, 0.188.
+    #[arg(long, value_name = "METRES")]
+    pub radius: Option<f64>,
     /// Print one JSON object, for programs.
     #[arg(long)]
     pub json: bool,
 }
 
+/// The paper's car and pedestrian, whose sizes and grip a recording has when nothing else is stated.
+const PAPER: &str = "\
+edition 1
+import \"std/paper.scn\"
+import \"std/drivers.scn\"
+import \"std/towns.scn\"
+campaign recording {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random]  episodes: 1 }
+}
+";
+/// Its name among the files of a session.
+const PAPER_FILE: &str = "recording.scn";
+
 /// `falsify judge`
 pub fn judge(options: &JudgeArgs) -> Ended {
-    let found = session(false).judge(&options.recording).map_err(failed)?;
+    let found = judged(options).map_err(failed)?;
     if options.json {
         console::say(&as_json(&found).to_string());
     } else {
         tell(&found);
     }
     Ok(ExitCode::Done)
+}
+
+/// Judges the first touch of a car and a pedestrian that were recorded elsewhere, on a plane without obstacles.
+fn judged(options: &JudgeArgs) -> Result<Encountered, Error> {
+    let refused = |reason: String| Error::Usage(format!("cannot judge `{}`: {reason}", options.file.display()));
+    let text = base::files::text(&options.file).map_err(|error| refused(reason(&error)))?;
+    let recording = Recording::from_csv(&text).map_err(|error| refused(error.to_string()))?;
+    let mut scenario = paper()?;
+    let sizes = Sizes { length: options.length, width: options.width, radius: options.radius };
+    sizes.apply(&mut scenario).map_err(|error| refused(RecordingFileError::from(error).to_string()))?;
+    Ok(recording.judged_without_obstacles(&scenario))
+}
+
+/// The scenario with the paper's car and pedestrian.
+fn paper() -> Result<Scenario, Error> {
+    let session = Session::default().with_reader(|path: &Path| match path.to_str() {
+        Some(PAPER_FILE) => Ok(PAPER.to_string()),
+        _ => Err(std::io::Error::from(std::io::ErrorKind::NotFound)),
+    });
+    let checked = session.check(&Input::file(PAPER_FILE))?;
+    Ok(Scenario::clone(&checked.plan()?.campaigns[0].evaluations[0].scenario))
 }
 
 /// Prints the result for people.
@@ -85,7 +133,7 @@ fn as_json(found: &Encountered) -> serde_json::Value {
         "impact_speed_mps": verdict.map(|verdict| verdict.impact_speed),
         "verdict": verdict.map(|verdict| verdict.label.name()),
         "foreseeable": verdict.map(|verdict| verdict.foreseeable),
-        "fault": verdict.map(crate::session::Verdict::is_fault),
+        "fault": verdict.map(Verdict::is_fault),
         "warning_s": verdict.map(|verdict| verdict.warning),
         "avoided_by": avoided,
         "least_gap_m": found.least_gap,

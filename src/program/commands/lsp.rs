@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::misused;
 use crate::cli::input::catalog;
+use crate::exit_code::{Ended, ExitCode};
 use crate::lsp::{Ending, serve};
 
 /// Shown after the help.

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::run::{RunArgs, RunReporter, ended, finished};
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;
 use crate::cli::{console, interrupt};
+use crate::exit_code::{Ended, ExitCode};
 use crate::session::{self, Event, Incomplete, Notice, Observer};
 use results::campaign::Task;
 use results::store::Taken;

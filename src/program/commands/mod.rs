@@ -2,6 +2,7 @@
 
 mod condition;
 mod episode;
+mod starts;
 mod run;
 mod merge;
 mod status;
@@ -21,8 +22,8 @@ mod preview;
 
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::{console, interrupt};
+use crate::exit_code::{Ended, ExitCode};
 pub use replay::{ReplayAllOptions, ReplayedReport, Retrained};
 pub use run::RunArgs;
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{misused, unwritten};
+use crate::exit_code::{Ended, ExitCode};
 use lang::reason;
 
 /// Shown after the help.

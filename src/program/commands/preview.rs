@@ -7,11 +7,12 @@ use std::time::{Duration, SystemTime};
 
 use clap::{Args, value_parser};
 
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::unwritten;
 use crate::cli::input::{GivenArgs, session};
 use crate::cli::{console, interrupt};
-use crate::session::{Checked, Error, SampledStarts, Session, sampled_starts};
+use crate::commands::starts::{SampledStarts, sampled_starts};
+use crate::exit_code::{Ended, ExitCode};
+use crate::session::{Checked, Error, Session};
 use base::diagnostic::{Colour, render};
 use results::report::{self, MapPage, StartLayer, TownView};
 use world::road::{AssumedLimit, GiveWay, LaneKind, Town, opendrive};

@@ -1,21 +1,27 @@
+mod driver_pairs;
+mod encounters;
+mod meeting;
+
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use clap::Args;
+use clap::{Args, value_parser};
 use serde_json::json;
 
 use super::compare::Form;
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::failed;
 use crate::cli::input::{Reporter, session};
 use crate::cli::progress::{Counting, Showing};
-use crate::session::{self, Event, Observer, RecheckStage};
+use crate::exit_code::{Ended, ExitCode};
+use crate::session::{Event, Observer, RecheckStage};
+use driver_pairs::DriverPair;
 use results::report::{self, Encounter, Met, Recheck, RecheckNote};
 
-/// The number of encounters in each list for people.
-const SHOWN: usize = 10;
+/// Maximum number of encounters in each list for people.
+const MAX_SHOWN: usize = 10;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -35,9 +41,22 @@ Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5
 /// Options of `falsify recheck`.
 #[derive(Debug, Args)]
 pub struct RecheckArgs {
-    /// The report, and the new drivers.
-    #[command(flatten)]
-    pub recheck: session::RecheckOptions,
+    /// The old report.
+    #[arg(value_name = "REPORT")]
+    pub report: PathBuf,
+    /// Scenario files whose campaigns have the new drivers and their cars; those of the report without any. Starts and pedestrians stay
+    /// those of the report.
+    #[arg(id = "new", value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// A driver of the report and its new version, or one name for both; may be given several times. All drivers of equal names without it.
+    #[arg(long = "driver", value_name = "OLD=NEW", value_parser = str::parse::<DriverPair>)]
+    pub drivers: Vec<DriverPair>,
+    /// Give a parameter or a key of the new drivers another value, as `v1.margin=1 m`.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub settings: Vec<String>,
+    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out.
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
+    pub starts: u32,
     /// Form of the output; `json` is one object.
     #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
     pub format: Form,
@@ -57,14 +76,13 @@ pub struct RecheckArgs {
 pub fn recheck(options: &RecheckArgs) -> Ended {
     let tables = [report::rechecked_reference(), report::crossed_reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
-    let wanted = session::RecheckOptions { repeat: options.repeat.repeat.clone(), ..options.recheck.clone() };
     let reporter = Arc::new(RecheckReporter { showing: options.progress, stage: Mutex::new(None) });
     let session = session(options.repeat.allow_external).with_observer(reporter.clone());
-    let recheck = session.recheck(&wanted).map_err(failed);
+    let recheck = session.recheck(options).map_err(failed);
     reporter.end();
     let recheck = recheck?;
     match options.format {
-        Form::Text => console::say(report::recheck_for_terminal(&recheck, SHOWN, console::width()).trim_end()),
+        Form::Text => console::say(report::recheck_for_terminal(&recheck, MAX_SHOWN, console::width()).trim_end()),
         Form::Json => console::say(&as_json(&recheck).to_string()),
     }
     let code = judge(&conditions, &recheck)?;

@@ -7,9 +7,9 @@ use serde_json::json;
 
 use super::episode::{Named, RepeatArgs, resolved};
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;
+use crate::exit_code::{Ended, ExitCode};
 use crate::session::{self, EpisodePath, Replay, Session, TickTable, reasons};
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::report::{self, Narrative, StoredReport};

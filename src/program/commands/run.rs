@@ -8,12 +8,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::{GivenArgs, session};
 use crate::cli::output::Output;
 use crate::cli::progress::{EventLine, Progress, Showing};
 use crate::cli::{console, failure, interrupt};
+use crate::exit_code::{Ended, ExitCode};
 use crate::session::{
     self, CampaignOutcome, CampaignReport, Error, Event, Notice, Observer, RunReport, Session, ShardOptions,
     ShardReport,

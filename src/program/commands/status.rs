@@ -6,11 +6,11 @@ use clap::Args;
 use indicatif::FormattedDuration;
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::cli::output::Output;
 use crate::cli::progress::Learnt;
+use crate::exit_code::{Ended, ExitCode};
 use crate::session::{self, CampaignProgress, CampaignState};
 use results::store::TaskStatus;
 use stored::stored;

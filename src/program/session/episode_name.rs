@@ -22,7 +22,7 @@ pub struct NoEpisodeName;
 impl EpisodeName {
     /// Reads a name in a table of a report.
     pub(crate) fn of_table(name: String) -> Result<Self, Error> {
-        name.parse().map_err(|_| Error::BadName { name })
+        name.parse().map_err(|_| Error::Usage(format!("`{name}` in a table is not the name of an episode")))
     }
 }
 

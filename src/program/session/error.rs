@@ -1,12 +1,13 @@
 use std::path::PathBuf;
 
 use super::{EpisodeName, OtherReport};
+use crate::exit_code::ExitCode;
 use export::ExportError;
 use lang::Unreadable;
-use results::report::{GateError, Incomparable, ReadError, WriteError};
+use results::report::{GateError, ReadError, WriteError};
 use results::store::StoreError;
 
-/// Why a call of a session has no result.
+/// Why a call of a session or a command has no result. The text names the options that help.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Named scenario files cannot be read.
@@ -16,23 +17,20 @@ pub enum Error {
         files: Vec<Unreadable>,
     },
     /// The scenario files have errors; the observer has the diagnostics.
-    #[error("{} found", if *errors == 1 { "1 error".into() } else { format!("{errors} errors") })]
+    #[error("{} found; nothing was run", if *errors == 1 { "1 error".into() } else { format!("{errors} errors") })]
     Scenario {
         /// The number of diagnostics that are errors.
         errors: usize,
     },
-    /// A recording cannot be judged.
-    #[error("cannot judge `{}`: {reason}", file.display())]
-    Recording {
-        file: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
     /// A map is given for a town that no file declares.
-    #[error("a map is given for the town `{town}`, which nothing uses")]
+    #[error("--map names the town `{town}`, which nothing uses")]
     UnusedMap { town: String },
     /// Results for other inputs are at the place of a report.
-    #[error("`{}` holds results for other inputs, which are not replaced:\n{}", .0.folder.display(), listed(&.0.differences))]
+    #[error(
+        "`{}` holds results for other inputs, which are not replaced:\n{}\nnothing was run; --out DIR writes to another folder, --replace replaces \
+         that report{}",
+        .0.folder.display(), listed(&.0.differences), .0.advice()
+    )]
     OtherReport(Box<OtherReport>),
     /// The files hold no campaign.
     #[error("{advice}")]
@@ -40,23 +38,9 @@ pub enum Error {
         /// What to write or to name instead.
         advice: String,
     },
-    /// A campaign that is to be run alone is not in the files.
-    #[error("no campaign is called `{name}`; the files have {known}")]
-    UnknownCampaign {
-        name: String,
-        /// The names that they have.
-        known: String,
-    },
     /// A gate judges no row of the campaigns.
-    #[error(transparent)]
+    #[error("--fail-if: {0}")]
     Gate(#[from] GateError),
-    /// Threads cannot be started.
-    #[error("cannot start {threads} threads: {source}")]
-    Threads {
-        /// The number that was asked for; 0 for one a core.
-        threads: u16,
-        source: rayon::ThreadPoolBuildError,
-    },
     /// There is no store to work with.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -74,118 +58,45 @@ pub enum Error {
     /// An episode cannot be exported.
     #[error("cannot export {name}: {source}")]
     Export { name: EpisodeName, source: ExportError },
-    /// A repetition differs from its report, so it is not exported.
-    #[error("{name} differs from its report in {}, so it is not exported", columns.join(", "))]
-    Differs {
-        name: EpisodeName,
-        /// The columns that differ.
-        columns: Vec<String>,
-    },
     /// A report cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A folder to merge from does not exist.
-    #[error("there is no folder `{folder}`", folder = folder.display())]
-    NoFolder { folder: PathBuf },
-    /// No campaign was run for a folder.
-    #[error("no campaign was run in `{out}`", out = out.display())]
-    NothingRun {
-        /// The folder for reports.
-        out: PathBuf,
-        /// The cache that was named.
-        cache: Option<PathBuf>,
-    },
-    /// A filter names what no report has.
-    #[error("no report has a {what} `{word}`; known are: {known}")]
-    UnknownFilter {
-        /// What it is the name of.
-        what: &'static str,
-        word: String,
-        /// The words that they have.
-        known: String,
-    },
     /// A folder holds no report.
-    #[error("there is no report in `{folder}`", folder = folder.display())]
+    #[error("there is no report in `{folder}`; name its folder with --report", folder = folder.display())]
     NoReport { folder: PathBuf },
-    /// No report of a folder has the run of an episode.
-    #[error("no report in `{folder}` has a run `{}`", name.run, folder = folder.display())]
-    NoRun { folder: PathBuf, name: EpisodeName },
-    /// A report has the run, but not the episode or the failure.
-    #[error("`{report}` has no {what} {} of {}", name.number, name.run, report = report.display())]
-    NoEpisode {
-        report: PathBuf,
-        /// `episode`, or `failure` of a search.
-        what: &'static str,
-        name: EpisodeName,
-    },
-    /// A table has an episode name of another form.
-    #[error("`{name}` in a table is no name of an episode")]
-    BadName {
-        /// The text.
-        name: String,
-    },
-    /// The row of an episode in a report cannot be compared with the one that came out now.
-    #[error("the row of {name} cannot be compared: {reason}")]
-    Incomparable {
-        name: EpisodeName,
-        /// The error of the table library.
-        reason: String,
-    },
     /// Scenario files are not those that were run.
     #[error("{}", lines(changes))]
     Changed {
         /// What differs.
         changes: Vec<Change>,
     },
-    /// A report does not hold a file of its scenario, and the file is not in its place either.
-    #[error(
-        "`{report}` does not hold `{path}` (BLAKE3 {}…), and there is no such file",
-        blake3.get(..12).unwrap_or_default(),
-        report = report.display()
-    )]
-    NotHeld {
-        /// The path of the file in the run.
-        path: String,
-        report: PathBuf,
-        /// Its hash, in hexadecimal digits.
-        blake3: String,
-    },
-    /// Two reports cannot be compared.
-    #[error(transparent)]
-    Compare(Box<Incomparable>),
-    /// The files do not hold the campaign of the report.
-    #[error("the files hold no campaign `{campaign}` any more")]
-    CampaignGone { campaign: String },
-    /// The campaign does not have the run of an episode.
-    #[error("the campaign `{campaign}` has no run `{}` any more", name.run)]
-    RunGone { campaign: String, name: EpisodeName },
-    /// A driver that was named is not there.
-    #[error("{place} have no driver `{driver}`; they have {}", named(known))]
-    NoDriver {
-        driver: String,
-        /// What was searched for it, in the plural.
-        place: &'static str,
-        /// The drivers that are there.
-        known: Vec<String>,
-    },
-    /// No driver of a report is among the new ones.
-    #[error(
-        "no driver of the report is among the new ones: the report has {}, the new files have {}",
-        named(before),
-        named(after)
-    )]
-    NoSharedDriver {
-        /// The drivers of the report.
-        before: Vec<String>,
-        /// The new drivers.
-        after: Vec<String>,
-    },
-    /// The stored commands of a failure do not end its episode.
-    #[error("the commands of {name} do not lead to the end of an episode any more")]
-    CommandsDiffer {
-        /// The failure.
-        name: EpisodeName,
-    },
+    /// Something that was named is missing or cannot be used.
+    #[error("{0}")]
+    Usage(String),
+    /// A repetition differs from its report, or cannot be made.
+    #[error("{0}")]
+    Differs(String),
+}
+
+impl Error {
+    /// The exit code of a command that ends with it.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Scenario { .. } => ExitCode::Scenario,
+            Self::NoCampaign { .. } => ExitCode::Nothing,
+            Self::Store(error) if error.is_misuse() => ExitCode::Usage,
+            Self::Export { source: ExportError::NotRepresentable { .. }, .. } => ExitCode::Usage,
+            Self::Store(_) | Self::Keep { .. } | Self::Write(_) | Self::Export { .. } => ExitCode::WriteFailed,
+            Self::Changed { .. } | Self::Differs(_) => ExitCode::Differs,
+            Self::Unreadable { .. }
+            | Self::UnusedMap { .. }
+            | Self::OtherReport(_)
+            | Self::Gate(_)
+            | Self::Read(_)
+            | Self::NoReport { .. }
+            | Self::Usage(_) => ExitCode::Usage,
+        }
+    }
 }
 
 /// What could not be written while a campaign was run.
@@ -204,18 +115,10 @@ pub enum KeepError {
 pub enum Change {
     /// A file was read for the report and is not read now.
     #[error("`{path}` was read then, and is not now")]
-    Gone {
-        /// The file.
-        path: String,
-    },
+    Gone { path: String },
     /// A file has other contents.
-    #[error(
-        "`{path}` has changed since then: its hash was {}…, and is {}…",
-        then.get(..12).unwrap_or_default(),
-        now.get(..12).unwrap_or_default()
-    )]
+    #[error("`{path}` has changed since then: its hash was {}…, and is {}…", short(then), short(now))]
     Contents {
-        /// The file.
         path: String,
         /// Its hash in the report, BLAKE3 in hexadecimal digits.
         then: String,
@@ -224,23 +127,26 @@ pub enum Change {
     },
     /// A file is read now and was not read for the report.
     #[error("`{path}` is read now, and was not")]
-    New {
-        /// The file.
-        path: String,
-    },
+    New { path: String },
+}
+
+/// The start of a hash.
+pub(super) fn short(hash: &str) -> &str {
+    hash.get(..12).unwrap_or_default()
 }
 
 fn listed<T: std::fmt::Display>(all: &[T]) -> String {
     all.iter().map(|each| format!("  {each}")).collect::<Vec<_>>().join("\n")
 }
 
-pub(super) fn named(names: &[String]) -> String {
+fn lines<T: std::fmt::Display>(all: &[T]) -> String {
+    all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// Names in a sentence.
+pub(crate) fn named(names: &[String]) -> String {
     if names.is_empty() {
         return "none".into();
     }
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
-
-fn lines<T: std::fmt::Display>(all: &[T]) -> String {
-    all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }

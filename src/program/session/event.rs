@@ -57,12 +57,12 @@ impl Observer for Silent {
 
 impl Session {
     /// Passes an event to the observer.
-    pub(super) fn tell(&self, event: Event<'_>) {
+    pub(crate) fn tell(&self, event: Event<'_>) {
         self.observer.event(&event);
     }
 
     /// Passes a notice to the observer.
-    pub(super) fn notice(&self, notice: &Notice) {
+    pub(crate) fn notice(&self, notice: &Notice) {
         self.tell(Event::Notice(notice));
     }
 }
@@ -124,7 +124,7 @@ pub enum Notice {
         caution: Box<Caution>,
     },
     /// A folder to merge from holds no tasks.
-    #[error("there are no tasks in `{folder}`", folder = folder.display())]
+    #[error("there are no tasks in `{folder}`; where a shard was given --cache, name that folder", folder = folder.display())]
     NoTasks { folder: PathBuf },
     /// Tasks of a campaign are missing.
     #[error("{} of the {} tasks of `{}` are not there as they should be", .0.tasks.len(), .0.all, .0.campaign.name)]
@@ -133,7 +133,7 @@ pub enum Notice {
     #[error(transparent)]
     UnreadableReport(ReadError),
     /// Reports of smoke runs and partial reports are left out, since others are whole.
-    #[error("left out, since they are of smoke runs or not complete: {}", reports.iter().map(|each| each.display().to_string()).collect::<Vec<_>>().join(", "))]
+    #[error("left out, since they are of smoke runs or not complete: {}; name one to list it", reports.iter().map(|each| each.display().to_string()).collect::<Vec<_>>().join(", "))]
     UnfinishedReports { reports: Vec<PathBuf> },
     /// A report is of another version of the program.
     #[error("the report is of version {version}, this is {}; episodes may come out differently", env!("CARGO_PKG_VERSION"))]
@@ -142,7 +142,7 @@ pub enum Notice {
         version: String,
     },
     /// Scenarios could start programs in the run of the report, and cannot now.
-    #[error("scenarios might start programs in that run, and may not now")]
+    #[error("scenarios might start programs in that run; give --allow-external if they may again")]
     ProgramsNotAllowed,
     /// A setting from outside the files, with the campaigns that it reaches.
     #[error("{0}")]
@@ -154,10 +154,29 @@ pub enum Notice {
     #[error("{0} since the report")]
     ChangedProgram(ChangedProgram),
     /// Stored tasks of a campaign are run again, since a program without declared files may have changed.
-    #[error("{tasks} stored {} run again: `{program}` declares no `files`, so it may have changed", if *tasks == 1 { "task is" } else { "tasks are" })]
+    #[error("{tasks} stored {} run again: `{program}` declares no `files`, so it may have changed; with `files: […]` or `version: \"…\"` in the scenario they are used again", if *tasks == 1 { "task is" } else { "tasks are" })]
     Renewed {
         tasks: usize,
         /// The driver or the controller.
         program: String,
     },
+}
+
+/// How much a notice matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    Note,
+    Warning,
+    Error,
+}
+
+impl Notice {
+    /// How much it matters.
+    pub fn level(&self) -> Level {
+        match self {
+            Self::Unpaid { .. } | Self::EpisodesInError { .. } | Self::Incomplete(_) => Level::Error,
+            Self::UnfinishedReports { .. } | Self::Setting(_) => Level::Note,
+            _ => Level::Warning,
+        }
+    }
 }

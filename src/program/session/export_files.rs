@@ -65,8 +65,11 @@ impl Session {
         *open = Some(source);
         let repeated = repeated?;
         if !repeated.differences.is_empty() && !options.repeat.anyway {
-            let columns = repeated.differences.iter().map(|difference| difference.column.clone()).collect();
-            return Err(Error::Differs { name: *name, columns });
+            let columns: Vec<&str> = repeated.differences.iter().map(|each| each.column.as_str()).collect();
+            return Err(Error::Differs(format!(
+                "{name} differs from its report in {}, so it is not exported; `falsify replay {name}` shows where, and --anyway exports it all the same",
+                columns.join(", ")
+            )));
         }
         let files = export_repeated(&repeated, options)?;
         Ok(Exported { name: *name, files })

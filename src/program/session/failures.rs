@@ -94,7 +94,7 @@ impl Session {
         if found.is_empty()
             && let Some((what, word, words)) = known.unknown(&options.filter)
         {
-            return Err(Error::UnknownFilter { what, word, known: words });
+            return Err(Error::Usage(format!("no report has a {what} `{word}`; known are: {words}")));
         }
         found.sort_by(|a, b| options.order.compare(&a.failure, &b.failure));
         if options.distinct {

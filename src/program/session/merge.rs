@@ -33,7 +33,7 @@ impl Session {
     pub fn merge(&self, options: &MergeOptions) -> Result<Option<RunReport>, Error> {
         let planned = self.campaigns(&options.run)?;
         if let Some(missing) = options.from.iter().find(|folder| !folder.is_dir()) {
-            return Err(Error::NoFolder { folder: missing.clone() });
+            return Err(Error::Usage(format!("there is no folder `{}`", missing.display())));
         }
         // A damaged task is reported together with a remedy.
         let store = Store::open(&options.run.out, options.run.cache.as_deref(), Box::new(|_| {}))?;

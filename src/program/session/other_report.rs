@@ -65,6 +65,17 @@ pub enum OtherInput {
     Unknown,
 }
 
+impl OtherReport {
+    /// What helps after an edit of a program of the user.
+    pub(super) fn advice(&self) -> String {
+        if !self.differences.iter().any(|each| matches!(each, OtherInput::Program(_))) {
+            return String::new();
+        }
+        let folder = self.folder.display();
+        format!("\n`falsify recheck --allow-external {folder}` lets the new program meet the same starts")
+    }
+}
+
 /// Checks that a finished report at the place of a campaign's report loses nothing when it is replaced: each of its runs is part of the
 /// campaign, with at least as many episodes. So the same campaign again is no replacement of something else, nor is one with further
 /// drivers or more episodes.

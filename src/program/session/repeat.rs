@@ -42,7 +42,7 @@ impl Source {
         }
         match self.search(name) {
             Some(search) => self.repeat_failure(name, search),
-            None => Err(Error::RunGone { campaign: self.campaign.name.clone(), name }),
+            None => Err(self.run_gone(name.run)),
         }
     }
 
@@ -81,7 +81,9 @@ impl Source {
             Some((failure, outcome, trace))
         });
         let Some((failure, outcome, trace)) = followed else {
-            return Err(Error::CommandsDiffer { name });
+            return Err(Error::Differs(format!(
+                "the commands of {name} do not lead to the end of an episode any more"
+            )));
         };
         let pair = trace.main_pair(&search.scenario);
         let verdict = judge(&pair);
@@ -110,15 +112,17 @@ impl Source {
     }
 
     fn missing(&self, name: EpisodeName, what: &'static str) -> Error {
-        Error::NoEpisode { report: self.report.folder().to_path_buf(), what, name }
+        let (report, EpisodeName { run, number }) = (self.report.folder().display(), name);
+        Error::Usage(format!("`{report}` has no {what} {number} of {run}"))
     }
 
     /// Fills in what differs between the stored row of an episode and that of its repetition.
     fn compared(&self, mut repeated: Repeated, stored: &report::Row, again: &report::Row) -> Result<Repeated, Error> {
         let name = repeated.name;
         let differences = report::differences(stored, again);
-        let differences =
-            differences.map_err(|error| Error::Incomparable { name, reason: error.to_string() })?.into_iter();
+        let differences = differences
+            .map_err(|error| Error::Usage(format!("the row of {name} cannot be compared: {error}")))?
+            .into_iter();
         repeated.differences = differences.map(|each| each.1).collect();
         let fails = match repeated.scenario.goal {
             None => repeated.outcome.is_collision(),

@@ -44,7 +44,7 @@ impl Session {
         }
         let known: Vec<String> = planned.plan.campaigns.iter().map(|campaign| campaign.name.clone()).collect();
         if let Some(name) = options.only.iter().find(|name| !known.contains(name)) {
-            return Err(Error::UnknownCampaign { name: name.clone(), known: known.join(", ") });
+            return Err(Error::Usage(format!("no campaign is called `{name}`; the files have {}", known.join(", "))));
         }
         if !options.only.is_empty() {
             planned.plan.campaigns.retain(|campaign| options.only.contains(&campaign.name));
@@ -318,7 +318,7 @@ impl RunOptions {
 /// Starts this number of threads; 0 means one for each core.
 pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
-    pool.map_err(|source| Error::Threads { threads, source })
+    pool.map_err(|source| Error::Usage(format!("cannot start {threads} threads: {source}")))
 }
 
 fn has_failed(finished: &Finished) -> bool {

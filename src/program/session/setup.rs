@@ -7,11 +7,11 @@ use lang::Reader;
 
 /// What all calls share: the language, the reader of files, the observer, the stop flag and the current folder.
 pub struct Session {
-    pub(super) catalog: Catalog,
-    pub(super) reader: Box<dyn Reader + Send + Sync>,
-    pub(super) observer: Arc<dyn Observer>,
-    pub(super) stop: Arc<Stop>,
-    pub(super) folder: PathBuf,
+    pub(crate) catalog: Catalog,
+    pub(crate) reader: Box<dyn Reader + Send + Sync>,
+    pub(crate) observer: Arc<dyn Observer>,
+    pub(crate) stop: Arc<Stop>,
+    pub(crate) folder: PathBuf,
 }
 
 impl Default for Session {

@@ -96,7 +96,7 @@ impl Session {
     /// Reads the progress of the campaigns of a folder. It changes nothing.
     ///
     /// # Errors
-    /// A cache folder with other contents, and [`Error::NothingRun`].
+    /// A cache folder with other contents, and a folder in which nothing was run.
     pub fn status(&self, options: &StatusOptions) -> Result<Vec<CampaignProgress>, Error> {
         // A report shows its own campaign.
         let of_report = StoredReport::open(&options.out).ok().and_then(|_| options.out.canonicalize().ok());
@@ -108,7 +108,13 @@ impl Session {
         let mut campaigns = store.campaigns();
         campaigns.retain(|campaign| name.as_ref().is_none_or(|name| campaign == name));
         if campaigns.is_empty() {
-            return Err(Error::NothingRun { out: options.out.clone(), cache: options.cache.clone() });
+            let out = options.out.display();
+            return Err(Error::Usage(match &options.cache {
+                Some(cache) => format!("no campaign was run for `{out}` with the cache `{}`", cache.display()),
+                None => {
+                    format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here too")
+                }
+            }));
         }
         let processes = store.processes();
         campaigns.iter().map(|name| Ok(progress(store.status(name)?, processes, &store.learning(name)))).collect()

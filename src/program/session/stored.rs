@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::error::short;
 use super::held_files::HeldFiles;
 use super::{Change, ChangedProgram, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
-use compile::{Campaign, Evaluation, Search};
+use compile::{Campaign, Evaluation, RunId, Search};
 use learn::ActorCritic;
 use results::campaign;
 use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
@@ -35,7 +36,7 @@ pub(crate) struct Source {
 
 impl Session {
     /// Finds the report that holds an episode. Complete reports precede partial ones and smoke runs.
-    pub(super) fn find(&self, folder: &Path, name: EpisodeName) -> Result<StoredReport, Error> {
+    pub(crate) fn find(&self, folder: &Path, name: EpisodeName) -> Result<StoredReport, Error> {
         let mut holding = Vec::new();
         for report in self.open_all(folder)? {
             if report.holds(name.run)? {
@@ -43,11 +44,14 @@ impl Session {
             }
         }
         holding.sort_by_key(|report| (report.manifest().smoke, !report.manifest().complete));
-        holding.into_iter().next().ok_or_else(|| Error::NoRun { folder: folder.to_path_buf(), name })
+        holding.into_iter().next().ok_or_else(|| {
+            let folder = folder.display();
+            Error::Usage(format!("no report in `{folder}` has a run `{}`; name its folder with --report", name.run))
+        })
     }
 
     /// Opens the report in a folder, or all reports of its subfolders. Of several, those that cannot be read are noticed and left out.
-    pub(super) fn open_all(&self, folder: &Path) -> Result<Vec<StoredReport>, Error> {
+    pub(crate) fn open_all(&self, folder: &Path) -> Result<Vec<StoredReport>, Error> {
         let folders = StoredReport::find(folder);
         if folders.is_empty() {
             return Err(Error::NoReport { folder: folder.to_path_buf() });
@@ -65,7 +69,7 @@ impl Session {
 
     /// Opens reports as [`Session::open_all`] does. Of a folder with several, those of smoke runs and the partial ones beside a complete one of the
     /// same campaign are noticed and left out.
-    pub(super) fn open_whole(&self, folder: &Path) -> Result<Vec<StoredReport>, Error> {
+    pub(crate) fn open_whole(&self, folder: &Path) -> Result<Vec<StoredReport>, Error> {
         let reports = self.open_all(folder)?;
         let is_whole = |report: &StoredReport| !report.manifest().smoke && report.manifest().complete;
         let whole: BTreeSet<String> =
@@ -99,7 +103,7 @@ impl Session {
     }
 
     /// Reports what may make a repetition differ from a report with this manifest.
-    pub(super) fn announce(&self, manifest: &Manifest) {
+    pub(crate) fn announce(&self, manifest: &Manifest) {
         if manifest.version != env!("CARGO_PKG_VERSION") {
             self.notice(&Notice::OtherVersion { version: manifest.version.clone() });
         }
@@ -109,7 +113,7 @@ impl Session {
     }
 
     /// The campaign of a report with these settings after its own, and the files that have changed since the report was made.
-    pub(super) fn compile_again(
+    pub(crate) fn compile_again(
         &self,
         report: StoredReport,
         options: &RepeatOptions,
@@ -127,14 +131,20 @@ impl Session {
         };
         let held = HeldFiles::new(&report, &place, self.reader.as_ref(), options.files.is_some());
         if let Some(file) = held.missing() {
-            let report = report.folder().to_path_buf();
-            return Err(Error::NotHeld { path: file.path.clone(), report, blake3: file.blake3.clone() });
+            return Err(Error::Usage(format!(
+                "`{}` does not hold `{}` (BLAKE3 {}…), and there is no such file; reports hold files of up to 4 MiB, --files DIR names the folder of \
+                 larger ones",
+                report.folder().display(),
+                file.path,
+                short(&file.blake3)
+            )));
         }
         let planned = self.plan_from(&held, &input)?;
         let changes = changes(manifest, &planned.records, root.as_deref());
         let mut campaigns = planned.plan.campaigns.into_iter();
         let campaign = campaigns.find(|campaign| campaign.name == manifest.campaign);
-        let campaign = campaign.ok_or_else(|| Error::CampaignGone { campaign: manifest.campaign.clone() })?;
+        let campaign = campaign
+            .ok_or_else(|| Error::Differs(format!("the files hold no campaign `{}` any more", manifest.campaign)))?;
         Ok((Source::new(report, campaign), changes))
     }
 }
@@ -199,6 +209,11 @@ impl Source {
         name_as_in(manifest, &mut campaign);
         let seed = Seed::root(manifest.seed);
         Self { report, campaign, seed }
+    }
+
+    /// The error for a run that the campaign does not have.
+    pub fn run_gone(&self, run: RunId) -> Error {
+        Error::Differs(format!("the campaign `{}` has no run `{run}` any more", self.campaign.name))
     }
 
     /// The programs that are not, or need not be, those that the report was made with.

@@ -12,8 +12,8 @@ use std::time::Instant;
 use clap::Args;
 
 use super::empty_road;
-use crate::cli::exit_code::ExitCode;
 use crate::cli::{console, interrupt};
+use crate::exit_code::ExitCode;
 use crate::session::seconds;
 use base::diagnostic::Sources;
 use base::seed::Seed;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::cli::console;
-use crate::cli::exit_code::ExitCode;
 use crate::cli::failure::{failed, unwritten};
 use crate::commands::fmt::write;
+use crate::exit_code::ExitCode;
 use crate::session::{Checked, Input, Session};
 use base::diagnostic::{Fix, SourceId};
 use lang::library;

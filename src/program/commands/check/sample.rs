@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::{CheckArgs, Format};
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::unwritten;
-use crate::session::{EndsOfRoads, SampledStarts, sampled_starts};
+use crate::commands::starts::{EndsOfRoads, SampledStarts, sampled_starts};
+use crate::exit_code::{Ended, ExitCode};
 use compile::{Campaign, Plan};
 use results::report::{self, WriteError};
 

@@ -9,7 +9,7 @@ use rand::seq::index::sample;
 use rayon::prelude::*;
 
 use crate::cli::console;
-use crate::cli::exit_code::ExitCode;
+use crate::exit_code::ExitCode;
 use crate::session::{ChangedProgram, EpisodeName, Error, Reason, RepeatOptions, Repeated, Session, Source, reasons};
 use base::seed::Seed;
 use compile::{Campaign, Training, TrainingKey};

@@ -5,13 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
 use crate::cli::failure::{failed, misused, unwritten};
-use crate::cli::input::session;
 use crate::cli::output::Output;
 use crate::commands::compare;
 use crate::commands::condition::{self, Condition};
-use crate::session::{CampaignReport, CompareOptions, RunReport};
+use crate::exit_code::{Ended, ExitCode};
+use crate::session::{CampaignReport, RunReport};
 use results::report::{self, Gate, Judged, SearchCell, Suite};
 
 /// Options that make a run pass or fail.
@@ -55,9 +54,8 @@ impl GateArgs {
         let is_report = baseline.join("manifest.toml").is_file();
         let against = |report: &CampaignReport| -> Ended {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };
-            let options = CompareOptions { reports: [before, report.folder.clone()], drivers: None };
-            let comparison = session(false).compare(&options).map_err(failed)?;
-            let text = report::comparison_for_terminal(&comparison, compare::SHOWN, console::width());
+            let comparison = compare::compared(&[before, report.folder.clone()], None).map_err(failed)?;
+            let text = report::comparison_for_terminal(&comparison, compare::MAX_SHOWN, console::width());
             match output {
                 Output::Human => console::say(text.trim_end()),
                 // The output has events only.

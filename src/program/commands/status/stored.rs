@@ -2,8 +2,8 @@ use std::collections::BTreeSet;
 
 use super::StatusArgs;
 use crate::cli::console;
-use crate::cli::exit_code::{Ended, ExitCode};
-use crate::cli::failure::{misused, store_failed};
+use crate::cli::failure::{failed, misused};
+use crate::exit_code::{Ended, ExitCode};
 use results::store::{References, Store, StoreError};
 
 /// `falsify status --stored` and `--prune` of a folder for reports and its cache.
@@ -16,7 +16,7 @@ pub fn stored(options: &StatusArgs) -> Ended {
     let note = Box::new(|text: &str| console::warn(text));
     let open = if options.prune { Store::open } else { Store::look };
     let told = open(&of.out, cache, note).and_then(|store| tell(&store, options));
-    told.map_err(store_failed)?;
+    told.map_err(|error| failed(error.into()))?;
     Ok(ExitCode::Done)
 }
 

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::driver_pairs::with_driver;
-use super::stored::Source;
-use super::{EpisodeName, Error};
+use crate::session::{EpisodeName, Error, Source};
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
 use learn::ActorCritic;

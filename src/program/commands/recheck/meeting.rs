@@ -1,15 +1,13 @@
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use clap::{Args, value_parser};
 use rayon::prelude::*;
 
-use super::driver_pairs::{driver_pairs, new_role, with_driver};
+use super::RecheckArgs;
+use super::driver_pairs::{DriverPair, driver_pairs, new_role, with_driver};
 use super::encounters::{MetAgain, cross};
-use super::stored::Source;
-use super::{DriverPair, EpisodeName, Error, Event, Input, RecheckStage, RepeatOptions, Session};
+use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
 use compile::{Campaign, RunId};
 use results::report::{
     CrossedStarts, Encounter, FailureFilter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures,
@@ -20,30 +18,6 @@ use world::falsifier::{Goal, crossings};
 
 /// Values of a component of a crossing on the fixed list.
 const LEVELS: u32 = 2;
-
-/// Options of [`Session::recheck`].
-#[derive(Debug, Clone, Args)]
-pub struct RecheckOptions {
-    /// The old report.
-    #[arg(value_name = "REPORT")]
-    pub report: PathBuf,
-    /// Scenario files whose campaigns have the new drivers and their cars; those of the report without any. Starts and pedestrians stay
-    /// those of the report.
-    #[arg(id = "new", value_name = "FILE")]
-    pub files: Vec<PathBuf>,
-    /// A driver of the report and its new version, or one name for both; may be given several times. All drivers of equal names without it.
-    #[arg(long = "driver", value_name = "OLD=NEW", value_parser = str::parse::<DriverPair>)]
-    pub drivers: Vec<DriverPair>,
-    /// Give a parameter or a key of the new drivers another value, as `v1.margin=1 m`.
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    pub settings: Vec<String>,
-    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out.
-    #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
-    pub starts: u32,
-    /// Options of the repetition of the old report.
-    #[arg(skip)]
-    pub repeat: RepeatOptions,
-}
 
 /// What a recheck works with.
 struct Sides {
@@ -60,7 +34,7 @@ impl Session {
     ///
     /// # Errors
     /// The report cannot be read or compiled, the new files have errors, or a driver is not there.
-    pub fn recheck(&self, options: &RecheckOptions) -> Result<Recheck, Error> {
+    pub(super) fn recheck(&self, options: &RecheckArgs) -> Result<Recheck, Error> {
         let (sides, mut notes) = self.sides(options)?;
         let (pairs, alone) = driver_pairs(&sides.old.campaign, &sides.new, &options.drivers)?;
         notes.extend(alone);
@@ -78,14 +52,14 @@ impl Session {
         Ok(recheck)
     }
 
-    fn sides(&self, options: &RecheckOptions) -> Result<(Sides, Vec<RecheckNote>), Error> {
+    fn sides(&self, options: &RecheckArgs) -> Result<(Sides, Vec<RecheckNote>), Error> {
         let report = StoredReport::open(&options.report)?;
         report.check_tables()?;
         self.announce(report.manifest());
         let given = if options.files.is_empty() { None } else { Some(self.new_campaigns(options, &report)?) };
-        let (old, reason) = match (self.compile_again(report.clone(), &options.repeat, &[]), &given) {
+        let (old, reason) = match (self.compile_again(report.clone(), &options.repeat.repeat, &[]), &given) {
             (Ok((old, changes)), _) => {
-                (old, changes.first().filter(|_| !options.repeat.anyway).map(ToString::to_string))
+                (old, changes.first().filter(|_| !options.repeat.repeat.anyway).map(ToString::to_string))
             }
             // The runs of the report may still be known by their keys.
             (Err(error), Some(new)) => {
@@ -98,7 +72,7 @@ impl Session {
         let new = match given {
             Some(new) => new,
             None if options.settings.is_empty() => vec![old.campaign.clone()],
-            None => vec![self.compile_again(report, &options.repeat, &options.settings)?.0.campaign],
+            None => vec![self.compile_again(report, &options.repeat.repeat, &options.settings)?.0.campaign],
         };
         let is_old_there = reason.is_none();
         let notes = reason.map(|reason| RecheckNote::OldDriverGone { reason }).into_iter().collect();
@@ -106,7 +80,7 @@ impl Session {
     }
 
     /// The campaigns of the new files: that of the report's name, or else all.
-    fn new_campaigns(&self, options: &RecheckOptions, report: &StoredReport) -> Result<Vec<Campaign>, Error> {
+    fn new_campaigns(&self, options: &RecheckArgs, report: &StoredReport) -> Result<Vec<Campaign>, Error> {
         let files = options.files.clone();
         let settings = options.settings.clone();
         let plan = self.plan(&Input { files, maps: Vec::new(), settings })?.plan;
@@ -220,7 +194,7 @@ impl Sides {
         tally: &Tally<'_>,
     ) -> Result<Vec<MetAgain>, Error> {
         let run = EpisodeName { run, number: failures.first().map_or(0, |failure| failure.number as u32) };
-        let gone = || Error::RunGone { campaign: self.old.campaign.name.clone(), name: run };
+        let gone = || self.old.run_gone(run.run);
         let is_old_there = self.is_there(&pair.before);
         if let Some((_, evaluation)) = self.old.evaluation(run) {
             let trained = self.old.trained(evaluation)?;

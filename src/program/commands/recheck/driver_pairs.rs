@@ -1,7 +1,7 @@
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::Error;
+use crate::session::{Error, named};
 use compile::Campaign;
 use results::report::RecheckNote;
 use world::env::{Scenario, VehicleRole};
@@ -77,7 +77,7 @@ pub(super) fn driver_pairs(
     for pair in given {
         let sides = [(&pair.before, "the runs of the report", &before), (&pair.after, "the new campaigns", &after)];
         if let Some((driver, place, known)) = sides.into_iter().find(|(driver, _, known)| !known.contains(driver)) {
-            return Err(Error::NoDriver { driver: driver.clone(), place, known: known.clone() });
+            return Err(Error::Usage(format!("{place} have no driver `{driver}`; they have {}", named(known))));
         }
     }
     if !given.is_empty() {
@@ -88,7 +88,11 @@ pub(super) fn driver_pairs(
     }
     let (shared, alone): (Vec<String>, Vec<String>) = before.iter().cloned().partition(|name| after.contains(name));
     if shared.is_empty() {
-        return Err(Error::NoSharedDriver { before, after });
+        return Err(Error::Usage(format!(
+            "no driver of the report is among the new ones: the report has {}, the new files have {}; `--driver OLD=NEW` pairs drivers of different names",
+            named(&before),
+            named(&after)
+        )));
     }
     let pairs = shared.into_iter().map(|name| DriverPair { before: name.clone(), after: name });
     Ok((pairs.collect(), alone.into_iter().map(|driver| RecheckNote::NoPartner { driver }).collect()))
