@@ -5,7 +5,7 @@ use std::sync::Arc;
 use base::seed::Seed;
 use learn::Step;
 use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
-use world::judge::{Verdict, ViolationVerdict, judge};
+use world::judge::{Judged, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
 
@@ -122,12 +122,11 @@ impl World {
         if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
             let scenario = self.env.scenario();
             let pair = self.trace.main_pair(scenario);
-            let verdict = judge(&pair);
-            let judged = self.env.degrees().iter().copied().zip(ViolationVerdict::of_all(&pair));
-            let requirements = scenario.requirements.iter().cloned().zip(judged);
-            let requirements = requirements.map(|(named, (degree, verdict))| (named, degree, verdict)).collect();
+            let Judged { outcome, verdict, degrees } = Judged::new(outcome, &pair);
+            let requirements = scenario.requirements.iter().cloned().zip(degrees);
+            let requirements = requirements.map(|(named, judged)| (named, judged.degree, judged.verdict)).collect();
             let is_failure = self.env.is_failure();
-            self.end = Some(End { seed: self.seed, episode, outcome: *outcome, verdict, requirements, is_failure });
+            self.end = Some(End { seed: self.seed, episode, outcome, verdict, requirements, is_failure });
         }
     }
 

@@ -1,7 +1,7 @@
 use base::signature::{DeclarationId, Form, Keys, Value};
 use base::{choice, keys};
 use world::env::StartParameter;
-use world::likelihood::Event;
+use world::judge::Blame;
 
 choice! {
     /// What a pedestrian is trained for at once.
@@ -159,7 +159,7 @@ keys! {
         /// The requirement whose violations are estimated, instead of collisions.
         requirement: Option<DeclarationId> as Reference("requirement"),
         /// What the `relative_error` is about: any failure, one that a careful human would have avoided, or a fault. All three are estimated.
-        event: Event = "fault",
+        event: Blame = "fault",
         /// Standard error, as a share of the probability, at which it ends.
         relative_error: f64 as within(RATIO, 0.001, 1.0) = "0.1",
         /// Simulator ticks after which it ends; a batch that has begun is finished.

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::{Fingerprint, Programs, RunId};
 use base::seed::Seed;
-use world::env::Scenario;
+use world::env::{Criterion, Scenario};
 use world::falsifier::Controller;
+use world::judge::Blame;
 
 /// The names that distinguish a cover from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,17 +32,6 @@ impl fmt::Display for CoverKey {
     }
 }
 
-/// What a cover counts.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum CoveredFailure {
-    /// A collision that counts against the driver.
-    Fault,
-    /// Any collision.
-    Collision,
-    /// The violation of a requirement, by its place among those of the scenario.
-    Violation(usize),
-}
-
 /// One box of starts of one policy in one town.
 #[derive(Debug, Clone)]
 pub struct Cover {
@@ -49,7 +39,9 @@ pub struct Cover {
     pub key: CoverKey,
     pub scenario: Arc<Scenario>,
     pub walker: Controller,
-    pub failure: CoveredFailure,
+    /// What it counts.
+    pub criterion: Criterion,
+    pub blame: Blame,
     /// The share of the box that is small enough.
     pub epsilon: f64,
     /// The greatest number of episodes.
@@ -65,10 +57,10 @@ pub struct Cover {
 impl Cover {
     /// The name of what it counts.
     pub fn failure_name(&self) -> &str {
-        match self.failure {
-            CoveredFailure::Fault => super::campaign::FAULT,
-            CoveredFailure::Collision => super::campaign::COLLISION,
-            CoveredFailure::Violation(place) => self.scenario.requirements.get(place).map_or("", |named| &*named.name),
+        match (self.criterion, self.blame) {
+            (Criterion::Collision, Blame::Fault) => super::campaign::FAULT,
+            (Criterion::Collision, _) => super::campaign::COLLISION,
+            (Criterion::Violation(place), _) => self.scenario.requirements.get(place).map_or("", |named| &*named.name),
         }
     }
 

@@ -49,7 +49,7 @@ mod grid;
 pub use campaign::UNTRAINED;
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use chunks::CHUNK;
-pub use cover::{Cover, CoverKey, CoveredFailure};
+pub use cover::{Cover, CoverKey};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use harden::{Harden, HardenKey, VariedKey, WrittenPolicy};

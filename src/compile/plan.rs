@@ -11,9 +11,9 @@ use world::av::CruiseKeys;
 use world::av::external::ExternalKeys;
 use world::av::sensors::SensorModel;
 use world::driving::DriveRule;
-use world::env::Scenario;
+use world::env::{Criterion, Scenario};
 use world::falsifier::{Controller, Falsifier};
-use world::likelihood::{Event, Question};
+use world::judge::Blame;
 use world::requirement::NamedRequirement;
 use world::road::Town;
 
@@ -465,9 +465,9 @@ pub struct Estimation {
     pub scenario: Arc<Scenario>,
     /// The pedestrian.
     pub walker: Controller,
-    pub question: Question,
+    pub criterion: Criterion,
     /// What the relative error is about.
-    pub event: Event,
+    pub event: Blame,
     pub relative_error: f64,
     /// The number of simulator ticks after which it ends.
     pub budget: u64,

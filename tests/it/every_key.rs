@@ -363,13 +363,14 @@ fn results(campaign: &Campaign) -> String {
         }
     }
     for row in store.into_rows() {
-        text.push_str(&shown(&row.outcome, row.verdict.as_ref()));
-        row.degrees.iter().for_each(|degree| text.push_str(&format!("{degree:?}\n")));
+        text.push_str(&shown(&row.judged.outcome, row.judged.verdict.as_ref()));
+        row.judged.degrees.iter().for_each(|degree| text.push_str(&format!("{degree:?}\n")));
     }
     for search in &finished.searches {
         let _ = writeln!(text, "{} episodes from {} starts", search.spent.episodes, search.spent.starts);
-        for (failure, verdict) in search.spent.failures.iter().zip(&search.verdicts) {
-            let _ = write!(text, "start {}: {}", failure.start, shown(&failure.outcome, verdict.as_ref()));
+        for find in search.finds() {
+            let shown = shown(&find.failure.outcome, find.verdict().as_ref());
+            let _ = write!(text, "start {}: {shown}", find.failure.start);
         }
         for evaluated in &search.evaluated {
             text.push_str(&shown(&evaluated.outcome, evaluated.verdict.as_ref()));

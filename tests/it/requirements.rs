@@ -9,10 +9,10 @@ use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
 use falsify::session::{FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
 use learn::Env;
-use results::campaign::{self, InMemory, Silent, repeat_failure, watch};
+use results::campaign::{self, InMemory, Repeatable, Silent, watch};
 use results::report::{FailureFilter, Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
 use world::env::{Outcome, PedestrianEnv, Trace as EpisodeTrace};
-use world::judge::{LaneDeparture, NearMiss, Question, ViolationVerdict, judge};
+use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
 use world::requirement::Trace;
 use world::sim::WalkCommand;
 
@@ -174,9 +174,10 @@ fn every_method_searches_for_violations_of_its_goal() {
         let name = &search.key.falsifier;
         assert!(!result.spent.failures.is_empty(), "{name} finds one in {} episodes", result.spent.episodes);
         for failure in result.spent.failures.iter().take(5) {
-            let (outcome, trace) = repeat_failure(search, failure.start, &failure.commands, &seed).unwrap();
+            let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
+            let campaign::Repeated { judged: Judged { outcome, .. }, trace, .. } = repeatable.repeat(&seed).unwrap();
             assert_eq!(outcome.digest, failure.outcome.digest, "{name}");
-            let degree = trace.degrees()[search.scenario.goal.unwrap()];
+            let degree = trace.degrees()[search.scenario.criterion.requirement().unwrap()];
             assert!(degree.is_violated() && outcome.reward >= 1.0, "{name}: {degree:?} earns {}", outcome.reward);
             let worth = 1.0 - degree.robustness / (1.0 + degree.robustness.abs());
             assert!((outcome.reward - worth).abs() < 1e-12, "{name}: {worth} {}", outcome.reward);
@@ -193,10 +194,9 @@ fn every_method_searches_for_violations_of_its_goal() {
     }
     let of_driver = driver_results(&plan.campaigns[0].drivers, &[], &Failures::default(), &finished.searches);
     let counted = of_driver[0].searched.unwrap();
-    let blamed = finished.searches.iter().flat_map(|it| (0..it.spent.failures.len()).map(|place| it.blame(place)));
-    let (preventable, faults): (Vec<bool>, Vec<bool>) = blamed.unzip();
-    let count = |all: Vec<bool>| all.into_iter().filter(|is| *is).count();
-    assert_eq!((counted.preventable, counted.fault), (count(preventable), count(faults)), "by the goal in every table");
+    let count = |blame| finished.searches.iter().flat_map(|it| it.finds()).filter(|find| find.is(blame)).count();
+    let wanted = (count(Blame::Preventable), count(Blame::Fault));
+    assert_eq!((counted.preventable, counted.fault), wanted, "by the goal in every table");
     let others = searches("");
     let same = |a: &compile::Search, b: &compile::Search| a.fingerprint == b.fingerprint;
     let pairs = plan.campaigns[0].searches.iter().zip(&others.campaigns[0].searches);
@@ -420,14 +420,15 @@ fn careful_humans_are_asked_whose_fault_a_violation_is() {
     for evaluation in &plan.campaigns[0].evaluations {
         let scenario = &evaluation.scenario;
         let of = |name: &str| scenario.requirements.iter().position(|each| &*each.name == name).unwrap();
-        let question = |name: &str| Question::of(&scenario.requirements[of(name)].requirement);
+        let why = |name: &str| NoVerdict::of(&scenario.requirements[of(name)].requirement);
         assert_eq!(
-            ["slow_pass", "comfort", "keeps_lane"].map(question),
-            [Question::Asked, Question::Braking, Question::NoPedestrian]
+            ["slow_pass", "comfort", "keeps_lane"].map(why),
+            [None, Some(NoVerdict::Braking), Some(NoVerdict::NoPedestrian)]
         );
         let mut note = |outcome: &Outcome, trace: &EpisodeTrace| {
             let pair = trace.main_pair(scenario);
-            let verdicts = ViolationVerdict::of_all(&pair);
+            let judged = Judged::new(outcome, &pair);
+            let verdicts: Vec<_> = judged.degrees.iter().map(|each| each.verdict).collect();
             let found = |name: &str| verdicts[of(name)];
             for (degree, verdict) in trace.degrees().iter().zip(&verdicts) {
                 assert!(degree.is_violated() || verdict.is_none());

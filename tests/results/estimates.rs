@@ -7,7 +7,9 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
 use results::campaign::{self, EstimateResult, InMemory, Silent};
-use world::likelihood::{Encounters, Event, Question};
+use world::env::Criterion;
+use world::judge::Blame;
+use world::likelihood::Encounters;
 
 /// A campaign with this block.
 fn campaign(block: &str) -> Campaign {
@@ -39,7 +41,7 @@ fn the_unbiased_probability_is_that_of_the_counted_encounters() {
     let block =
         "estimate { towns: [harbour]  policies: [squinting]  event: failure  relative_error: 0.1  budget: 2_000_000 }";
     let found = estimates(block)[0].estimate.clone().unwrap();
-    let failure = found.of(Event::Failure);
+    let failure = found.of(Blame::Any);
     assert_eq!((failure.seen, found.short), (100, false));
     assert_eq!(failure.probability, 99.0 / (found.counted - 1) as f64);
     assert!(
@@ -49,7 +51,7 @@ fn the_unbiased_probability_is_that_of_the_counted_encounters() {
     let plan = campaign(block);
     let estimation = &plan.estimations[0];
     let seed = estimation.drawn(&Seed::root(5));
-    let new = || Encounters::new(&estimation.scenario, estimation.walker.walk_policy(), Question::Collision);
+    let new = || Encounters::new(&estimation.scenario, estimation.walker.walk_policy(), Criterion::Collision);
     let mut bed = new();
     let all: Vec<_> = (0..found.encounters).map(|number| bed.run(number, &seed.index(number))).collect();
     assert_eq!(all.iter().filter(|each| each.events[0]).count() as u64, 100);

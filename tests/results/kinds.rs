@@ -10,7 +10,7 @@ use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use results::campaign::watch;
 use results::record::{EpisodeRow, RunKey, episodes};
 use results::report::{FailureModes, ReportFolder, write_failure_modes};
-use world::judge::{NearMiss, judge};
+use world::judge::{Judged, NearMiss, judge};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -49,12 +49,10 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         lane: None,
         key: key.clone(),
         episode,
-        outcome,
-        verdict,
+        judged: Judged { outcome, verdict, degrees: Vec::new() },
         false_alarms: None,
         near_miss,
         motion: Default::default(),
-        degrees: Vec::new(),
         weight: 1.0,
     };
     (0..).zip(noted).map(row).collect()
@@ -112,7 +110,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
         let collisions: Vec<&EpisodeRow> = rows
             .iter()
             .flatten()
-            .filter(|row| row.key.cell.controller == pedestrian && row.outcome.is_collision())
+            .filter(|row| row.key.cell.controller == pedestrian && row.judged.outcome.is_collision())
             .collect();
         assert!(collisions.len() > 10, "{}", collisions.len());
         let counted: f64 =

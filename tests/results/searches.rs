@@ -6,6 +6,7 @@ use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
 use results::campaign::{self, SearchResult, Silent};
 use results::report;
+use world::judge::Blame;
 
 const PIECES: &str = r#"
 edition 1
@@ -195,13 +196,11 @@ fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_be
     ));
     let results = run(&plan);
     let distinct = |result: &SearchResult| {
-        let judged = result.spent.failures.iter().zip(&result.verdicts);
-        let faults = judged.filter(|(_, verdict)| verdict.as_ref().is_some_and(|verdict| verdict.is_fault()));
-        faults.map(|(failure, _)| failure.cell).collect::<std::collections::BTreeSet<_>>().len()
+        let faults = result.finds().filter(|find| find.is(Blame::Fault));
+        faults.map(|find| find.failure.cell).collect::<std::collections::BTreeSet<_>>().len()
     };
     let controller = |result: &SearchResult| {
-        let faults = result.evaluated.iter().filter(|each| each.verdict.as_ref().is_some_and(|it| it.is_fault()));
-        faults.count()
+        result.evaluated.iter().filter(|each| each.is(result.criterion(), Blame::Fault)).count()
     };
     let (meet, archive) = (&results[0], &results[1]);
     assert!(distinct(archive) > 2 * distinct(meet), "{} against {}", distinct(archive), distinct(meet));
@@ -214,9 +213,8 @@ fn every_failure_of_a_search_has_a_verdict_and_belongs_to_a_kind() {
     let results = run(&campaign);
     let mut preventable = 0;
     for result in &results {
-        assert_eq!(result.verdicts.len(), result.spent.failures.len());
-        for (failure, verdict) in result.spent.failures.iter().zip(&result.verdicts) {
-            let verdict = verdict.as_ref().expect("the driver is deterministic");
+        for find in result.finds() {
+            let (failure, verdict) = (find.failure, find.verdict().expect("the driver is deterministic"));
             assert_eq!(Some(verdict.impact_speed), failure.outcome.impact_speed());
             preventable += u64::from(verdict.is_preventable());
         }
@@ -226,7 +224,7 @@ fn every_failure_of_a_search_has_a_verdict_and_belongs_to_a_kind() {
     assert!(failures > 0 && kinds.iter().map(|kind| kind.failures).sum::<usize>() == failures);
     for kind in &kinds {
         let found = results.iter().find(|result| result.key == kind.key).unwrap();
-        assert_eq!(found.verdicts[kind.example].unwrap().label, kind.kind.verdict);
+        assert_eq!(found.finds().nth(kind.example).unwrap().verdict().unwrap().label, kind.kind.verdict);
         assert!(kind.foreseeable <= kind.failures && kind.share <= 1.0);
     }
     let table = report::searches(&results);

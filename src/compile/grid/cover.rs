@@ -4,14 +4,15 @@ use super::axis::Usual;
 use super::ground::note_towns;
 use crate::RunId;
 use crate::campaign::{COLLISION, CoverKeys, FAULT};
-use crate::cover::{Cover, CoverKey, CoveredFailure};
+use crate::cover::{Cover, CoverKey};
 use crate::lowering::Lowering;
 use crate::plan::Campaign;
 use base::signature::{DeclarationId, Value};
 use lang::diagnostics;
 use lang::hir::Block;
-use world::env::{RewardRule, Scenario, StartParameter};
+use world::env::{Criterion, RewardRule, Scenario, StartParameter};
 use world::falsifier::Controller;
+use world::judge::Blame;
 use world::requirement::NamedRequirement;
 
 /// The most parameters of a box: with more, no number of episodes shows where it fails.
@@ -19,7 +20,8 @@ const MOST_PARAMETERS: usize = 6;
 
 /// What a `cover` block counts.
 struct Counted {
-    failure: CoveredFailure,
+    criterion: Criterion,
+    blame: Blame,
     /// The requirements of the campaign, and the counted one if it is none of them.
     requirements: Arc<[NamedRequirement]>,
     declared: Option<DeclarationId>,
@@ -74,7 +76,8 @@ impl Lowering<'_> {
                 },
                 scenario,
                 walker: walker.clone(),
-                failure: counted.failure.clone(),
+                criterion: counted.criterion,
+                blame: counted.blame,
                 epsilon: keys.epsilon,
                 budget: keys.budget,
                 picture,
@@ -110,10 +113,11 @@ impl Lowering<'_> {
 
     fn counted(&mut self, block: &Block, failure: &Value, usual: &Usual) -> Counted {
         let own = &usual.requirements;
-        let plain = |failure| Counted { failure, requirements: own.all.clone(), declared: None };
+        let collision =
+            |blame| Counted { criterion: Criterion::Collision, blame, requirements: own.all.clone(), declared: None };
         match failure {
-            Value::Choice(FAULT) => plain(CoveredFailure::Fault),
-            Value::Choice(COLLISION) => plain(CoveredFailure::Collision),
+            Value::Choice(FAULT) => collision(Blame::Fault),
+            Value::Choice(COLLISION) => collision(Blame::Any),
             Value::Reference(id) => {
                 let mut requirements = own.all.to_vec();
                 let place = own.ids.iter().position(|other| other == id).unwrap_or_else(|| {
@@ -121,7 +125,8 @@ impl Lowering<'_> {
                     requirements.len() - 1
                 });
                 Counted {
-                    failure: CoveredFailure::Violation(place),
+                    criterion: Criterion::Violation(place),
+                    blame: Blame::Any,
                     requirements: requirements.into(),
                     declared: Some(*id),
                 }

@@ -8,9 +8,8 @@ use crate::lowering::Lowering;
 use crate::plan::{Campaign, Estimation, EstimationKey};
 use base::signature::{DeclarationId, Value};
 use lang::hir::Block;
-use world::env::RewardRule;
+use world::env::{Criterion, RewardRule};
 use world::falsifier::Controller;
-use world::likelihood::Question;
 
 impl Lowering<'_> {
     pub(super) fn estimate(
@@ -34,11 +33,11 @@ impl Lowering<'_> {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
-        let (requirements, question, asked) = match keys.requirement {
-            None => (usual.requirements.all.clone(), Question::Collision, Vec::new()),
+        let (requirements, criterion, asked) = match keys.requirement {
+            None => (usual.requirements.all.clone(), Criterion::Collision, Vec::new()),
             Some(id) => {
                 let all: Arc<[_]> = self.requirements(block, "requirement", &[id], &usual.rule.value).into();
-                (all, Question::Requirement(0), vec![id])
+                (all, Criterion::Violation(0), vec![id])
             }
         };
         let requirement =
@@ -62,7 +61,7 @@ impl Lowering<'_> {
                     },
                     scenario: scenario.clone(),
                     walker: walker.0.clone(),
-                    question,
+                    criterion,
                     event: keys.event,
                     relative_error: keys.relative_error,
                     budget: keys.budget,

@@ -14,8 +14,8 @@ use base::signature::{DeclarationId, short};
 use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{
-    Cast, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule, TestOracle,
-    VehicleRole,
+    Cast, Criterion, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule,
+    TestOracle, VehicleRole,
 };
 use world::judge::ReferenceOracle;
 use world::requirement::NamedRequirement;
@@ -68,7 +68,7 @@ impl Place<'_> {
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
             episode: rule.clone(),
             requirements: requirements.clone(),
-            goal: None,
+            criterion: Criterion::Collision,
         })
     }
 

@@ -10,7 +10,7 @@ use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::Block;
 use learn::PpoConfig;
-use world::env::{PedestrianRole, RewardRule, Scenario};
+use world::env::{Criterion, PedestrianRole, RewardRule, Scenario};
 use world::falsifier::Falsifier;
 use world::requirement::NamedRequirement;
 
@@ -31,7 +31,7 @@ const COLLISION: &str = "no_collision";
 struct SearchGoal {
     /// The requirements of the campaign, and the goal if it is none of them.
     requirements: Arc<[NamedRequirement]>,
-    place: Option<usize>,
+    criterion: Criterion,
     /// The declaration of the goal, for the fingerprint: once after the requirements of the campaign, and once more if it is none of them.
     declared: Vec<DeclarationId>,
 }
@@ -62,9 +62,9 @@ impl Lowering<'_> {
         let goal = self.goal(block, keys.goal, usual);
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
             let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1, &goal.requirements);
-            let scenario = match goal.place {
-                Some(_) => Arc::new(Scenario { goal: goal.place, ..Scenario::clone(&scenario) }),
-                None => scenario,
+            let scenario = match goal.criterion {
+                Criterion::Collision => scenario,
+                criterion => Arc::new(Scenario { criterion, ..Scenario::clone(&scenario) }),
             };
             let ground = place.declarations(&usual.car, adversary, &usual.rule);
             let parts = [ground.as_slice(), &usual.requirements.ids, &goal.declared, &rival.declarations].concat();
@@ -96,7 +96,7 @@ impl Lowering<'_> {
             if let Some(other) = own.all.iter().find(|each| &*each.name != COLLISION) {
                 self.said.push(diagnostics::goalless_search(block.head, &other.name));
             }
-            return SearchGoal { requirements: own.all.clone(), place: None, declared: Vec::new() };
+            return SearchGoal { requirements: own.all.clone(), criterion: Criterion::Collision, declared: Vec::new() };
         };
         let known = own.ids.iter().position(|other| *other == id);
         let mut requirements = own.all.to_vec();
@@ -106,7 +106,7 @@ impl Lowering<'_> {
         });
         SearchGoal {
             requirements: requirements.into(),
-            place: Some(place),
+            criterion: Criterion::Violation(place),
             declared: vec![id; 1 + usize::from(known.is_none())],
         }
     }

@@ -13,7 +13,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{self, EpisodePath, Replay, Session, TickTable, reasons};
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::report::{self, Narrative, StoredReport};
-use world::judge::{Question, ViolationVerdict};
+use world::judge::{Judged, JudgedDegree};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -149,10 +149,10 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
         |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
     );
     let scenario = &repeated.scenario;
-    let verdicts = ViolationVerdict::of_all(&repeated.trace.main_pair(scenario));
-    let degrees = scenario.requirements.iter().zip(repeated.trace.degrees()).zip(verdicts);
+    let judged = Judged::new(outcome, &repeated.trace.main_pair(scenario));
+    let degrees = scenario.requirements.iter().zip(&judged.degrees);
     let requirements: Vec<_> = degrees
-        .map(|((named, degree), verdict)| {
+        .map(|(named, JudgedDegree { degree, verdict })| {
             let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
             json!({
                 "requirement": &*named.name,
@@ -166,7 +166,7 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
                 "foreseeable": verdict.map(|verdict| verdict.foreseeable),
                 "fault": verdict.map(|verdict| verdict.fault),
                 "danger_s": verdict.map(|verdict| f64::from(verdict.danger) * scenario.episode.tick),
-                "no_verdict": report::no_verdict(Question::of(&named.requirement)),
+                "no_verdict": report::no_verdict(named),
             })
         })
         .collect();

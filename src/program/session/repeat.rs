@@ -3,13 +3,12 @@ use std::sync::Arc;
 use super::stored::Source;
 use super::{EpisodeName, Error};
 use compile::{Evaluation, Search};
-use results::campaign::{repeat_episodes, repeat_failure};
+use results::campaign::{self, Find, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
 use world::env::{FailureCell, Outcome, Scenario, Trace};
 use world::falsifier::Failure;
-use world::judge::{Verdict, judge};
-use world::requirement::Degree;
+use world::judge::{Judged, Verdict};
 
 /// An episode that was repeated.
 #[derive(Debug, Clone)]
@@ -29,6 +28,17 @@ pub struct Repeated {
     pub differences: Vec<Difference>,
     /// Where it starts to differ from the stored one, in words, when that is known.
     pub divergence: Option<String>,
+}
+
+impl Repeated {
+    fn new(
+        name: EpisodeName,
+        title: String,
+        campaign::Repeated { scenario, trace, judged }: campaign::Repeated,
+    ) -> Self {
+        let Judged { outcome, verdict, .. } = judged;
+        Self { name, title, scenario, outcome, trace, verdict, differences: Vec::new(), divergence: None }
+    }
 }
 
 impl Source {
@@ -52,63 +62,41 @@ impl Source {
         let stored = self.report.episode(name.run, name.number, guess)?;
         let Some(stored) = stored else { return Err(self.missing(name, "episode")) };
         let trained = self.trained(evaluation)?;
-        let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-        let seen = repeat_episodes(evaluation, trained.as_ref(), &[name.number], &self.seed, note);
-        let (_, (outcome, trace)) = seen.into_iter().next().expect("an episode that is tried comes to an end");
-        let pair = trace.main_pair(&evaluation.scenario);
+        let repeatable = Repeatable::Episode { evaluation, networks: trained.as_ref(), number: name.number };
+        let seen = repeatable.repeat(&self.seed).expect("an episode that is tried comes to an end");
         let key = Arc::new(RunKey::of(evaluation));
-        let row = EpisodeRow::new(&key, name.number, &outcome, &pair);
-        let verdict = row.verdict;
+        let row = EpisodeRow::new(&key, name.number, seen.judged.clone(), &seen.trace.main_pair(&seen.scenario));
         let again = record::episodes(&[row]);
-        let repeated = Repeated {
-            name,
-            title: key.to_string(),
-            scenario: evaluation.scenario.clone(),
-            outcome,
-            trace,
-            verdict,
-            differences: Vec::new(),
-            divergence: None,
-        };
-        self.compared(repeated, &stored, &again)
+        self.compared(Repeated::new(name, key.to_string(), seen), &stored, &again)
     }
 
     fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
         let stored = self.report.search_failure(name.run, name.number)?;
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
         let followed = report::failure(&stored).and_then(|failure| {
-            let (outcome, trace) = repeat_failure(search, failure.start, &failure.commands, &self.seed)?;
-            Some((failure, outcome, trace))
+            let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
+            Some((repeatable.repeat(&self.seed)?, failure))
         });
-        let Some((failure, outcome, trace)) = followed else {
+        let Some((seen, failure)) = followed else {
             return Err(Error::Differs(format!(
                 "the commands of {name} do not lead to the end of an episode any more"
             )));
         };
-        let pair = trace.main_pair(&search.scenario);
-        let verdict = judge(&pair);
+        let outcome = seen.judged.outcome;
+        let pair = seen.trace.main_pair(&seen.scenario);
         // If it is no failure now, there is no row to compare.
         let again = match FailureCell::of_pair(&pair, outcome.last_mode) {
             Some(cell) => {
                 let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
-                let violation = search.scenario.goal.and_then(|goal| trace.degrees().get(goal).copied());
-                // No column of a failure has the number of simulations.
-                let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation, cell };
-                report::search_failure(&search.key, name.number.into(), &failure, verdict)
+                // No column that is compared has the number of simulations or the violation.
+                let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation: None, cell };
+                let (key, scenario) = (&search.key, &*search.scenario);
+                let (number, judged) = (name.number as usize, Some(&seen.judged));
+                report::failure_table().frame(&[Find { key, scenario, number, failure: &failure, judged }])
             }
             None => Default::default(),
         };
-        let repeated = Repeated {
-            name,
-            title: format!("found by {}", search.key),
-            scenario: search.scenario.clone(),
-            outcome,
-            trace,
-            verdict,
-            differences: Vec::new(),
-            divergence: None,
-        };
-        self.compared(repeated, &stored, &again)
+        self.compared(Repeated::new(name, format!("found by {}", search.key), seen), &stored, &again)
     }
 
     fn missing(&self, name: EpisodeName, what: &'static str) -> Error {
@@ -124,12 +112,10 @@ impl Source {
             .map_err(|error| Error::Usage(format!("the row of {name} cannot be compared: {error}")))?
             .into_iter();
         repeated.differences = differences.map(|each| each.1).collect();
-        let fails = match repeated.scenario.goal {
-            None => repeated.outcome.is_collision(),
-            Some(goal) => repeated.trace.degrees().get(goal).is_some_and(Degree::is_violated),
-        };
+        let criterion = repeated.scenario.criterion;
+        let fails = criterion.is_met(&repeated.outcome, repeated.trace.degrees());
         if !fails && self.search(name).is_some() {
-            let failed = if repeated.scenario.goal.is_some() { "violation" } else { "collision" };
+            let failed = if criterion.requirement().is_some() { "violation" } else { "collision" };
             let (column, stored, again) = ("outcome".into(), failed.into(), "none".into());
             repeated.differences.push(Difference { column, stored, again });
         }

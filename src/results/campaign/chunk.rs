@@ -7,6 +7,7 @@ use super::{Event, Progress, Task, TaskError};
 use crate::record::{EpisodeRow, RunKey};
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};
+use world::judge::Judged;
 
 /// The episodes of a chunk as they end. Several may run at once, so they do not end in their order.
 struct Rows {
@@ -21,7 +22,7 @@ struct Rows {
 
 impl Rows {
     fn add(&mut self, row: EpisodeRow) {
-        self.ticks += u64::from(row.outcome.ticks) + u64::from(row.outcome.run_up);
+        self.ticks += u64::from(row.judged.outcome.ticks) + u64::from(row.judged.outcome.run_up);
         self.others.insert(row.episode, row);
         while let Some(row) = self.others.remove(&self.next) {
             self.settled.push(row);
@@ -48,7 +49,7 @@ pub(super) fn try_chunk(shared: Shared<'_>, evaluation: usize, chunk: u32, train
     let mut limit = None;
     let mut note = |episode: u32, outcome: &Outcome, trace: &Trace| {
         let pair = trace.main_pair(&plan.scenario);
-        rows.borrow_mut().add(EpisodeRow::new(&key, episode, outcome, &pair));
+        rows.borrow_mut().add(EpisodeRow::new(&key, episode, Judged::new(outcome, &pair), &pair));
     };
     let mut tell = |_| {
         shared.tell(Event::Tried { evaluation });
@@ -76,5 +77,5 @@ pub(super) fn try_chunk(shared: Shared<'_>, evaluation: usize, chunk: u32, train
 
 /// Whether the last ten episodes are in error. Then no more are run.
 fn hopeless(rows: &[EpisodeRow]) -> bool {
-    rows.len() >= 10 && rows.iter().rev().take(10).all(|row| row.outcome.fault().is_some())
+    rows.len() >= 10 && rows.iter().rev().take(10).all(|row| row.judged.outcome.fault().is_some())
 }

@@ -3,11 +3,10 @@ use std::ops::ControlFlow;
 use super::cover_result::FoundInBox;
 use super::run::Shared;
 use super::{CoverResult, Event, Task, TaskError};
-use compile::{Cover, CoveredFailure};
+use compile::Cover;
 use world::env::{Outcome, Trace};
-use world::judge::{Verdict, judge};
+use world::judge::{Blame, Judged};
 use world::likelihood::{BoxOfStarts, CoverConfig, Coverage, cover};
-use world::requirement::Degree;
 
 /// Number of episodes in a row that a driver or a controller may fail; then no more are run.
 const MOST_ERRORS: u32 = 10;
@@ -58,12 +57,7 @@ pub(super) fn carry_out(shared: Shared<'_>, index: usize) -> Option<CoverResult>
 
 /// Whether an episode is what a cover counts.
 fn has_failed(cover: &Cover, outcome: &Outcome, trace: &Trace) -> bool {
-    match cover.failure {
-        CoveredFailure::Collision => outcome.is_collision(),
-        CoveredFailure::Fault => {
-            let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(&cover.scenario))).flatten();
-            verdict.as_ref().is_some_and(Verdict::is_fault)
-        }
-        CoveredFailure::Violation(place) => trace.degrees().get(place).is_some_and(Degree::is_violated),
-    }
+    let Cover { criterion, blame, scenario, .. } = cover;
+    let judged = || Judged::by(*criterion, outcome, &trace.main_pair(scenario));
+    criterion.is_met(outcome, trace.degrees()) && (*blame == Blame::Any || judged().is(*criterion, *blame))
 }

@@ -52,7 +52,7 @@ pub(super) fn estimate(shared: Shared<'_>, index: usize) -> Option<EstimateResul
         progress: &progress,
     };
     let make = || {
-        let mut encounters = Encounters::new(&plan.scenario, plan.walker.walk_policy(), plan.question);
+        let mut encounters = Encounters::new(&plan.scenario, plan.walker.walk_policy(), plan.criterion);
         move |number: u64, seed: &Seed| encounters.run(number, seed)
     };
     let estimate = likelihood::estimate(&make, &plan.drawn(seed), limits);

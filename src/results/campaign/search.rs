@@ -1,16 +1,12 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::repeat::repeat_failure;
 use super::run::Shared;
-use super::search_result::goal_of;
 use super::watch::flow;
-use super::{Evaluated, Event, SearchResult, Task, TaskError};
-use base::seed::Seed;
-use compile::{Search, episodes_seed};
+use super::{Event, Repeatable, SearchResult, Task, TaskError};
+use compile::episodes_seed;
 use world::env::{Outcome, Trace};
 use world::falsifier::{Failure, SearchOutcome, Simulator, StartSet, evaluate_noting};
-use world::judge::{Verdict, ViolationVerdict, judge};
-use world::requirement::Degree;
+use world::judge::Judged;
 
 /// Runs a search; none when the user asks to stop before it has started.
 pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
@@ -32,16 +28,7 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
             failures: Vec::new(),
             stopped: false,
         };
-        return Some(SearchResult {
-            key: key.clone(),
-            budget: search.budget,
-            goal: goal_of(search),
-            spent,
-            verdicts: Vec::new(),
-            violations: Vec::new(),
-            evaluated: Vec::new(),
-            error: Some(limit),
-        });
+        return Some(SearchResult::new(search, spent, Some(limit)));
     }
     let late = || shared.stop() || results.limit(task, 0).is_some();
     shared.tell(Event::Begun(task));
@@ -65,35 +52,22 @@ pub(super) fn search(shared: Shared<'_>, index: usize) -> Option<SearchResult> {
             spent.stopped |= stopped;
             flow(stopped)
         };
+        let scenario = &search.scenario;
         let mut note = |_: u32, outcome: &Outcome, trace: &Trace| {
-            let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(&search.scenario))).flatten();
-            let violated = search.scenario.goal.map(|goal| trace.degrees().get(goal).is_some_and(Degree::is_violated));
-            Evaluated { outcome: *outcome, verdict, violated, violation: violation(search, trace) }
+            Judged::by(scenario.criterion, outcome, &trace.main_pair(scenario))
         };
         let episodes = 0..search.tries;
-        evaluate_noting(walker.as_mut(), &search.scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
+        evaluate_noting(walker.as_mut(), scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
     });
-    let (verdicts, violations) = spent.failures.iter().map(|failure| verdicts(search, failure, seed)).unzip();
+    let repeated = |failure: &Failure| {
+        // A failure is repeated outside of the budget.
+        let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
+        let judged = repeatable.repeat(seed)?.judged;
+        (judged.outcome.digest == failure.outcome.digest).then_some(judged)
+    };
+    let failures = spent.failures.iter().map(repeated).collect();
     // The user may not have waited for a program, so that an episode or a verdict is missing.
     spent.stopped |= !search.programs.is_empty() && shared.stop();
     let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !shared.stop()));
-    let goal = goal_of(search);
-    Some(SearchResult { key: key.clone(), budget: search.budget, goal, spent, verdicts, violations, evaluated, error })
-}
-
-/// Repeats a failure outside of the budget and judges its touch and the violation of the goal; none when it ends otherwise.
-fn verdicts(search: &Search, failure: &Failure, seed: &Seed) -> (Option<Verdict>, Option<ViolationVerdict>) {
-    match repeat_failure(search, failure.start, &failure.commands, seed) {
-        Some((outcome, trace)) if outcome.digest == failure.outcome.digest => {
-            (judge(&trace.main_pair(&search.scenario)), violation(search, &trace))
-        }
-        _ => (None, None),
-    }
-}
-
-/// Whose fault the violation of the goal of a search is; none without one, and where it has no verdict.
-pub fn violation(search: &Search, trace: &Trace) -> Option<ViolationVerdict> {
-    let goal = search.scenario.goal?;
-    let (named, degree) = (search.scenario.requirements.get(goal)?, trace.degrees().get(goal)?);
-    ViolationVerdict::new(&trace.main_pair(&search.scenario), &named.requirement, degree)
+    Some(SearchResult { judged: failures, evaluated, ..SearchResult::new(search, spent, error) })
 }

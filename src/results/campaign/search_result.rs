@@ -1,83 +1,103 @@
-use super::TaskError;
+use std::sync::Arc;
+
+use super::{Repeatable, TaskError};
 use compile::{Search, SearchKey};
-use world::env::Outcome;
-use world::falsifier::SearchOutcome;
-use world::judge::{Question, Verdict, ViolationVerdict};
-use world::requirement::NamedRequirement;
+use world::env::{Criterion, Scenario};
+use world::falsifier::{Failure, SearchOutcome};
+use world::judge::{Blame, Judged, NoVerdict, Verdict, ViolationVerdict};
+use world::requirement::{Degree, NamedRequirement};
 
 /// The result of a search.
 #[derive(Debug, Clone)]
 pub struct SearchResult {
     pub key: SearchKey,
-    /// The budget: the number of simulator ticks that it may use.
+    /// The maximum number of simulator ticks.
     pub budget: u64,
-    /// The requirement that it tried to violate, and the length of a tick (s); none of a search for collisions.
-    pub goal: Option<(NamedRequirement, f64)>,
+    pub scenario: Arc<Scenario>,
     /// What the search did with the budget.
     pub spent: SearchOutcome,
-    /// The verdict on each failure, in their order; none for one that does not repeat, with a driver that is not deterministic.
-    pub verdicts: Vec<Option<Verdict>>,
-    /// Whose fault the violation of the goal is, of each failure in their order; none without a goal, where it has no verdict, and for a failure that does
-    /// not repeat.
-    pub violations: Vec<Option<ViolationVerdict>>,
+    /// Each failure as it was judged when it was repeated, in their order; `None` for one that does not repeat, with a driver that is not
+    /// deterministic.
+    pub judged: Vec<Option<Judged>>,
     /// Fresh episodes with the walk policy that the search ended up with; empty without one.
-    pub evaluated: Vec<Evaluated>,
+    pub evaluated: Vec<Judged>,
     /// Why it ended early.
     pub error: Option<TaskError>,
 }
 
+/// A failure that a search found.
+#[derive(Debug, Clone, Copy)]
+pub struct Find<'a> {
+    pub key: &'a SearchKey,
+    pub scenario: &'a Scenario,
+    /// Its number in its search.
+    pub number: usize,
+    pub failure: &'a Failure,
+    /// `None` if it does not repeat.
+    pub judged: Option<&'a Judged>,
+}
+
 impl SearchResult {
-    /// Whether the failures have verdicts: collisions do, and violations of a goal about which careful humans can be asked.
+    /// A result without failures.
+    pub fn new(search: &Search, spent: SearchOutcome, error: Option<TaskError>) -> Self {
+        let Search { key, budget, scenario, .. } = search;
+        let (judged, evaluated) = (Vec::new(), Vec::new());
+        Self { key: key.clone(), budget: *budget, scenario: scenario.clone(), spent, judged, evaluated, error }
+    }
+
+    pub fn criterion(&self) -> Criterion {
+        self.scenario.criterion
+    }
+
+    /// The requirement that it tried to violate; `None` of a search for collisions.
+    pub fn goal(&self) -> Option<&NamedRequirement> {
+        self.scenario.requirements.get(self.criterion().requirement()?)
+    }
+
+    /// Whether the failures have verdicts: collisions do, and violations about which careful humans can be asked.
     pub fn is_judged(&self) -> bool {
-        self.goal.as_ref().is_none_or(|(named, _)| Question::of(&named.requirement) == Question::Asked)
+        self.goal().is_none_or(|named| NoVerdict::of(&named.requirement).is_none())
     }
 
-    /// Whether a failure is preventable, and whether it is a fault: by the goal, or without one by the collision.
-    pub fn blame(&self, failure: usize) -> (bool, bool) {
-        match &self.goal {
-            Some(_) => {
-                let verdict = self.violations.get(failure).copied().flatten();
-                verdict.map_or((false, false), |verdict| (verdict.preventable, verdict.fault))
-            }
-            None => {
-                let verdict = self.verdicts.get(failure).and_then(Option::as_ref);
-                verdict.map_or((false, false), |verdict| (verdict.is_preventable(), verdict.is_fault()))
-            }
-        }
+    /// Its failures, in the order in which they were found.
+    pub fn finds(&self) -> impl Iterator<Item = Find<'_>> + Clone {
+        let Self { key, scenario, judged, .. } = self;
+        self.spent.failures.iter().enumerate().map(move |(number, failure)| Find {
+            key,
+            scenario,
+            number,
+            failure,
+            judged: judged.get(number).and_then(Option::as_ref),
+        })
     }
 }
 
-/// The goal of a search, and the length of a tick (s).
-pub(crate) fn goal_of(search: &Search) -> Option<(NamedRequirement, f64)> {
-    let scenario = &search.scenario;
-    Some((scenario.requirements.get(scenario.goal?)?.clone(), scenario.episode.tick))
-}
-
-/// A fresh episode with the walk policy that a search ended up with.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Evaluated {
-    pub outcome: Outcome,
-    /// The verdict on its collision; none without one.
-    pub verdict: Option<Verdict>,
-    /// Whether it violates the goal of the search; none without a goal.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub violated: Option<bool>,
-    /// Whose fault that is; none without a violation, and where it has no verdict.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub violation: Option<ViolationVerdict>,
-}
-
-impl Evaluated {
-    /// Whether it is what the search looked for.
-    pub fn is_failure(&self) -> bool {
-        self.violated.unwrap_or_else(|| self.outcome.is_collision())
+impl<'a> Find<'a> {
+    /// What repeats it.
+    pub fn repeatable(&self, search: &'a Search) -> Repeatable<'a> {
+        Repeatable::Find { search, start: self.failure.start, commands: &self.failure.commands }
     }
 
-    /// Whether it is a fault, by the goal or without one by the collision.
-    pub fn is_fault(&self) -> bool {
-        match self.violated {
-            Some(_) => self.violation.is_some_and(|verdict| verdict.fault),
-            None => self.verdict.as_ref().is_some_and(Verdict::is_fault),
-        }
+    /// The verdict on its touch.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.judged.and_then(|judged| judged.verdict)
+    }
+
+    /// Whether it counts against the driver in this way, by what its search looked for.
+    pub fn is(&self, blame: Blame) -> bool {
+        self.judged.is_some_and(|judged| judged.is(self.scenario.criterion, blame))
+    }
+
+    /// Time of the sample that decides its violation, from the start of the episode (s); `None` of a collision.
+    pub fn instant(&self) -> Option<f64> {
+        let degree = self.failure.violation.as_ref()?;
+        Some((f64::from(degree.sample) * self.scenario.episode.tick).min(self.failure.outcome.duration))
+    }
+
+    /// The requirement that it violates, by how much, and whose fault that is; `None` of a collision.
+    pub fn violation(&self) -> Option<(&'a NamedRequirement, &'a Degree, Option<ViolationVerdict>)> {
+        let place = self.scenario.criterion.requirement()?;
+        let verdict = self.judged.and_then(|judged| judged.degrees.get(place)?.verdict);
+        Some((self.scenario.requirements.get(place)?, self.failure.violation.as_ref()?, verdict))
     }
 }

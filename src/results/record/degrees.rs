@@ -3,9 +3,7 @@
 use polars::prelude::{Column as Values, DataFrame, PolarsResult};
 
 use super::{Column, EpisodeRow};
-use world::env::Pair;
-use world::judge::ViolationVerdict;
-use world::requirement::Degree;
+use world::judge::{JudgedDegree, ViolationVerdict};
 
 /// The column of the degrees in stored episodes of a campaign with requirements; no file of a report has it.
 pub const DEGREES: Column<String> = Column::new(
@@ -15,60 +13,45 @@ pub const DEGREES: Column<String> = Column::new(
      it is foreseeable, `x` if it is a fault, and the sample at which the danger starts; missing of an episode in error",
 );
 
-/// The degree of a requirement in an episode, and whose fault its violation is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JudgedDegree {
-    pub degree: Degree,
-    /// None where the requirement is satisfied or has no verdict.
-    pub verdict: Option<ViolationVerdict>,
+/// The degree of a requirement, with the verdict on its violation, as text.
+fn degree_text(JudgedDegree { degree, verdict }: &JudgedDegree) -> String {
+    let Some(ViolationVerdict { preventable, foreseeable, fault, danger }) = *verdict else {
+        return degree.to_string();
+    };
+    let letter = |is: bool, letter: &'static str| if is { letter } else { "" };
+    let letters = [letter(preventable, "p"), letter(foreseeable, "f"), letter(fault, "x")].concat();
+    format!("{degree}!{letters}{danger}")
 }
 
-impl JudgedDegree {
-    /// The degrees of all requirements of an episode, in their order.
-    pub fn of_all(pair: &Pair<'_>) -> Vec<Self> {
-        let verdicts = ViolationVerdict::of_all(pair);
-        pair.degrees().iter().zip(verdicts).map(|(degree, verdict)| Self { degree: *degree, verdict }).collect()
-    }
-
-    fn text(&self) -> String {
-        let Some(ViolationVerdict { preventable, foreseeable, fault, danger }) = self.verdict else {
-            return self.degree.to_string();
-        };
-        let letter = |is: bool, letter: &'static str| if is { letter } else { "" };
-        let letters = [letter(preventable, "p"), letter(foreseeable, "f"), letter(fault, "x")].concat();
-        format!("{}!{letters}{danger}", self.degree)
-    }
-
-    fn parse(text: &str) -> Option<Self> {
-        let Some((degree, verdict)) = text.split_once('!') else {
-            return Some(Self { degree: text.parse().ok()?, verdict: None });
-        };
-        let letters = verdict.trim_end_matches(|letter: char| letter.is_ascii_digit());
-        let has = |letter: char| letters.contains(letter);
-        let verdict = ViolationVerdict {
-            preventable: has('p'),
-            foreseeable: has('f'),
-            fault: has('x'),
-            danger: verdict[letters.len()..].parse().ok()?,
-        };
-        Some(Self { degree: degree.parse().ok()?, verdict: Some(verdict) })
-    }
+fn parse_degree(text: &str) -> Option<JudgedDegree> {
+    let Some((degree, verdict)) = text.split_once('!') else {
+        return Some(JudgedDegree { degree: text.parse().ok()?, verdict: None });
+    };
+    let letters = verdict.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let has = |letter: char| letters.contains(letter);
+    let verdict = ViolationVerdict {
+        preventable: has('p'),
+        foreseeable: has('f'),
+        fault: has('x'),
+        danger: verdict[letters.len()..].parse().ok()?,
+    };
+    Some(JudgedDegree { degree: degree.parse().ok()?, verdict: Some(verdict) })
 }
 
 /// The degrees of an episode as text, from which [`parse`] reads the same bits; none without any.
 fn text(degrees: &[JudgedDegree]) -> Option<String> {
-    (!degrees.is_empty()).then(|| degrees.iter().map(JudgedDegree::text).collect::<Vec<_>>().join(";"))
+    (!degrees.is_empty()).then(|| degrees.iter().map(degree_text).collect::<Vec<_>>().join(";"))
 }
 
 /// The degrees of an episode; none where the text has another form.
 pub fn parse(text: &str) -> Option<Vec<JudgedDegree>> {
-    text.split(';').map(JudgedDegree::parse).collect()
+    text.split(';').map(parse_degree).collect()
 }
 
 /// Adds the column to episodes if one of them has degrees.
 pub(super) fn add(table: &mut DataFrame, rows: &[EpisodeRow]) -> PolarsResult<()> {
-    if rows.iter().any(|row| !row.degrees.is_empty()) {
-        table.with_column(DEGREES.of(|row: &EpisodeRow| text(&row.degrees)).values(rows))?;
+    if rows.iter().any(|row| !row.judged.degrees.is_empty()) {
+        table.with_column(DEGREES.of(|row: &EpisodeRow| text(&row.judged.degrees)).values(rows))?;
     }
     Ok(())
 }
@@ -99,6 +82,7 @@ pub(super) fn append(table: &mut DataFrame, mut rows: DataFrame) -> PolarsResult
 #[cfg(test)]
 mod tests {
     use super::*;
+    use world::requirement::Degree;
 
     #[test]
     fn degrees_and_verdicts_return_bit_for_bit() {

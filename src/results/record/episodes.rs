@@ -89,54 +89,55 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
 /// A new quantity of an episode is one entry here; [`metrics`](super::metric::metrics) has what runs and cells make of it.
 pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
     let table = Table::new(EPISODES, "The episodes of one run.");
-    let table = table
-        .column(EPISODE.of(|row: &EpisodeRow| row.episode))
-        .column(OUTCOME.of(|row: &EpisodeRow| ending(&row.outcome.ending)))
-        .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.outcome)))
-        .column(LEFT_OUT.of(|row: &EpisodeRow| row.outcome.left_out.map_or("", LeftOut::name)))
-        .column(COLLISION.of(|row: &EpisodeRow| row.outcome.is_collision()))
-        .column(FRONT.of(|row| hit(row).is_some_and(|hit| hit.front)))
-        .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)))
-        .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
-        .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward))
-        .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration))
-        .column(TICKS.of(|row: &EpisodeRow| row.outcome.ticks))
-        .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap))
-        .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.outcome.on_crosswalk)))
-        .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
-        .column(PET.of(|row| near_miss(row).pet))
-        .column(PEAK_SPEED.of(|row| motion(row).map(|motion| motion.peak_speed)))
-        .column(PEAK_ACCELERATION.of(|row| motion(row).map(|motion| motion.peak_acceleration)))
-        .column(VELOCITY_CHANGE.of(|row| motion(row).map(|motion| motion.velocity_change)))
-        .column(DRIVING_MODE.of(|row: &EpisodeRow| row.outcome.last_mode.name()))
-        .column(EGO_X.of(|row: &EpisodeRow| row.outcome.spawn.ego.x))
-        .column(EGO_Y.of(|row: &EpisodeRow| row.outcome.spawn.ego.y))
-        .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
-        .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
-        .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
-        .column(PLACED.of(placed))
-        .column(LEFT_LANE.of(|row| lane(row).map(|lane| lane.left_lane)))
-        .column(LEFT_ROAD.of(|row| lane(row).map(|lane| lane.left_road)))
-        .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
-        .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
-        .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
-        .column(START.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.start)))
-        .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
-        .column(
-            STATE_HASHES.of(|row: &EpisodeRow| row.outcome.is_touch().then(|| row.outcome.state_hashes.to_string())),
-        );
+    let table =
+        table
+            .column(EPISODE.of(|row: &EpisodeRow| row.episode))
+            .column(OUTCOME.of(|row: &EpisodeRow| ending(&row.judged.outcome.ending)))
+            .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.judged.outcome)))
+            .column(LEFT_OUT.of(|row: &EpisodeRow| row.judged.outcome.left_out.map_or("", LeftOut::name)))
+            .column(COLLISION.of(|row: &EpisodeRow| row.judged.outcome.is_collision()))
+            .column(FRONT.of(|row| hit(row).is_some_and(|hit| hit.front)))
+            .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)))
+            .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
+            .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.judged.outcome.reward))
+            .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.judged.outcome.duration))
+            .column(TICKS.of(|row: &EpisodeRow| row.judged.outcome.ticks))
+            .column(LEAST_GAP.of(|row: &EpisodeRow| row.judged.outcome.least_gap))
+            .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.judged.outcome.on_crosswalk)))
+            .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
+            .column(PET.of(|row| near_miss(row).pet))
+            .column(PEAK_SPEED.of(|row| motion(row).map(|motion| motion.peak_speed)))
+            .column(PEAK_ACCELERATION.of(|row| motion(row).map(|motion| motion.peak_acceleration)))
+            .column(VELOCITY_CHANGE.of(|row| motion(row).map(|motion| motion.velocity_change)))
+            .column(DRIVING_MODE.of(|row: &EpisodeRow| row.judged.outcome.last_mode.name()))
+            .column(EGO_X.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.x))
+            .column(EGO_Y.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.y))
+            .column(EGO_YAW.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.yaw.to_degrees()))
+            .column(EGO_SPEED.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego_speed))
+            .column(RUN_UP.of(|row: &EpisodeRow| row.judged.outcome.run_up))
+            .column(PLACED.of(placed))
+            .column(LEFT_LANE.of(|row| lane(row).map(|lane| lane.left_lane)))
+            .column(LEFT_ROAD.of(|row| lane(row).map(|lane| lane.left_road)))
+            .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.x))
+            .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.y))
+            .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.judged.outcome.spawn.pedestrian.yaw.to_degrees()))
+            .column(START.of(|row: &EpisodeRow| format!("{:016x}", row.judged.outcome.start)))
+            .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.judged.outcome.digest)))
+            .column(STATE_HASHES.of(|row: &EpisodeRow| {
+                row.judged.outcome.is_touch().then(|| row.judged.outcome.state_hashes.to_string())
+            }));
     table.columns(verdicts())
 }
 
 /// The results of the reference drivers: the verdict on a touch, and the false alarms in an episode without one.
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
-    let of_drivers = reference_columns(|row: &EpisodeRow| row.verdict, |row: &EpisodeRow| row.false_alarms);
-    verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().chain(of_drivers).collect()
+    let of_drivers = reference_columns(|row: &EpisodeRow| row.judged.verdict, |row: &EpisodeRow| row.false_alarms);
+    verdict_columns(|row: &EpisodeRow| row.judged.verdict).into_iter().chain(of_drivers).collect()
 }
 
 /// Whether the driver did not arrive at its start; none without a run-up.
 fn placed(row: &EpisodeRow) -> Option<bool> {
-    (row.outcome.run_up > 0).then_some(row.outcome.spawn.ego_speed == 0.0)
+    (row.judged.outcome.run_up > 0).then_some(row.judged.outcome.spawn.ego_speed == 0.0)
 }
 
 /// A touch.
@@ -147,7 +148,7 @@ struct Hit {
 }
 
 fn hit(row: &EpisodeRow) -> Option<Hit> {
-    match row.outcome.ending {
+    match row.judged.outcome.ending {
         Ending::Touch { front, impact_speed, bearing, .. } => Some(Hit { front, speed: impact_speed, bearing }),
         _ => None,
     }
@@ -155,17 +156,17 @@ fn hit(row: &EpisodeRow) -> Option<Hit> {
 
 /// The near-miss figures of an episode; none for one in error, whose driver did not reach the end.
 fn near_miss(row: &EpisodeRow) -> NearMiss {
-    if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
+    if row.judged.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
 }
 
 /// Whether the car stayed in its lane; none for an episode in error.
 fn lane(row: &EpisodeRow) -> Option<LaneDeparture> {
-    row.lane.filter(|_| row.outcome.fault().is_none())
+    row.lane.filter(|_| row.judged.outcome.fault().is_none())
 }
 
 /// What the pedestrian did with its body; none for an episode in error.
 fn motion(row: &EpisodeRow) -> Option<PedestrianMotion> {
-    row.outcome.fault().is_none().then_some(row.motion)
+    row.judged.outcome.fault().is_none().then_some(row.motion)
 }
 
 /// The value of `outcome` for an episode in error.

@@ -20,7 +20,7 @@ mod parquet_reader;
 mod tests;
 
 pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Table, TableReference};
-pub use degrees::{DEGREES, JudgedDegree, parse as parse_degrees, with_degrees};
+pub use degrees::{DEGREES, parse as parse_degrees, with_degrees};
 pub use episodes::{
     EPISODES, IN_ERROR, cell_key, cell_key_names, cell_key_references, episode_references, episode_table, episodes,
     run_key_names, run_key_references,

@@ -7,7 +7,7 @@ use super::*;
 use world::av::{DrivingMode, Fault};
 use world::env::{Ending, Outcome, Spawn};
 use world::geometry::Pose;
-use world::judge::{ContactSide, FalseAlarms, Label, NearMiss, Reference, Sensitivity, Sight, Trial, Verdict};
+use world::judge::{ContactSide, FalseAlarms, Judged, Label, NearMiss, Reference, Sensitivity, Sight, Trial, Verdict};
 
 fn key() -> RunKey {
     let cell = CellKey {
@@ -31,39 +31,41 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
     EpisodeRow {
         key: key().into(),
         episode,
-        outcome: Outcome {
-            spawn,
-            start: 0xABCD,
-            run_up: 12,
-            left_out: None,
-            ending,
-            reward: 0.25,
-            ticks: 90,
-            duration: 4.5,
-            least_gap: if hit { 0.0 } else { 1.5 },
-            on_crosswalk: false,
-            last_mode: DrivingMode::Cruise,
-            digest: 0xfeed_0000_0000_0001,
-            state_hashes: Default::default(),
+        judged: Judged {
+            outcome: Outcome {
+                spawn,
+                start: 0xABCD,
+                run_up: 12,
+                left_out: None,
+                ending,
+                reward: 0.25,
+                ticks: 90,
+                duration: 4.5,
+                least_gap: if hit { 0.0 } else { 1.5 },
+                on_crosswalk: false,
+                last_mode: DrivingMode::Cruise,
+                digest: 0xfeed_0000_0000_0001,
+                state_hashes: Default::default(),
+            },
+            verdict: hit.then_some(Verdict {
+                label: Label::Contested,
+                side: ContactSide::Side,
+                walked_into: true,
+                danger_speed: 3.0,
+                latest_reaction: Some(0.9),
+                warning: 2.0,
+                foreseeable: true,
+                sight: Sight { hidden: 0.5, seen: 1.0 },
+                impact_speed: 4.0,
+                trials: [trial; Reference::COUNT],
+                sensitivity: Sensitivity::default(),
+            }),
+            degrees: Vec::new(),
         },
-        verdict: hit.then_some(Verdict {
-            label: Label::Contested,
-            side: ContactSide::Side,
-            walked_into: true,
-            danger_speed: 3.0,
-            latest_reaction: Some(0.9),
-            warning: 2.0,
-            foreseeable: true,
-            sight: Sight { hidden: 0.5, seen: 1.0 },
-            impact_speed: 4.0,
-            trials: [trial; Reference::COUNT],
-            sensitivity: Sensitivity::default(),
-        }),
         false_alarms: (!hit).then(FalseAlarms::default),
         near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
         lane: None,
         motion: Default::default(),
-        degrees: Vec::new(),
         weight: 1.0,
     }
 }
@@ -80,9 +82,9 @@ fn rows_that_are_read_back_are_those_that_were_written() {
     assert_eq!(read.rows(), 0..4);
     assert_eq!(read.key().unwrap(), key());
     for (place, row) in rows.iter().enumerate().take(3) {
-        assert_eq!(read.outcome(place).as_ref(), Some(&row.outcome));
+        assert_eq!(read.outcome(place).as_ref(), Some(&row.judged.outcome));
         assert_eq!((read.episode(place), read.error(place)), (row.episode, None));
-        assert_eq!(read.label(place), row.verdict.map(|verdict| verdict.label));
+        assert_eq!(read.label(place), row.judged.verdict.map(|verdict| verdict.label));
         assert_eq!(read.min_ttc(place), Some(0.75));
     }
     assert_eq!(read.outcome(3), None);

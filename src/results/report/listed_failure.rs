@@ -7,15 +7,16 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::aggregate::{
     AT_COLLISION, COUNTS, FAILURE, FALSIFIER, GOAL_FAULT, GOAL_FORESEEABLE, GOAL_PREVENTABLE, INSTANT, NO_VERDICT,
-    PART, PREVENTABLE, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, START, VIOLATED, VIOLATION_FAULT,
-    VIOLATION_FORESEEABLE,
+    PART, PREVENTABLE, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, RequirementRow, START, VIOLATED,
+    VIOLATION_FAULT, VIOLATION_FORESEEABLE, impact, no_verdict, unit_of,
 };
 use crate::analysis::Impact;
+use crate::campaign::Find;
 use crate::record::columns::{
     DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID,
     TOWN, VERDICT,
 };
-use crate::record::{Column, EpisodeTable, RunKey};
+use crate::record::{CellKey, Column, EpisodeTable, RunKey};
 use world::av::DrivingMode;
 use world::judge::{Label, Sight};
 
@@ -231,6 +232,90 @@ impl FailureOrder {
             Self::Speed => faster(),
             Self::Time => a.length.total_cmp(&b.length),
             Self::Report => Ordering::Equal,
+        }
+    }
+}
+
+impl From<&Find<'_>> for ListedFailure {
+    fn from(find: &Find<'_>) -> Self {
+        let (outcome, verdict) = (&find.failure.outcome, find.verdict());
+        let struck = verdict.filter(|verdict| !verdict.is_bump());
+        let violation = find.violation();
+        let blame = violation.map(|(.., verdict)| verdict);
+        Self {
+            run: find.key.id.to_string(),
+            number: find.number as u64,
+            start: find.failure.start,
+            controller: find.key.falsifier.clone(),
+            searched: true,
+            reward: find.key.reward.clone(),
+            train_town: String::new(),
+            train_policy: String::new(),
+            town: find.key.town.clone(),
+            policy: find.key.policy.clone(),
+            verdict: verdict.map(|verdict| verdict.label),
+            foreseeable: match blame {
+                Some(blame) => blame.is_some_and(|blame| blame.foreseeable),
+                None => struck.is_some_and(|verdict| verdict.foreseeable),
+            },
+            fault: match blame {
+                Some(blame) => blame.is_some_and(|blame| blame.fault),
+                None => struck.is_some_and(|verdict| verdict.is_fault()),
+            },
+            impact: impact(outcome).map_or("", Impact::name).into(),
+            occluded: verdict.is_some_and(|verdict| verdict.sight.is_occluded()),
+            driving_mode: outcome.last_mode.name().into(),
+            impact_speed: outcome.impact_speed().unwrap_or_default(),
+            length: find.instant().unwrap_or(outcome.duration),
+            violation: violation.map(|(named, degree, verdict)| Violation {
+                requirement: named.name.to_string(),
+                priority: named.priority,
+                robustness: degree.robustness,
+                unit: unit_of(named).into(),
+                part: degree
+                    .part
+                    .and_then(|part| named.requirement.parts.get(usize::from(part)))
+                    .map_or(String::new(), |part| part.text.clone()),
+                at_collision: false,
+                preventable: verdict.map(|verdict| verdict.preventable),
+                no_verdict: no_verdict(named).into(),
+            }),
+        }
+    }
+}
+
+impl From<&RequirementRow> for ListedFailure {
+    fn from(row: &RequirementRow) -> Self {
+        let CellKey { controller, reward, train_town, train_policy, town, policy, .. } = row.key.cell.clone();
+        Self {
+            run: row.key.id.to_string(),
+            number: row.episode.into(),
+            start: row.episode.into(),
+            controller,
+            searched: false,
+            reward,
+            train_town,
+            train_policy,
+            town,
+            policy,
+            verdict: None,
+            foreseeable: row.verdict.is_some_and(|verdict| verdict.foreseeable),
+            fault: row.verdict.is_some_and(|verdict| verdict.fault),
+            impact: String::new(),
+            occluded: false,
+            driving_mode: String::new(),
+            impact_speed: 0.0,
+            length: row.instant,
+            violation: Some(Violation {
+                requirement: row.name.clone(),
+                priority: row.priority,
+                robustness: row.degree.robustness,
+                unit: row.unit.into(),
+                part: row.part.clone(),
+                at_collision: row.at_collision,
+                preventable: row.verdict.map(|verdict| verdict.preventable),
+                no_verdict: row.no_verdict.into(),
+            }),
         }
     }
 }

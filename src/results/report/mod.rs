@@ -30,10 +30,10 @@ mod write;
 pub use aggregate::{
     Agreement, Average, COVERS, Cell, CellRequirement, Colour, CoverRow, DriverResult, Episodes, Failures, Gathered,
     MedianTime, Metrics, ProtocolCell, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchComparison,
-    SearchFailures, SearchKind, Spread, Wanted, beside, cover_in_words, driver_results, estimate_doubts, gather,
-    hardened_in_words, layer_cells, learning_curve, learning_curve_lines, metrics, no_verdict, published,
-    search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failure, search_failures,
-    search_kind_table, search_kinds, searches, ticks, unit_of, worst_failure, write_ticks,
+    SearchFailures, SearchKind, Spread, Wanted, beside, cover_in_words, driver_results, estimate_doubts, failure_table,
+    gather, hardened_in_words, layer_cells, learning_curve, learning_curve_lines, metrics, no_verdict, published,
+    search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failures, search_kind_table,
+    search_kinds, searches, ticks, unit_of, worst_failure, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use caution::Caution;

@@ -8,15 +8,15 @@ use serde::{Deserialize, Serialize};
 use super::index::{continues, programs};
 use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
 use crate::campaign::{
-    Claim, CoverResult, EstimateResult, Evaluated, FoundInBox, HardenResult, Progress, ResultStore, SearchResult, Task,
-    TaskError, goal_of, tasks,
+    Claim, CoverResult, EstimateResult, FoundInBox, HardenResult, Progress, ResultStore, SearchResult, Task, TaskError,
+    tasks,
 };
 use crate::record::{self, Chunk, Chunks, EpisodeRow};
 use compile::Campaign;
 use learn::Trained;
 use world::falsifier::{SearchOutcome, TrainingRun};
 use world::hardening::Hardened;
-use world::judge::{Verdict, ViolationVerdict};
+use world::judge::Judged;
 use world::likelihood::Estimate;
 
 /// Time beyond its limit, or after the user asked to stop, in which a training may finish an update.
@@ -67,10 +67,8 @@ struct InHand {
 #[derive(Serialize, Deserialize)]
 struct Record {
     spent: SearchOutcome,
-    verdicts: Vec<Option<Verdict>>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    violations: Vec<Option<ViolationVerdict>>,
-    evaluated: Vec<Evaluated>,
+    judged: Vec<Option<Judged>>,
+    evaluated: Vec<Judged>,
 }
 
 impl<'a> CampaignStore<'a> {
@@ -284,7 +282,7 @@ impl ResultStore for CampaignStore<'_> {
                 return self.fail(StoreError::File { path: self.path(task), source });
             }
         };
-        let faulty = rows.iter().any(|row| row.outcome.fault().is_some());
+        let faulty = rows.iter().any(|row| row.judged.outcome.fault().is_some());
         let whole = done == self.campaign.evaluations[evaluation].chunk(chunk).len() as u64;
         let (state, error) = match end {
             // The limit belongs to this run: a later run may continue the task.
@@ -312,15 +310,13 @@ impl ResultStore for CampaignStore<'_> {
         if record.is_none() {
             self.store.damaged(self.id(task));
         }
-        let Record { spent, verdicts, violations, evaluated } = record?;
-        let (key, budget, goal) = (planned.key.clone(), planned.budget, goal_of(planned));
-        Some(SearchResult { key, budget, goal, spent, verdicts, violations, evaluated, error: None })
+        let Record { spent, judged, evaluated } = record?;
+        Some(SearchResult { judged, evaluated, ..SearchResult::new(planned, spent, None) })
     }
 
     fn keep_search(&self, search: usize, result: &SearchResult) {
-        let (verdicts, evaluated) = (result.verdicts.clone(), result.evaluated.clone());
-        let violations = result.violations.clone();
-        let record = Record { spent: result.spent.clone(), verdicts, violations, evaluated };
+        let SearchResult { spent, judged, evaluated, .. } = result.clone();
+        let record = Record { spent, judged, evaluated };
         // An episode in error, or a reward that is not a number, cannot be stored. Such a search is run again.
         let Ok(bytes) = serde_json::to_vec(&record) else { return };
         if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {

@@ -85,7 +85,7 @@ impl FailureCell {
     /// not touch, or the goal is not violated, and when the episode does not count.
     pub fn new(env: &PedestrianEnv) -> Option<Self> {
         let counts = env.outcome().is_some_and(Outcome::counts);
-        if env.scenario().goal.is_some() {
+        if env.scenario().criterion.requirement().is_some() {
             let moment = env.goal_moment().filter(|_| counts)?;
             let met = ((moment.place.x, moment.place.y), moment.speed);
             return Some(Self::of(met, (&env.world().ego().blueprint, moment.yaw), moment.velocity, moment.mode));
@@ -100,7 +100,7 @@ impl FailureCell {
     /// The cell of the touch that ended a traced episode with this mode of the driver, or of the frame that violates its goal; none when the two did not
     /// touch, or the goal is not violated.
     pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
-        if let Some(goal) = pair.scenario().goal {
+        if let Some(goal) = pair.scenario().criterion.requirement() {
             let degree = pair.degrees().get(goal).filter(|degree| degree.is_violated())?;
             let Frame { ego, pedestrian, mode, .. } = pair.frame(degree.sample as usize);
             let place = ego.pose.to_local(pedestrian.pose.position());

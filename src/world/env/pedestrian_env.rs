@@ -214,7 +214,7 @@ impl PedestrianEnv {
             monitor,
             paid: requirements::paid(&scenario),
             robustness: Vec::with_capacity(scenario.reward.requirements.len()),
-            moments: Vec::with_capacity(if scenario.goal.is_some() { samples } else { 0 }),
+            moments: Vec::with_capacity(if scenario.criterion.requirement().is_some() { samples } else { 0 }),
             trace: scenario.oracle.is_some().then(|| Trace::new(&scenario)),
             motions,
             bounds: cast.action_bounds(),

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::{Cast, EgoSpeed, RewardRule, SpawnRule, TestOracle, run_up};
+use super::{Cast, Criterion, EgoSpeed, RewardRule, SpawnRule, TestOracle, run_up};
 use crate::geometry::Obstacles;
 use crate::requirement::NamedRequirement;
 use crate::road::Town;
@@ -53,9 +53,9 @@ pub struct Scenario {
     pub episode: EpisodeRule,
     /// The requirements that are watched, in the order of the campaign.
     pub requirements: Arc<[NamedRequirement]>,
-    /// The requirement whose violation is the goal of the pedestrian, by its place among them. It takes the place of the reward: an episode earns
-    /// 1 − ρ / (1 + |ρ|) at its end for the robustness ρ, so more than 1 for a violation and less otherwise.
-    pub goal: Option<usize>,
+    /// What the pedestrian tries to bring about. A violation takes the place of the reward: an episode earns 1 − ρ / (1 + |ρ|) at its end for
+    /// the robustness ρ, so more than 1 for a violation and less otherwise.
+    pub criterion: Criterion,
 }
 
 impl Scenario {

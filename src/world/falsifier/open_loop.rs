@@ -1,6 +1,6 @@
 use super::optimizer::{CmaEs, CrossEntropy, Optimizer};
 use super::{Falsifier, Simulator, TrainError, WalkPolicy};
-use crate::env::{ActionSpec, Cast, Outcome};
+use crate::env::{ActionSpec, Cast, Criterion, Outcome};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
@@ -120,11 +120,11 @@ impl OpenLoop {
         }
     }
 
-    fn cost(&self, outcome: &Outcome, has_goal: bool) -> f64 {
-        match (self.plan.reward, has_goal) {
-            (Some(_), _) | (_, true) => -outcome.reward,
+    fn cost(&self, outcome: &Outcome, criterion: Criterion) -> f64 {
+        match (self.plan.reward, criterion) {
+            (Some(_), _) | (_, Criterion::Violation(_)) => -outcome.reward,
             _ if !outcome.counts() => f64::INFINITY,
-            _ => outcome.impact_speed().map_or(outcome.least_gap, |speed| -1.0 - speed),
+            _ => criterion.margin(outcome, &[]).unwrap_or(f64::INFINITY),
         }
     }
 
@@ -167,7 +167,7 @@ impl OpenLoop {
                 if env.is_failure() && self.plan.on.after_failure == AfterFailure::Next {
                     return Some(());
                 }
-                costs.push(self.cost(&outcome, env.scenario().goal.is_some()));
+                costs.push(self.cost(&outcome, env.scenario().criterion));
             }
             optimizer.tell(&points, &costs);
         }

@@ -196,7 +196,8 @@ impl<'a> Simulator<'a> {
         self.starts.insert(self.start);
         if let Some(cell) = FailureCell::new(&self.env).filter(|_| self.env.is_failure()) {
             let commands = self.commands.clone();
-            let violation = self.scenario.goal.and_then(|goal| self.env.degrees().get(goal).copied());
+            let violation =
+                self.scenario.criterion.requirement().and_then(|place| self.env.degrees().get(place).copied());
             let (start, ticks, simulations) = (self.start, self.used, self.episodes + self.left_out);
             self.failures.push(Failure { start, ticks, simulations, commands, outcome, violation, cell });
         }

@@ -3,9 +3,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::env::{Outcome, Scenario, Trace};
+use crate::env::{Criterion, Outcome, Scenario, Trace};
 use crate::falsifier::{WalkPolicy, evaluate_noting};
-use crate::judge::{Verdict, judge};
+use crate::judge::{Blame, Judged};
 use base::seed::Seed;
 
 /// Time over which a deceleration is averaged (s): a peak of one tick is felt by none.
@@ -86,7 +86,7 @@ pub(super) struct Drive {
 
 impl Drive {
     pub fn new(scenario: &Scenario, outcome: &Outcome, trace: &Trace, hard_braking: f64) -> Self {
-        let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(scenario))).flatten();
+        let judged = Judged::by(Criterion::Collision, outcome, &trace.main_pair(scenario));
         let frames = trace.vehicle(0);
         let dt = scenario.episode.tick;
         let window = ((BRAKING_TIME / dt).round() as usize).max(1);
@@ -97,7 +97,7 @@ impl Drive {
         Self {
             counts: outcome.counts(),
             error: outcome.fault().is_some(),
-            fault: outcome.counts() && verdict.as_ref().is_some_and(Verdict::is_fault),
+            fault: outcome.counts() && judged.is(Criterion::Collision, Blame::Fault),
             hard_braking: hardest > hard_braking,
             distance: steps.map(|(one, next)| (next.state.pose.position() - one.state.pose.position()).norm()).sum(),
             time: outcome.duration,

@@ -1,14 +1,13 @@
 use std::sync::Arc;
 
-use rand::RngExt;
-
 use super::drive::{Drive, Traffic, drives};
 use super::rounds::Hardening;
 use crate::env::Scenario;
 use crate::falsifier::optimizer::{CmaEs, Optimizer};
 use crate::falsifier::{WalkPolicy, walk_again};
+use crate::likelihood::latin_hypercube;
 use crate::sim::WalkCommand;
-use base::seed::{Seed, Stream};
+use base::seed::Seed;
 
 /// Standard deviation of the first generation of the local search; 1 is the range of a key.
 const FIRST_STEP: f64 = 0.2;
@@ -106,7 +105,7 @@ pub(super) fn repair(
     let dimensions = plan.driver.keys.len();
     let spread = (plan.candidates / 2).max(1) as usize;
     let mut first = Vec::new();
-    for point in latin(spread, dimensions, &mut stream) {
+    for point in latin_hypercube(spread, dimensions, &mut stream) {
         let candidate = try_out(plan.driver.values(&point), Some(&reference))?;
         consider(&candidate);
         first.push((candidate.cost(), point));
@@ -137,21 +136,6 @@ pub(super) fn repair(
 fn best_cost(all: &[(f64, Vec<f64>)]) -> f64 {
     // The present values have been considered; here they only are a further place to start from, behind better ones.
     all.iter().map(|(cost, _)| *cost).fold(f64::INFINITY, f64::min) + 1e-9
-}
-
-/// A Latin hypercube: each coordinate meets each of `count` strata once.
-fn latin(count: usize, dimensions: usize, stream: &mut Stream) -> Vec<Vec<f64>> {
-    let mut points = vec![Vec::with_capacity(dimensions); count];
-    for _ in 0..dimensions {
-        let mut strata: Vec<usize> = (0..count).collect();
-        for place in (1..count).rev() {
-            strata.swap(place, stream.random_range(0..=place));
-        }
-        for (point, stratum) in points.iter_mut().zip(strata) {
-            point.push((stratum as f64 + stream.random::<f64>()) / count as f64);
-        }
-    }
-    points
 }
 
 /// Lets the driver with these values meet all lessons and natural traffic. Without a reference it is its own.

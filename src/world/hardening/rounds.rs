@@ -7,9 +7,9 @@ use super::drive::{Traffic, TrafficRule};
 use super::repair::{Kept, Lessons, Repaired, repair};
 use super::tested::{Tested, test};
 use super::tunable::Tunable;
-use crate::env::Scenario;
+use crate::env::{Criterion, Outcome, Scenario, Trace};
 use crate::falsifier::{Controller, Failure, Falsifier, Simulator, TrainError, follow};
-use crate::judge::{Verdict, judge};
+use crate::judge::{Blame, Judged};
 use base::seed::Seed;
 
 /// Most failures that a search leaves for repairs, each from another start, evenly from all of them.
@@ -153,8 +153,11 @@ pub(super) fn faults<'a>(scenario: &Arc<Scenario>, seed: Seed, failures: &'a [Fa
             continue;
         }
         let met = follow(scenario, seed, failure.start, &failure.commands);
-        let verdict = met.and_then(|(_, trace)| judge(&trace.main_pair(scenario)));
-        if verdict.as_ref().is_some_and(Verdict::is_fault) {
+        let is_fault = |(outcome, trace): (Outcome, Trace)| {
+            Judged::by(Criterion::Collision, &outcome, &trace.main_pair(scenario))
+                .is(Criterion::Collision, Blame::Fault)
+        };
+        if met.is_some_and(is_fault) {
             found.insert(failure.start, failure);
         }
     }

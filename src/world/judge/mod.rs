@@ -18,7 +18,8 @@
 //! 5. A collision that both careful humans avoid is *preventable*. It is a *fault* ([`Class`]) if the pedestrian moved as people do and was hit
 //!    by the front or driven into, at walking pace or more, and both humans have 0.1 m to spare.
 //!
-//! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording.
+//! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording. A [`Judged`] episode has its outcome,
+//! the verdict on its touch and those on the violations of requirements.
 //!
 //! [`ViolationVerdict`] asks both careful humans about a requirement that is violated.
 //!
@@ -44,6 +45,7 @@ mod inquiry;
 mod false_alarms;
 mod verdict;
 mod violation;
+mod judged;
 mod near_miss;
 mod lane_departure;
 mod oracle;
@@ -60,6 +62,7 @@ pub use encounter::{Encounter, Step};
 pub use false_alarms::FalseAlarms;
 pub use foreseeable::PedestrianMotion;
 pub use inquiry::Inquiry;
+pub use judged::{Blame, Judged, JudgedDegree};
 pub use lane_departure::LaneDeparture;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
@@ -72,4 +75,4 @@ pub use severity::{HARD, fatality_risk, severe_injury_risk};
 pub use sight::Sight;
 pub use trial::Trial;
 pub use verdict::{CLEAR, Label, Verdict, judge};
-pub use violation::{Question, ViolationVerdict};
+pub use violation::{NoVerdict, ViolationVerdict};

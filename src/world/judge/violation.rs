@@ -8,37 +8,31 @@ use base::choice;
 use base::signature::Requirement;
 
 choice! {
-    /// Whether the careful humans can be asked about a requirement.
+    /// Why careful humans cannot be asked about a requirement.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-    pub enum Question {
-        /// They are.
-        Asked = "asked",
-        /// It says nothing of a pedestrian, to whom they would react.
+    pub enum NoVerdict {
+        /// It does not mention a pedestrian, to whom they would react.
         NoPedestrian = "no_pedestrian",
-        /// It says how hard the car brakes. They never brake less than the driver did, so they would violate it as well.
+        /// It mentions how hard the car brakes. They never brake less than the driver did, so they would violate it as well.
         Braking = "braking",
     }
 }
 
-impl Question {
-    pub fn of(requirement: &Requirement) -> Self {
+impl NoVerdict {
+    /// Why violations of a requirement have no verdict; `None` if they have.
+    pub fn of(requirement: &Requirement) -> Option<Self> {
         if !requirement.mentions(&is_about_pedestrian) {
-            Self::NoPedestrian
-        } else if requirement.mentions(&is_about_braking) {
-            Self::Braking
+            Some(Self::NoPedestrian)
         } else {
-            Self::Asked
+            requirement.mentions(&is_about_braking).then_some(Self::Braking)
         }
     }
 
-    /// Why there is no verdict, in words; none if there is one.
-    pub fn refusal(self) -> Option<&'static str> {
+    /// The reason in words.
+    pub fn reason(self) -> &'static str {
         match self {
-            Self::Asked => None,
-            Self::NoPedestrian => Some("it says nothing of a pedestrian"),
-            Self::Braking => {
-                Some("it says how hard the car brakes, and careful humans never brake less than the driver")
-            }
+            Self::NoPedestrian => "it says nothing of a pedestrian",
+            Self::Braking => "it says how hard the car brakes, and careful humans never brake less than the driver",
         }
     }
 }
@@ -62,9 +56,9 @@ pub struct ViolationVerdict {
 }
 
 impl ViolationVerdict {
-    /// Asks the careful humans about a requirement with this degree in an episode; none if it is satisfied, and if they cannot be asked.
+    /// Asks the careful humans about a requirement with this degree in an episode; `None` if it is satisfied, or if they cannot be asked.
     pub fn new(pair: &Pair<'_>, requirement: &Requirement, degree: &Degree) -> Option<Self> {
-        if !degree.is_violated() || Question::of(requirement) != Question::Asked || pair.is_empty() {
+        if !degree.is_violated() || NoVerdict::of(requirement).is_some() || pair.is_empty() {
             return None;
         }
         let sample = degree.sample as usize;
@@ -81,12 +75,6 @@ impl ViolationVerdict {
         let counts = |_: &_| Inquiry::new(&pair).is_some_and(|mut inquiry| inquiry.class() == Class::Fault);
         let fault = preventable && foreseeable && touch.as_ref().is_none_or(counts);
         Some(Self { preventable, foreseeable, fault, danger: danger as u32 })
-    }
-
-    /// The verdicts on all requirements of an episode, in their order.
-    pub fn of_all(pair: &Pair<'_>) -> Vec<Option<Self>> {
-        let named = pair.scenario().requirements.iter();
-        named.zip(pair.degrees()).map(|(named, degree)| Self::new(pair, &named.requirement, degree)).collect()
     }
 
     /// What it is called in lists.

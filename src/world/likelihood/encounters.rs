@@ -1,36 +1,26 @@
 use std::sync::Arc;
 
-use super::{Encounter, Event, Events};
-use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use super::Encounter;
+use crate::env::{Criterion, Outcome, PedestrianEnv, Scenario, Trace};
 use crate::falsifier::WalkPolicy;
-use crate::judge::{ViolationVerdict, judge};
-use crate::requirement::Degree;
+use crate::judge::{Blame, Judged};
 use crate::sim::WalkCommand;
 use base::seed::Seed;
-
-/// What is asked about encounters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Question {
-    /// Collisions.
-    Collision,
-    /// Violations of the requirement in this place of the scenario's.
-    Requirement(usize),
-}
 
 /// Encounters of a scenario's driver and a walker in our simulator.
 pub struct Encounters {
     env: PedestrianEnv,
     walker: Box<dyn WalkPolicy>,
-    question: Question,
+    criterion: Criterion,
     commands: Vec<WalkCommand>,
     trace: Trace,
 }
 
 impl Encounters {
-    pub fn new(scenario: &Arc<Scenario>, walker: Box<dyn WalkPolicy>, question: Question) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, walker: Box<dyn WalkPolicy>, criterion: Criterion) -> Self {
         let env = PedestrianEnv::new(scenario.clone(), Seed::root(0));
         let commands = vec![WalkCommand::default(); scenario.cast.pedestrian_count()];
-        Self { trace: Trace::new(scenario), env, walker, question, commands }
+        Self { trace: Trace::new(scenario), env, walker, criterion, commands }
     }
 
     /// Runs the encounter with a number and a seed. The number chooses the cell if the spawn rule goes through cells in turn.
@@ -44,8 +34,8 @@ impl Encounters {
         }
         ticks += u64::from(self.env.world().ticks);
         let counts = self.env.outcome().is_some_and(Outcome::counts);
-        let mut events = [false; Event::COUNT];
-        if counts && self.has_failed() {
+        let mut events = [false; Blame::COUNT];
+        if self.has_failed() {
             events = self.judge(number, seed);
             ticks += u64::from(self.env.run_up_ticks()) + u64::from(self.env.world().ticks);
         }
@@ -67,42 +57,24 @@ impl Encounters {
         false
     }
 
+    /// Whether it counts and is a failure.
     fn has_failed(&self) -> bool {
-        match self.question {
-            Question::Collision => self.env.outcome().is_some_and(Outcome::is_collision),
-            Question::Requirement(place) => self.env.degrees().get(place).is_some_and(Degree::is_violated),
-        }
+        self.env.outcome().is_some_and(|outcome| outcome.counts() && self.criterion.is_met(outcome, self.env.degrees()))
     }
 
     /// Repeats the encounter with a trace and judges it.
-    fn judge(&mut self, number: u64, seed: &Seed) -> Events {
+    fn judge(&mut self, number: u64, seed: &Seed) -> [bool; Blame::COUNT] {
         self.begin(number, seed);
-        let mut trace = std::mem::replace(&mut self.trace, Trace::new(self.env.scenario()));
-        trace.begin(self.env.world());
+        self.trace.begin(self.env.world());
         while self.env.outcome().is_none() {
             if self.choose() {
-                trace.watch_decision(&mut self.env, &self.commands);
+                self.trace.watch_decision(&mut self.env, &self.commands);
             }
         }
-        let mut events = [false; Event::COUNT];
         // A driver that is not deterministic may not fail again.
-        if self.env.outcome().is_some_and(Outcome::counts) && self.has_failed() {
-            let scenario = self.env.scenario();
-            let pair = trace.main_pair(scenario);
-            let (preventable, fault) = match self.question {
-                Question::Collision => {
-                    judge(&pair).map_or((false, false), |verdict| (verdict.is_preventable(), verdict.is_fault()))
-                }
-                Question::Requirement(place) => {
-                    let verdict = self.env.degrees().get(place).and_then(|degree| {
-                        ViolationVerdict::new(&pair, &scenario.requirements[place].requirement, degree)
-                    });
-                    verdict.map_or((false, false), |verdict| (verdict.preventable, verdict.fault))
-                }
-            };
-            events = [true, preventable, fault];
-        }
-        self.trace = trace;
-        events
+        let outcome = self.env.outcome().filter(|_| self.has_failed());
+        outcome.map_or([false; Blame::COUNT], |outcome| {
+            Judged::by(self.criterion, outcome, &self.trace.main_pair(self.env.scenario())).blames(self.criterion)
+        })
     }
 }

@@ -1,6 +1,6 @@
 use rayon::prelude::*;
 
-use super::{Event, Events};
+use crate::judge::Blame;
 use base::seed::Seed;
 use base::statistics::clopper_pearson;
 
@@ -14,8 +14,8 @@ const ROW: usize = 50;
 /// When an estimate ends.
 #[derive(Clone, Copy)]
 pub struct Limits<'a> {
-    /// The event that the relative error is about.
-    pub event: Event,
+    /// The failures that the relative error is about.
+    pub event: Blame,
     /// The relative error at which it ends.
     pub relative_error: f64,
     /// Maximum number of ticks. A batch that has begun is finished.
@@ -30,14 +30,14 @@ pub struct Limits<'a> {
 pub struct Encounter {
     /// Whether it counts. The driver may be lost before a pedestrian had any part in it.
     pub counts: bool,
-    pub events: Events,
+    pub events: [bool; Blame::COUNT],
     pub ticks: u64,
 }
 
 /// The probability of an event in an encounter, with a 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Likelihood {
-    pub event: Event,
+    pub event: Blame,
     /// The probability, 0 to 1.
     pub probability: f64,
     /// The 95 % interval. If the event was never seen, it begins at 0, and its end is a one-sided bound.
@@ -52,7 +52,7 @@ pub struct Likelihood {
 /// How likely failures are.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Estimate {
-    /// One for each event, in the order of [`Event`].
+    /// One for each event, in the order of [`Blame`].
     pub likelihoods: Vec<Likelihood>,
     /// Number of encounters.
     pub encounters: u64,
@@ -67,7 +67,7 @@ pub struct Estimate {
 
 impl Likelihood {
     /// Of a number of independent encounters, in some of which the event was seen.
-    pub fn new(event: Event, seen: u64, encounters: u64) -> Self {
+    pub fn new(event: Blame, seen: u64, encounters: u64) -> Self {
         let alpha = if seen == 0 { 2.0 * ALPHA } else { ALPHA };
         let (low, high) = clopper_pearson(seen, encounters, alpha);
         let probability = seen as f64 / (encounters.max(1)) as f64;
@@ -77,7 +77,7 @@ impl Likelihood {
 }
 
 impl Estimate {
-    pub fn of(&self, event: Event) -> &Likelihood {
+    pub fn of(&self, event: Blame) -> &Likelihood {
         &self.likelihoods[event as usize]
     }
 
@@ -105,7 +105,7 @@ pub fn estimate<W: FnMut(u64, &Seed) -> Encounter>(
     let wanted = (1.0 / (limits.relative_error * limits.relative_error)).ceil() as u64;
     let target = limits.event as usize;
     let (mut encounters, mut counted, mut ticks) = (0, 0, 0);
-    let mut seen = [0; Event::COUNT];
+    let mut seen = [0; Blame::COUNT];
     let (mut enough, mut stopped) = (false, false);
     while !enough && ticks < limits.budget {
         stopped = (limits.stop)();
@@ -125,13 +125,13 @@ pub fn estimate<W: FnMut(u64, &Seed) -> Encounter>(
         }
         (limits.progress)(ticks);
     }
-    let likelihood = |event: &Event| {
+    let likelihood = |event: &Blame| {
         let plain = Likelihood::new(*event, seen[*event as usize], counted);
         let unbiased = (plain.seen as f64 - 1.0) / (counted as f64 - 1.0);
         let probability = if enough && *event == limits.event { unbiased } else { plain.probability };
         Likelihood { probability, ..plain }
     };
-    let likelihoods = Event::ALL.iter().map(likelihood).collect();
+    let likelihoods = Blame::ALL.iter().map(likelihood).collect();
     Estimate { likelihoods, encounters, counted, ticks, short: !enough, stopped }
 }
 

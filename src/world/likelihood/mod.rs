@@ -6,13 +6,12 @@ mod box_of_starts;
 mod cover;
 mod encounters;
 mod estimate;
-mod event;
 
 #[cfg(test)]
 mod tests;
 
 pub use box_of_starts::BoxOfStarts;
+pub(crate) use cover::latin_hypercube;
 pub use cover::{CoverConfig, Coverage, Look, Picture, Point, Sampled, cover};
-pub use encounters::{Encounters, Question};
+pub use encounters::Encounters;
 pub use estimate::{Encounter, Estimate, Likelihood, Limits, encounters_needed, estimate};
-pub use event::{Event, Events};

@@ -1,4 +1,5 @@
 use super::*;
+use crate::judge::Blame;
 use base::seed::Seed;
 use base::statistics::normal_quantile;
 use rand::RngExt;
@@ -22,21 +23,21 @@ fn counted(seed: u64, relative_error: f64, budget: u64) -> Estimate {
         let fails = branches(x, y) >= 0.0;
         Encounter { counts: true, events: [fails, false, fails && x + y > 0.0], ticks: 1 }
     };
-    let limits = Limits { event: Event::Failure, relative_error, budget, stop: &|| false, progress: &|_| {} };
+    let limits = Limits { event: Blame::Any, relative_error, budget, stop: &|| false, progress: &|_| {} };
     estimate(&|| run, &Seed::root(seed), limits)
 }
 
 #[test]
 fn estimates_are_unbiased_and_intervals_hold_the_answer() {
     let all: Vec<Estimate> = (0..40).map(|seed| counted(seed, 0.2, 1_000_000)).collect();
-    let ratios: Vec<f64> = all.iter().map(|each| each.of(Event::Failure).probability / ANSWER).collect();
+    let ratios: Vec<f64> = all.iter().map(|each| each.of(Blame::Any).probability / ANSWER).collect();
     let mean = ratios.iter().sum::<f64>() / 40.0;
     let spread = (ratios.iter().map(|ratio| (ratio - mean) * (ratio - mean)).sum::<f64>() / 39.0).sqrt();
     assert!((mean - 1.0).abs() < 3.0 * spread / 40.0_f64.sqrt(), "{mean} of the answer");
-    let holds = |each: &&Estimate| (each.of(Event::Failure).low..=each.of(Event::Failure).high).contains(&ANSWER);
+    let holds = |each: &&Estimate| (each.of(Blame::Any).low..=each.of(Blame::Any).high).contains(&ANSWER);
     assert!(all.iter().filter(holds).count() >= 36);
-    assert!(all.iter().all(|each| each.of(Event::Failure).seen == 25 && !each.short));
-    let fault = *all[0].of(Event::Fault);
+    assert!(all.iter().all(|each| each.of(Blame::Any).seen == 25 && !each.short));
+    let fault = *all[0].of(Blame::Fault);
     assert!((fault.low..=fault.high).contains(&(ANSWER / 2.0)), "{fault:?}");
 }
 
@@ -44,7 +45,7 @@ fn estimates_are_unbiased_and_intervals_hold_the_answer() {
 fn a_budget_ends_an_estimate_and_an_unseen_event_has_a_bound() {
     let estimate = counted(3, 0.001, 2000);
     assert!(estimate.short && estimate.encounters >= 2000 && estimate.counted == estimate.encounters);
-    let unseen = estimate.of(Event::Preventable);
+    let unseen = estimate.of(Blame::Preventable);
     assert_eq!((unseen.probability, unseen.low, unseen.relative_error), (0.0, 0.0, None));
     // 0 of n: 1 - 0.05^(1/n).
     assert!((unseen.high - (1.0 - libm::pow(0.05, 1.0 / estimate.counted as f64))).abs() < 1e-12);
@@ -55,7 +56,7 @@ fn a_wanted_bound_needs_three_times_as_many_encounters_as_one_in_how_many() {
     assert_eq!([0.05, 1e-3, 1e-5].map(encounters_needed), [59, 2995, 299_572]);
     for bound in [0.05, 1e-3, 1e-5] {
         let needed = encounters_needed(bound);
-        let high = |encounters| Likelihood::new(Event::Fault, 0, encounters).high;
+        let high = |encounters| Likelihood::new(Blame::Fault, 0, encounters).high;
         assert!(high(needed) <= bound && high(needed - 1) > bound, "{bound}");
     }
 }

@@ -10,11 +10,11 @@ use crate::session::{EpisodeName, Error, Source};
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
 use learn::ActorCritic;
-use results::campaign::repeat_episodes;
+use results::campaign::Repeatable;
 use results::report::{self, Encounter, ListedFailure, Met, WalkedBy};
-use world::env::{Outcome, Scenario, Trace, VehicleRole};
+use world::env::{Criterion, Outcome, Scenario, Trace, VehicleRole};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_noting, recorded_commands, walk_again};
-use world::judge::judge;
+use world::judge::Judged;
 
 /// What became of a failure.
 #[derive(Debug, Default)]
@@ -44,9 +44,8 @@ impl Source {
     ) -> MetAgain {
         let number = failure.number as u32;
         let play = |evaluation: &Evaluation| -> Option<Played> {
-            let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-            let played = repeat_episodes(evaluation, trained, &[number], &self.seed, note);
-            played.into_iter().next().map(|(_, played)| played)
+            let seen = Repeatable::Episode { evaluation, networks: trained, number }.repeat(&self.seed)?;
+            Some((seen.judged.outcome, seen.trace))
         };
         let before = old.then(|| play(evaluation)).flatten();
         let after = Evaluation { scenario: with_driver(&evaluation.scenario, role), ..evaluation.clone() };
@@ -91,8 +90,7 @@ impl Source {
 }
 
 fn end(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> Met {
-    let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(scenario))).flatten();
-    Met::new(outcome, verdict.as_ref())
+    Met::new(&Judged::by(Criterion::Collision, outcome, &trace.main_pair(scenario)))
 }
 
 fn met_again(

@@ -6,6 +6,7 @@ use crate::campaign::SearchResult;
 use crate::report::ListedFailure;
 use base::statistics::mean;
 use compile::Driver;
+use world::judge::Blame;
 
 /// The failures of a driver that searches found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -124,14 +125,14 @@ fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
         return None;
     }
     let sum = of_driver.iter().fold(SearchFailures::default(), |sum, search| {
-        let all = search.spent.failures.len();
-        let count = |counts: fn((bool, bool)) -> bool| (0..all).filter(|place| counts(search.blame(*place))).count();
+        let count = |blame| search.finds().filter(|find| find.is(blame)).count();
         SearchFailures {
-            all: sum.all + all,
-            preventable: sum.preventable + count(|(preventable, _)| preventable),
-            fault: sum.fault + count(|(_, fault)| fault),
+            all: sum.all + search.spent.failures.len(),
+            preventable: sum.preventable + count(Blame::Preventable),
+            fault: sum.fault + count(Blame::Fault),
             fault_if: std::array::from_fn(|place| {
-                let changed = search.verdicts.iter().flatten().filter(|verdict| verdict.sensitivity.values()[place]);
+                let verdicts = search.finds().filter_map(|find| find.verdict());
+                let changed = verdicts.filter(|verdict| verdict.sensitivity.values()[place]);
                 sum.fault_if[place] + changed.count()
             }),
             injury_per_thousand: None,

@@ -2,8 +2,10 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{DataFrame, PolarsResult};
 
+use super::requirements::RequirementRow;
+use crate::campaign::SearchResult;
 use crate::record::{CellKey, RunKey};
-use crate::report::listed_failure::{ListedFailure, listed, searched, violations};
+use crate::report::listed_failure::{ListedFailure, listed};
 use compile::RunId;
 
 /// The most failures of a driver that are listed. The tables `episodes` and `search_failures` have all.
@@ -53,22 +55,15 @@ impl Failures {
     }
 
     /// Adds the failures that searches found.
-    ///
-    /// # Errors
-    /// As [`Failures::add`], for a table made by `search_failures`.
-    pub fn add_searches(&mut self, failures: &DataFrame) -> PolarsResult<()> {
-        searched(failures)?.into_iter().for_each(|found| self.insert(found));
-        Ok(())
+    pub fn add_searches(&mut self, searches: &[SearchResult]) {
+        searches.iter().flat_map(SearchResult::finds).for_each(|find| self.insert(ListedFailure::from(&find)));
     }
 
-    /// Adds the violations of a run or of a part of it: rows of a table of requirements, which have the same key.
-    ///
-    /// # Errors
-    /// As [`Failures::add`], for a table made by `requirement_table`.
-    pub fn add_violations(&mut self, key: &CellKey, rows: &DataFrame) -> PolarsResult<()> {
+    /// Adds the violations of a run or of a part of it that count.
+    pub fn add_violations(&mut self, key: &CellKey, rows: &[RequirementRow]) {
         let name = |failure: &ListedFailure| failure.violation.as_ref().map(|found| found.requirement.clone());
-        let is_own = |failure: &ListedFailure| failure.violation.as_ref().is_some_and(|found| !found.at_collision);
-        for found in violations(rows)?.into_iter().filter(is_own) {
+        let is_own = |row: &&RequirementRow| row.counts && row.degree.is_violated() && !row.at_collision;
+        for found in rows.iter().filter(is_own).map(ListedFailure::from) {
             let same = |(cell, other): &&mut (CellKey, ListedFailure)| cell == key && name(other) == name(&found);
             match self.violations.iter_mut().find(same) {
                 Some((_, worst)) if found.worse_first(worst).is_lt() => *worst = found,
@@ -76,7 +71,6 @@ impl Failures {
                 None => self.violations.push((key.clone(), found)),
             }
         }
-        Ok(())
     }
 
     /// The worst violation of each requirement in each cell that has any, with its cell.

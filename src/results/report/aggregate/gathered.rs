@@ -5,7 +5,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
 use super::run_totals::RunTotals;
-use super::{Episodes, Failures, Run, search_failures, search_references};
+use super::{Episodes, Failures, Run, search_references};
 use crate::campaign::SearchResult;
 use crate::record::{self, EPISODES, EpisodeTable, REFERENCE_DRIVERS};
 use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
@@ -118,9 +118,8 @@ pub fn gather(
                 for (index, row) in rows.iter().enumerate().filter(|(_, row)| row.counts) {
                     violations[index % named.len()].add(row);
                 }
-                let rows = table.frame(&rows);
-                gathered.failures.add_violations(&run.key.cell, &rows).map_err(failed)?;
-                file.add(&rows)?;
+                gathered.failures.add_violations(&run.key.cell, &rows);
+                file.add(&table.frame(&rows))?;
             }
             kinds.add(&part).map_err(failed)?;
             evidence.add(&part).map_err(failed)?;
@@ -147,7 +146,7 @@ pub fn gather(
     }
     references.add(&record::reference_drivers(&search_references(searches)).map_err(failed)?)?;
     references.finish()?;
-    gathered.failures.add_searches(&search_failures(searches)).map_err(failed)?;
+    gathered.failures.add_searches(searches);
     gathered.evidence = evidence.finish();
     Ok(gathered)
 }

@@ -289,7 +289,7 @@ mod tests {
     use world::av::{DrivingMode, Fault};
     use world::env::{Ending, Outcome, Spawn};
     use world::geometry::Pose;
-    use world::judge::{ContactSide, Sensitivity, Sight, Trial, Verdict};
+    use world::judge::{ContactSide, Judged, Sensitivity, Sight, Trial, Verdict};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Touch {
@@ -330,27 +330,29 @@ mod tests {
         EpisodeRow {
             key: RunKey { id: format!("{run:08x}").parse().unwrap(), cell, run }.into(),
             episode,
-            outcome: Outcome {
-                spawn,
-                start: 0,
-                run_up: 0,
-                left_out: None,
-                ending,
-                reward,
-                ticks: 10,
-                duration: 0.5,
-                least_gap,
-                on_crosswalk: false,
-                last_mode,
-                digest: 7,
-                state_hashes: Default::default(),
+            judged: Judged {
+                outcome: Outcome {
+                    spawn,
+                    start: 0,
+                    run_up: 0,
+                    left_out: None,
+                    ending,
+                    reward,
+                    ticks: 10,
+                    duration: 0.5,
+                    least_gap,
+                    on_crosswalk: false,
+                    last_mode,
+                    digest: 7,
+                    state_hashes: Default::default(),
+                },
+                verdict,
+                degrees: Vec::new(),
             },
-            verdict,
             false_alarms: None,
             near_miss: world::judge::NearMiss::default(),
             lane: None,
             motion: Default::default(),
-            degrees: Vec::new(),
             weight: 1.0,
         }
     }
@@ -393,8 +395,8 @@ mod tests {
     fn episodes_in_error_count_as_errors_and_nowhere_else() {
         let failed = |run, episode| {
             let mut row = row(run, episode, None);
-            row.outcome.ending = Ending::Error(Fault::Ended);
-            row.outcome.reward = 100.0;
+            row.judged.outcome.ending = Ending::Error(Fault::Ended);
+            row.judged.outcome.reward = 100.0;
             row
         };
         let rows = [row(0, 0, Some((true, 4.0))), failed(0, 1), row(0, 2, None), failed(1, 0)];
@@ -410,7 +412,7 @@ mod tests {
     #[test]
     fn a_new_quantity_of_an_episode_is_a_column_and_a_metric() {
         const HURRY: record::Column<f64> = record::Column::new("hurry", "1/s", "how soon it was over");
-        let entry = HURRY.of(|row: &EpisodeRow| 1.0 / f64::from(row.outcome.ticks));
+        let entry = HURRY.of(|row: &EpisodeRow| 1.0 / f64::from(row.judged.outcome.ticks));
         let table = record::episode_table().column(entry);
         let mut all = record::metrics();
         all.push(Metric::Mean(metric::Mean::new(&HURRY, "mean hurry")));

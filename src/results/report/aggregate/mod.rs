@@ -44,20 +44,21 @@ pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
 pub use requirements::{
     AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
-    REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
-    no_verdict, rate_columns, requirement_table, unit_of, with_rates,
+    REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, RequirementRow, VIOLATED, VIOLATION_FAULT,
+    VIOLATION_FORESEEABLE, no_verdict, rate_columns, requirement_table, unit_of, with_rates,
 };
 pub use results::{RESULTS, results, results_table};
 pub use search_cells::{Average, SearchCell, search_cell_columns, search_cell_table, search_cells};
 pub use search_comparisons::{
     SEARCH_COMPARISONS, SearchComparison, search_comparison_columns, search_comparison_table, search_comparisons,
 };
+pub(super) use search_figures::impact;
 pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
 pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
     BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
-    GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, TRIED, failure_table, search_failure,
-    search_failures, search_key, search_references, search_table, searches,
+    GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, TRIED, failure_table, search_failures,
+    search_key, search_references, search_table, searches,
 };
 pub use survival::MedianTime;
 pub use tick_file::{Wanted, write_ticks};

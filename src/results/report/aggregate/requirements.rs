@@ -6,7 +6,7 @@ use crate::record::episodes::named;
 use crate::record::{CellKey, Column, ColumnReference, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
 use base::statistics::{Weighted, wilson};
 use base::units::Dimension;
-use world::judge::{Question, ViolationVerdict};
+use world::judge::{NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 /// The stem of the files of the table of requirements.
@@ -80,7 +80,8 @@ pub struct RequirementRow {
     pub verdict: Option<ViolationVerdict>,
     /// The time of its danger (s).
     pub danger: Option<f64>,
-    pub question: Question,
+    /// Why a violation has no verdict; empty if it has.
+    pub no_verdict: &'static str,
 }
 
 /// The columns of the table of requirements.
@@ -107,12 +108,12 @@ pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     .column(VIOLATION_FORESEEABLE.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.foreseeable)))
     .column(VIOLATION_FAULT.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.fault)))
     .column(DANGER.of(|row: &RequirementRow| row.danger))
-    .column(NO_VERDICT.of(|row: &RequirementRow| no_verdict(row.question)))
+    .column(NO_VERDICT.of(|row: &RequirementRow| row.no_verdict))
 }
 
-/// Why a requirement has no verdict; empty if it has.
-pub fn no_verdict(question: Question) -> &'static str {
-    if question == Question::Asked { "" } else { question.name() }
+/// Why violations of a requirement have no verdict; empty if they have.
+pub fn no_verdict(named: &NamedRequirement) -> &'static str {
+    NoVerdict::of(&named.requirement).map_or("", NoVerdict::name)
 }
 
 /// The unit of a requirement's robustness, in SI; empty where it is scaled, and of plain numbers.
@@ -135,14 +136,14 @@ pub fn requirement_rows(
 ) -> PolarsResult<Vec<RequirementRow>> {
     let (table, degrees) = (EpisodeTable::new(part)?, DEGREES.read(part)?);
     let (outcomes, ticks, lengths) = (OUTCOME.read(part)?, TICKS.read(part)?, EPISODE_LENGTH.read(part)?);
-    let questions: Vec<Question> = requirements.iter().map(|named| Question::of(&named.requirement)).collect();
+    let reasons: Vec<&'static str> = requirements.iter().map(no_verdict).collect();
     let mut rows = Vec::new();
     for row in table.rows() {
         let Some(degrees) = degrees.get(row).and_then(parse_degrees) else { continue };
         let key = RunKey::read(part, row)?;
         let last = ticks.get(row).unwrap_or_default();
         let length = lengths.get(row).unwrap_or_default();
-        for ((named, question), judged) in requirements.iter().zip(&questions).zip(degrees) {
+        for ((named, reason), judged) in requirements.iter().zip(&reasons).zip(degrees) {
             let (degree, verdict) = (judged.degree, judged.verdict);
             let parts = &named.requirement.parts;
             rows.push(RequirementRow {
@@ -162,7 +163,7 @@ pub fn requirement_rows(
                 at_collision: outcomes.get(row) == Some(named::COLLISION) && degree.sample == last,
                 verdict,
                 danger: verdict.map(|verdict| f64::from(verdict.danger) * tick),
-                question: *question,
+                no_verdict: *reason,
             });
         }
     }
@@ -198,8 +199,8 @@ pub type Counted = fn(&Violations) -> u32;
 pub struct CellRequirement {
     pub key: CellKey,
     pub name: String,
-    /// Whether its violations have a verdict.
-    pub question: Question,
+    /// Why its violations have no verdict; `None` if they have.
+    pub no_verdict: Option<NoVerdict>,
     pub runs: Vec<Violations>,
 }
 
@@ -213,7 +214,7 @@ impl CellRequirement {
 
     /// Whether its violations have a verdict.
     pub fn is_judged(&self) -> bool {
-        self.question == Question::Asked
+        self.no_verdict.is_none()
     }
 
     /// Violations and episodes of all runs.
@@ -254,7 +255,7 @@ pub fn add_run(
             None => cells.push(CellRequirement {
                 key: key.clone(),
                 name: named.name.to_string(),
-                question: Question::of(&named.requirement),
+                no_verdict: NoVerdict::of(&named.requirement),
                 runs: vec![*count],
             }),
         }

@@ -148,7 +148,7 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
     let over = |value: &dyn Fn(&Figures) -> Option<f64>| Average::new(figures.iter().map(value));
     SearchCell {
         key: cell[0].key.clone(),
-        goal: cell[0].goal.as_ref().map(|(named, _)| named.name.to_string()),
+        goal: cell[0].goal().map(|named| named.name.to_string()),
         budget: cell[0].budget,
         runs: cell.len(),
         censored: figures.iter().filter(|figures| figures.first.is_none()).count(),

@@ -1,10 +1,10 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::Impact;
-use crate::campaign::{Evaluated, SearchResult};
+use crate::campaign::SearchResult;
 use world::env::{Ending, Outcome};
 use world::falsifier::Failure;
-use world::judge::{Class, Verdict};
+use world::judge::{Blame, Class, Judged, Verdict};
 
 // The names of the figures, as columns of searches have them; cells of searches summarise these.
 pub(super) const FAILURE_COUNT: &str = "failures";
@@ -101,18 +101,15 @@ impl Figures {
         let share = |part: usize, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
         let cells: BTreeSet<_> = spent.failures.iter().map(|failure| failure.cell).collect();
         let is_judged = result.is_judged();
-        let blamed: Vec<(&Failure, (bool, bool))> =
-            spent.failures.iter().enumerate().map(|(number, failure)| (failure, result.blame(number))).collect();
-        let judged = |counts: fn((bool, bool)) -> bool| {
-            let found = blamed.iter().filter(|(_, blame)| counts(*blame));
-            let cells: Vec<_> = found.map(|(failure, _)| failure.cell).collect();
+        let of = |blame| result.finds().filter(move |find| find.is(blame)).map(|find| find.failure);
+        let judged = |blame| {
+            let cells: Vec<_> = of(blame).map(|failure| failure.cell).collect();
             [cells.len(), cells.into_iter().collect::<BTreeSet<_>>().len()]
         };
-        let (preventable, fault) = (judged(|(preventable, _)| preventable), judged(|(_, fault)| fault));
-        let faults = || blamed.iter().filter(|(_, (_, fault))| *fault).map(|(failure, _)| failure);
-        let found = spent.failures.iter().zip(&result.verdicts);
-        let found: Vec<(&Failure, &Verdict)> =
-            found.filter_map(|(failure, verdict)| Some((failure, verdict.as_ref()?))).collect();
+        let (preventable, fault) = (judged(Blame::Preventable), judged(Blame::Fault));
+        let faults = || of(Blame::Fault);
+        let found: Vec<(&Failure, Verdict)> =
+            result.finds().filter_map(|find| Some((find.failure, find.verdict()?))).collect();
         let starts_with = |is: &dyn Fn(&Verdict) -> bool| {
             let of_these = found.iter().filter(|(_, verdict)| is(verdict));
             of_these.map(|(failure, _)| failure.start).collect::<BTreeSet<_>>().len()
@@ -124,10 +121,10 @@ impl Figures {
         let touches = TOUCHES.map(|class| found.iter().filter(|(_, verdict)| verdict.class() == class).count());
         let if_so = |place: usize| starts_with(&|verdict| verdict.sensitivity.values()[place]);
         let fault_start_rates_if = [0, 1, 2, 3].map(|place| share(if_so(place), spent.starts.count()));
-        let evaluated: Vec<&Evaluated> = result.evaluated.iter().filter(|each| each.outcome.counts()).collect();
+        let evaluated: Vec<&Judged> = result.evaluated.iter().filter(|each| each.outcome.counts()).collect();
         let number = evaluated.len() as u64;
-        let evaluated_failures = evaluated.iter().filter(|each| each.is_failure()).count();
-        let evaluated_faults = evaluated.iter().filter(|each| each.is_fault()).count();
+        let evaluated_failures = evaluated.iter().filter(|each| each.is(result.criterion(), Blame::Any)).count();
+        let evaluated_faults = evaluated.iter().filter(|each| each.is(result.criterion(), Blame::Fault)).count();
         let reward: f64 = evaluated.iter().map(|each| each.outcome.reward).sum();
         Self {
             ticks: spent.ticks,
@@ -159,7 +156,7 @@ impl Figures {
 }
 
 /// The side of the car that was hit; none of a violation without a touch.
-pub(super) fn impact(outcome: &Outcome) -> Option<Impact> {
+pub(in crate::report) fn impact(outcome: &Outcome) -> Option<Impact> {
     match outcome.ending {
         Ending::Touch { front, bearing, .. } => Some(Impact::new(front, bearing)),
         _ => None,

@@ -4,7 +4,7 @@ use polars::prelude::DataFrame;
 
 use super::searches::search_key;
 use crate::analysis::{Impact, Kind};
-use crate::campaign::SearchResult;
+use crate::campaign::{Find, SearchResult};
 use crate::record::columns::{DRIVING_MODE, EPISODE_LENGTH, IMPACT, IMPACT_SPEED, VERDICT};
 use crate::record::{Column, Table};
 use base::statistics::quantile;
@@ -64,38 +64,35 @@ pub fn search_kinds(results: &[SearchResult]) -> Vec<SearchKind> {
 }
 
 fn kinds_of(cell: &[&SearchResult]) -> Vec<SearchKind> {
-    type Member<'a> = (&'a SearchResult, usize, &'a Failure, Verdict);
+    type Member<'a> = (Find<'a>, Verdict);
     let mut kinds: BTreeMap<Kind, Vec<Member<'_>>> = BTreeMap::new();
     let mut all = 0;
-    for result in cell {
-        for (number, (failure, verdict)) in result.spent.failures.iter().zip(&result.verdicts).enumerate() {
-            let Some((verdict, kind)) = verdict.and_then(|verdict| Some((verdict, kind(&failure.outcome, &verdict)?)))
-            else {
-                continue;
-            };
-            kinds.entry(kind).or_default().push((result, number, failure, verdict));
+    for find in cell.iter().flat_map(|result| result.finds()) {
+        let Some(verdict) = find.verdict() else { continue };
+        if let Some(kind) = kind(&find.failure.outcome, &verdict) {
+            kinds.entry(kind).or_default().push((find, verdict));
             all += 1;
         }
     }
     let median = |members: &[Member<'_>], value: fn(&Failure) -> f64| {
-        let mut values: Vec<f64> = members.iter().map(|(_, _, failure, _)| value(failure)).collect();
+        let mut values: Vec<f64> = members.iter().map(|(find, _)| value(find.failure)).collect();
         values.sort_by(f64::total_cmp);
         quantile(&values, 0.5).unwrap_or_default()
     };
     let mut found: Vec<SearchKind> = kinds
         .into_iter()
         .map(|(kind, members)| {
-            let fault = members.iter().find(|(_, _, _, verdict)| verdict.is_fault());
-            let (result, example, _, _) = fault.unwrap_or(&members[0]);
+            let fault = members.iter().find(|(_, verdict)| verdict.is_fault());
+            let (example, _) = fault.unwrap_or(&members[0]);
             SearchKind {
-                key: result.key.clone(),
+                key: example.key.clone(),
                 kind,
                 failures: members.len(),
-                foreseeable: members.iter().filter(|(_, _, _, verdict)| verdict.foreseeable).count(),
+                foreseeable: members.iter().filter(|(_, verdict)| verdict.foreseeable).count(),
                 share: members.len() as f64 / all as f64,
                 impact_speed: median(&members, |failure| failure.outcome.impact_speed().unwrap_or_default()),
                 length: median(&members, |failure| failure.outcome.duration),
-                example: *example,
+                example: example.number,
             }
         })
         .collect();

@@ -9,7 +9,7 @@ use super::search_figures::{
     FIRST_FAULT, FIRST_SIMULATIONS, Figures, INJURY, PREVENTABLE, TOUCH_COUNTS, impact, per_million,
 };
 use crate::analysis::Impact;
-use crate::campaign::SearchResult;
+use crate::campaign::{Find, SearchResult};
 use crate::record::columns::{
     BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED, POLICY,
     REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,
@@ -17,8 +17,7 @@ use crate::record::columns::{
 use crate::record::{Column, Entry, Table, reference_columns, verdict_columns};
 use compile::SearchKey;
 use world::falsifier::Failure;
-use world::judge::{Question, Verdict, ViolationVerdict};
-use world::requirement::{Degree, NamedRequirement};
+use world::requirement::NamedRequirement;
 
 pub const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the falsifier");
 pub const FAILURE: Column<u64> =
@@ -224,37 +223,14 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     .column(number("evaluated_reward", "", "their mean reward; 0 without a reward").of(|row: &Row<'_>| row.1.evaluated_reward))
 }
 
-/// A failure of a search with its number.
-pub type Found<'a> = (&'a SearchKey, &'a Failure, u64, Option<Verdict>);
-
 /// The failures of all searches as a table, one row each, in the order in which they were found.
 pub fn search_failures(results: &[SearchResult]) -> DataFrame {
-    let mut table = failure_table().frame(&found(results));
-    if results.iter().any(|result| result.goal.is_some()) {
-        let violated = |result| {
-            let SearchResult { goal, spent, violations, .. }: &SearchResult = result;
-            spent.failures.iter().enumerate().map(move |(number, failure)| {
-                let (goal, degree) = goal.as_ref().zip(failure.violation.as_ref())?;
-                Some(Violation { goal, degree, failure, verdict: violations.get(number).copied().flatten() })
-            })
-        };
-        let rows: Vec<Violated<'_>> = results.iter().flat_map(violated).collect();
-        table = table.hstack(&violation_table().values(&rows)).expect("the columns have other names");
+    let finds: Vec<Find<'_>> = results.iter().flat_map(SearchResult::finds).collect();
+    let mut table = failure_table().frame(&finds);
+    if results.iter().any(|result| result.goal().is_some()) {
+        table = table.hstack(&violation_table().values(&finds)).expect("the columns have other names");
     }
     table
-}
-
-/// A violated goal; none of a search for collisions.
-type Violated<'a> = Option<Violation<'a>>;
-
-/// A violated goal.
-#[derive(Debug, Clone, Copy)]
-struct Violation<'a> {
-    /// The goal, and the length of a tick (s).
-    goal: &'a (NamedRequirement, f64),
-    degree: &'a Degree,
-    failure: &'a Failure,
-    verdict: Option<ViolationVerdict>,
 }
 
 pub const GOAL_PREVENTABLE: Column<bool> = Column::new(
@@ -273,75 +249,63 @@ pub const GOAL_FAULT: Column<bool> = Column::new(
     "whether the violation counts against the driver: see `fault` of `requirements`; missing where the goal has no verdict",
 );
 
-/// The columns of the violations of goals.
-fn violation_table<'a>() -> Table<'a, Violated<'a>> {
-    type Row<'a> = Violated<'a>;
-    let part = |row: &Violation<'_>| {
-        let found = row.degree.part.and_then(|part| row.goal.0.requirement.parts.get(usize::from(part)));
-        found.map(|part| part.text.clone())
+/// The columns of the violations of goals; empty of collisions.
+fn violation_table<'a>() -> Table<'a, Find<'a>> {
+    type Row<'a> = Find<'a>;
+    let part = |row: &Row<'_>| {
+        let (named, degree, _) = row.violation()?;
+        Some(named.requirement.parts.get(usize::from(degree.part?))?.text.clone())
     };
-    let instant = |row: Violation<'_>| (f64::from(row.degree.sample) * row.goal.1).min(row.failure.outcome.duration);
-    let verdict = |row: &Row<'_>| row.and_then(|row| row.verdict);
+    fn named<'a>(row: &Find<'a>) -> Option<&'a NamedRequirement> {
+        row.violation().map(|(named, ..)| named)
+    }
+    let verdict = |row: &Row<'_>| row.violation().and_then(|(.., verdict)| verdict);
     Table::new("", "")
-        .column(REQUIREMENT.of(|row: &Row<'_>| row.map(|row| row.goal.0.name.to_string())))
-        .column(PRIORITY.of(|row: &Row<'_>| row.map(|row| row.goal.0.priority)))
-        .column(ROBUSTNESS.of(|row: &Row<'_>| row.map(|row| row.degree.robustness)))
-        .column(ROBUSTNESS_UNIT.of(|row: &Row<'_>| row.map(|row| unit_of(&row.goal.0))))
-        .column(INSTANT.of(move |row: &Row<'_>| row.map(instant)))
-        .column(PART.of(move |row: &Row<'_>| row.as_ref().and_then(part)))
+        .column(REQUIREMENT.of(|row: &Row<'_>| named(row).map(|named| named.name.to_string())))
+        .column(PRIORITY.of(|row: &Row<'_>| named(row).map(|named| named.priority)))
+        .column(ROBUSTNESS.of(|row: &Row<'_>| row.violation().map(|(_, degree, _)| degree.robustness)))
+        .column(ROBUSTNESS_UNIT.of(|row: &Row<'_>| named(row).map(unit_of)))
+        .column(INSTANT.of(|row: &Row<'_>| row.instant()))
+        .column(PART.of(part))
         .column(GOAL_PREVENTABLE.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.preventable)))
         .column(GOAL_FORESEEABLE.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.foreseeable)))
         .column(GOAL_FAULT.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.fault)))
-        .column(NO_VERDICT.of(|row: &Row<'_>| row.map(|row| no_verdict(Question::of(&row.goal.0.requirement)))))
+        .column(NO_VERDICT.of(|row: &Row<'_>| named(row).map(no_verdict)))
 }
 
 /// What the reference drivers did in these failures, as [`reference_drivers`](crate::record::reference_drivers) reads it.
 pub fn search_references(results: &[SearchResult]) -> DataFrame {
-    let of_drivers = reference_columns(|row: &Found<'_>| row.3, |_| None);
+    let finds: Vec<Find<'_>> = results.iter().flat_map(SearchResult::finds).collect();
     Table::new("", "")
-        .column(RUN_ID.of(|row: &Found<'_>| row.0.id.to_string()))
-        .column(EPISODE.of(|row: &Found<'_>| row.2 as u32))
-        .columns(of_drivers)
-        .frame(&found(results))
+        .column(RUN_ID.of(|row: &Find<'_>| row.key.id.to_string()))
+        .column(EPISODE.of(|row: &Find<'_>| row.number as u32))
+        .columns(reference_columns(|row: &Find<'_>| row.verdict(), |_| None))
+        .frame(&finds)
 }
 
-fn found<'a>(results: &'a [SearchResult]) -> Vec<Found<'a>> {
-    let numbered = |result: &'a SearchResult| {
-        let verdict = |number: usize| result.verdicts.get(number).copied().flatten();
-        let failures = result.spent.failures.iter().enumerate();
-        failures.map(move |(number, each)| (&result.key, each, number as u64, verdict(number)))
-    };
-    results.iter().flat_map(numbered).collect()
-}
-
-/// A failure of a search as a row of that table.
-pub fn search_failure(key: &SearchKey, number: u64, failure: &Failure, verdict: Option<Verdict>) -> DataFrame {
-    failure_table().frame(&[(key, failure, number, verdict)])
-}
-
-/// The columns of [`search_failures`].
-pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
-    type Row<'a> = Found<'a>;
+/// The columns of [`search_failures`] that all failures have.
+pub fn failure_table<'a>() -> Table<'a, Find<'a>> {
+    type Row<'a> = Find<'a>;
     let doc = "One row for each failure that a search found, with the commands that lead to it. Where a search has a goal, `requirement`, \
                `priority`, `robustness`, `unit`, `instant_s` and `part` follow, as in `requirements`, and `goal_preventable`, `goal_foreseeable`, \
                `goal_fault` and `no_verdict`.";
     Table::new(FAILURES, doc)
-        .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
-        .columns(search_key(|row: &Row<'_>| row.0))
-        .column(run(|row: &Row<'_>| row.0))
-        .column(FAILURE.of(|row: &Row<'_>| row.2))
-        .column(START.of(|row: &Row<'_>| row.1.start))
-        .column(FOUND_AFTER.of(|row: &Row<'_>| row.1.ticks))
-        .column(IMPACT.of(|row: &Row<'_>| impact(&row.1.outcome).map(Impact::name)))
-        .column(DRIVING_MODE.of(|row: &Row<'_>| row.1.outcome.last_mode.name()))
-        .column(IMPACT_SPEED.of(|row: &Row<'_>| row.1.outcome.impact_speed()))
-        .column(CELL.of(|row: &Row<'_>| row.1.cell.to_string()))
-        .column(EPISODE_REWARD.of(|row: &Row<'_>| row.1.outcome.reward))
-        .column(EPISODE_LENGTH.of(|row: &Row<'_>| row.1.outcome.duration))
-        .column(COMMANDS.of(|row: &Row<'_>| commands(row.1)))
-        .column(DIGEST.of(|row: &Row<'_>| format!("{:016x}", row.1.outcome.digest)))
-        .column(STATE_HASHES.of(|row: &Row<'_>| row.1.outcome.state_hashes.to_string()))
-        .columns(verdict_columns(|row: &Row<'_>| row.3))
+        .column(RUN_ID.of(|row: &Row<'_>| row.key.id.to_string()))
+        .columns(search_key(|row: &Row<'_>| row.key))
+        .column(run(|row: &Row<'_>| row.key))
+        .column(FAILURE.of(|row: &Row<'_>| row.number as u64))
+        .column(START.of(|row: &Row<'_>| row.failure.start))
+        .column(FOUND_AFTER.of(|row: &Row<'_>| row.failure.ticks))
+        .column(IMPACT.of(|row: &Row<'_>| impact(&row.failure.outcome).map(Impact::name)))
+        .column(DRIVING_MODE.of(|row: &Row<'_>| row.failure.outcome.last_mode.name()))
+        .column(IMPACT_SPEED.of(|row: &Row<'_>| row.failure.outcome.impact_speed()))
+        .column(CELL.of(|row: &Row<'_>| row.failure.cell.to_string()))
+        .column(EPISODE_REWARD.of(|row: &Row<'_>| row.failure.outcome.reward))
+        .column(EPISODE_LENGTH.of(|row: &Row<'_>| row.failure.outcome.duration))
+        .column(COMMANDS.of(|row: &Row<'_>| commands(row.failure)))
+        .column(DIGEST.of(|row: &Row<'_>| format!("{:016x}", row.failure.outcome.digest)))
+        .column(STATE_HASHES.of(|row: &Row<'_>| row.failure.outcome.state_hashes.to_string()))
+        .columns(verdict_columns(|row: &Row<'_>| row.verdict()))
 }
 
 /// Commands as `heading@speed` (rad, m/s), with all digits that are needed to read the same numbers back.

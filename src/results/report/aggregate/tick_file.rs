@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::ticks::TICKS;
 use super::{Episodes, ticks};
-use crate::campaign::{Finished, networks, repeat_episodes, repeat_failure};
+use crate::campaign::{self, Finished, networks, repeat_episodes};
 use crate::record::EpisodeTable;
 use crate::report::parquet::ParquetFile;
 use crate::report::{ReportFolder, WriteError};
@@ -80,8 +80,9 @@ impl<'a> Wanted<'a> {
             Repeatable::Search(search, failures) => {
                 let table = |number: &u32| {
                     let failure = &failures[*number as usize];
-                    let (_, trace) = repeat_failure(search, failure.start, &failure.commands, seed)?;
-                    Some(ticks(search.key.id, *number, &search.scenario, &trace))
+                    let (start, commands) = (failure.start, &failure.commands);
+                    let again = campaign::Repeatable::Find { search, start, commands }.repeat(seed)?;
+                    Some(ticks(search.key.id, *number, &search.scenario, &again.trace))
                 };
                 numbers.iter().filter_map(table).collect()
             }

@@ -2,10 +2,10 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::cell::CellModes;
 use super::sample::RunSample;
-use crate::campaign::TrainingResult;
+use crate::campaign::{TrainingResult, networks};
 use crate::record::RunKey;
 use base::seed::Seed;
-use compile::{Campaign, Evaluation};
+use compile::Campaign;
 use learn::ActorCritic;
 
 /// The failure modes of a campaign, and the starts that lead to failures.
@@ -70,7 +70,7 @@ impl<'a> FailureModes<'a> {
     fn analyse(&mut self, mut runs: Vec<RunSample<'a>>) {
         runs.sort_by_key(|run| run.evaluation.trained.run);
         let trained: Vec<Option<&ActorCritic>> =
-            runs.iter().map(|run| networks(self.campaign, self.trainings, run.evaluation)).collect();
+            runs.iter().map(|run| networks(run.evaluation, self.campaign, self.trainings)).collect();
         self.cells.push(CellModes::new(runs, &trained, &self.seed));
     }
 
@@ -84,15 +84,4 @@ impl<'a> FailureModes<'a> {
         self.cells.sort_by_key(place);
         self.cells
     }
-}
-
-/// The networks of an evaluation's controller, if it has any.
-fn networks<'a>(
-    campaign: &Campaign,
-    trainings: &'a [TrainingResult],
-    evaluation: &Evaluation,
-) -> Option<&'a ActorCritic> {
-    let key = &campaign.trainings[evaluation.training()?].key;
-    let result = trainings.iter().find(|result| result.key == *key)?;
-    Some(&result.result.as_ref().ok()?.actor_critic)
 }

@@ -5,7 +5,7 @@ use polars::prelude::{Column, DataFrame};
 use world::av::DrivingMode;
 use world::env::{Ending, Outcome, Spawn};
 use world::geometry::Pose;
-use world::judge::NearMiss;
+use world::judge::{Judged, NearMiss};
 
 /// A run whose episodes collide, with a moving car, where the word says `x`; `e` is an error.
 fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
@@ -40,27 +40,29 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
         EpisodeRow {
             key: RunKey { id: format!("{run:08x}").parse().unwrap(), cell: cell.clone(), run }.into(),
             episode: episode as u32,
-            outcome: Outcome {
-                spawn,
-                start: 0,
-                run_up: 0,
-                left_out: None,
-                ending,
-                reward: 0.0,
-                ticks: 1,
-                duration: 0.05,
-                least_gap: 1.0,
-                on_crosswalk: false,
-                last_mode,
-                digest: 7,
-                state_hashes: Default::default(),
+            judged: Judged {
+                outcome: Outcome {
+                    spawn,
+                    start: 0,
+                    run_up: 0,
+                    left_out: None,
+                    ending,
+                    reward: 0.0,
+                    ticks: 1,
+                    duration: 0.05,
+                    least_gap: 1.0,
+                    on_crosswalk: false,
+                    last_mode,
+                    digest: 7,
+                    state_hashes: Default::default(),
+                },
+                verdict: None,
+                degrees: Vec::new(),
             },
-            verdict: None,
             false_alarms: None,
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
             lane: None,
             motion: Default::default(),
-            degrees: Vec::new(),
             weight: 1.0,
         }
     };

@@ -1,6 +1,6 @@
 use crate::report::ListedFailure;
-use world::env::Outcome;
-use world::judge::{Verdict, severe_injury_risk};
+use world::env::Criterion;
+use world::judge::{Blame, Judged, severe_injury_risk};
 
 /// How an encounter ended for one driver.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -29,10 +29,11 @@ pub struct Encounter {
 
 impl Met {
     /// The end of an episode.
-    pub fn new(outcome: &Outcome, verdict: Option<&Verdict>) -> Self {
+    pub fn new(judged: &Judged) -> Self {
+        let outcome = &judged.outcome;
         Self {
             impact_speed: outcome.impact_speed().filter(|_| outcome.is_collision()),
-            fault: verdict.is_some_and(Verdict::is_fault),
+            fault: judged.is(Criterion::Collision, Blame::Fault),
             error: outcome.fault().is_some(),
         }
     }

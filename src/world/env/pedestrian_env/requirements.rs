@@ -1,6 +1,6 @@
 use super::{MOST_ROOM, PedestrianEnv, SignalMeter, Wanted, is_measured};
 use crate::av::DrivingMode;
-use crate::env::{Outcome, Scenario, Situation};
+use crate::env::{Scenario, Situation};
 use crate::geometry::Vector;
 use crate::requirement::{Degree, Monitor};
 use crate::sim::Contact;
@@ -99,7 +99,7 @@ impl PedestrianEnv {
         }
         let values = self.sample(contact).values();
         self.monitor.iter_mut().chain(&mut self.paid).for_each(|monitor| monitor.push(&|id| values[id.0]));
-        if self.scenario.goal.is_some() {
+        if self.scenario.criterion.requirement().is_some() {
             let (ego, number) = (self.world.ego(), SignalMeter::pedestrian(&self.world, contact));
             let walker = &self.world.pedestrians[number].state;
             self.moments.push(Moment {
@@ -120,17 +120,14 @@ impl PedestrianEnv {
         }
     }
 
-    /// Whether the episode that has ended is a failure of the driver: a collision, or a violation of the goal where the scenario has one.
+    /// Whether the episode that has ended is a failure by the criterion of the scenario.
     pub fn is_failure(&self) -> bool {
-        match self.scenario.goal {
-            None => self.outcome().is_some_and(Outcome::is_collision),
-            Some(goal) => self.degrees().get(goal).is_some_and(Degree::is_violated),
-        }
+        self.outcome().is_some_and(|outcome| self.scenario.criterion.is_met(outcome, self.degrees()))
     }
 
     /// What an episode that ends now earns by its goal; none without a goal. It ends the samples.
     pub(super) fn goal_reward(&mut self) -> Option<f64> {
-        let goal = self.scenario.goal?;
+        let goal = self.scenario.criterion.requirement()?;
         self.conclude_requirements();
         let robustness = self.degrees().get(goal)?.robustness;
         Some(match robustness.is_infinite() {
@@ -141,7 +138,8 @@ impl PedestrianEnv {
 
     /// The moment that decides the goal of the episode that has ended; none without a goal, and if nothing violates it.
     pub(in crate::env) fn goal_moment(&self) -> Option<&Moment> {
-        let degree = self.degrees().get(self.scenario.goal?).filter(|degree| degree.is_violated())?;
+        let degree =
+            self.degrees().get(self.scenario.criterion.requirement()?).filter(|degree| degree.is_violated())?;
         self.moments.get(degree.sample as usize)
     }
 

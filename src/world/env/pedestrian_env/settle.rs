@@ -48,7 +48,7 @@ impl PedestrianEnv {
         let violated = reward.violated.iter().filter(|(place, _)| counts && self.violates_paid(*place));
         let earned = earned + violated.map(|(_, formula)| worth(Some(formula))).sum::<f64>();
         // A goal takes the place of the reward.
-        let earned = match (self.scenario.goal, ending) {
+        let earned = match (self.scenario.criterion.requirement(), ending) {
             (None, _) => earned,
             (Some(_), None) => 0.0,
             (Some(_), Some(_)) if self.episode.left_out.is_some() => 0.0,

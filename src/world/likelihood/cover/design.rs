@@ -12,7 +12,7 @@ pub(super) fn uniform(dimensions: usize, stream: &mut Stream) -> Vec<f64> {
 }
 
 /// Draws points of the unit box so that each of `count` equal slices of each coordinate has one.
-pub(super) fn latin_hypercube(count: usize, dimensions: usize, stream: &mut Stream) -> Vec<Vec<f64>> {
+pub(crate) fn latin_hypercube(count: usize, dimensions: usize, stream: &mut Stream) -> Vec<Vec<f64>> {
     let mut points = vec![vec![0.0; dimensions]; count];
     for dimension in 0..dimensions {
         let mut slices: Vec<usize> = (0..count).collect();

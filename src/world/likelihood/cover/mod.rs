@@ -16,13 +16,14 @@ mod picture;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use design::latin_hypercube;
 pub use look::Look;
 pub use picture::{Picture, Point, Sampled};
 
 use std::ops::ControlFlow;
 
 use base::seed::Seed;
-use design::{latin_hypercube, uncertain, uniform};
+use design::{uncertain, uniform};
 use look::{bound, share_of_look, size};
 
 /// What is to be shown, and at what cost.

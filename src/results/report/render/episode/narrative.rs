@@ -1,6 +1,6 @@
 use world::av::DrivingMode;
 use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
-use world::judge::{ContactSide, Label, Question, Reference, Verdict, ViolationVerdict};
+use world::judge::{ContactSide, Label, NoVerdict, Reference, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 use crate::report::aggregate::unit_of;
@@ -152,8 +152,8 @@ fn blame(named: &NamedRequirement, verdict: Option<ViolationVerdict>) -> String 
             "preventable, since both careful humans satisfy it; the collision that decides is no fault".into()
         }
         Some(_) => "not preventable: a careful human violates it as well".into(),
-        None => match Question::of(&named.requirement).refusal() {
-            Some(reason) => format!("no verdict, since {reason}"),
+        None => match NoVerdict::of(&named.requirement) {
+            Some(why) => format!("no verdict, since {}", why.reason()),
             None => "no verdict".into(),
         },
     }

@@ -2,7 +2,8 @@ use maud::html;
 
 use crate::campaign::EstimateResult;
 use crate::report::render::svg::{Figure, Panel, px, thousands};
-use world::likelihood::{Event, Likelihood};
+use world::judge::Blame;
+use world::likelihood::Likelihood;
 
 /// Width of a panel, and the start and the end of its axis.
 const WIDTH: f64 = 360.0;
@@ -48,7 +49,7 @@ fn panel(town: &str, results: &[EstimateResult]) -> Panel {
         false => result.key.policy.clone(),
     };
     let least = |likelihood: &Likelihood| if likelihood.seen > 0 { likelihood.low.max(1e-9) } else { likelihood.high };
-    let lowest = rows.iter().map(|(_, estimate)| least(estimate.of(Event::Fault))).fold(0.1, f64::min);
+    let lowest = rows.iter().map(|(_, estimate)| least(estimate.of(Blame::Fault))).fold(0.1, f64::min);
     let decades = (-libm::log10(lowest)).ceil().max(1.0);
     let at = |probability: f64| {
         let share = 1.0 + libm::log10(probability.clamp(lowest / 3.0, 1.0)) / decades;
@@ -56,7 +57,7 @@ fn panel(town: &str, results: &[EstimateResult]) -> Panel {
     };
     let floor = ROW * rows.len() as f64;
     let says = rows.iter().map(|(result, estimate)| {
-        let fault = estimate.of(Event::Fault);
+        let fault = estimate.of(Blame::Fault);
         format!(" {}: {:.1e}, {:.1e} to {:.1e}.", name(result), fault.probability, fault.low, fault.high)
     });
     let says = format!("Probability of a fault in an encounter.{}", says.collect::<String>());
@@ -70,7 +71,7 @@ fn panel(town: &str, results: &[EstimateResult]) -> Panel {
             }
             @for (row, (result, estimate)) in rows.iter().enumerate() {
                 @let middle = ROW * row as f64 + 12.0;
-                @let (fault, any) = (estimate.of(Event::Fault), estimate.of(Event::Failure));
+                @let (fault, any) = (estimate.of(Blame::Fault), estimate.of(Blame::Any));
                 text.ink x="0" y=(px(middle + 4.0)) { (name(result)) }
                 @if any.seen > 0 {
                     circle.line.s1 cx=(px(at(any.probability))) cy=(px(middle)) r="4" fill="none" {}

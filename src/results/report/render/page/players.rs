@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use super::super::town::Scenery;
 use super::Replay;
+use crate::campaign::Repeated;
 use crate::report::PlayedFailure;
 
 /// The failures that can be played on a page.
@@ -17,9 +18,10 @@ impl Players {
     pub fn new(played: &[PlayedFailure<'_>], options: &'static str) -> Self {
         let mut scenery: BTreeMap<&str, Scenery> = BTreeMap::new();
         let mut all = BTreeMap::new();
-        for PlayedFailure { name, town, scenario, outcome, trace, verdict } in played {
+        for (name, town, Repeated { scenario, trace, judged }) in played {
             let scenery = scenery.entry(town).or_insert_with(|| Scenery::new(&scenario.town));
-            all.insert(name.clone(), Replay::new(scenario, scenery, outcome, trace, verdict.as_ref()));
+            let replay = Replay::new(scenario, scenery, &judged.outcome, trace, judged.verdict.as_ref());
+            all.insert(name.clone(), replay);
         }
         Self { all, options }
     }

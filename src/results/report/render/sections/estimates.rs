@@ -1,7 +1,8 @@
 use crate::campaign::EstimateResult;
 use crate::report::estimate_doubts;
 use crate::report::render::table::{Column, Section, Table, Value};
-use world::likelihood::{Event, Likelihood, encounters_needed};
+use world::judge::Blame;
+use world::likelihood::{Likelihood, encounters_needed};
 
 /// How likely failures are; none without an estimate.
 pub fn estimates(results: &[EstimateResult]) -> Option<Section> {
@@ -44,8 +45,8 @@ pub(super) fn table(results: &[&EstimateResult]) -> Table {
             format!("{} ({})", key.walker, key.requirement)
         };
         let mut row: Vec<Value> = vec![Value::from(&key.policy), Value::from(&key.town), who.into()];
-        row.extend(Event::ALL.iter().map(|event| Value::Text(one_in(estimate.of(*event)))));
-        let fault = estimate.of(Event::Fault);
+        row.extend(Blame::ALL.iter().map(|event| Value::Text(one_in(estimate.of(*event)))));
+        let fault = estimate.of(Blame::Fault);
         row.push(Value::Count(estimate.encounters));
         row.extend(exposed.iter().map(|(unit, _)| match result.exposure[*unit] {
             Some(encounters) => Value::Text(rate(fault, encounters)),
@@ -114,7 +115,7 @@ mod tests {
     #[test]
     fn a_probability_is_one_in_a_round_number() {
         let likelihood = Likelihood {
-            event: Event::Fault,
+            event: Blame::Fault,
             probability: 5.9e-5,
             low: 2.5e-5,
             high: 1.13e-4,

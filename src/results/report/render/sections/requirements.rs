@@ -3,26 +3,26 @@ use crate::record::CellKey;
 use crate::report::aggregate::Counted;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellRequirement};
-use world::judge::Question;
+use world::judge::NoVerdict;
 
 /// The link to the player of the worst violation of a requirement in a cell; none where it is not played.
 pub type ViolationOf<'a> = &'a dyn Fn(&CellKey, &str) -> Option<String>;
 
 /// The rates of violations of a campaign's requirements; none without requirements.
 pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf<'_>) -> Option<Section> {
-    let mut names: Vec<(&str, Question)> = Vec::new();
+    let mut names: Vec<(&str, Option<NoVerdict>)> = Vec::new();
     for each in found {
         if !names.iter().any(|(name, _)| *name == each.name) {
-            names.push((&each.name, each.question));
+            names.push((&each.name, each.no_verdict));
         }
     }
     if names.is_empty() {
         return None;
     }
     let mut head = vec![Column::text("driver").key(), Column::text("town").key(), Column::text("controller").key()];
-    for (name, question) in &names {
+    for (name, no_verdict) in &names {
         head.push(Column::number(*name));
-        if *question == Question::Asked {
+        if no_verdict.is_none() {
             head.push(Column::number("fault"));
         }
     }
@@ -38,13 +38,13 @@ pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf
     };
     let row = |cell: &&Cell| {
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
-        for (name, question) in &names {
+        for (name, no_verdict) in &names {
             let shown = rate(cell, name, CellRequirement::ALL);
             row.push(match link(&cell.key, name) {
                 Some(place) => Value::Played(Box::new(shown), place),
                 None => shown,
             });
-            if *question == Question::Asked {
+            if no_verdict.is_none() {
                 row.push(rate(cell, name, CellRequirement::FAULTS));
             }
         }
@@ -52,7 +52,7 @@ pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf
     };
     let table = Table { head, rows: distinct(cells).iter().map(row).collect(), ..Table::default() };
     let refused =
-        names.iter().filter_map(|(name, question)| Some(format!("`{name}` has no verdict: {}.", question.refusal()?)));
+        names.iter().filter_map(|(name, why)| Some(format!("`{name}` has no verdict: {}.", (*why)?.reason())));
     let notes = [
         "Violations of all episodes, with Wilson's 95 % interval, and beside them those that are *faults*: both careful humans, who take over at the start of the \
          danger, satisfy the requirement, and the pedestrian moved as people do. `falsify failures --requirement NAME` lists them."
