@@ -19,6 +19,11 @@ pub trait Kind: 'static {
     /// # Errors
     /// The column holds something else.
     fn array(column: &Values) -> PolarsResult<&Self::Array>;
+
+    /// The value in a row; `None` if it is missing.
+    fn value(array: &Self::Array, row: usize) -> Option<Self>
+    where
+        Self: Sized;
 }
 
 /// A value of a row in a column of a kind, present or possibly missing.
@@ -35,6 +40,10 @@ macro_rules! kind {
 
             fn array(column: &Values) -> PolarsResult<&$array> {
                 column.$method()
+            }
+
+            fn value(array: &$array, row: usize) -> Option<Self> {
+                array.get(row).map(|value| value.to_owned())
             }
         }
         $(impl Cell<$kind> for $cell {
@@ -75,6 +84,14 @@ impl<K: Kind> Column<K> {
     /// The table has no such column, or it holds something else.
     pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a K::Array> {
         K::array(table.column(self.name)?)
+    }
+
+    /// Its value in a row of a table; `None` if it is missing.
+    ///
+    /// # Errors
+    /// As [`Column::read`].
+    pub fn value(&self, table: &DataFrame, row: usize) -> PolarsResult<Option<K>> {
+        Ok(K::value(self.read(table)?, row))
     }
 
     pub fn reference(&self) -> ColumnReference {

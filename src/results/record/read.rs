@@ -21,11 +21,9 @@ impl CellKey {
     /// # Errors
     /// A column is missing or holds something else.
     pub fn read(table: &DataFrame, row: usize) -> PolarsResult<Self> {
-        let text = |column: &super::Column<String>| -> PolarsResult<String> {
-            Ok(column.read(table)?.get(row).unwrap_or_default().to_string())
-        };
+        let text = |column: &super::Column<String>| column.value(table, row).map(Option::unwrap_or_default);
         Ok(Self {
-            block: BLOCK.read(table)?.get(row).unwrap_or_default(),
+            block: BLOCK.value(table, row)?.unwrap_or_default(),
             town: text(&TOWN)?,
             policy: text(&POLICY)?,
             vehicle: text(&VEHICLE)?,
@@ -44,8 +42,8 @@ impl RunKey {
     /// # Errors
     /// A column is missing or holds something else.
     pub fn read(table: &DataFrame, row: usize) -> PolarsResult<Self> {
-        let id = RUN_ID.read(table)?.get(row).and_then(|id| id.parse().ok());
-        let run = RUN.read(table)?.get(row).unwrap_or_default();
+        let id = RUN_ID.value(table, row)?.and_then(|id| id.parse().ok());
+        let run = RUN.value(table, row)?.unwrap_or_default();
         Ok(Self { id: id.unwrap_or_default(), cell: CellKey::read(table, row)?, run })
     }
 }

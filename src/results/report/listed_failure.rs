@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::aggregate::{
     AT_COLLISION, COUNTS, FAILURE, FALSIFIER, GOAL_FAULT, GOAL_FORESEEABLE, GOAL_PREVENTABLE, INSTANT, NO_VERDICT,
@@ -17,6 +17,7 @@ use crate::record::columns::{
     TOWN, VERDICT,
 };
 use crate::record::{CellKey, Column, EpisodeTable, RunKey};
+use compile::RunId;
 use world::av::DrivingMode;
 use world::judge::{Label, Sight};
 
@@ -136,6 +137,32 @@ impl Violation {
 }
 
 impl ListedFailure {
+    /// An episode of a run, without anything that failed in it.
+    fn of_episode(id: RunId, cell: CellKey, number: u64) -> Self {
+        let CellKey { controller, reward, train_town, train_policy, town, policy, .. } = cell;
+        Self {
+            run: id.to_string(),
+            number,
+            start: number,
+            controller,
+            searched: false,
+            reward,
+            train_town,
+            train_policy,
+            town,
+            policy,
+            verdict: None,
+            foreseeable: false,
+            fault: false,
+            impact: String::new(),
+            occluded: false,
+            driving_mode: String::new(),
+            impact_speed: 0.0,
+            length: 0.0,
+            violation: None,
+        }
+    }
+
     /// Its name in its report, `RUN:EPISODE`.
     pub fn name(&self) -> String {
         format!("{}:{}", self.run, self.number)
@@ -286,25 +313,9 @@ impl From<&Find<'_>> for ListedFailure {
 
 impl From<&RequirementRow> for ListedFailure {
     fn from(row: &RequirementRow) -> Self {
-        let CellKey { controller, reward, train_town, train_policy, town, policy, .. } = row.key.cell.clone();
         Self {
-            run: row.key.id.to_string(),
-            number: row.episode.into(),
-            start: row.episode.into(),
-            controller,
-            searched: false,
-            reward,
-            train_town,
-            train_policy,
-            town,
-            policy,
-            verdict: None,
             foreseeable: row.verdict.is_some_and(|verdict| verdict.foreseeable),
             fault: row.verdict.is_some_and(|verdict| verdict.fault),
-            impact: String::new(),
-            occluded: false,
-            driving_mode: String::new(),
-            impact_speed: 0.0,
             length: row.instant,
             violation: Some(Violation {
                 requirement: row.name.clone(),
@@ -316,6 +327,7 @@ impl From<&RequirementRow> for ListedFailure {
                 preventable: row.verdict.map(|verdict| verdict.preventable),
                 no_verdict: row.no_verdict.into(),
             }),
+            ..Self::of_episode(row.key.id, row.key.cell.clone(), row.episode.into())
         }
     }
 }
@@ -339,16 +351,6 @@ pub fn touches(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>>
     let failure = |row: usize| {
         let RunKey { id, cell, .. } = RunKey::read(rows, row)?;
         let failure = ListedFailure {
-            run: id.to_string(),
-            number: table.episode(row).into(),
-            start: table.episode(row).into(),
-            controller: cell.controller,
-            searched: false,
-            reward: cell.reward,
-            train_town: cell.train_town,
-            train_policy: cell.train_policy,
-            town: cell.town,
-            policy: cell.policy,
             verdict: table.label(row),
             foreseeable: foreseeable.get(row) == Some(true),
             fault: table.is_fault(row),
@@ -357,7 +359,7 @@ pub fn touches(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>>
             driving_mode: table.driving_mode(row).map_or("", DrivingMode::name).into(),
             impact_speed: table.impact_speed(row).unwrap_or_default(),
             length: table.length(row).unwrap_or_default(),
-            violation: None,
+            ..ListedFailure::of_episode(id, cell, table.episode(row).into())
         };
         Ok((row, failure))
     };
@@ -369,129 +371,59 @@ pub fn touches(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>>
 /// # Errors
 /// A column is missing or holds something else.
 pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
-    let runs = RUN_ID.read(rows)?;
-    let numbers = FAILURE.read(rows)?;
-    let starts = START.read(rows)?;
-    let falsifiers = FALSIFIER.read(rows)?;
-    let rewards = REWARD.read(rows)?;
-    let towns = TOWN.read(rows)?;
-    let policies = POLICY.read(rows)?;
-    let verdicts = VERDICT.read(rows)?;
-    let foreseeable = FORESEEABLE.read(rows)?;
-    let faults = FAULT.read(rows)?;
-    let impacts = IMPACT.read(rows)?;
-    let in_sight = IN_SIGHT.read(rows)?;
-    let modes = DRIVING_MODE.read(rows)?;
-    let impact_speeds = IMPACT_SPEED.read(rows)?;
-    let lengths = EPISODE_LENGTH.read(rows)?;
-    let text = |column: &StringChunked, row: usize| column.get(row).unwrap_or_default().to_string();
-    let goals = Goals::read(rows)?;
-    let failure = |row: usize| ListedFailure {
-        run: text(runs, row),
-        number: numbers.get(row).unwrap_or_default(),
-        start: starts.get(row).unwrap_or_default(),
-        controller: text(falsifiers, row),
-        searched: true,
-        reward: text(rewards, row),
-        train_town: String::new(),
-        train_policy: String::new(),
-        town: text(towns, row),
-        policy: text(policies, row),
-        verdict: verdicts.get(row).and_then(Label::named),
-        foreseeable: foreseeable.get(row) == Some(true),
-        fault: faults.get(row) == Some(true),
-        impact: text(impacts, row),
-        occluded: is_occluded(in_sight.get(row)),
-        driving_mode: text(modes, row),
-        impact_speed: impact_speeds.get(row).unwrap_or_default(),
-        length: lengths.get(row).unwrap_or_default(),
-        violation: None,
-    };
-    let with_goal = |row: usize| {
-        let found = failure(row);
-        match goals.as_ref().and_then(|goals| goals.get(row)) {
-            Some((violation, instant, (foreseeable, fault))) => {
-                ListedFailure { violation: Some(violation), length: instant, foreseeable, fault, ..found }
-            }
-            None => found,
-        }
-    };
-    Ok((0..rows.height()).map(with_goal).collect())
-}
-
-/// The violated goals of searches.
-struct Goals<'a> {
-    names: &'a StringChunked,
-    priorities: &'a UInt32Chunked,
-    robustness: &'a Float64Chunked,
-    units: &'a StringChunked,
-    instants: &'a Float64Chunked,
-    parts: &'a StringChunked,
-    verdicts: Verdicts<'a>,
-}
-
-/// Whose fault violations are.
-struct Verdicts<'a> {
-    preventable: &'a BooleanChunked,
-    foreseeable: &'a BooleanChunked,
-    faults: &'a BooleanChunked,
-    none: &'a StringChunked,
-}
-
-impl<'a> Verdicts<'a> {
-    fn read(rows: &'a DataFrame, names: [&Column<bool>; 3]) -> PolarsResult<Self> {
-        let [preventable, foreseeable, faults] = names;
-        Ok(Self {
-            preventable: preventable.read(rows)?,
-            foreseeable: foreseeable.read(rows)?,
-            faults: faults.read(rows)?,
-            none: NO_VERDICT.read(rows)?,
-        })
-    }
-
-    /// Whether that of a row is preventable; none without a verdict. And why it has none.
-    fn get(&self, row: usize) -> (Option<bool>, String) {
-        (self.preventable.get(row), self.none.get(row).unwrap_or_default().to_string())
-    }
-
-    /// Whether the pedestrian of a row moved as people do, and whether it is a fault.
-    fn blame(&self, row: usize) -> (bool, bool) {
-        (self.foreseeable.get(row) == Some(true), self.faults.get(row) == Some(true))
-    }
-}
-
-impl<'a> Goals<'a> {
-    /// None where no search has a goal.
-    fn read(rows: &'a DataFrame) -> PolarsResult<Option<Self>> {
-        if rows.get_column_index(REQUIREMENT.name).is_none() {
-            return Ok(None);
-        }
-        Ok(Some(Self {
-            names: REQUIREMENT.read(rows)?,
-            priorities: PRIORITY.read(rows)?,
-            robustness: ROBUSTNESS.read(rows)?,
-            units: ROBUSTNESS_UNIT.read(rows)?,
-            instants: INSTANT.read(rows)?,
-            parts: PART.read(rows)?,
-            verdicts: Verdicts::read(rows, [&GOAL_PREVENTABLE, &GOAL_FORESEEABLE, &GOAL_FAULT])?,
-        }))
-    }
-
-    /// The violation of a row, its instant (s), whether the pedestrian moved as people do, and whether it is a fault.
-    fn get(&self, row: usize) -> Option<(Violation, f64, (bool, bool))> {
-        let (preventable, no_verdict) = self.verdicts.get(row);
-        let text = |column: &StringChunked| column.get(row).unwrap_or_default().to_string();
-        let violation = Violation {
-            requirement: self.names.get(row)?.to_string(),
-            priority: self.priorities.get(row).unwrap_or_default(),
-            robustness: self.robustness.get(row).unwrap_or_default(),
-            unit: text(self.units),
-            part: text(self.parts),
-            at_collision: false,
-            preventable,
-            no_verdict,
+    let has_goals = rows.get_column_index(REQUIREMENT.name).is_some();
+    let failure = |row: usize| {
+        let text = |column: &Column<String>| column.value(rows, row).map(Option::unwrap_or_default);
+        let has = |column: &Column<bool>| column.value(rows, row).map(|value| value == Some(true));
+        let found = ListedFailure {
+            run: text(&RUN_ID)?,
+            number: FAILURE.value(rows, row)?.unwrap_or_default(),
+            start: START.value(rows, row)?.unwrap_or_default(),
+            controller: text(&FALSIFIER)?,
+            searched: true,
+            reward: text(&REWARD)?,
+            train_town: String::new(),
+            train_policy: String::new(),
+            town: text(&TOWN)?,
+            policy: text(&POLICY)?,
+            verdict: Label::named(&text(&VERDICT)?),
+            foreseeable: has(&FORESEEABLE)?,
+            fault: has(&FAULT)?,
+            impact: text(&IMPACT)?,
+            occluded: is_occluded(IN_SIGHT.value(rows, row)?),
+            driving_mode: text(&DRIVING_MODE)?,
+            impact_speed: IMPACT_SPEED.value(rows, row)?.unwrap_or_default(),
+            length: EPISODE_LENGTH.value(rows, row)?.unwrap_or_default(),
+            violation: None,
         };
-        Some((violation, self.instants.get(row).unwrap_or_default(), self.verdicts.blame(row)))
+        if !has_goals || REQUIREMENT.value(rows, row)?.is_none() {
+            return Ok(found);
+        }
+        Ok(ListedFailure {
+            violation: Some(Violation::read(rows, row, &GOAL_PREVENTABLE)?),
+            length: INSTANT.value(rows, row)?.unwrap_or_default(),
+            foreseeable: has(&GOAL_FORESEEABLE)?,
+            fault: has(&GOAL_FAULT)?,
+            ..found
+        })
+    };
+    (0..rows.height()).map(failure).collect()
+}
+
+impl Violation {
+    /// The violation in a row of a table.
+    fn read(rows: &DataFrame, row: usize, preventable: &Column<bool>) -> PolarsResult<Self> {
+        let text = |column: &Column<String>| column.value(rows, row).map(Option::unwrap_or_default);
+        Ok(Self {
+            requirement: text(&REQUIREMENT)?,
+            priority: PRIORITY.value(rows, row)?.unwrap_or_default(),
+            robustness: ROBUSTNESS.value(rows, row)?.unwrap_or_default(),
+            unit: text(&ROBUSTNESS_UNIT)?,
+            part: text(&PART)?,
+            at_collision: false,
+            preventable: preventable.value(rows, row)?,
+            no_verdict: text(&NO_VERDICT)?,
+        })
     }
 }
 
@@ -500,46 +432,18 @@ impl<'a> Goals<'a> {
 /// # Errors
 /// A column is missing or holds something else.
 pub fn violations(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
-    let (episodes, names, priorities) = (EPISODE.read(rows)?, REQUIREMENT.read(rows)?, PRIORITY.read(rows)?);
     let (violated, counts) = (VIOLATED.read(rows)?, COUNTS.read(rows)?);
-    let (robustness, units) = (ROBUSTNESS.read(rows)?, ROBUSTNESS_UNIT.read(rows)?);
-    let (instants, parts, at_collision) = (INSTANT.read(rows)?, PART.read(rows)?, AT_COLLISION.read(rows)?);
-    let verdicts = Verdicts::read(rows, [&PREVENTABLE, &VIOLATION_FORESEEABLE, &VIOLATION_FAULT])?;
-    let text = |column: &StringChunked, row: usize| column.get(row).unwrap_or_default().to_string();
     let failure = |row: usize| {
+        let has = |column: &Column<bool>| column.value(rows, row).map(|value| value == Some(true));
         let RunKey { id, cell, .. } = RunKey::read(rows, row)?;
-        let (foreseeable, fault) = verdicts.blame(row);
-        let (preventable, no_verdict) = verdicts.get(row);
-        let number = u64::from(episodes.get(row).unwrap_or_default());
+        let number = u64::from(EPISODE.value(rows, row)?.unwrap_or_default());
+        let violation = Violation { at_collision: has(&AT_COLLISION)?, ..Violation::read(rows, row, &PREVENTABLE)? };
         Ok(ListedFailure {
-            run: id.to_string(),
-            number,
-            start: number,
-            controller: cell.controller,
-            searched: false,
-            reward: cell.reward,
-            train_town: cell.train_town,
-            train_policy: cell.train_policy,
-            town: cell.town,
-            policy: cell.policy,
-            verdict: None,
-            foreseeable,
-            fault,
-            impact: String::new(),
-            occluded: false,
-            driving_mode: String::new(),
-            impact_speed: 0.0,
-            length: instants.get(row).unwrap_or_default(),
-            violation: Some(Violation {
-                requirement: text(names, row),
-                priority: priorities.get(row).unwrap_or_default(),
-                robustness: robustness.get(row).unwrap_or_default(),
-                unit: text(units, row),
-                part: text(parts, row),
-                at_collision: at_collision.get(row) == Some(true),
-                preventable,
-                no_verdict,
-            }),
+            foreseeable: has(&VIOLATION_FORESEEABLE)?,
+            fault: has(&VIOLATION_FAULT)?,
+            length: INSTANT.value(rows, row)?.unwrap_or_default(),
+            violation: Some(violation),
+            ..ListedFailure::of_episode(id, cell, number)
         })
     };
     let wanted = |row: &usize| violated.get(*row) == Some(true) && counts.get(*row) == Some(true);

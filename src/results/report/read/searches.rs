@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use polars::prelude::PolarsResult;
-
 use super::{FailureFilter, ReadError, StoredReport};
 use crate::record::Column;
 use crate::record::columns::{POLICY, REWARD, RUN_ID, TOWN};
@@ -29,9 +27,9 @@ pub struct StoredSearch {
     pub run: u64,
     /// Simulator ticks that it might use.
     pub budget: u64,
-    /// The starts that it tried; none in reports of earlier versions.
+    /// The starts that it tried.
     pub starts: StartSet,
-    /// Number and hash of the first of them; none without one, and in reports of earlier versions.
+    /// Number and hash of the first of them; `None` without one.
     pub first_start: Option<String>,
     /// Its failures, in the order in which it found them.
     pub failures: Vec<ListedFailure>,
@@ -49,15 +47,11 @@ impl StoredReport {
         }
         let mut searches = Vec::new();
         self.each_part(SEARCHES, ROWS, |rows| {
-            let text = |column: &Column<String>, row: usize| -> PolarsResult<String> {
-                Ok(column.read(rows)?.get(row).unwrap_or_default().to_string())
-            };
-            let number = |column: &Column<u64>, row: usize| -> PolarsResult<u64> {
-                Ok(column.read(rows)?.get(row).unwrap_or_default())
-            };
+            let text =
+                |column: &Column<String>, row: usize| column.value(rows, row).map(Option::unwrap_or_default);
+            let number = |column: &Column<u64>, row: usize| column.value(rows, row).map(Option::unwrap_or_default);
             for row in 0..rows.height() {
-                let first = FIRST_START.read(rows).ok().and_then(|all| all.get(row)).filter(|text| !text.is_empty());
-                let tried = TRIED.read(rows).ok().and_then(|all| all.get(row));
+                let first = FIRST_START.value(rows, row)?.filter(|text| !text.is_empty());
                 searches.push(StoredSearch {
                     falsifier: text(&FALSIFIER, row)?,
                     reward: text(&REWARD, row)?,
@@ -66,8 +60,8 @@ impl StoredReport {
                     block: number(&SEARCH_BLOCK, row)?,
                     run: number(&SEARCH_RUN, row)?,
                     budget: number(&BUDGET, row)?,
-                    starts: tried.and_then(|text| text.parse().ok()).unwrap_or_default(),
-                    first_start: first.map(str::to_string),
+                    starts: text(&TRIED, row)?.parse().unwrap_or_default(),
+                    first_start: first,
                     failures: found.remove(&text(&RUN_ID, row)?).unwrap_or_default(),
                 });
             }
