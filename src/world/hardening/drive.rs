@@ -8,7 +8,7 @@ use crate::falsifier::{WalkPolicy, evaluate_noting};
 use crate::judge::{Blame, Judged};
 use base::seed::Seed;
 
-/// Time over which a deceleration is averaged (s): a peak of one tick is felt by none.
+/// Time over which a deceleration is averaged (s): ignores single-tick peaks.
 const BRAKING_TIME: f64 = 0.5;
 
 /// What the repaired driver may cost in natural traffic.

@@ -134,7 +134,7 @@ pub(super) fn repair(
 }
 
 fn best_cost(all: &[(f64, Vec<f64>)]) -> f64 {
-    // The present values have been considered; here they only are a further place to start from, behind better ones.
+    // Also start from the current values, last.
     all.iter().map(|(cost, _)| *cost).fold(f64::INFINITY, f64::min) + 1e-9
 }
 

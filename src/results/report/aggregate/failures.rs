@@ -8,8 +8,8 @@ use crate::record::{CellKey, RunKey};
 use crate::report::listed_failure::{ListedFailure, listed};
 use compile::RunId;
 
-/// The most failures of a driver that are listed. The tables `episodes` and `search_failures` have all.
-const MOST_OF_A_DRIVER: usize = 100;
+/// Maximum number of failures of a driver that are listed. The tables `episodes` and `search_failures` have all.
+const MAX_PER_DRIVER: usize = 100;
 
 /// The worst failures of each driver, gathered run by run in memory that does not grow with the number of episodes.
 #[derive(Debug, Clone, Default)]
@@ -109,9 +109,9 @@ impl Failures {
             list.remove(same);
         }
         let place = list.partition_point(|other| other.worse_first(&found).is_lt());
-        if place < MOST_OF_A_DRIVER {
+        if place < MAX_PER_DRIVER {
             list.insert(place, found);
-            list.truncate(MOST_OF_A_DRIVER);
+            list.truncate(MAX_PER_DRIVER);
         }
     }
 }
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn only_the_worst_of_each_start_and_driver_are_kept() {
         let mut failures = Failures::default();
-        for number in 0..3 * MOST_OF_A_DRIVER as u64 {
+        for number in 0..3 * MAX_PER_DRIVER as u64 {
             let speed = ((7 * number) % 300) as f64;
             let found = ListedFailure { number, start: number, ..failure(Some(Label::Contested), false, speed) };
             failures.insert(ListedFailure { number: number + 1000, impact_speed: speed - 0.5, ..found.clone() });

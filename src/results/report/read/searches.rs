@@ -47,8 +47,7 @@ impl StoredReport {
         }
         let mut searches = Vec::new();
         self.each_part(SEARCHES, ROWS, |rows| {
-            let text =
-                |column: &Column<String>, row: usize| column.value(rows, row).map(Option::unwrap_or_default);
+            let text = |column: &Column<String>, row: usize| column.value(rows, row).map(Option::unwrap_or_default);
             let number = |column: &Column<u64>, row: usize| column.value(rows, row).map(Option::unwrap_or_default);
             for row in 0..rows.height() {
                 let first = FIRST_START.value(rows, row)?.filter(|text| !text.is_empty());

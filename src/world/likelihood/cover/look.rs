@@ -1,7 +1,7 @@
 use base::statistics::clopper_pearson;
 use serde::{Deserialize, Serialize};
 
-/// The confidence that is left out: 5 %, one-sided.
+/// Significance level, one-sided.
 const ALPHA: f64 = 0.05;
 
 /// A check of a picture with fresh points, uniform in the box.
