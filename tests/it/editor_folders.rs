@@ -176,65 +176,6 @@ fn a_change_on_disk_is_seen_in_the_open_files_that_import_it() {
     assert!(quiet.iter().all(|message| message["method"] != "client/registerCapability"), "an editor that cannot");
 }
 
-const LONG: &str = "edition 1
-import \"std/towns.scn\"
-import \"std/drivers.scn\"
-// One line,
-// and another.
-policy p = idm(
-  margin: 1 m,
-  limit_share: 1
-)
-/* A remark
-   of two lines */
-campaign c {
-  search {
-    towns: [harbour]
-    policies: [p]
-    falsifiers: [meet, archive(reward: r, tries: 3)]
-  }
-}
-";
-
-#[test]
-fn brackets_comments_and_imports_can_be_folded() {
-    let mut session = Session::new();
-    let uri = "untitled:long";
-    session.open(uri, LONG);
-    let id = session.ask("textDocument/foldingRange", json!({ "textDocument": { "uri": uri } }));
-    let answers = session.hold();
-    let folded = result(&answers, id).as_array().unwrap().iter();
-    let folded: Vec<(u64, u64, &str)> = folded
-        .map(|range| {
-            let line = |key: &str| range[key].as_u64().unwrap();
-            (line("startLine"), line("endLine"), range["kind"].as_str().unwrap_or_default())
-        })
-        .collect();
-    let wanted = [(1, 2, "imports"), (3, 4, "comment"), (5, 7, ""), (9, 10, "comment"), (11, 16, ""), (12, 15, "")];
-    assert_eq!(folded, wanted);
-}
-
-#[test]
-fn the_keys_of_a_kind_are_shown_inside_its_parentheses() {
-    let mut session = Session::new();
-    let uri = "untitled:long";
-    session.open(uri, LONG);
-    let mut ask = |mark: &str| session.ask_at("textDocument/signatureHelp", uri, LONG, mark);
-    let (own, value, inline, outside) = (ask("margin"), ask(" 1\n)"), ask(" 3)"), ask("towns: ["));
-    let answers = session.hold();
-    let shown = |id: u64| {
-        let help = result(&answers, id);
-        let signature = &help["signatures"][0];
-        let label = signature["label"].as_str().unwrap_or_default().split('(').next().unwrap().to_owned();
-        let active = help["activeParameter"].as_u64().map(|place| &signature["parameters"][place as usize]["label"]);
-        (label, active.and_then(Value::as_str).map(str::to_owned))
-    };
-    assert_eq!(shown(own), ("idm".into(), Some("margin".into())));
-    assert_eq!(shown(value), ("idm".into(), Some("limit_share".into())));
-    assert_eq!(shown(inline), ("archive".into(), Some("tries".into())));
-    assert_eq!(*result(&answers, outside), Value::Null);
-}
-
 #[test]
 fn a_half_typed_kind_hides_no_other_declaration() {
     let text = "edition 1\nimport \"std/towns.scn\"\nfalsifier f = archive(rew\n/// Pays.\nreward pays { on hit => 1 }\n\
@@ -246,12 +187,9 @@ fn a_half_typed_kind_hides_no_other_declaration() {
     let completion = session.ask("textDocument/completion", json!({ "textDocument": { "uri": uri }, "position": at }));
     let hover = session.ask_at("textDocument/hover", uri, text, "harbour]");
     let definition = session.ask_at("textDocument/definition", uri, text, "meet]");
-    let tokens = session.ask("textDocument/semanticTokens/full", json!({ "textDocument": { "uri": uri } }));
     let answers = session.hold();
     assert!(labels(&answers, completion).iter().any(|label| label == "reward"), "{answers:?}");
     let said = result(&answers, hover)["contents"]["value"].as_str().unwrap_or_default();
     assert!(said.contains("port"), "{said}");
     assert_eq!(result(&answers, definition)["range"]["start"], json!({ "line": 5, "character": 10 }));
-    let tokens = result(&answers, tokens)["data"].as_array().unwrap().len() / 5;
-    assert!(tokens >= 14, "the words after it have their roles: {tokens}");
 }

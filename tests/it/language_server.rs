@@ -431,7 +431,7 @@ fn every_place_of_a_file_can_be_asked_about() {
     for line in 0..12 {
         for character in (0..60).step_by(3) {
             let at = json!({ "textDocument": { "uri": FILE }, "position": { "line": line, "character": character } });
-            for method in ["hover", "completion", "definition", "signatureHelp"] {
+            for method in ["hover", "completion", "definition"] {
                 session.ask(&format!("textDocument/{method}"), at.clone());
             }
         }
@@ -643,53 +643,4 @@ fn a_new_name_is_written_in_all_files_or_refused() {
         let said = answer["error"]["message"].as_str().unwrap_or_default();
         assert!(said.contains(reason), "{reason}: {answer}");
     }
-}
-
-#[test]
-fn words_have_the_roles_that_colours_depend_on() {
-    let text = "edition 1\nimport \"std/drivers.scn\"\n/* 🚗 */ param near: length = 3 m // near\nspawn s { distance: near .. 9 m }\n\
-        reward r { on hit(front) => max(1, v_c in m/s) }\nepisode e { traffic_lights: true }\npolicy p = idm(limit_share: 1)\n";
-    let mut session = Session::new();
-    session.open(FILE, text);
-    let id = session.ask("textDocument/semanticTokens/full", json!({ "textDocument": { "uri": FILE } }));
-    let answers = session.hold();
-    let legend = &result(&answers, 1)["capabilities"]["semanticTokensProvider"]["legend"]["tokenTypes"];
-    let data: Vec<u64> =
-        result(&answers, id)["data"].as_array().unwrap().iter().map(|each| each.as_u64().unwrap()).collect();
-    let (mut line, mut column, mut seen) = (0, 0, Vec::new());
-    for token in data.chunks(5) {
-        (line, column) = (line + token[0], if token[0] == 0 { column + token[1] } else { token[1] });
-        let start = base::diagnostic::Lines::new(text).byte(line as u32, column as u32);
-        let word = &text[start..start + token[2] as usize];
-        let declared = if token[4] == 1 { "!" } else { "" };
-        seen.push(format!("{word} {}{declared}", legend[token[3] as usize].as_str().unwrap()));
-    }
-    let wanted = [
-        "edition keyword",
-        "import keyword",
-        "param keyword",
-        "near parameter!",
-        "length type",
-        "spawn keyword",
-        "s variable!",
-        "distance property",
-        "near parameter",
-        "reward keyword",
-        "r variable!",
-        "on keyword",
-        "hit event",
-        "front enumMember",
-        "max function",
-        "v_c variable",
-        "in keyword",
-        "episode keyword",
-        "e variable!",
-        "traffic_lights property",
-        "true enumMember",
-        "policy keyword",
-        "p variable!",
-        "idm class",
-        "limit_share property",
-    ];
-    assert_eq!(seen, wanted);
 }

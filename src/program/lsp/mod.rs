@@ -14,9 +14,6 @@ mod complete;
 mod hover;
 mod navigate;
 mod references;
-mod semantic;
-mod folding;
-mod signature_help;
 mod server;
 
 pub use server::{Ending, serve};

@@ -8,18 +8,15 @@ use lsp_types::notification::{
     Notification as _, PublishDiagnostics,
 };
 use lsp_types::request::{
-    CodeActionRequest, Completion, DocumentSymbolRequest, FoldingRangeRequest, Formatting, GotoDefinition,
-    HoverRequest, Initialize, PrepareRenameRequest, References, Rename, Request as _, SemanticTokensFullRequest,
-    Shutdown, SignatureHelpRequest,
+    CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, Initialize,
+    PrepareRenameRequest, References, Rename, Request as _, Shutdown,
 };
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CodeActionProviderCapability, CompletionOptions,
     CompletionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
-    DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse, FoldingRangeParams,
-    FoldingRangeProviderCapability, GotoDefinitionParams, HoverParams, HoverProviderCapability, InitializeResult,
-    Location, OneOf, Position, PrepareRenameResponse, PublishDiagnosticsParams, Range, ReferenceParams, RenameOptions,
-    RenameParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend, SemanticTokensOptions,
-    SemanticTokensParams, ServerCapabilities, ServerInfo, SignatureHelpOptions, SignatureHelpParams,
+    DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse, GotoDefinitionParams, HoverParams,
+    HoverProviderCapability, InitializeResult, Location, OneOf, Position, PrepareRenameResponse,
+    PublishDiagnosticsParams, Range, ReferenceParams, RenameOptions, RenameParams, ServerCapabilities, ServerInfo,
     TextDocumentIdentifier, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit,
     Uri, WorkDoneProgressOptions, WorkspaceEdit,
 };
@@ -29,19 +26,17 @@ use serde::de::DeserializeOwned;
 use super::client::Client;
 use super::cursor::{Place, cursor};
 use super::documents::{Documents, path, position, range};
-use super::folding::folding_ranges;
 use super::references::{self, Places};
-use super::signature_help::signature_help;
 use super::visible::Visible;
 use super::wire::{self, WireError};
-use super::{complete, hover, navigate, semantic};
+use super::{complete, hover, navigate};
 use base::contained::contained;
 use base::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use compile::{Catalog, compile};
 use lang::Loaded;
 
-/// The greatest number of diagnostics of a file; an editor shows no more.
-const SHOWN: usize = 500;
+/// Maximum number of diagnostics of a file; an editor shows no more.
+const MAX_SHOWN: usize = 500;
 
 /// How a session ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -190,24 +185,6 @@ impl<W: Write> Server<W> {
             PrepareRenameRequest::METHOD => {
                 let at: TextDocumentPositionParams = read(params)?;
                 json(&self.prepare_rename(&at)?)
-            }
-            SignatureHelpRequest::METHOD => {
-                let params: SignatureHelpParams = read(params)?;
-                json(&self.at(&params.text_document_position_params, |text, byte, _, _| {
-                    signature_help(&cursor(text, byte, &self.catalog), &self.catalog)
-                }))
-            }
-            FoldingRangeRequest::METHOD => {
-                let params: FoldingRangeParams = read(params)?;
-                json(&self.documents.text(&params.text_document.uri).map(folding_ranges))
-            }
-            SemanticTokensFullRequest::METHOD => {
-                let params: SemanticTokensParams = read(params)?;
-                json(&self.at(&start_of(params.text_document), |text, _, loaded, sources| {
-                    let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
-                    let data = semantic::semantic_tokens(root, text, Visible { loaded, sources }, &self.catalog);
-                    Some(SemanticTokens { result_id: None, data })
-                }))
             }
             DocumentSymbolRequest::METHOD => {
                 let params: DocumentSymbolParams = read(params)?;
@@ -394,7 +371,7 @@ impl<W: Write> Server<W> {
                 let Some(uri) = self.documents.uri(&source.path) else { continue };
                 let here = by_file.entry(uri).or_default();
                 let about = compiled.diagnostics.iter().filter(|each| each.primary.span.source == id);
-                for each in about.take(SHOWN) {
+                for each in about.take(MAX_SHOWN) {
                     let each = shown(each, &lines[index]);
                     if !here.contains(&each) {
                         here.push(each);
@@ -468,22 +445,6 @@ fn capabilities(client: &Client) -> InitializeResult {
             document_symbol_provider: Some(OneOf::Left(true)),
             references_provider: Some(OneOf::Left(true)),
             rename_provider: Some(if client.prepares_names { OneOf::Right(rename) } else { OneOf::Left(true) }),
-            folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
-            signature_help_provider: Some(SignatureHelpOptions {
-                trigger_characters: Some(["(", ","].map(String::from).to_vec()),
-                ..SignatureHelpOptions::default()
-            }),
-            semantic_tokens_provider: Some(
-                SemanticTokensOptions {
-                    legend: SemanticTokensLegend {
-                        token_types: semantic::TYPES.to_vec(),
-                        token_modifiers: semantic::MODIFIERS.to_vec(),
-                    },
-                    full: Some(SemanticTokensFullOptions::Bool(true)),
-                    ..SemanticTokensOptions::default()
-                }
-                .into(),
-            ),
             document_formatting_provider: Some(OneOf::Left(true)),
             code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
             ..ServerCapabilities::default()
