@@ -15,6 +15,8 @@ use world::geometry::{Point, Pose, Vector};
 use world::judge::{Encountered, Recording, Verdict, judge};
 use world::sim::{PedestrianState, VehicleState};
 
+use crate::samples::samples;
+
 const DT: f64 = 0.05;
 /// The street: the car drives east from `x = 0`, its lane is around `y = 0`.
 const MEETING: f64 = 100.0;
@@ -161,7 +163,8 @@ fn who_brakes_at_least_as_early_and_as_hard_as_the_careful_human_is_never_at_fau
     let scenario = scenario("harbour", "blind");
     let mut stream = stream("early");
     let mut touches = 0;
-    for number in 0..20_000 {
+    let all = samples(2_000, 20_000);
+    for number in 0..all {
         let speed = stream.random_range(5.0..60.0) / 3.6;
         let ticks = ((MEETING / speed + 2.0) / DT) as usize;
         let walk = any_walk(&mut stream, ticks, speed);
@@ -179,7 +182,7 @@ fn who_brakes_at_least_as_early_and_as_hard_as_the_careful_human_is_never_at_fau
         touches += 1;
         assert!(!verdict.is_fault(), "{number}: {earlier} ticks earlier, {harder} times as hard: {verdict:?}");
     }
-    assert!(touches > 800, "only {touches} touches");
+    assert!(touches > all / 25, "only {touches} touches of {all}");
 }
 
 #[test]
@@ -191,13 +194,14 @@ fn the_careful_human_as_a_driver_under_test_has_no_fault() {
         ("natural", Box::new(Natural::default())),
     ];
     let mut touches = 0;
+    let all = samples(100, 400);
     for town in ["harbour", "village"] {
         let scenario = scenario(town, "careful_human");
         for (name, walker) in &mut walkers {
             let seed = Seed::root(1);
             let note = &mut |_: u32, _: &_, trace: &Trace| judge(&trace.main_pair(&scenario));
             let go_on = &mut |_: u32| ControlFlow::Continue(());
-            let found = evaluate_noting(walker.as_mut(), &scenario, 0..400, &seed, &seed.child(name), note, go_on);
+            let found = evaluate_noting(walker.as_mut(), &scenario, 0..all as u32, &seed, &seed.child(name), note, go_on);
             for (episode, verdict) in found.into_iter().enumerate() {
                 let Some(verdict) = verdict else { continue };
                 touches += 1;
@@ -205,7 +209,7 @@ fn the_careful_human_as_a_driver_under_test_has_no_fault() {
             }
         }
     }
-    assert!(touches > 200, "only {touches} touches");
+    assert!(touches > all / 2, "only {touches} touches");
 }
 
 /// The states in another frame: mirrored at the axis of the lane, then turned and moved.
@@ -243,7 +247,8 @@ fn mirroring_shifting_and_delaying_a_scene_changes_nothing() {
     let scenario = scenario("harbour", "blind");
     let mut stream = stream("moved");
     let mut faults = [0, 0];
-    for number in 0..1500 {
+    let all = samples(300, 1500);
+    for number in 0..all {
         let speed = stream.random_range(5.0..60.0) / 3.6;
         let ticks = ((MEETING / speed + 2.0) / DT) as usize;
         let walk = any_walk(&mut stream, ticks, speed);
@@ -266,7 +271,7 @@ fn mirroring_shifting_and_delaying_a_scene_changes_nothing() {
         same(moved(&car, &walk, 1.0, &away), "moved");
         same(delayed(&car, &walk, 40), "delayed");
     }
-    assert!(faults.iter().all(|count| *count > 100), "{faults:?}");
+    assert!(faults.iter().all(|count| *count > all / 15), "{faults:?}");
 }
 
 /// Seconds until the car's middle is where the pedestrian crosses.
@@ -306,7 +311,7 @@ fn a_driver_that_is_made_worse_has_no_fewer_faults() {
     let scenario = scenario("harbour", "blind");
     let mut stream = stream("crossings");
     let ticks = ((ARRIVAL + 2.5) / DT) as usize;
-    let crossings: Vec<Walk> = (0..10_000).map(|_| crossing(&mut stream, ticks)).collect();
+    let crossings: Vec<Walk> = (0..samples(1_000, 10_000)).map(|_| crossing(&mut stream, ticks)).collect();
     let n = crossings.len() as f64;
     // A count may be smaller by what chance makes of two of them (95 %).
     let slack = |a: usize, b: usize| 1.96 * ((a + b) as f64 * (1.0 - (a + b) as f64 / (2.0 * n))).sqrt();

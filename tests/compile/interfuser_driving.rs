@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use ported::interfuser::{InterFuser, Settings};
+use ported::interfuser::InterFuser;
 use world::av::{DrivingMode, DrivingPolicy, PerfectSensors};
 use world::env::Scenario;
 use world::geometry::{Pose, Vector};
@@ -55,7 +55,7 @@ fn world(scenario: &Scenario, lane: usize, pedestrian: Vector) -> World {
 /// Drives for some ticks; the pedestrian stands.
 fn drive(world: &mut World, ticks: u32, mut each: impl FnMut(&World, DrivingMode)) -> Option<f64> {
     let mut sensors = PerfectSensors::default();
-    let mut driver = InterFuser::new(&Settings::default());
+    let mut driver = InterFuser::new();
     driver.reset(&sensors.perceive(world, 0), Seed::root(3).stream());
     let standing = WalkCommand { heading: world.pedestrians[0].state.pose.yaw, speed: 0.0 };
     for _ in 0..ticks {

@@ -10,6 +10,8 @@ mod gzip;
 mod reference;
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/samples.rs"]
+mod samples;
 #[path = "../common/straight_road.rs"]
 mod straight_road;
 

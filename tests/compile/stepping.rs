@@ -13,6 +13,8 @@ use compile::{Catalog, compile};
 use proptest::prelude::*;
 use world::env::{ObservationSpec, PedestrianEnv, Scenario};
 
+use crate::samples::samples;
+
 /// The number of ticks of each scenario.
 const TICKS: u32 = 20;
 
@@ -196,13 +198,8 @@ fn step(text: &str) {
     }
 }
 
-/// The number of cases that `PROPTEST_CASES` gives.
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|number| number.parse().ok()).unwrap_or(400)
-}
-
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), max_shrink_iters: 400, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: samples(100, 400) as u32, max_shrink_iters: 400, ..ProptestConfig::default() })]
     #[test]
     fn what_is_checked_can_be_stepped(
         kinds in prop::array::uniform6(any::<u16>()),

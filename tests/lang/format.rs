@@ -6,6 +6,7 @@ use base::diagnostic::{Severity, Sources};
 use lang::{format, parse};
 use proptest::prelude::*;
 
+use crate::samples::samples;
 use crate::shipped::shipped;
 
 /// The fields that an outline omits: places in files.
@@ -183,7 +184,7 @@ fn untidy() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: samples(50, 400) as u32, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn untidy_files_keep_their_meaning(text in untidy()) {

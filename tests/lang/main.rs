@@ -2,6 +2,8 @@
 
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/samples.rs"]
+mod samples;
 #[path = "../common/shipped.rs"]
 mod shipped;
 

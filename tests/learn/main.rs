@@ -8,6 +8,8 @@ mod loud;
 mod reference;
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/samples.rs"]
+mod samples;
 
 mod ped_world;
 mod ped_world_reference;

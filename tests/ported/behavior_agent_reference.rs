@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::reference;
 use base::seed::Seed;
-use ported::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
+use ported::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Release};
 use serde_json::Value;
 use world::av::{Actor, DrivingPolicy, Light, Perception};
 use world::geometry::{Obstacles, Pose, Vector};
@@ -151,7 +151,7 @@ fn replay(
     let trigger = case["light"]["at"]
         .as_array()
         .map(|at| carla_pose(at[0].as_f64().expect("a light's x"), at[1].as_f64().expect("a light's y"), 0.0));
-    let mut agent = BehaviorAgent::new(AgentConfig { release, profile, quirks: Quirks::ALL, ..AgentConfig::default() });
+    let mut agent = BehaviorAgent::new(AgentConfig { release, profile, ..AgentConfig::default() });
     for row in 0..rows.rows.len() {
         let place = format!("{} {name} tick {}", release.name(), rows.text(row, "tick"));
         let ego = car(rows.pose(row, "ego_").expect("the ego has a pose"), rows.get(row, "ego_v"));

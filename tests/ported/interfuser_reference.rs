@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::reference;
 use ported::interfuser::{
     Cell, Controller, EgoVector, Forecast, HORIZONS, Inputs, ObjectClass, ObjectMap, Settings, Sighting, Tracker,
-    TrackerMode, find_detections,
+    find_detections,
 };
 use serde_json::Value;
 use world::geometry::Point;
@@ -194,7 +194,7 @@ fn sequence(example: &Value, out: &mut Disagreements) {
 
 fn tracking(example: &Value, out: &mut Disagreements) {
     let given = &example["inputs"];
-    let mut tracker = Tracker::new(TrackerMode::Published);
+    let mut tracker = Tracker::new();
     for step in list(&example["sequence"]) {
         let update = step["update"].as_i64().expect("an update has a number");
         let mut found = detections(&step["input_cells"]);
@@ -315,7 +315,7 @@ fn a_crossing_pedestrian_is_tracked_as_by_the_published_code() {
     let recorded: Value = serde_json::from_str(include_str!("../reference/interfuser/tracker.json")).unwrap();
     let mut compared = 0;
     for case in list(&recorded["cases"]) {
-        let mut tracker = Tracker::new(TrackerMode::Published);
+        let mut tracker = Tracker::new();
         let compass = number(&case["compass_rad"], "the compass");
         for (update, row) in list(&case["updates"]).iter().enumerate() {
             let at = |column: usize| number(&row[column], "a column");

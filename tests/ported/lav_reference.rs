@@ -310,11 +310,7 @@ fn brake_labels_agree_with_the_reference() {
             assert!(known.contains(&key.as_str()), "{}: unknown input {key}", wrong.case);
         }
         let limit = inputs["speed_limit_kmh"].as_f64().unwrap_or(30.0);
-        let rules = BrakeRules {
-            ego_half_length: VehicleBlueprint::mkz_2017().half_length,
-            speed_limit: limit / 3.6,
-            scale: 1.0,
-        };
+        let rules = BrakeRules { ego_half_length: VehicleBlueprint::mkz_2017().half_length, speed_limit: limit / 3.6 };
         let place = EgoPoint::new(number(&inputs["right_m"]), -number(&inputs["forward_m"]));
         let walker = WalkerView {
             place,

@@ -4,7 +4,6 @@ use super::obstacle::{EgoBody, Here, ObstacleTest};
 use super::planner::Planner;
 use super::polygon::Corner;
 use super::profile::{Profile, ProfileTraits};
-use super::quirks::Quirks;
 use super::red_light::RedLights;
 use super::release::{Release, ReleaseTraits};
 use super::way_finding::WayFinding;
@@ -26,7 +25,6 @@ pub struct AgentConfig {
     pub profile: Profile,
     /// How it finds its way without a plan.
     pub way: WayFinding,
-    pub quirks: Quirks,
 }
 
 /// CARLA's `BehaviorAgent`.
@@ -62,13 +60,9 @@ enum Intent {
 impl BehaviorAgent {
     /// Makes an agent without a way until [`DrivingPolicy::reset`].
     pub fn new(config: AgentConfig) -> Self {
-        let mut traits = config.release.traits();
-        if !config.quirks.weak_brake {
-            traits.emergency_brake = 1.0;
-        }
         Self {
             config,
-            traits,
+            traits: config.release.traits(),
             profile: config.profile.traits(),
             planner: Planner::default(),
             controller: Controller::default(),
@@ -122,7 +116,6 @@ impl BehaviorAgent {
             self.route.clear();
             let mut test = ObstacleTest {
                 traits: &self.traits,
-                quirks: &self.config.quirks,
                 perception,
                 ego,
                 here: &here,
@@ -195,10 +188,8 @@ impl DrivingPolicy for BehaviorAgent {
             Intent::Stop(mode) => {
                 self.mode = mode;
                 self.decision.emergency = true;
-                let keep_steering = !self.config.quirks.frozen_stop;
-                let steering = if keep_steering { self.follow_route(perception, &ego, speed, limit) } else { None };
-                let steer = steering.map_or(0.0, |control| control.steer);
-                (CarlaControl { throttle: 0.0, brake: self.traits.emergency_brake, steer }, limit)
+                // The planner does not run, and the wheels are straightened.
+                (CarlaControl { throttle: 0.0, brake: self.traits.emergency_brake, steer: 0.0 }, limit)
             }
             Intent::Drive(mode, target_speed) => {
                 self.mode = mode;

@@ -75,7 +75,7 @@ fn yaw_degrees(pose: &Pose) -> f32 {
     -pose.yaw.to_degrees() as f32
 }
 
-/// A cone with its tip at a location, for obstacles and lights.
+/// A cone with its tip at a location, for obstacles and lights. Locations exactly dead ahead are outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cone {
     pub tip: Location,
@@ -85,8 +85,6 @@ pub(super) struct Cone {
     pub reach: f64,
     /// Cosine of half its opening.
     pub cosine: f64,
-    /// Whether locations exactly dead ahead are excluded.
-    pub hollow: bool,
 }
 
 impl Cone {
@@ -100,7 +98,7 @@ impl Cone {
             return true;
         }
         let cosine = (self.heading.0 * x + self.heading.1 * y) / distance;
-        distance <= self.reach && cosine > self.cosine && (cosine < 1.0 || !self.hollow)
+        distance <= self.reach && cosine > self.cosine && cosine < 1.0
     }
 }
 
@@ -119,10 +117,9 @@ mod tests {
 
     #[test]
     fn a_hollow_cone_is_blind_dead_ahead_and_nowhere_else() {
-        let cone = Cone { tip: Location::default(), heading: (1.0, 0.0), reach: 10.0, cosine: 0.5, hollow: true };
+        let cone = Cone { tip: Location::default(), heading: (1.0, 0.0), reach: 10.0, cosine: 0.5 };
         let at = |x, y| Location { x, y, z: 0.0 };
         assert!(!cone.holds(at(5.0, 0.0)) && cone.holds(at(5.0, 0.001)) && cone.holds(at(5.0, -0.001)));
-        assert!(Cone { hollow: false, ..cone }.holds(at(5.0, 0.0)));
         assert!(cone.holds(at(5.0, 8.6)) && !cone.holds(at(5.0, 8.7)), "60 degrees to each side");
         assert!(!cone.holds(at(10.1, 0.1)) && !cone.holds(at(-1.0, 0.0)));
         assert!(cone.holds(at(0.0, 0.0)), "the tip itself");

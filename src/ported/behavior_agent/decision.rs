@@ -3,8 +3,7 @@
 pub struct Decision {
     /// The red-light step decided to stop.
     pub red_light: bool,
-    /// Distance to the actor that the walker step found, near or far (m); sometimes a vehicle, see
-    /// [`Quirks::vehicles_for_walkers`](super::Quirks::vehicles_for_walkers).
+    /// Distance to the actor that the walker step found, near or far (m); a vehicle if no walker is near.
     pub walker: Option<f64>,
     /// Distance to the vehicle that the vehicle step found (m); also none when that step was not reached.
     pub vehicle: Option<f64>,

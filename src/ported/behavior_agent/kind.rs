@@ -1,4 +1,4 @@
-use super::{AgentConfig, AtDestination, BehaviorAgent, Profile, Quirks, Release, WayFinding};
+use super::{AgentConfig, AtDestination, BehaviorAgent, Profile, Release, WayFinding};
 use base::{choice, keys};
 use world::road::ForkRule;
 
@@ -13,7 +13,7 @@ choice! {
 }
 
 keys! {
-    /// CARLA's BehaviorAgent, with its accidents; each can be switched off.
+    /// CARLA's BehaviorAgent, with its accidents.
     pub struct BehaviorAgentKeys = "behavior_agent" {
         /// The release of CARLA; 0.9.10.1 drives as 0.9.11, 0.9.14 as 0.9.15.
         release: Release = "\"0.9.15\"",
@@ -26,19 +26,18 @@ keys! {
         /// With `route: destination`, whether it drives on to a next destination, as in CARLA's example scripts, or
         /// brakes and stays.
         at_destination: AtDestination = "next",
-        ..quirks: Quirks,
     }
     .made_for(0.05)
 }
 
 impl BehaviorAgent {
     pub fn from_keys(keys: BehaviorAgentKeys) -> Self {
-        let BehaviorAgentKeys { release, profile, route, at_destination, quirks } = keys;
+        let BehaviorAgentKeys { release, profile, route, at_destination } = keys;
         let way = match route {
             Route::AnyBranch => WayFinding::Wander(ForkRule::AnyBranch),
             Route::CarlaWander => WayFinding::Wander(ForkRule::NamedTurn),
             Route::Destination => WayFinding::Destination(at_destination),
         };
-        Self::new(AgentConfig { release, profile, way, quirks })
+        Self::new(AgentConfig { release, profile, way })
     }
 }

@@ -1,7 +1,6 @@
 use super::carla_frame::{Cone, Direction, Location, exact_heading};
 use super::planner::Planner;
 use super::polygon::{Corner, rings_touch};
-use super::quirks::Quirks;
 use super::release::{Measure, PolygonRule, ReleaseTraits};
 use world::av::{Actor, Perception};
 use world::geometry::{Point, Pose, Vector};
@@ -95,7 +94,6 @@ enum Finding {
 /// The obstacle test of one tick.
 pub(super) struct ObstacleTest<'a> {
     pub traits: &'a ReleaseTraits,
-    pub quirks: &'a Quirks,
     pub perception: &'a Perception<'a>,
     pub ego: &'a EgoBody,
     pub here: &'a Here,
@@ -110,8 +108,7 @@ impl ObstacleTest<'_> {
     /// The walker step: finds a walker, or a vehicle when no walker is near the lane under the ego.
     pub fn find_walker(&mut self) -> Option<Hit> {
         let Perception { pedestrians, vehicles, .. } = *self.perception;
-        let fallback = self.traits.vehicles_for_walkers && self.quirks.vehicles_for_walkers;
-        if fallback && !pedestrians.iter().any(|walker| self.is_near(walker, WALKERS_WITHIN)) {
+        if self.traits.vehicles_for_walkers && !pedestrians.iter().any(|walker| self.is_near(walker, WALKERS_WITHIN)) {
             return self.find(vehicles, f64::INFINITY, WALKERS_CONE);
         }
         self.find(pedestrians, WALKERS_WITHIN, WALKERS_CONE)
@@ -129,48 +126,35 @@ impl ObstacleTest<'_> {
         if !obstacles.iter().any(|obstacle| self.ego.may_reach(obstacle, self.reach)) {
             return None;
         }
-        let mut nearest = None;
         for (index, obstacle) in obstacles.iter().enumerate() {
             if !self.is_near(obstacle, near) {
                 continue;
             }
-            let distance = match self.examine(obstacle, cosine) {
-                Finding::Clear => continue,
+            match self.examine(obstacle, cosine) {
+                Finding::Clear => {}
                 Finding::AllByPolygon => return self.find_by_polygon(obstacles, near),
-                Finding::Found(distance) => distance,
-            };
-            if self.prefer(&mut nearest, index, obstacle, distance) {
-                break;
+                Finding::Found(distance) => return Some(self.hit(index, obstacle, distance)),
             }
         }
-        nearest
+        None
     }
 
     fn find_by_polygon(&mut self, obstacles: &[Actor], near: f64) -> Option<Hit> {
-        let mut nearest = None;
         for (index, obstacle) in obstacles.iter().enumerate() {
             let centre = location(obstacle);
             if !self.is_near(obstacle, near) || self.ego.front.distance(centre) > self.reach {
                 continue;
             }
-            if let Some(distance) = self.touch(obstacle, centre)
-                && self.prefer(&mut nearest, index, obstacle, distance)
-            {
-                break;
+            if let Some(distance) = self.touch(obstacle, centre) {
+                return Some(self.hit(index, obstacle, distance));
             }
         }
-        nearest
+        None
     }
 
-    /// Takes a finding if it is better than the best one; true when the search is over.
-    fn prefer(&self, best: &mut Option<Hit>, index: usize, obstacle: &Actor, distance: f64) -> bool {
-        if best.is_none_or(|best| distance < best.distance) {
-            // Subtracting half lengths is right only between centres. From the bumper, the half length of the ego is subtracted once too often.
-            let own = self.traits.measure == Measure::Centres || self.quirks.half_length_twice;
-            let gap = distance - obstacle.half.max() - if own { self.ego.half.max() } else { 0.0 };
-            *best = Some(Hit { index, distance, gap });
-        }
-        self.quirks.first_hit
+    /// A finding. Subtracting half lengths is right only between centres: from the bumper, that of the ego is subtracted once too often.
+    fn hit(&self, index: usize, obstacle: &Actor, distance: f64) -> Hit {
+        Hit { index, distance, gap: distance - obstacle.half.max() - self.ego.half.max() }
     }
 
     fn is_near(&self, obstacle: &Actor, near: f64) -> bool {
@@ -210,39 +194,30 @@ impl ObstacleTest<'_> {
         }
         let Some(distance) = self.measure(obstacle, centre, cosine) else { return Finding::Clear };
         // The look-up is the expensive part, so it comes last.
-        if self.quirks.lane_blind {
-            let Some(its) = known.or_else(|| lane(self.traits.obstacle_lane)) else { return Finding::Clear };
-            let next = self.planner.ahead(self.traits.accepted_point).map(|next| next.point.waypoint);
-            let same = |other: Waypoint| its.road == other.road && its.lane == other.lane;
-            if !same(self.here.waypoint) && !next.is_some_and(same) {
-                return Finding::Clear;
-            }
-        }
-        Finding::Found(distance)
+        let Some(its) = known.or_else(|| lane(self.traits.obstacle_lane)) else { return Finding::Clear };
+        let next = self.planner.ahead(self.traits.accepted_point).map(|next| next.point.waypoint);
+        let same = |other: Waypoint| its.road == other.road && its.lane == other.lane;
+        if same(self.here.waypoint) || next.is_some_and(same) { Finding::Found(distance) } else { Finding::Clear }
     }
 
     /// The distance of an obstacle in the cone, by the release's points of measurement.
     fn measure(&self, obstacle: &Actor, centre: Location, cosine: f64) -> Option<f64> {
         let (tip, target) = match self.traits.measure {
             Measure::Centres => (self.ego.centre, centre),
-            Measure::BumperToRear if self.quirks.rear_point => {
+            Measure::BumperToRear => {
                 // Moved in 64 bits and rounded before the sum, as CARLA's Python does.
                 let half_length = f64::from(obstacle.half.x as f32);
                 (self.ego.front, centre.moved(Direction::new(&obstacle.pose), -half_length))
             }
-            Measure::BumperToRear => (self.ego.front, centre),
         };
         let heading = if self.traits.exact_heading { self.ego.exact_heading } else { self.ego.forward.widened() };
-        let cone = Cone { tip, heading, reach: self.reach, cosine, hollow: self.quirks.blind_dead_ahead };
+        let cone = Cone { tip, heading, reach: self.reach, cosine };
         cone.holds(target).then(|| tip.exact_distance(target))
     }
 
     /// The distance of an obstacle whose polygon touches the route's.
     fn touch(&mut self, obstacle: &Actor, centre: Location) -> Option<f64> {
-        let mut corners = box_corners(obstacle, centre);
-        if !self.quirks.zigzag {
-            corners.swap(2, 3);
-        }
+        let corners = box_corners(obstacle, centre);
         (self.has_route() && rings_touch(self.route, &corners)).then(|| self.ego.front.exact_distance(centre))
     }
 
@@ -262,9 +237,6 @@ impl ObstacleTest<'_> {
                 self.route.push(beside(location, right, 1.0));
                 self.route.push(beside(location, right, -1.0));
             }
-            if !self.quirks.zigzag {
-                straighten(self.route);
-            }
         }
         self.route.len() >= 3
     }
@@ -272,16 +244,6 @@ impl ObstacleTest<'_> {
 
 fn location(actor: &Actor) -> Location {
     Location::new(actor.pose.position(), actor.height)
-}
-
-/// Turns pairs of right and left corners into a corridor: all right ones, then all left ones in reverse.
-fn straighten(corners: &mut [Corner]) {
-    let pairs = corners.len() / 2;
-    // Before each turn the front holds the right corners up to here, then the left ones, then the right one of the next pair.
-    for pair in 1..pairs {
-        corners[pair..=2 * pair].rotate_right(1);
-    }
-    corners[pairs..].reverse();
 }
 
 /// The corners of an obstacle's box in CARLA's order, which makes a bow-tie: back left, back right, front left, front
@@ -300,15 +262,6 @@ fn box_corners(obstacle: &Actor, centre: Location) -> [Corner; 4] {
 mod tests {
     use super::*;
     use world::sim::ActorId;
-
-    #[test]
-    fn a_straightened_zigzag_is_a_corridor() {
-        let mut corners: Vec<Corner> = (0..4).flat_map(|i| [[f64::from(i), 1.0], [f64::from(i), -1.0]]).collect();
-        straighten(&mut corners);
-        let expected: Vec<Corner> =
-            (0..4).map(|i| [f64::from(i), 1.0]).chain((0..4).rev().map(|i| [f64::from(i), -1.0])).collect();
-        assert_eq!(corners, expected);
-    }
 
     #[test]
     fn boxes_have_their_corners_in_carlas_order() {

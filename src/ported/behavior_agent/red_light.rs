@@ -93,7 +93,7 @@ impl RedLights {
         }
         let Some(here) = here() else { return false };
         let (x, y) = Direction::new(&here.pose).widened();
-        let cone = Cone { tip: ego.centre, heading: ego.forward.widened(), reach: REACH, cosine: 0.0, hollow: true };
+        let cone = Cone { tip: ego.centre, heading: ego.forward.widened(), reach: REACH, cosine: 0.0 };
         let found = candidates.find(|(_, approach)| {
             let (light_x, light_y) = approach.forward.widened();
             approach.road == here.waypoint.road && x * light_x + y * light_y >= 0.0 && cone.holds(approach.location)

@@ -52,16 +52,22 @@ pub struct InterFuser {
     decision: Option<Decision>,
 }
 
+impl Default for InterFuser {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl InterFuser {
     /// Makes one without a way until [`DrivingPolicy::reset`].
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new() -> Self {
         Self {
             path: Path::default(),
             map: ObjectMap::default(),
             detections: Vec::with_capacity(400),
-            tracker: Tracker::new(settings.tracker),
+            tracker: Tracker::new(),
             forecast: Forecast::new(),
-            controller: Controller::new(settings),
+            controller: Controller::new(&Settings::default()),
             step: 0,
             command: (Control::default(), DrivingMode::Cruise),
             decision: None,

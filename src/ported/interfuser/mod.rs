@@ -31,7 +31,7 @@ pub use driver::InterFuser;
 pub use forecast::{Forecast, HORIZONS};
 pub use object_map::{Cell, ObjectMap, Sighting};
 pub use settings::Settings;
-pub use tracker::{Tracker, TrackerMode};
+pub use tracker::Tracker;
 
 /// A place or a displacement in the ego's frame: metres to the right and to the back.
 pub type EgoVector = world::geometry::Vector;

@@ -1,13 +1,9 @@
-use super::tracker::TrackerMode;
-
 /// The planner's settings; the defaults are the published ones.
 ///
 /// # Source
 /// InterFuser `team_code/interfuser_config.py`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// How speeds are corrected over time.
-    pub tracker: TrackerMode,
     /// The greatest wanted speed (m/s).
     pub max_speed: f64,
     /// Room that is added to the ego's half length and half width (m).
@@ -29,7 +25,6 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            tracker: TrackerMode::Published,
             max_speed: 5.0,
             margin: [2.5, 1.2],
             overlap: 0.04,

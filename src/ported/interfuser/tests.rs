@@ -82,9 +82,9 @@ fn a_person_on_a_cell_corner_is_none_and_one_on_a_border_is_two() {
 }
 
 /// The forecast speed of a pedestrian that walks at 2 m/s, after two seconds; the car stands.
-fn forecast_speed(mode: TrackerMode, theta: f64, start: (f64, f64)) -> f64 {
+fn forecast_speed(theta: f64, start: (f64, f64)) -> f64 {
     let (sin, cos) = libm::sincos(theta * std::f64::consts::PI);
-    let mut tracker = Tracker::new(mode);
+    let mut tracker = Tracker::new();
     let (mut map, mut found) = (ObjectMap::default(), Vec::new());
     let mut speed = f64::NAN;
     for update in 0..20 {
@@ -104,22 +104,19 @@ fn forecast_speed(mode: TrackerMode, theta: f64, start: (f64, f64)) -> f64 {
 fn the_published_tracker_takes_the_heading_for_the_speed() {
     // From right to left the forecast is about 1 m/s, from left to right it is 0.
     for (theta, start, forecast) in [(1.0, (5.0, 8.5), 1.06), (0.0, (-5.0, 8.5), 0.015), (0.5, (0.6, 16.4), 0.51)] {
-        let published = forecast_speed(TrackerMode::Published, theta, start);
+        let published = forecast_speed(theta, start);
         assert!((published - (2.0 - forecast)).abs() < 0.04, "{theta}: {published}");
-        let fixed = forecast_speed(TrackerMode::FixedSpeed, theta, start);
-        assert!(fixed < 0.05, "{theta}: {fixed}");
-        assert_eq!(forecast_speed(TrackerMode::Off, theta, start), 0.0);
     }
 }
 
 /// A car at 5 m/s and a pedestrian that comes from one side (+1 right, −1 left) and is 0.8 m from the middle line, on its side,
 /// when the bumper would be there; the speed of the impact (m/s), none when they do not meet.
-fn crossing(mode: TrackerMode, side: f64, walking: f64) -> Option<f64> {
+fn crossing(side: f64, walking: f64) -> Option<f64> {
     const DT: f64 = 0.05;
     const MEETING: f64 = 3.5;
     let theta = if side > 0.0 { 1.0 } else { 0.0 };
     let (mut driven, mut speed) = (0.0, 5.0);
-    let mut tracker = Tracker::new(mode);
+    let mut tracker = Tracker::new();
     let mut controller = Controller::new(&Settings::default());
     let (mut map, mut found, mut forecast) = (ObjectMap::default(), Vec::new(), Forecast::new());
     let mut brake = false;
@@ -151,12 +148,8 @@ fn crossing(mode: TrackerMode, side: f64, walking: f64) -> Option<f64> {
 #[test]
 fn a_person_from_the_left_is_hit_because_of_the_tracker() {
     for walking in [1.4, 2.0, 3.0, 3.5] {
-        let hit = |mode, side| crossing(mode, side, walking);
-        assert!(hit(TrackerMode::Published, -1.0).is_some_and(|impact| impact > 1.0));
-        assert_eq!(hit(TrackerMode::Published, 1.0), None);
-        assert_eq!(hit(TrackerMode::FixedSpeed, -1.0), None);
-        assert_eq!(hit(TrackerMode::Off, -1.0), None);
-        assert_eq!(hit(TrackerMode::Off, 1.0), None);
+        assert!(crossing(-1.0, walking).is_some_and(|impact| impact > 1.0));
+        assert_eq!(crossing(1.0, walking), None);
     }
 }
 

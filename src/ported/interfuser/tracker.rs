@@ -1,23 +1,7 @@
 use std::f64::consts::PI;
 
 use super::object_map::{Cell, centre};
-use base::choice;
 use world::geometry::{Point, Vector};
-
-choice! {
-    /// How the tracker corrects the speeds of a single frame.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-    pub enum TrackerMode {
-        /// As published: the speed is blended with the heading's channel. From the third update of a track on,
-        /// every road user is therefore forecast at about as many m/s as its heading has half turns.
-        #[default]
-        Published = "published",
-        /// The speed is blended with itself, as was intended.
-        FixedSpeed = "fixed_speed",
-        /// No tracker.
-        Off = "off",
-    }
-}
 
 /// Updates a second.
 const FREQUENCY: f64 = 10.0;
@@ -111,23 +95,29 @@ struct Motion {
 ///
 /// # Source
 /// InterFuser `team_code/tracker.py`, with its three mistakes: the offsets of a cell are swapped, directions are blended in
-/// another convention than the map's, and [`TrackerMode::Published`].
+/// another convention than the map's, and the speed is blended with the heading's channel. From the third update of a track on, every road user
+/// is therefore forecast at about as many m/s as its heading has half turns.
 ///
 /// The results are those of the published code to the last bits where numpy takes sine and cosine from the C library. On processors with
 /// AVX-512 numpy computes them itself, and many differ in the last bit. A displacement of 1.2 m/s lies exactly at the published limit of
 /// 1.0 m/s after the deduction of 0.2 m/s, so there the bit decides whether it counts, which changes headings and speeds by about 0.2 %.
 #[derive(Debug, Clone)]
 pub struct Tracker {
-    mode: TrackerMode,
     tracks: Vec<Track>,
     taken: Vec<bool>,
 }
 
+impl Default for Tracker {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Tracker {
     /// Makes one without tracks.
-    pub fn new(mode: TrackerMode) -> Self {
+    pub fn new() -> Self {
         // Room for more people than a map can show, so that updates allocate nothing.
-        Self { mode, tracks: Vec::with_capacity(128), taken: Vec::with_capacity(128) }
+        Self { tracks: Vec::with_capacity(128), taken: Vec::with_capacity(128) }
     }
 
     /// Forgets all tracks.
@@ -140,9 +130,6 @@ impl Tracker {
     /// `place` is the ego's (x east, y north), `compass` its heading from north (rad), clockwise, and `update` a counter
     /// of tenths of seconds.
     pub fn update(&mut self, detections: &mut [Cell], place: Point, compass: f64, update: i64) {
-        if self.mode == TrackerMode::Off {
-            return;
-        }
         let (sin, cos) = libm::sincos(compass);
         self.taken.clear();
         self.taken.resize(self.tracks.len(), false);
@@ -170,21 +157,20 @@ impl Tracker {
             };
             let track = &mut self.tracks[index];
             track.push(seen, update);
-            correct(detection, &track.motion(), compass, self.mode);
+            correct(detection, &track.motion(), compass);
         }
         self.tracks.retain(|track| track.last().1 > update - LIFE);
     }
 }
 
-fn correct(detection: &mut Cell, motion: &Motion, compass: f64, mode: TrackerMode) {
+fn correct(detection: &mut Cell, motion: &Motion, compass: f64) {
     if let Some((heading, confidence)) = motion.heading {
         let share = MERGE * confidence;
         detection.theta = (heading + compass / PI).rem_euclid(2.0) * share + detection.theta * (1.0 - share);
     }
     if let Some((speed, confidence)) = motion.speed {
         let share = MERGE * confidence;
-        let before = if mode == TrackerMode::Published { detection.theta } else { detection.speed };
-        detection.speed = speed * share + before * (1.0 - share);
+        detection.speed = speed * share + detection.theta * (1.0 - share);
     }
     // The map goes through the network's units once more, which moves some offsets by a bit.
     for (value, scale) in [(&mut detection.dx, 3.5), (&mut detection.dy, 3.5), (&mut detection.half_length, 3.5)] {

@@ -18,10 +18,6 @@ keys! {
     pub struct LavKeys = "lav" {
         /// The agent: of the paper, of the leaderboard, or the leaderboard's fast variant.
         version: Version = "v2",
-        /// Time constant of the brake classifier; an assumption.
-        response: f64 as non_negative(TIME) = "0.1 s",
-        /// Factor on the distances at which it brakes for hazards; 0.7 to 1.3 is plausible.
-        brake_range: f64 as positive(RATIO) = "1",
     }
     .made_for(0.05)
     .surrogate(
@@ -72,7 +68,6 @@ const GUESSED_SPEED: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub struct Lav {
     version: Version,
-    scale: f64,
     path: Path,
     command: Command,
     classifier: Classifier,
@@ -90,18 +85,17 @@ pub struct Lav {
 
 impl Lav {
     pub fn from_keys(keys: LavKeys) -> Self {
-        Self::new(keys.version, keys.response, keys.brake_range)
+        Self::new(keys.version)
     }
 
-    /// Makes one whose classifier has a time constant (s) and whose braking distances are scaled.
-    pub fn new(version: Version, response: f64, brake_range: f64) -> Self {
+    /// Makes one without a way until [`DrivingPolicy::reset`].
+    pub fn new(version: Version) -> Self {
         let room = 64;
         Self {
             version,
-            scale: brake_range,
             path: Path::default(),
             command: Command::default(),
-            classifier: Classifier::new(response),
+            classifier: Classifier::default(),
             detector: Detector::new(version),
             controller: Controller::new(version),
             mode: DrivingMode::Cruise,
@@ -167,11 +161,7 @@ impl DrivingPolicy for Lav {
         if !std::mem::replace(&mut self.started, true) {
             return Control::default();
         }
-        let rules = BrakeRules {
-            ego_half_length: TRAINED_HALF_LENGTH,
-            speed_limit: perception.carla_limit(),
-            scale: self.scale,
-        };
+        let rules = BrakeRules { ego_half_length: TRAINED_HALF_LENGTH, speed_limit: perception.carla_limit() };
         let hazard = hazards::find(&rules, &self.path, perception);
         self.cause = hazard.unwrap_or(self.cause);
         let brake_score = self.classifier.run(hazard.is_some(), perception.dt);

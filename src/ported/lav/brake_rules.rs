@@ -44,8 +44,6 @@ pub struct BrakeRules {
     pub ego_half_length: f64,
     /// The ego's speed limit (m/s).
     pub speed_limit: f64,
-    /// The factor of all distances: 1 in LAV.
-    pub scale: f64,
 }
 
 impl BrakeRules {
@@ -57,10 +55,10 @@ impl BrakeRules {
     /// The map of hazards: the ego's centre is in the walker's disc, which is shifted back by half of the ego's length, and
     /// the walker is within a wedge that narrows with the distance.
     pub fn on_map(&self, walker: &WalkerView) -> bool {
-        let (distance, ahead) = (self.distance(walker), -walker.place.back / self.scale);
+        let (distance, ahead) = (self.distance(walker), -walker.place.back);
         let wedge = (162.0 / (distance.clamp(1.5, 10.5) + 0.3)).to_radians();
         let radius = walker.half + self.ego_half_length + MAP_MARGIN;
-        let centre = EgoPoint::new(walker.place.right / self.scale, self.ego_half_length - ahead);
+        let centre = EgoPoint::new(walker.place.right, self.ego_half_length - ahead);
         !walker.on_sidewalk
             && distance < MAP_REACH
             && bearing(walker.place).abs() < wedge
@@ -73,7 +71,7 @@ impl BrakeRules {
         let bearing = bearing(walker.place).abs();
         !walker.on_sidewalk
             && walker.in_lane
-            && walker.from_lane_point / self.scale < NEAR_LANE
+            && walker.from_lane_point < NEAR_LANE
             && distance < LEAST_LOOK_AHEAD.max(self.speed_limit * 3.6 / 3.0)
             && bearing > 0.0
             && bearing < EXPERT_CONE
@@ -83,24 +81,24 @@ impl BrakeRules {
     /// The greatest distance of a walker for which a rule brakes (m).
     pub fn reach(&self, half: f64) -> f64 {
         let on_map = 2.0 * self.ego_half_length + half + MAP_MARGIN;
-        self.scale * on_map.max(half + self.ego_half_length + EXPERT_GAP)
+        on_map.max(half + self.ego_half_length + EXPERT_GAP)
     }
 
     /// Whether the ego's centre is in a vehicle's box, which reaches back by the ego's length and four metres.
     pub fn behind_vehicle(&self, ego: &Pose, vehicle: &Actor) -> bool {
         let local = vehicle.pose.to_local(ego.position());
-        let reach = vehicle.half.x + self.scale * (2.0 * self.ego_half_length + BEHIND_VEHICLES);
+        let reach = vehicle.half.x + (2.0 * self.ego_half_length + BEHIND_VEHICLES);
         local.y.abs() < vehicle.half.y && local.x < vehicle.half.x && local.x > -reach
     }
 
     /// Whether a red light's line at this distance ahead of the ego's centre (m) is a hazard; the distance is that of a walker. LAV's
     /// own distance is not known.
     pub fn at_line(&self, ahead: f64) -> bool {
-        ahead > 0.0 && ahead < self.scale * (2.0 * self.ego_half_length + MAP_MARGIN)
+        ahead > 0.0 && ahead < 2.0 * self.ego_half_length + MAP_MARGIN
     }
 
     fn distance(&self, walker: &WalkerView) -> f64 {
-        walker.place.distance(EgoPoint::default()) / self.scale
+        walker.place.distance(EgoPoint::default())
     }
 }
 
@@ -113,7 +111,7 @@ pub(super) fn bearing(place: EgoPoint) -> f64 {
 mod tests {
     use super::*;
 
-    const RULES: BrakeRules = BrakeRules { ego_half_length: 2.450_842, speed_limit: 30.0 / 3.6, scale: 1.0 };
+    const RULES: BrakeRules = BrakeRules { ego_half_length: 2.450_842, speed_limit: 30.0 / 3.6 };
 
     fn walker(ahead: f64, right: f64, in_lane: bool) -> WalkerView {
         let place = EgoPoint::new(right, -ahead);
@@ -147,12 +145,5 @@ mod tests {
             };
             assert!(at(degrees - 0.3) && !at(degrees + 0.3), "{distance} m");
         }
-    }
-
-    #[test]
-    fn a_scale_moves_every_distance() {
-        let wide = BrakeRules { scale: 1.3, ..RULES };
-        let in_lane = farthest(|ahead| wide.brake(&walker(ahead, 0.1, true)));
-        assert!((in_lane - 1.3 * 8.6385).abs() < 0.015, "{in_lane}");
     }
 }

@@ -84,22 +84,22 @@ impl Scene {
         }
     }
 
-    fn agent(&self, release: Release, quirks: Quirks) -> BehaviorAgent {
-        let mut agent = BehaviorAgent::new(AgentConfig { release, quirks, ..AgentConfig::default() });
+    fn agent(&self, release: Release) -> BehaviorAgent {
+        let mut agent = BehaviorAgent::new(AgentConfig { release, ..AgentConfig::default() });
         agent.reset(&self.perception(), Seed::root(1).stream());
         agent
     }
 
     /// The second tick of a fresh agent, so that its planner has run.
-    fn decide(&self, release: Release, quirks: Quirks) -> (Control, Decision) {
-        let mut agent = self.agent(release, quirks);
+    fn decide(&self, release: Release) -> (Control, Decision) {
+        let mut agent = self.agent(release);
         agent.follow_route(&self.perception(), &EgoBody::new(&self.ego), 27.0, 27.0);
         let control = agent.drive(&self.perception());
         (control, *agent.decision())
     }
 
-    fn stops(&self, release: Release, quirks: Quirks) -> bool {
-        self.decide(release, quirks).1.emergency
+    fn stops(&self, release: Release) -> bool {
+        self.decide(release).1.emergency
     }
 }
 
@@ -120,62 +120,50 @@ const NEWEST: Release = Release::V0_9_15;
 fn each_release_has_its_emergency_brake() {
     let scene = Scene::with_walker(56.0, -1.5);
     for (release, brake) in Release::ALL.into_iter().zip([1.0, 0.5, 0.5, 0.5]) {
-        let (control, decision) = scene.decide(release, Quirks::ALL);
+        let (control, decision) = scene.decide(release);
         assert!(decision.emergency, "{release:?}");
         assert_eq!(control, Control { throttle: 0.0, brake, steer: 0.0 }, "{release:?}");
-        let strong = scene.decide(release, Quirks { weak_brake: false, ..Quirks::ALL }).0;
-        assert_eq!(strong.brake, 1.0);
     }
 }
 
 #[test]
 fn a_walker_on_the_sidewalk_stops_only_the_old_releases() {
     let scene = Scene::with_walker(56.0, -6.0);
-    let stops = Release::ALL.map(|release| scene.stops(release, Quirks::ALL));
+    let stops = Release::ALL.map(|release| scene.stops(release));
     assert_eq!(stops, [true, true, false, false]);
-    assert!(scene.stops(NEWEST, Quirks { lane_blind: false, ..Quirks::ALL }));
 }
 
 #[test]
 fn the_old_releases_see_less_far() {
     let scene = Scene::with_walker(58.5, -1.5);
-    let stops = Release::ALL.map(|release| scene.stops(release, Quirks::ALL));
+    let stops = Release::ALL.map(|release| scene.stops(release));
     assert_eq!(stops, [false, false, true, true]);
-    let single = Quirks { half_length_twice: false, ..Quirks::ALL };
-    assert!(!scene.stops(NEWEST, single) && Scene::with_walker(57.0, -1.5).stops(NEWEST, single));
 }
 
 #[test]
 fn a_walker_exactly_dead_ahead_is_run_over() {
     let scene = Scene { walkers: vec![walker(56.0, -2.0, 0.0)], ..Scene::new() };
     for release in Release::ALL {
-        assert!(!scene.stops(release, Quirks::ALL), "{release:?}");
-        assert!(scene.stops(release, Quirks { blind_dead_ahead: false, ..Quirks::ALL }), "{release:?}");
+        assert!(!scene.stops(release), "{release:?}");
     }
 }
 
 #[test]
 fn distances_are_to_the_walkers_back() {
-    let distance = |yaw: f64, quirks| {
+    let distance = |yaw: f64| {
         let scene = Scene { walkers: vec![walker(56.0, -1.8, yaw)], ..Scene::new() };
-        scene.decide(NEWEST, quirks).1.walker.unwrap()
+        scene.decide(NEWEST).1.walker.unwrap()
     };
-    let centre = Quirks { rear_point: false, ..Quirks::ALL };
-    assert_eq!(distance(0.0, centre), distance(std::f64::consts::PI, centre));
-    let (away, towards) = (distance(0.0, Quirks::ALL), distance(std::f64::consts::PI, Quirks::ALL));
+    let (away, towards) = (distance(0.0), distance(std::f64::consts::PI));
     assert!((towards - away - 0.36).abs() < 0.02, "{away} and {towards}");
 }
 
 #[test]
 fn in_junctions_walkers_hide_in_the_zigzag() {
-    let seen = |quirks| {
-        let spots = (0..60).map(|i| 53.0 + f64::from(i) / 10.0);
-        let scene = |x| Scene { town: town(true), ..Scene::with_walker(x, -1.3) };
-        spots.filter(|x| scene(*x).stops(NEWEST, quirks)).count()
-    };
-    let (zigzag, corridor) = (seen(Quirks::ALL), seen(Quirks { zigzag: false, ..Quirks::ALL }));
-    assert!((15..50).contains(&zigzag), "{zigzag} of 60");
-    assert_eq!(corridor, 60);
+    let spots = (0..60).map(|i| 53.0 + f64::from(i) / 10.0);
+    let scene = |x| Scene { town: town(true), ..Scene::with_walker(x, -1.3) };
+    let seen = spots.filter(|x| scene(*x).stops(NEWEST)).count();
+    assert!((15..50).contains(&seen), "{seen} of 60");
 }
 
 #[test]
@@ -183,37 +171,32 @@ fn without_walkers_the_wide_cone_looks_at_vehicles() {
     // Its back is 39 degrees to the side, though its centre is in the lane.
     let aside = Actor { pose: Pose::new(57.0, -1.0, -0.4), ..vehicle(0.0, 0.0, 0.0) };
     let scene = Scene { vehicles: vec![aside], ..Scene::new() };
-    let found = Release::ALL.map(|release| scene.decide(release, Quirks::ALL).1.walker.is_some());
+    let found = Release::ALL.map(|release| scene.decide(release).1.walker.is_some());
     assert_eq!(found, [false, false, true, true]);
-    assert!(!scene.stops(NEWEST, Quirks { vehicles_for_walkers: false, ..Quirks::ALL }));
 }
 
 #[test]
 fn the_first_vehicle_in_the_list_counts() {
-    let only_vehicles = Quirks { vehicles_for_walkers: false, ..Quirks::ALL };
     let scene = Scene { vehicles: vec![vehicle(64.7, -1.9, 0.0), vehicle(58.0, -1.9, 0.0)], ..Scene::new() };
-    let (_, decision) = scene.decide(Release::V0_9_13, only_vehicles);
+    let (_, decision) = scene.decide(Release::V0_9_13);
     assert!(!decision.emergency && decision.vehicle.is_some_and(|distance| distance > 9.0), "{decision:?}");
-    assert!(scene.stops(Release::V0_9_13, Quirks { first_hit: false, ..only_vehicles }));
 }
 
 #[test]
 fn a_slow_vehicle_ahead_is_followed() {
-    let only_vehicles = Quirks { vehicles_for_walkers: false, ..Quirks::ALL };
     let scene = Scene { vehicles: vec![vehicle(64.7, -1.9, 5.0)], ..Scene::new() };
-    let (_, decision) = scene.decide(Release::V0_9_13, only_vehicles);
+    let (_, decision) = scene.decide(Release::V0_9_13);
     assert!((decision.target_speed * 3.6 - 8.0).abs() < 1e-9, "10 km/h slower than 18: {decision:?}");
     // If the back of a car is far enough away, its centre is out of the newest release's reach.
-    assert!(!scene.stops(NEWEST, only_vehicles));
-    assert_eq!(scene.decide(NEWEST, only_vehicles).1.vehicle, None);
+    assert!(!scene.stops(NEWEST));
+    assert_eq!(scene.decide(NEWEST).1.vehicle, None);
 }
 
 #[test]
 fn an_emergency_stop_straightens_the_wheels() {
     let mut scene = Scene::with_walker(56.0, -1.5);
     scene.ego.pose = Pose::new(50.0, -2.0, 0.05);
-    assert_eq!(scene.decide(NEWEST, Quirks::ALL).0.steer, 0.0);
-    assert!(scene.decide(NEWEST, Quirks { frozen_stop: false, ..Quirks::ALL }).0.steer < -0.05, "back to the right");
+    assert_eq!(scene.decide(NEWEST).0.steer, 0.0);
 }
 
 #[test]
@@ -221,7 +204,7 @@ fn a_red_light_is_kept_until_it_changes() {
     let light = |colour| vec![Light { trigger: Pose::new(54.0, -2.1, 0.0), colour }];
     let mut scene = Scene { lights: light(LightColour::Red), ..Scene::new() };
     scene.ego.pose.y = -2.05;
-    let mut agent = scene.agent(NEWEST, Quirks::ALL);
+    let mut agent = scene.agent(NEWEST);
     assert_eq!(agent.drive(&scene.perception()).brake, 0.5);
     assert_eq!(agent.mode(), DrivingMode::RedLight);
     scene.ego.pose.x = 80.0;
@@ -241,7 +224,7 @@ fn lights_behind_and_for_others_do_not_stop() {
         let light = Light { trigger: Pose::new(x, y, 0.0), colour: LightColour::Red };
         let mut scene = Scene { lights: vec![light], ..Scene::new() };
         scene.ego.pose.y = -2.05;
-        scene.decide(NEWEST, Quirks::ALL).1.red_light
+        scene.decide(NEWEST).1.red_light
     };
     assert!(stops(54.9, -2.0) && !stops(55.1, -2.0), "within 5 m of the centre");
     assert!(!stops(48.0, -2.0), "behind");
@@ -252,18 +235,18 @@ fn lights_behind_and_for_others_do_not_stop() {
 fn the_oldest_release_obeys_the_light_it_stands_at() {
     let light = Light { trigger: Pose::new(54.0, -2.0, 0.0), colour: LightColour::Red };
     let scene = Scene { lights: vec![light], ..Scene::new() };
-    assert!(!scene.stops(Release::V0_9_11, Quirks::ALL), "it does not look for lights itself");
+    assert!(!scene.stops(Release::V0_9_11), "it does not look for lights itself");
     let at_light = Scene { affecting: Some(0), ..scene };
-    assert!(at_light.stops(Release::V0_9_11, Quirks::ALL));
+    assert!(at_light.stops(Release::V0_9_11));
     let passed = Scene { town: town(true), ..at_light };
-    assert!(!passed.stops(Release::V0_9_11, Quirks::ALL), "in the junction it goes on");
+    assert!(!passed.stops(Release::V0_9_11), "in the junction it goes on");
 }
 
 #[test]
 fn at_the_end_of_its_plan_it_brakes_and_stays() {
     let scene = Scene::new();
     for release in Release::ALL {
-        let mut agent = scene.agent(release, Quirks::ALL);
+        let mut agent = scene.agent(release);
         agent.set_plan(Vec::new());
         assert_eq!(agent.drive(&scene.perception()), Control::FULL_BRAKE);
         assert_eq!(agent.mode(), DrivingMode::Arrived);

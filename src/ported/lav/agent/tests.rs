@@ -67,7 +67,7 @@ impl Drive {
             0.05,
         );
         begin(&mut world, start);
-        let (mut sensors, mut lav) = (PerfectSensors::default(), Lav::new(version, 0.1, 1.0));
+        let (mut sensors, mut lav) = (PerfectSensors::default(), Lav::new(version));
         lav.reset(&sensors.perceive(&world, 0), Seed::root(seed).stream());
         Self { world, sensors, lav }
     }

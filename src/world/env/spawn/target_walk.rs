@@ -8,7 +8,7 @@ use base::signature::Distribution;
 const STOPPED: f64 = 0.1;
 /// A target along the path walks this far to the left of its stated line (m). A test track holds the line within 0.05 m, and no target is
 /// exactly dead ahead of a car. In a simulation it would be, and CARLA's agent does not see what is
-/// ([`Quirks::blind_dead_ahead`](ported::behavior_agent::Quirks)).
+/// (`ported::behavior_agent`).
 const OFF_LINE: f64 = 0.01;
 
 /// The walk of a pedestrian target in a test with a car: a straight line, on which it would meet the car's front at a stated share of the
