@@ -43,12 +43,8 @@ keys! {
         initial_log_std: f64 as within(RATIO, -10.0, 5.0) = "0",
         /// Whether the learning rate falls to 0 over the training.
         learning_rate_schedule: Schedule = "constant",
-        /// Whether the clip falls to 0 over the training.
-        clip_schedule: Schedule = "constant",
         /// Ends an update early when policies differ by 1.5 times this.
         target_kl: Option<f64> as within(RATIO, LEAST, 1e6),
-        /// How far the critic's values may move in an update and still be corrected, in units of the reward.
-        value_clip: Option<f64> as within(RATIO, LEAST, 1e6),
         /// Last states that the pedestrian sees, the newest included; zeros stand for those before the first.
         frame_stack: usize as whole(1, 256) = "1",
         /// Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances
@@ -65,10 +61,6 @@ keys! {
         normalize_observations: bool = "false",
         /// Whether rewards are scaled by the spread of returns so far.
         normalize_rewards: bool = "false",
-        /// What is added to the denominator of Adam's steps.
-        adam_epsilon: f64 as within(RATIO, 1e-12, 1.0) = "1e-5",
-        /// Ended episodes over which the learning curve averages reward and length.
-        statistics_window: usize as whole(1, 1_000_000) = "100",
         /// Most threads that the environments of a training are stepped on; all there are unless given. Changes no number.
         threads: Option<usize> as whole(1, 4096),
         /// Whether a training gives the same bits on every processor; it takes about twice as long.
@@ -107,15 +99,12 @@ pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
         norm_adv: keys.normalize_advantages,
         initial_log_std: keys.initial_log_std,
         learning_rate_schedule: keys.learning_rate_schedule,
-        clip_schedule: keys.clip_schedule,
         target_kl: keys.target_kl,
-        clip_range_vf: keys.value_clip,
         curriculum: keys.curriculum,
         starts: keys.starts,
         hard_starts: keys.hard_starts,
         frame_stack: keys.frame_stack,
-        adam_eps: keys.adam_epsilon,
-        stats_window: keys.statistics_window,
+        adam_eps: PpoConfig::paper().adam_eps,
         threads: keys.threads,
         normalize_obs: keys.normalize_observations,
         normalize_reward: keys.normalize_rewards,
@@ -178,8 +167,8 @@ mod tests {
             "ppo(steps: 1000, until: plateau, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
             gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
             max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
-            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, curriculum: 0.5, starts: 512, hard_starts: 0.75, normalize_observations: true,
-            normalize_rewards: true, adam_epsilon: 1e-8, statistics_window: 50, threads: 2, portable_bits: true,
+            target_kl: 0.03, frame_stack: 4, curriculum: 0.5, starts: 512, hard_starts: 0.75, normalize_observations: true,
+            normalize_rewards: true, threads: 2, portable_bits: true,
             hidden: [32, 16])";
         let config = PpoConfig {
             total_steps: 1000,
@@ -192,13 +181,11 @@ mod tests {
             gamma: 0.9,
             gae_lambda: 0.8,
             clip_coef: 0.1,
-            clip_schedule: Schedule::Linear,
-            clip_range_vf: Some(0.3),
             target_kl: Some(0.03),
             vf_coef: 0.25,
             ent_coef: 0.02,
             max_grad_norm: 1.0,
-            adam_eps: 1e-8,
+            adam_eps: 1e-5,
             norm_adv: false,
             normalize_obs: true,
             normalize_reward: true,
@@ -206,7 +193,6 @@ mod tests {
             starts: Some(512),
             hard_starts: Some(0.75),
             frame_stack: 4,
-            stats_window: 50,
             threads: Some(2),
             portable_bits: true,
             initial_log_std: -1.0,

@@ -16,6 +16,9 @@ use super::rollout::Rollout;
 use super::train_error::Quantity;
 use base::seed::Seed;
 
+/// The number of ended episodes over which reward and length are averaged.
+const STATISTICS_WINDOW: usize = 100;
+
 /// The environments in the middle of their episodes.
 ///
 /// Every environment has its own noise. Between two exchanges of statistics it runs on its own, so the numbers are the same
@@ -32,8 +35,6 @@ pub(super) struct Collector {
     gamma: f64,
     lambda: f64,
     path: Path,
-    /// The number of episodes over which reward and length are averaged.
-    window: usize,
     /// The greatest number of threads.
     threads: usize,
 }
@@ -45,14 +46,13 @@ impl Collector {
         let lane = |(i, env)| Lane::new(env, policy, config.frame_stack, chunk, noise.index(i).stream());
         Self {
             lanes: (0..).zip(envs).map(lane).collect(),
-            recent: VecDeque::with_capacity(config.stats_window + 1),
+            recent: VecDeque::with_capacity(STATISTICS_WINDOW + 1),
             return_moments: config.normalize_reward.then(|| RunningMoments::new(1)),
             inputs: Vec::with_capacity(policy.obs_dim() * envs.len()),
             actor: MlpScratch::new(policy.actor(), envs.len()),
             gamma: config.gamma,
             lambda: config.gae_lambda,
             path,
-            window: config.stats_window,
             threads: config.threads.unwrap_or(usize::MAX),
         }
     }
@@ -154,7 +154,7 @@ impl Collector {
         let finished: Vec<FinishedEpisode> = ends.into_iter().map(|(_, _, episode)| episode).collect();
         for episode in &finished {
             self.recent.push_back(*episode);
-            if self.recent.len() > self.window {
+            if self.recent.len() > STATISTICS_WINDOW {
                 self.recent.pop_front();
             }
         }

@@ -39,11 +39,6 @@ pub struct PpoConfig {
     pub gae_lambda: f64,
     /// The half width ε of the interval around 1 in which the probability ratio counts.
     pub clip_coef: f64,
-    /// How the half width changes during training.
-    pub clip_schedule: Schedule,
-    /// The largest change of the critic's value in an update that the loss still corrects, in the unit of the rewards; none for
-    /// no limit.
-    pub clip_range_vf: Option<f64>,
     /// The target divergence between old and new policy (nat). It is estimated on a minibatch, and at 1.5 times the target the
     /// update ends early; none for never.
     pub target_kl: Option<f64>,
@@ -71,8 +66,6 @@ pub struct PpoConfig {
     pub hard_starts: Option<f64>,
     /// The number of last observations that the policy sees, the newest included.
     pub frame_stack: usize,
-    /// The number of ended episodes over which reward and length are averaged in the report of an update.
-    pub stats_window: usize,
     /// The greatest number of threads that step the environments, out of those available; none for all of these.
     ///
     /// The bits are the same on any number.
@@ -104,8 +97,6 @@ impl PpoConfig {
             gamma: 0.98,
             gae_lambda: 0.95,
             clip_coef: 0.2,
-            clip_schedule: Schedule::Constant,
-            clip_range_vf: None,
             target_kl: None,
             vf_coef: 0.5,
             ent_coef: 0.01,
@@ -118,7 +109,6 @@ impl PpoConfig {
             starts: None,
             hard_starts: None,
             frame_stack: 1,
-            stats_window: 100,
             threads: None,
             portable_bits: false,
             initial_log_std: 0.0,
@@ -137,10 +127,7 @@ impl PpoConfig {
     /// Returns whether the first updates depend on the number of all steps, so that a longer training is not a continuation of a
     /// shorter one.
     pub fn depends_on_total_steps(&self) -> bool {
-        let schedules = [self.learning_rate_schedule, self.clip_schedule];
-        self.curriculum > 0.0
-            || self.until == Until::Plateau
-            || schedules.iter().any(|schedule| *schedule != Schedule::Constant)
+        self.curriculum > 0.0 || self.until == Until::Plateau || self.learning_rate_schedule != Schedule::Constant
     }
 
     /// Writes the settings as a JSON object.

@@ -21,7 +21,6 @@ pub(super) fn write_curve(writer: &mut Writer, curve: &[UpdateLog]) {
     number("value_loss", |log| log.value_loss);
     number("grad_norm", |log| log.grad_norm);
     number("learning_rate", |log| log.learning_rate);
-    number("clip_coef", |log| log.clip_coef);
     number("std", |log| log.std);
     let mut maybe = |name: &str, value: fn(&UpdateLog) -> Option<f64>| {
         add(writer, name, curve, |log| value(log).unwrap_or(0.0));
@@ -84,7 +83,7 @@ pub(super) fn read_curve(tensors: &SafeTensors<'_>) -> Result<Vec<UpdateLog>, Ch
     let (steps, episodes, gradient_steps) = (whole("steps")?, whole("episodes")?, whole("gradient_steps")?);
     let (approx_kl, clip_fraction, entropy) = (number("approx_kl")?, number("clip_fraction")?, number("entropy")?);
     let (policy_loss, value_loss, grad_norm) = (number("policy_loss")?, number("value_loss")?, number("grad_norm")?);
-    let (learning_rate, clip_coef, std) = (number("learning_rate")?, number("clip_coef")?, number("std")?);
+    let (learning_rate, std) = (number("learning_rate")?, number("std")?);
     let (mean_reward, mean_length) = (maybe("mean_reward")?, maybe("mean_length")?);
     let (success_rate, fault_rate) = (maybe("success_rate")?, maybe("fault_rate")?);
     let explained_variance = maybe("explained_variance")?;
@@ -112,7 +111,6 @@ pub(super) fn read_curve(tensors: &SafeTensors<'_>) -> Result<Vec<UpdateLog>, Ch
                 grad_norm: grad_norm[i],
                 gradient_steps: gradient_steps[i],
                 learning_rate: learning_rate[i],
-                clip_coef: clip_coef[i],
                 std: std[i],
             }
         })

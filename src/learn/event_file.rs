@@ -58,7 +58,6 @@ pub fn event_of_update(log: &UpdateLog, wall_time: f64) -> Vec<u8> {
         ("rollout/fault_rate", log.fault_rate),
         ("train/approx_kl", Some(log.approx_kl)),
         ("train/clip_fraction", Some(log.clip_fraction)),
-        ("train/clip_range", Some(log.clip_coef)),
         ("train/entropy_loss", Some(-log.entropy)),
         ("train/explained_variance", log.explained_variance),
         ("train/gradient_norm", Some(log.grad_norm)),

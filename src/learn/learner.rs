@@ -25,24 +25,6 @@ pub(super) struct UpdateMeans {
     pub(super) gradient_steps: u64,
 }
 
-/// Two settings after their schedules.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rates {
-    pub(super) learning_rate: f64,
-    pub(super) clip_coef: f64,
-}
-
-impl Rates {
-    /// The rates of the update on a rollout that ends at `steps`.
-    pub(super) fn at(config: &PpoConfig, steps: u64) -> Self {
-        let total = config.total_steps;
-        Self {
-            learning_rate: config.learning_rate_schedule.at(config.learning_rate, steps, total),
-            clip_coef: config.clip_schedule.at(config.clip_coef, steps, total),
-        }
-    }
-}
-
 /// A policy and the state that improves it.
 #[derive(Debug, Clone)]
 pub(super) struct Learner {
@@ -77,7 +59,7 @@ impl Learner {
         &mut self,
         rollouts: &[Rollout],
         config: &PpoConfig,
-        rates: Rates,
+        learning_rate: f64,
         reorder: &mut dyn FnMut(&mut [usize]),
     ) -> Result<UpdateMeans, Quantity> {
         // It starts from a fixed order, so that an update does not depend on the orders of earlier ones.
@@ -95,7 +77,7 @@ impl Learner {
                 if config.norm_adv {
                     self.batch.normalise_advantages();
                 }
-                let terms = self.loss.compute(&self.policy, &self.batch, config, rates.clip_coef);
+                let terms = self.loss.compute(&self.policy, &self.batch, config);
                 if !terms.total(config).is_finite() {
                     return Err(Quantity::Loss);
                 }
@@ -119,7 +101,7 @@ impl Learner {
                 }
                 let scale = (config.max_grad_norm / (norm + 1e-6)).min(1.0);
                 let parameters = self.policy.parameters_mut();
-                self.adam.step(parameters, &self.loss.gradient, rates.learning_rate, scale, self.path);
+                self.adam.step(parameters, &self.loss.gradient, learning_rate, scale, self.path);
                 self.policy.hold_spread();
                 sums.grad_norm += norm;
                 sums.gradient_steps += 1;

@@ -41,7 +41,7 @@ pub struct UpdateLog {
     pub episodes: usize,
     /// These episodes, in the order in which they ended.
     pub finished: Vec<FinishedEpisode>,
-    /// The mean reward of the last episodes that have ended, up to `stats_window` of them.
+    /// The mean reward of the last episodes that have ended, up to 100 of them.
     pub mean_reward: Option<f64>,
     /// The mean length of the same episodes, in decisions.
     pub mean_length: Option<f64>,
@@ -69,8 +69,6 @@ pub struct UpdateLog {
     pub gradient_steps: u64,
     /// Adam's step size in this update.
     pub learning_rate: f64,
-    /// The half width of the clip interval in this update.
-    pub clip_coef: f64,
     /// The mean over the action's components of the standard deviation after the update, in the units of the action.
     pub std: f64,
 }

@@ -56,7 +56,6 @@ struct Task<'a, T: Real> {
     policy: &'a ActorCritic<T>,
     batch: &'a Minibatch<T>,
     config: &'a PpoConfig,
-    clip_coef: f64,
     path: Path,
 }
 
@@ -81,19 +80,12 @@ impl<T: Real> LossGradient<T> {
 
     /// Computes the loss on a minibatch and its gradient, which replaces the previous one.
     ///
-    /// `clip_coef` is the one in `config` after its schedule. Actor and critic share nothing, so large minibatches take two threads of the
-    /// current rayon pool.
+    /// Actor and critic share nothing, so large minibatches take two threads of the current rayon pool.
     ///
     /// # Source
     /// Schulman et al. (2017), equations 7 and 9; `PPO.train` of stable-baselines3.
-    pub(super) fn compute(
-        &mut self,
-        policy: &ActorCritic<T>,
-        batch: &Minibatch<T>,
-        config: &PpoConfig,
-        clip_coef: f64,
-    ) -> LossTerms {
-        let task = Task { policy, batch, config, clip_coef, path: self.path };
+    pub(super) fn compute(&mut self, policy: &ActorCritic<T>, batch: &Minibatch<T>, config: &PpoConfig) -> LossTerms {
+        let task = Task { policy, batch, config, path: self.path };
         let (networks, log_std) = self.gradient.split_at_mut(policy.log_std_range().start);
         let (actor, critic) = networks.split_at_mut(policy.actor_range().end);
         let work = batch.len() * policy.parameters().len();
@@ -116,7 +108,8 @@ impl<T: Real> LossGradient<T> {
 impl<T: Real> ActorLoss<T> {
     /// Computes all terms but that of the critic, and the gradients of the actor and of the logarithms of the standard deviations.
     fn compute(&mut self, task: Task<'_, T>, gradient: &mut [T], log_std: &mut [T]) -> LossTerms {
-        let Task { policy, batch, config, clip_coef, path } = task;
+        let Task { policy, batch, config, path } = task;
+        let clip_coef = config.clip_coef;
         self.spread.set(policy.log_std());
         let share = 1.0 / batch.len() as f64;
         let dim = policy.action_dim();
@@ -168,16 +161,10 @@ fn critic_loss<T: Real>(scratch: &mut MlpScratch<T>, task: Task<'_, T>, gradient
     policy.critic().forward(parameters, &batch.obs, scratch, path);
     let mut loss = 0.0;
     let slots = scratch.output_to_gradient(policy.critic());
-    let targets = batch.returns.iter().zip(&batch.old_values);
-    for (slot, (expected, old)) in slots.iter_mut().zip(targets) {
-        let change = slot.widened() - old;
-        let limit = config.clip_range_vf.unwrap_or(f64::INFINITY);
-        // Beyond the limit the value is taken as constant.
-        let (value, moves) =
-            if change.abs() <= limit { (slot.widened(), 1.0) } else { (old + change.clamp(-limit, limit), 0.0) };
-        let error = value - expected;
+    for (slot, expected) in slots.iter_mut().zip(&batch.returns) {
+        let error = slot.widened() - expected;
         loss += share * error * error;
-        *slot = T::rounded(config.vf_coef * 2.0 * share * error * moves);
+        *slot = T::rounded(config.vf_coef * 2.0 * share * error);
     }
     policy.critic().backward(parameters, gradient, scratch, path);
     loss

@@ -16,8 +16,6 @@ pub(super) struct Minibatch<T> {
     pub(super) old_log_probs: Vec<f64>,
     pub(super) advantages: Vec<f64>,
     pub(super) returns: Vec<f64>,
-    /// The critic's values before the update.
-    pub(super) old_values: Vec<f64>,
 }
 
 impl<T: Real> Minibatch<T> {
@@ -29,7 +27,6 @@ impl<T: Real> Minibatch<T> {
             old_log_probs: Vec::with_capacity(capacity),
             advantages: Vec::with_capacity(capacity),
             returns: Vec::with_capacity(capacity),
-            old_values: Vec::with_capacity(capacity),
         }
     }
 
@@ -47,7 +44,6 @@ impl<T: Real> Minibatch<T> {
         self.old_log_probs.clear();
         self.advantages.clear();
         self.returns.clear();
-        self.old_values.clear();
         let steps = rollouts[0].len();
         for &sample in samples {
             let (rollout, i) = (&rollouts[sample / steps], sample % steps);
@@ -57,7 +53,6 @@ impl<T: Real> Minibatch<T> {
             self.old_log_probs.push(rollout.log_probs[i]);
             self.advantages.push(rollout.advantages[i]);
             self.returns.push(rollout.returns[i]);
-            self.old_values.push(rollout.values[i]);
         }
     }
 
@@ -137,7 +132,6 @@ mod tests {
         assert_eq!(batch.obs, [2.0, 2.5, 4.0, 4.5, 0.0, 0.5]);
         assert_eq!(batch.actions, [12.0, 0.0, 10.0]);
         assert_eq!(batch.returns, [22.0, 0.0, 20.0]);
-        assert_eq!(batch.old_values, [0.0, 31.0, 0.0]);
         assert_eq!(batch.len(), 3);
     }
 }

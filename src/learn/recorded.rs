@@ -4,7 +4,7 @@ use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
 use super::config::PpoConfig;
 use super::gaussian::{Gaussian, Spread};
-use super::learner::{Learner, Rates};
+use super::learner::Learner;
 use super::rollout::Rollout;
 use super::train_error::Quantity;
 
@@ -103,9 +103,8 @@ pub fn update_on_recorded(
 
     let mut learner = Learner::new(actor_critic, config, steps, Path::of(config));
     let mut recorded = epochs.iter();
-    let rates = Rates { learning_rate: config.learning_rate, clip_coef: config.clip_coef };
     let rollouts = [buffer];
-    let means = learner.learn(&rollouts, config, rates, &mut |order| {
+    let means = learner.learn(&rollouts, config, config.learning_rate, &mut |order| {
         order.copy_from_slice(recorded.next().expect("there is an order for every epoch"));
     })?;
     let [buffer] = rollouts;

@@ -5,7 +5,7 @@ use super::arithmetic::Path;
 use super::collector::Collector;
 use super::config::PpoConfig;
 use super::env::Env;
-use super::learner::{Learner, Rates};
+use super::learner::Learner;
 use super::log::{FinishedEpisode, UpdateLog};
 use super::minibatch::shuffle;
 use super::moments::RunningMoments;
@@ -186,10 +186,11 @@ impl<'a> Experience<'a> {
         let Self { trainer, finished } = self;
         let update = trainer.updates() + 1;
         trainer.steps += (trainer.config.rollout_steps * trainer.rollouts.len()) as u64;
-        let rates = Rates::at(&trainer.config, trainer.steps);
+        let config = &trainer.config;
+        let learning_rate = config.learning_rate_schedule.at(config.learning_rate, trainer.steps, config.total_steps);
         let minibatches = &mut trainer.minibatches;
         let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
-        let means = trainer.learner.learn(&trainer.rollouts, &trainer.config, rates, reorder);
+        let means = trainer.learner.learn(&trainer.rollouts, config, learning_rate, reorder);
         let means = means.map_err(|quantity| TrainError::NonFinite { update, quantity })?;
         let recent = trainer.collector.recent_means();
         let log = UpdateLog {
@@ -209,8 +210,7 @@ impl<'a> Experience<'a> {
             value_loss: means.value,
             grad_norm: means.grad_norm,
             gradient_steps: means.gradient_steps,
-            learning_rate: rates.learning_rate,
-            clip_coef: rates.clip_coef,
+            learning_rate,
             std: trainer.learner.mean_std(),
         };
         Ok(trainer.learning_curve.push_mut(log))

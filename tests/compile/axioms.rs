@@ -201,7 +201,8 @@ fn the_careful_human_as_a_driver_under_test_has_no_fault() {
             let seed = Seed::root(1);
             let note = &mut |_: u32, _: &_, trace: &Trace| judge(&trace.main_pair(&scenario));
             let go_on = &mut |_: u32| ControlFlow::Continue(());
-            let found = evaluate_noting(walker.as_mut(), &scenario, 0..all as u32, &seed, &seed.child(name), note, go_on);
+            let found =
+                evaluate_noting(walker.as_mut(), &scenario, 0..all as u32, &seed, &seed.child(name), note, go_on);
             for (episode, verdict) in found.into_iter().enumerate() {
                 let Some(verdict) = verdict else { continue };
                 touches += 1;

@@ -45,14 +45,14 @@ fn shuffled() -> impl FnMut(&mut [usize]) {
     move |order| shuffle(order, &mut stream)
 }
 
-const RATES: Rates = Rates { learning_rate: 3e-4, clip_coef: 0.2 };
+const LEARNING_RATE: f64 = 3e-4;
 
 #[test]
 fn every_epoch_has_an_order_of_its_own() {
     let after = |epochs| {
         let config = PpoConfig { epochs, ..PpoConfig::paper() };
         let (mut learner, rollouts) = learner_and_rollout(&config);
-        learner.learn(&rollouts, &config, RATES, &mut shuffled()).unwrap();
+        learner.learn(&rollouts, &config, LEARNING_RATE, &mut shuffled()).unwrap();
         learner.order
     };
     let (first, second) = (after(1), after(2));
@@ -67,10 +67,10 @@ fn every_epoch_has_an_order_of_its_own() {
 fn the_reported_divergence_is_that_of_the_last_epoch() {
     let run = |epochs| {
         let config = PpoConfig { epochs, batch_size: 150, ..PpoConfig::paper() };
-        let rates = Rates { learning_rate: 3e-3, ..RATES };
+        let learning_rate = 3e-3;
         let (mut learner, rollouts) = learner_and_rollout(&config);
-        let means = learner.learn(&rollouts, &config, rates, &mut shuffled()).unwrap();
-        (means.approx_kl, learner.loss.compute(&learner.policy, &learner.batch, &config, 0.2).approx_kl)
+        let means = learner.learn(&rollouts, &config, learning_rate, &mut shuffled()).unwrap();
+        (means.approx_kl, learner.loss.compute(&learner.policy, &learner.batch, &config).approx_kl)
     };
     let (_, after_two) = run(2);
     let (reported, _) = run(3);
@@ -80,13 +80,13 @@ fn the_reported_divergence_is_that_of_the_last_epoch() {
 
 #[test]
 fn an_update_ends_before_the_step_whose_divergence_is_too_high() {
-    let rates = Rates { learning_rate: 1e-2, ..RATES };
+    let learning_rate = 1e-2;
     let run = |target_kl| {
         let config = PpoConfig { target_kl, ..PpoConfig::paper() };
         let (mut learner, rollouts) = learner_and_rollout(&config);
-        let means = learner.learn(&rollouts, &config, rates, &mut shuffled()).unwrap();
+        let means = learner.learn(&rollouts, &config, learning_rate, &mut shuffled()).unwrap();
         // The divergence of the updated policy on the current minibatch.
-        let kl = learner.loss.compute(&learner.policy, &learner.batch, &config, 0.2).approx_kl;
+        let kl = learner.loss.compute(&learner.policy, &learner.batch, &config).approx_kl;
         (means, learner.policy, kl)
     };
     let (free, unstopped, _) = run(None);

@@ -183,14 +183,13 @@ fn portable_bits_change_no_more_than_rounding() {
 }
 
 #[test]
-fn schedules_reach_the_optimiser_and_the_loss() {
-    let linear = PpoConfig { learning_rate_schedule: Schedule::Linear, clip_schedule: Schedule::Linear, ..config(450) };
+fn a_schedule_reaches_the_optimiser() {
+    let linear = PpoConfig { learning_rate_schedule: Schedule::Linear, ..config(450) };
     let trained = train(&mut [Identity::new(0)], &linear, &Seed::root(1), &mut keep_going).unwrap();
     let rates: Vec<f64> = trained.learning_curve.iter().map(|log| log.learning_rate).collect();
     for (rate, expected) in rates.iter().zip([2e-4, 1e-4, 0.0]) {
         assert!((rate - expected).abs() < 1e-12);
     }
-    assert!((trained.learning_curve[0].clip_coef - 0.2 * 2.0 / 3.0).abs() < 1e-12);
     // The last update has the rate zero and changes nothing.
     let shorter = PpoConfig { total_steps: 450, ..linear.clone() };
     let mut envs = [Identity::new(0)];

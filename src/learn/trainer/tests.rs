@@ -82,8 +82,6 @@ fn configs() -> [PpoConfig; 2] {
     let paper = PpoConfig { rollout_steps: 50, total_steps: 900, epochs: 3, hidden: vec![16], ..PpoConfig::paper() };
     let all = PpoConfig {
         learning_rate_schedule: Schedule::Linear,
-        clip_schedule: Schedule::Linear,
-        clip_range_vf: Some(0.2),
         target_kl: Some(0.02),
         normalize_obs: true,
         normalize_reward: true,
@@ -169,7 +167,7 @@ fn states_that_do_not_fit_are_errors_and_never_panics() {
     let trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
     let state = bytes(&trainer, &envs);
     for (name, other) in [
-        ("clip_range_vf", &all),
+        ("curriculum", &all),
         ("hidden", &PpoConfig { hidden: vec![16, 16], ..config.clone() }),
         ("frame_stack", &PpoConfig { frame_stack: 2, ..config.clone() }),
         ("gamma", &PpoConfig { gamma: 0.9, ..config.clone() }),

@@ -11,7 +11,7 @@ pub struct Learnt {
     pub updates: u64,
     /// The number of episodes that have ended.
     pub episodes: u64,
-    /// The mean reward of the last episodes, up to `statistics_window` of them; none before the first has ended.
+    /// The mean reward of the last episodes, up to 100 of them; none before the first has ended.
     pub mean_reward: Option<f64>,
     /// Their mean length in decisions.
     pub mean_length_decisions: Option<f64>,

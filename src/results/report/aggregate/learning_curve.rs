@@ -51,7 +51,7 @@ pub fn learning_curve_table<'a>() -> Table<'a, Update<'a>> {
         number(
             "mean_reward",
             "",
-            "mean reward of the last episodes that ended, up to `statistics_window` (100); missing before the first; the scenario's \
+            "mean reward of the last episodes that ended, up to 100; missing before the first; the scenario's \
              reward, without any shaping (`rollout/ep_rew_mean`)",
         )
         .of(|row: &Row<'_>| row.1.mean_reward),
@@ -126,7 +126,6 @@ pub fn learning_curve_table<'a>() -> Table<'a, Update<'a>> {
     .column(
         number("learning_rate", "", "learning rate of this update (`train/learning_rate`)").of(|row: &Row<'_>| row.1.learning_rate),
     )
-    .column(number("clip", "", "clip range of this update (`train/clip_range`)").of(|row: &Row<'_>| row.1.clip_coef))
     .column(
         number("action_sd", "as the actions", "mean standard deviation of the actions (`train/std`)")
             .of(|row: &Row<'_>| row.1.std),
