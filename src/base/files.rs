@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The greatest size of a file that is read as a whole (bytes).
-pub const MOST_BYTES: u64 = 256 << 20;
+/// The maximum size of a file that is read as a whole (bytes).
+pub const MAX_BYTES: u64 = 256 << 20;
 
 /// Opens a file. A pipe or a device is refused, since it may have no end.
 ///
@@ -35,17 +35,17 @@ fn in_words(error: io::Error) -> io::Error {
 /// The bytes of a file.
 ///
 /// # Errors
-/// Those of [`open`], and a size above [`MOST_BYTES`].
+/// Those of [`open`], and a size above [`MAX_BYTES`].
 pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let size = file.metadata()?.len();
-    if size > MOST_BYTES {
+    if size > MAX_BYTES {
         return Err(too_long());
     }
     // Room for the whole file, and for one byte more to see that it has ended.
     let mut bytes = Vec::with_capacity(size as usize + 1);
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MOST_BYTES { Err(too_long()) } else { Ok(bytes) }
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES { Err(too_long()) } else { Ok(bytes) }
 }
 
 /// The text of a file.
@@ -59,18 +59,18 @@ pub fn text(path: &Path) -> io::Result<String> {
 /// The text of a stream without a known end, such as the standard input.
 ///
 /// # Errors
-/// It cannot be read, it has more than [`MOST_BYTES`], or it is not UTF-8.
+/// It cannot be read, it has more than [`MAX_BYTES`], or it is not UTF-8.
 pub fn text_of(stream: impl Read) -> io::Result<String> {
     let mut bytes = Vec::new();
-    stream.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MOST_BYTES {
+    stream.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
         return Err(too_long());
     }
     String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }
 
 fn too_long() -> io::Error {
-    io::Error::other(format!("it has more than {} MiB", MOST_BYTES >> 20))
+    io::Error::other(format!("it has more than {} MiB", MAX_BYTES >> 20))
 }
 
 #[cfg(test)]
@@ -88,7 +88,7 @@ mod tests {
         fs::write(&path, [0xff]).unwrap();
         assert_eq!(text(&path).unwrap_err().kind(), io::ErrorKind::InvalidData);
         // Sparse, so that it takes no room.
-        File::create(&path).unwrap().set_len(MOST_BYTES + 1).unwrap();
+        File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
         assert_eq!(bytes(&path).unwrap_err().to_string(), "it has more than 256 MiB");
         assert_eq!(text_of(&b"abc"[..]).unwrap(), "abc");
         assert_eq!(text_of(io::repeat(b'a')).unwrap_err().to_string(), "it has more than 256 MiB");

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::sensor_suites::{SUITES, Suite};
-use base::signature::{Form, Keys, LEAST, MOST, Signature};
+use base::signature::{Form, Keys, MAX_MAGNITUDE, MIN_POSITIVE, Signature};
 use base::{choice, keys};
 use lang::hir::Block;
 use world::av::sensors::{Field, Seam, Sector, SensorModel};
@@ -43,7 +43,7 @@ keys! {
         /// Place of the eye ahead of the ego's middle.
         eye: f64 as within(LENGTH, -100.0, 100.0) = "0 m",
         /// How often they look, in whole ticks; every tick when left out.
-        update_rate: Option<f64> as within(FREQUENCY, 0.1, MOST),
+        update_rate: Option<f64> as within(FREQUENCY, 0.1, MAX_MAGNITUDE),
         /// Age at which a measurement reaches the driver, in whole ticks.
         latency: f64 as within(TIME, 0.0, 10.0) = "0 s",
         /// Whether old beliefs are moved on by their velocities before the driver gets them.
@@ -85,14 +85,14 @@ keys! {
         /// Whether it is then a vehicle only, or both.
         confused_as: ConfusedAs = "vehicle",
         /// Length of that vehicle: a bicycle's (assumed).
-        confused_length: f64 as within(LENGTH, LEAST, LONGEST_CONFUSED) = "1.8 m",
+        confused_length: f64 as within(LENGTH, MIN_POSITIVE, LONGEST_CONFUSED) = "1.8 m",
         /// Its width (assumed).
-        confused_width: f64 as within(LENGTH, LEAST, LONGEST_CONFUSED) = "0.8 m",
+        confused_width: f64 as within(LENGTH, MIN_POSITIVE, LONGEST_CONFUSED) = "0.8 m",
         /// How often a pedestrian is detected where there is none: between 5 and 30 m away, at most 60 degrees from the heading
         /// (assumed).
         false_alarms: f64 as non_negative(FREQUENCY) = "0 Hz",
         /// How long it stays on average (assumed).
-        false_alarm_length: f64 as within(TIME, 0.001, MOST) = "1 s",
+        false_alarm_length: f64 as within(TIME, 0.001, MAX_MAGNITUDE) = "1 s",
     }
     .rising(&["near", "far"])
     .holding(vec![SectorKeys::signature(), SeamKeys::signature()])

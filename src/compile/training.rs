@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::lowering::Lowering;
 use base::keys;
-use base::signature::{Form, Keys, LEAST};
+use base::signature::{Form, Keys, MIN_POSITIVE};
 use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use learn::{ActorCritic, PpoConfig, Schedule, Until};
@@ -24,19 +24,19 @@ keys! {
         /// Decisions of a minibatch.
         batch_size: usize as whole(2, 10_000_000) = "64",
         /// Adam's step size, for actor and critic.
-        learning_rate: f64 as within(RATIO, LEAST, 1.0) = "3e-4",
+        learning_rate: f64 as within(RATIO, MIN_POSITIVE, 1.0) = "3e-4",
         /// Discount of the future, a decision.
         gamma: f64 as share() = "0.98",
         /// Decay of generalised advantage estimation.
         gae_lambda: f64 as share() = "0.95",
         /// Half width of the interval of the probability ratio.
-        clip: f64 as within(RATIO, LEAST, 100.0) = "0.2",
+        clip: f64 as within(RATIO, MIN_POSITIVE, 100.0) = "0.2",
         /// Weight of the critic's error.
         value_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.5",
         /// Weight of the entropy.
         entropy_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.01",
         /// Greatest norm of a gradient.
-        max_gradient_norm: f64 as within(RATIO, LEAST, 1e6) = "0.5",
+        max_gradient_norm: f64 as within(RATIO, MIN_POSITIVE, 1e6) = "0.5",
         /// Whether advantages are standardised within a minibatch.
         normalize_advantages: bool = "true",
         /// First logarithm of the action's standard deviation.
@@ -44,7 +44,7 @@ keys! {
         /// Whether the learning rate falls to 0 over the training.
         learning_rate_schedule: Schedule = "constant",
         /// Ends an update early when policies differ by 1.5 times this.
-        target_kl: Option<f64> as within(RATIO, LEAST, 1e6),
+        target_kl: Option<f64> as within(RATIO, MIN_POSITIVE, 1e6),
         /// Last states that the pedestrian sees, the newest included; zeros stand for those before the first.
         frame_stack: usize as whole(1, 256) = "1",
         /// Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances

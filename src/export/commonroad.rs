@@ -24,7 +24,7 @@ use world::sim::LightColour;
 pub(super) struct CommonRoad;
 
 const NAME: &str = "commonroad";
-/// The greatest distance between two points of a bound (m).
+/// The maximum distance between two points of a bound (m).
 const STEP: f64 = 2.0;
 /// The length of the goal, and the distance along the road from the last place of the ego to the middle of the goal (m). A car that has
 /// reached it has passed the place of the touch.

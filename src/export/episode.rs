@@ -32,7 +32,7 @@ pub struct Episode<'a> {
     /// The track of each actor.
     pub trace: &'a Trace,
     pub outcome: &'a Outcome,
-    /// The verdict of the reference drivers; none without a collision.
+    /// The verdict of the reference drivers; `None` without a collision.
     pub verdict: Option<&'a Verdict>,
 }
 
@@ -101,7 +101,7 @@ impl<'a> Episode<'a> {
     }
 
     /// The colours of a traffic light from the start of the episode on, each with its number of ticks. They repeat after the last one; a
-    /// period that is no whole number of ticks is rounded to one.
+    /// period that is not a whole number of ticks is rounded to one.
     pub(super) fn phases(&self, light: &TrafficLight) -> Vec<(LightColour, usize)> {
         let mut phases: Vec<(LightColour, usize)> = Vec::new();
         let Some(clock) = self.trace.lights() else { return phases };

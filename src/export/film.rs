@@ -12,18 +12,18 @@ use world::sim::ActorId;
 pub(super) const SIZE: [usize; 2] = [720, 480];
 /// The head with the text (px).
 const HEAD: usize = 52;
-/// The most that a film shows of an episode, up to its end (s).
-const LONGEST: f64 = 12.0;
+/// The maximum duration that a film shows of an episode, up to its end (s).
+const MAX_DURATION: f64 = 12.0;
 /// The shortest time of a frame (s), and how long the last one is shown (s).
-const SHORTEST: f64 = 0.04;
+const MIN_FRAME: f64 = 0.04;
 const LAST: f64 = 1.5;
 /// Ground around the tracks (m), and the least width that is shown (m).
 const MARGIN: f64 = 6.0;
-const LEAST_WIDTH: f64 = 36.0;
-/// The greatest distance between two points of a lane's edge (m).
+const MIN_WIDTH: f64 = 36.0;
+/// The maximum distance between two points of a lane's edge (m).
 const STEP: f64 = 1.0;
-/// The least radius of a pedestrian (px).
-const LEAST_RADIUS: f64 = 5.0;
+/// The minimum radius of a pedestrian (px).
+const MIN_RADIUS: f64 = 5.0;
 /// The pedal from which a driver counts as braking.
 const BRAKING: f64 = 0.1;
 
@@ -57,8 +57,8 @@ impl<'a> Film<'a> {
     /// Chooses ticks and a place, and draws all that does not move.
     pub fn new(episode: &'a Episode<'a>) -> Self {
         let (last, dt) = (episode.ticks(), episode.dt());
-        let every = (SHORTEST / dt).ceil().max(1.0) as usize;
-        let count = (LONGEST / dt / every as f64) as usize;
+        let every = (MIN_FRAME / dt).ceil().max(1.0) as usize;
+        let count = (MAX_DURATION / dt / every as f64) as usize;
         let mut ticks: Vec<usize> = (0..=count).map_while(|back| last.checked_sub(back * every)).collect();
         ticks.reverse();
         let actors = episode.actors();
@@ -69,7 +69,7 @@ impl<'a> Film<'a> {
         let middle = Point::from((low.coords + high.coords) / 2.0);
         let [width, height] = [SIZE[0] as f64, (SIZE[1] - HEAD) as f64];
         let [across, up] = [high.x - low.x + 2.0 * MARGIN, high.y - low.y + 2.0 * MARGIN];
-        let shown = LEAST_WIDTH.max(across).max(up * width / height);
+        let shown = MIN_WIDTH.max(across).max(up * width / height);
         let scale = width / shown;
         let corner = middle + Vector::new(-shown / 2.0, (height / 2.0 + HEAD as f64) / scale);
         let mut background = Canvas::new(SIZE, corner, scale, GROUND);
@@ -122,7 +122,7 @@ impl<'a> Film<'a> {
                     canvas.fill(&actor.outline(motion).corners(), PEDESTRIAN);
                 }
                 _ => {
-                    let radius = (actor.size()[0] / 2.0).max(LEAST_RADIUS * canvas.pixel());
+                    let radius = (actor.size()[0] / 2.0).max(MIN_RADIUS * canvas.pixel());
                     canvas.fill(&circle(motion.pose.position(), radius + canvas.pixel()), PAPER);
                     canvas.fill(&circle(motion.pose.position(), radius), PEDESTRIAN);
                 }

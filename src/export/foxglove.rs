@@ -24,7 +24,7 @@ pub(super) struct Foxglove;
 const NAME: &str = "foxglove";
 /// The frame of all coordinates.
 const FRAME: &str = "town";
-/// The greatest distance between two points of a lane's edge (m).
+/// The maximum distance between two points of a lane's edge (m).
 const STEP: f64 = 2.0;
 /// Width of a line (m).
 const LINE: f64 = 0.12;

@@ -31,10 +31,10 @@ pub(super) struct OpenScenario(pub Version);
 const AFTERWARDS: [f64; 2] = [0.5, 30.0];
 /// A time before the start (s), for the rule "greater than".
 const BEFORE_START: f64 = -0.001;
-/// Figures that the standard requires and the simulator does not have: mass of a pedestrian (kg), greatest speed of a vehicle (m/s),
+/// Figures that the standard requires and the simulator does not have: mass of a pedestrian (kg), maximum speed of a vehicle (m/s),
 /// diameter of a wheel (m).
 const MASS: f64 = 75.0;
-const GREATEST_SPEED: f64 = 69.4;
+const MAX_SPEED: f64 = 69.4;
 const WHEEL: f64 = 0.7;
 
 impl Exporter for OpenScenario {
@@ -482,7 +482,7 @@ impl<'a> Storyboard<'a> {
 
 fn performance(xml: &mut Xml, blueprint: &VehicleBlueprint) {
     let forward = blueprint.throttle.iter().map(|line| line.at_rest).fold(0.0, f64::max);
-    let numbers = [GREATEST_SPEED, forward, blueprint.full_brake * blueprint.low_speed_braking.max(1.0)];
+    let numbers = [MAX_SPEED, forward, blueprint.full_brake * blueprint.low_speed_braking.max(1.0)];
     let [speed, acceleration, deceleration] = numbers.map(Short);
     xml.empty(
         "Performance",

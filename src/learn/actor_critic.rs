@@ -28,8 +28,8 @@ pub struct ActorCritic<T: Real = f32> {
     observation_moments: Option<RunningMoments>,
 }
 
-/// The greatest absolute value of the logarithm of a standard deviation.
-const MOST_LOG_STD: f64 = 20.0;
+/// The maximum absolute value of the logarithm of a standard deviation.
+const MAX_LOG_STD: f64 = 20.0;
 
 impl<T: Real> ActorCritic<T> {
     /// Draws the first weights: orthogonal matrices and zero biases.
@@ -113,7 +113,7 @@ impl<T: Real> ActorCritic<T> {
     pub(super) fn hold_spread(&mut self) {
         let range = self.log_std_range();
         for slot in &mut self.parameters[range] {
-            *slot = T::rounded(slot.widened().clamp(-MOST_LOG_STD, MOST_LOG_STD));
+            *slot = T::rounded(slot.widened().clamp(-MAX_LOG_STD, MAX_LOG_STD));
         }
     }
 

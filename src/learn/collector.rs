@@ -35,7 +35,7 @@ pub(super) struct Collector {
     gamma: f64,
     lambda: f64,
     path: Path,
-    /// The greatest number of threads.
+    /// The maximum number of threads.
     threads: usize,
 }
 

@@ -40,7 +40,7 @@ pub struct PpoConfig {
     /// The half width ε of the interval around 1 in which the probability ratio counts.
     pub clip_coef: f64,
     /// The target divergence between old and new policy (nat). It is estimated on a minibatch, and at 1.5 times the target the
-    /// update ends early; none for never.
+    /// update ends early; `None` for never.
     pub target_kl: Option<f64>,
     /// The weight of the critic's mean squared error in the loss.
     pub vf_coef: f64,
@@ -58,7 +58,7 @@ pub struct PpoConfig {
     pub normalize_reward: bool,
     /// The share of the training over which starts widen from the easiest to all; 0 for all from the first episode.
     pub curriculum: f64,
-    /// The number of starts that an environment keeps and begins its episodes with copies of, where it can; none for a fresh start each time.
+    /// The number of starts that an environment keeps and begins its episodes with copies of, where it can; `None` for a fresh start each time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<usize>,
     /// The share of these copies that are of starts known to be hard for what is trained against.
@@ -66,7 +66,7 @@ pub struct PpoConfig {
     pub hard_starts: Option<f64>,
     /// The number of last observations that the policy sees, the newest included.
     pub frame_stack: usize,
-    /// The greatest number of threads that step the environments, out of those available; none for all of these.
+    /// The maximum number of threads that step the environments, out of those available; `None` for all of these.
     ///
     /// The bits are the same on any number.
     pub threads: Option<usize>,

@@ -48,7 +48,7 @@ pub trait Env {
         let _ = share;
     }
 
-    /// Returns everything that the environment's future depends on, also in mid-episode; none when it cannot be saved.
+    /// Returns everything that the environment's future depends on, also in mid-episode; `None` when it cannot be saved.
     ///
     /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the current
     /// episode is dropped and a new one starts.

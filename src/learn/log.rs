@@ -11,7 +11,7 @@ pub struct FinishedEpisode {
     pub length: u64,
     /// Whether it reached the goal of the environment.
     pub success: bool,
-    /// Whether it did so in the way that counts; none where that is not judged.
+    /// Whether it did so in the way that counts; `None` where that is not judged.
     pub fault: Option<bool>,
 }
 
@@ -47,7 +47,7 @@ pub struct UpdateLog {
     pub mean_length: Option<f64>,
     /// The share of the same episodes that reached the goal of the environment, 0 to 1.
     pub success_rate: Option<f64>,
-    /// The share of the same episodes that did so in the way that counts, 0 to 1; none where that is not judged.
+    /// The share of the same episodes that did so in the way that counts, 0 to 1; `None` where that is not judged.
     pub fault_rate: Option<f64>,
     /// The estimate of the divergence between old and new policy in nats, over the minibatches of the last epoch.
     pub approx_kl: f64,

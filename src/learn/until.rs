@@ -60,7 +60,7 @@ pub(super) fn is_plateau(curve: &[UpdateLog], total_steps: u64, curriculum: f64)
     waited >= PATIENCE
 }
 
-/// The mean of numbers and the variance of that mean; none for fewer than two.
+/// The mean of numbers and the variance of that mean; `None` for fewer than two.
 fn mean_and_its_variance(values: &[f64]) -> Option<(f64, f64)> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

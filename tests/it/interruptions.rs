@@ -7,6 +7,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::program::{self, error};
+use crate::samples::samples;
 
 /// A campaign with all kinds of tasks that takes a short time.
 const SCENARIO: &str = r#"
@@ -127,7 +128,7 @@ fn undisturbed() -> (BTreeMap<String, Vec<u8>>, Duration) {
 
 #[test]
 fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
-    const KILLS: u32 = 24;
+    let last = samples(6, 24);
     let (wanted, time) = undisturbed();
     let (mut kills, mut state) = (0, 0x2545_f491_4f6c_dd1d_u64);
     let mut share = || {
@@ -136,7 +137,7 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
         state ^= state << 17;
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    while kills < KILLS {
+    while kills < last {
         let place = Place::new();
         loop {
             let mut child = place.begin(&["--checkpoint", "0.001"]);
@@ -151,7 +152,7 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
                 break;
             }
             kills += 1;
-            if kills >= KILLS {
+            if kills >= last {
                 let output = place.run(&[]);
                 assert!(output.status.success(), "{output:?}");
                 break;

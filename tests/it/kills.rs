@@ -1,5 +1,5 @@
 //! A campaign that is ended by signals, alone or with another process, has the same reports as an undisturbed one. No process panics, and
-//! nothing is left over. `FALSIFY_TEST_KILLS` is the number of signals of each of the three modes, or three numbers; `FALSIFY_TEST_SEED` is a
+//! nothing is left over. `FALSIFY_TEST_KILLS` is the number of signals of each of the three modes, or three numbers (2, or 6 with `FALSIFY_LARGE_SAMPLES`); `FALSIFY_TEST_SEED` is a
 //! seed of their times; `FALSIFY_TEST_PROGRAM` is another build.
 #![cfg(unix)]
 
@@ -11,6 +11,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::program;
+use crate::samples::samples;
 
 /// A campaign with all kinds of tasks that takes a moment.
 const SCENARIO: &str = r#"
@@ -242,7 +243,7 @@ fn variable(name: &str, default: &str) -> String {
 
 #[test]
 fn signals_at_any_moment_change_no_report() {
-    let signals = variable("FALSIFY_TEST_KILLS", "6");
+    let signals = variable("FALSIFY_TEST_KILLS", &samples(2, 6).to_string());
     let signals: Vec<u32> = signals.split(',').map(|text| text.parse().expect("a number of signals")).collect();
     let seed = variable("FALSIFY_TEST_SEED", "0").parse().expect("a seed");
     for (number, mode) in [Mode::OneProcess, Mode::TwoOnOneFolder, Mode::TwoFoldersOneCache].into_iter().enumerate() {

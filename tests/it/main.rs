@@ -11,6 +11,8 @@ mod loud;
 mod reference;
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/samples.rs"]
+mod samples;
 #[path = "../common/shipped.rs"]
 mod shipped;
 #[path = "../common/straight_road.rs"]

@@ -8,6 +8,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::program::{self, error, said};
+use crate::samples::samples;
 
 /// The most time that a command may take, in a debug build on a busy machine. It separates an answer from a hang.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -395,7 +396,7 @@ fn processes_with_one_cache_that_are_interrupted_end_in_order() {
     assert!(program::falsify(&["run", "cut.scn", "--out", "free"], place.path()).status.success());
     let wanted = fs::read(place.path().join("free/cut/episodes.csv")).unwrap();
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    for turn in 0..12 {
+    for turn in 0..samples(3, 12) {
         let start = |out: &str| {
             let mut command = program::command();
             command.args([

@@ -9,7 +9,7 @@ pub struct Lines<'a> {
     blocks: Vec<(usize, usize)>,
 }
 
-/// The greatest number of bytes that are counted again.
+/// The maximum number of bytes that are counted again.
 const BLOCK: usize = 1024;
 
 impl<'a> Lines<'a> {

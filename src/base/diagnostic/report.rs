@@ -102,7 +102,7 @@ impl Diagnostic {
         self
     }
 
-    /// The repairs in words; none without repairs.
+    /// The repairs in words; `None` without repairs.
     pub fn offer(&self) -> Option<String> {
         match self.fixes.as_slice() {
             [] => None,

@@ -19,9 +19,9 @@ pub enum Distribution {
         mean: f64,
         /// Standard deviation of the distribution without bounds.
         deviation: f64,
-        /// Least value; may be −∞.
+        /// Minimum; may be −∞.
         low: f64,
-        /// Greatest value; may be ∞.
+        /// Maximum; may be ∞.
         high: f64,
     },
     /// One of several, with weights above zero that sum to 1.
@@ -44,7 +44,7 @@ impl Distribution {
         }
     }
 
-    /// The least and the greatest value it can take.
+    /// The minimum and the maximum that it can take.
     pub fn support(&self) -> (f64, f64) {
         match self {
             Self::Constant(value) => (*value, *value),
@@ -97,7 +97,7 @@ impl Distribution {
         }
     }
 
-    /// The distribution given that the value is from `low` to `high`; none when that is impossible.
+    /// The distribution given that the value is from `low` to `high`; `None` when that is impossible.
     pub fn truncated(&self, low: f64, high: f64) -> Option<Self> {
         let (a, b) = self.support();
         if low <= a && b <= high {
@@ -125,7 +125,7 @@ impl Distribution {
         }
     }
 
-    /// The distribution given that the value is not this one; none when it always is. Only parts that draw single values change.
+    /// The distribution given that the value is not this one; `None` when it always is. Only parts that draw single values change.
     pub fn without(&self, value: f64) -> Option<Self> {
         match self {
             Self::Constant(only) if *only == value => None,
@@ -143,7 +143,7 @@ impl Distribution {
         }
     }
 
-    /// The least and the greatest value of each of its parts.
+    /// The minimum and the maximum of each of its parts.
     pub fn pieces(&self) -> Vec<(f64, f64)> {
         match self {
             Self::Mixture(parts) => parts.iter().flat_map(|(_, part)| part.pieces()).collect(),

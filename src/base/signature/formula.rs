@@ -34,9 +34,9 @@ pub enum BinaryOperator {
 /// A function of formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Function {
-    /// The least of two or more.
+    /// The minimum of two or more.
     Min,
-    /// The greatest of two or more.
+    /// The maximum of two or more.
     Max,
     /// The absolute value of one.
     Abs,
@@ -45,7 +45,7 @@ pub enum Function {
     /// The square root of one plain number; of a negative number it is NaN, which stops a run.
     Sqrt,
     /// The logarithm of the normal density at the first, with the second as mean and the third as standard deviation,
-    /// relative to its greatest value: −((x − mean) / sd)² / 2.
+    /// relative to its maximum value: −((x − mean) / sd)² / 2.
     LogLikelihood,
 }
 
@@ -126,7 +126,7 @@ impl Formula {
     }
 }
 
-/// Bounds of a value: its least and its greatest possible value.
+/// Bounds of a value: its minimum and maximum.
 pub type Bounds = (f64, f64);
 
 /// No bounds.

@@ -35,7 +35,7 @@ pub trait Held: Sized {
         single
     }
 
-    /// The value; none if it is of another type.
+    /// The value; `None` if it is of another type.
     fn held(value: &Value) -> Option<Self>;
 }
 

@@ -16,6 +16,6 @@ pub use arguments::{Arguments, DeclarationId, Value};
 pub use distribution::Distribution;
 pub use formula::{BinaryOperator, Bounds, Formula, Function, VariableId};
 pub use keys::{Choice, Field, Held, Keys, Plain};
-pub use param::{LEAST, MOST, Param, Type, bounds, short};
+pub use param::{MAX_MAGNITUDE, MIN_POSITIVE, Param, Type, bounds, short};
 pub use requirement::{Comparison, Requirement, Temporal, Within};
 pub use shape::{Event, Form, Signature, Variable, Vocabulary};

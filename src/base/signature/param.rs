@@ -1,10 +1,10 @@
 use super::Held;
 use crate::units::Dimension;
 
-/// The least positive value, in SI: smaller divisors give quotients that are too large to use.
-pub const LEAST: f64 = 1e-12;
-/// The greatest absolute value of a quantity of any size, in SI.
-pub const MOST: f64 = 1e9;
+/// The minimum positive value, in SI: smaller divisors give quotients that are too large to use.
+pub const MIN_POSITIVE: f64 = 1e-12;
+/// The maximum absolute value of a quantity of any size, in SI.
+pub const MAX_MAGNITUDE: f64 = 1e9;
 
 /// The type of a value in the language.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,41 +12,41 @@ pub enum Type {
     /// One number with a dimension; bounds are in SI and inclusive.
     Quantity {
         dimension: Dimension,
-        /// Least value.
+        /// Minimum.
         min: f64,
-        /// Greatest value.
+        /// Maximum.
         max: f64,
     },
     /// `low .. high`, low not above high; bounds are in SI and inclusive.
     Range {
         /// The dimension of both ends.
         dimension: Dimension,
-        /// Least value of the low end.
+        /// Minimum of the low end.
         min: f64,
-        /// Greatest value of the high end.
+        /// Maximum of the high end.
         max: f64,
     },
     /// A distribution of a quantity: a value, a range, `truncated(normal(mean, deviation), low .. high)`, `choice(a, b)`,
     /// `weighted((2, a), (1, b))`; bounds are in SI and inclusive.
     Distribution {
         dimension: Dimension,
-        /// Least value.
+        /// Minimum.
         min: f64,
-        /// Greatest value.
+        /// Maximum.
         max: f64,
     },
     /// A whole number without unit, in inclusive bounds.
     Integer {
-        /// Least value.
+        /// Minimum.
         min: i64,
-        /// Greatest value.
+        /// Maximum.
         max: i64,
     },
     /// A whole number of ticks, in inclusive bounds.
     Ticks {
-        /// Least value.
+        /// Minimum.
         min: i64,
-        /// Greatest value.
+        /// Maximum.
         max: i64,
     },
     /// `true` or `false`.
@@ -78,7 +78,7 @@ pub enum Type {
 }
 
 impl Type {
-    /// The dimension of a value's numbers; none for values without such numbers.
+    /// The dimension of a value's numbers; `None` for values without such numbers.
     pub fn dimension(&self) -> Option<Dimension> {
         match self {
             Self::Quantity { dimension, .. } | Self::Range { dimension, .. } | Self::Distribution { dimension, .. } => {
@@ -107,12 +107,12 @@ impl Type {
 
     /// A quantity that is not negative.
     pub fn non_negative(dimension: Dimension) -> Self {
-        Self::Quantity { dimension, min: 0.0, max: MOST }
+        Self::Quantity { dimension, min: 0.0, max: MAX_MAGNITUDE }
     }
 
     /// A quantity above zero.
     pub fn positive(dimension: Dimension) -> Self {
-        Self::Quantity { dimension, min: LEAST, max: MOST }
+        Self::Quantity { dimension, min: MIN_POSITIVE, max: MAX_MAGNITUDE }
     }
 
     /// A quantity within inclusive bounds in SI.
@@ -198,10 +198,10 @@ pub fn bounds(min: f64, max: f64, dimension: Dimension) -> String {
     };
     let shown = |bound: f64| format!("{} {}", short(bound / scale), name.trim()).trim().to_string();
     match (min, max) {
-        (LEAST, max) if max >= MOST => format!("above {}", shown(0.0)),
-        (LEAST, max) => format!("above {}, at most {}", shown(0.0), shown(max)),
-        (min, max) if max >= MOST => format!("{} or more", shown(min)),
-        (min, max) if min <= -MOST => format!("{} or less", shown(max)),
+        (MIN_POSITIVE, max) if max >= MAX_MAGNITUDE => format!("above {}", shown(0.0)),
+        (MIN_POSITIVE, max) => format!("above {}, at most {}", shown(0.0), shown(max)),
+        (min, max) if max >= MAX_MAGNITUDE => format!("{} or more", shown(min)),
+        (min, max) if min <= -MAX_MAGNITUDE => format!("{} or less", shown(max)),
         (min, max) => format!("{} to {}", shown(min), shown(max)),
     }
 }

@@ -12,7 +12,7 @@ pub fn holm(p: &[f64]) -> Vec<f64> {
     adjusted
 }
 
-/// The indices of numbers, from the least to the greatest.
+/// The indices of numbers, from the smallest to the largest.
 fn ascending(numbers: &[f64]) -> Vec<usize> {
     let mut places: Vec<usize> = (0..numbers.len()).collect();
     places.sort_by(|a, b| numbers[*a].total_cmp(&numbers[*b]));

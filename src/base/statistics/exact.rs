@@ -14,7 +14,7 @@ pub fn clopper_pearson(successes: u64, trials: u64, alpha: f64) -> (f64, f64) {
 }
 
 /// The interval of the share of pairs that are positive on the second side only, less that of the first side only, among `pairs` pairs.
-/// It holds 0 wherever McNemar's exact p is above `alpha`. Without a pair that disagrees it holds the greatest share that may go unseen.
+/// It holds 0 wherever McNemar's exact p is above `alpha`. Without a pair that disagrees it holds the maximum share that may go unseen.
 ///
 /// # Source
 /// The adjusted interval of Bonett and Price, *Adjusted Wald confidence interval for a difference of binomial proportions based on paired data*,

@@ -23,7 +23,7 @@ pub use normal::{normal_below, normal_quantile};
 pub use quantile::quantile;
 pub use sample::Sample;
 pub use student::{
-    LEAST_RUNS, mean_interval, mean_interval_at, mean_p, student_quantile, student_quantile_at, student_tails,
+    MIN_RUNS, mean_interval, mean_interval_at, mean_p, student_quantile, student_quantile_at, student_tails,
 };
 pub use uncertainty::Uncertainty;
 pub use weighted::Weighted;

@@ -1,4 +1,4 @@
-/// The mean; none without values.
+/// The mean; `None` without values.
 ///
 /// # Source
 /// Kahan, *Further remarks on reducing truncation errors*, Communications of the ACM 8, 1965: a compensated sum, so that the order of a million
@@ -27,13 +27,13 @@ impl RunningMean {
         self.count += 1;
     }
 
-    /// The mean; none without any value.
+    /// The mean; `None` without any value.
     pub fn value(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum / self.count as f64)
     }
 }
 
-/// The standard deviation of a sample, with `n − 1` in the denominator; none for fewer than two values.
+/// The standard deviation of a sample, with `n − 1` in the denominator; `None` for fewer than two values.
 ///
 /// # Source
 /// Welford, *Note on a method for calculating corrected sums of squares and products*, Technometrics 4, 1962.

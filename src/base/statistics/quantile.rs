@@ -1,4 +1,4 @@
-/// The value below which a share of sorted numbers lies, with linear interpolation; none without numbers.
+/// The value below which a share of sorted numbers lies, with linear interpolation; `None` without numbers.
 ///
 /// # Source
 /// Hyndman and Fan, *Sample quantiles in statistical packages*, The American Statistician 50, 1996, definition 7, as in numpy

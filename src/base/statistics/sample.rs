@@ -1,4 +1,4 @@
-use super::{LEAST_RUNS, Uncertainty, Weighted};
+use super::{MIN_RUNS, Uncertainty, Weighted};
 
 /// The degrees of freedom of a variance that is known.
 const KNOWN: f64 = 1e6;
@@ -38,7 +38,7 @@ impl Sample {
         self.groups().map(mean).iter().sum()
     }
 
-    /// Student's 95 % interval over trainings, from the [`uncertainty`](Self::uncertainty); none with [few runs](Self::has_few_runs).
+    /// Student's 95 % interval over trainings, from the [`uncertainty`](Self::uncertainty); `None` with [few runs](Self::has_few_runs).
     pub fn interval(&self) -> Option<(f64, f64)> {
         self.interval_at(0.05)
     }
@@ -56,12 +56,12 @@ impl Sample {
         Some(self.uncertainty()?.p(self.estimate()))
     }
 
-    /// Whether a group has several runs, but fewer than [`LEAST_RUNS`]: its single values say more than an interval.
+    /// Whether a group has several runs, but fewer than [`MIN_RUNS`]: its single values say more than an interval.
     pub fn has_few_runs(&self) -> bool {
-        self.groups().iter().any(|(group, _)| (2..LEAST_RUNS).contains(&group.len()))
+        self.groups().iter().any(|(group, _)| (2..MIN_RUNS).contains(&group.len()))
     }
 
-    /// The standard error about further trainings and further episodes; none when a group is a single training.
+    /// The standard error about further trainings and further episodes; `None` when a group is a single training.
     ///
     /// Trainings and starts are crossed: the figure of training i at start j is μ + tᵢ + sⱼ + eᵢⱼ. The variance of a mean over I
     /// trainings and J starts is σt²/I + σs²/J + σe²/(I J). The variance between the trainings' means, divided by I, estimates the

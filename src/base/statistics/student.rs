@@ -1,8 +1,8 @@
 /// The fewest runs whose mean has an interval. The spread of two or three says almost nothing about further ones: where counts are rare, an
 /// interval over three runs misses the truth in up to 36 of 100 campaigns. Tables then have the single values.
-pub const LEAST_RUNS: usize = 4;
+pub const MIN_RUNS: usize = 4;
 
-/// The mean of a few numbers with its 95 % interval, as if they were drawn from a normal distribution; fewer than [`LEAST_RUNS`] have none.
+/// The mean of a few numbers with its 95 % interval, as if they were drawn from a normal distribution; fewer than [`MIN_RUNS`] have none.
 ///
 /// # Source
 /// Student, *The probable error of a mean*, Biometrika 6, 1908.
@@ -15,7 +15,7 @@ pub fn mean_interval(values: &[f64]) -> (f64, Option<(f64, f64)>) {
 pub fn mean_interval_at(values: &[f64], alpha: f64) -> Option<(f64, f64)> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    if values.len() < LEAST_RUNS {
+    if values.len() < MIN_RUNS {
         return None;
     }
     let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0);
@@ -23,7 +23,7 @@ pub fn mean_interval_at(values: &[f64], alpha: f64) -> Option<(f64, f64)> {
     Some((mean - half, mean + half))
 }
 
-/// The two-sided p-value of numbers whose mean is 0 in truth, such as paired differences; none for a single one, or if all are 0.
+/// The two-sided p-value of numbers whose mean is 0 in truth, such as paired differences; `None` for a single one, or if all are 0.
 ///
 /// Numbers without any spread, such as two equal counts, say nothing about the spread of further ones. Then it is that of the sign test: the
 /// probability that `n` signs are equal.

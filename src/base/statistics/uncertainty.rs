@@ -10,7 +10,7 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// That of a mean of `n` independent values with this sample standard deviation; none for fewer than two.
+    /// That of a mean of `n` independent values with this sample standard deviation; `None` for fewer than two.
     pub fn of_mean(sd: f64, n: u32) -> Option<Self> {
         (n > 1).then(|| Self { error: sd / f64::from(n).sqrt(), degrees: f64::from(n - 1) })
     }

@@ -56,13 +56,13 @@ impl Weighted {
     /// size is the number of clusters. That is exact where all items of a cluster are equal, and else on the safe side.
     ///
     /// # Source
-    /// Kish, *Survey Sampling*, 1965, section 5.4: the design effect 1 + (size − 1) ρ, at its greatest, ρ = 1.
+    /// Kish, *Survey Sampling*, 1965, section 5.4: the design effect 1 + (size − 1) ρ, at its maximum, ρ = 1.
     #[must_use]
     pub fn of_clusters(self, size: f64) -> Self {
         Self { w2: self.w2 * size, ..self }
     }
 
-    /// This part as a share of the whole; none if the whole has no weight.
+    /// This part as a share of the whole; `None` if the whole has no weight.
     pub fn share_of(&self, whole: &Self) -> Option<f64> {
         (whole.w > 0.0).then(|| self.w / whole.w)
     }

@@ -6,7 +6,7 @@ use crate::ast::{Expression, ExpressionKind, Known};
 use crate::diagnostics;
 use crate::formula::is_function;
 use base::diagnostic::Diagnostic;
-use base::signature::{Distribution, LEAST, MOST, Type};
+use base::signature::{Distribution, MAX_MAGNITUDE, MIN_POSITIVE, Type};
 use base::units::Dimension;
 
 /// The functions that make distributions, with their arguments.
@@ -69,7 +69,7 @@ pub(super) fn distribution(
                     let middle = quantity(mean, dimension, context, said);
                     let spread = quantity(deviation, dimension, context, said);
                     let (mean, spread) = (middle?, spread?);
-                    within(spread, LEAST, MOST, dimension, deviation.span, context, said)?;
+                    within(spread, MIN_POSITIVE, MAX_MAGNITUDE, dimension, deviation.span, context, said)?;
                     let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
                     Some(Distribution::Normal { mean, deviation: spread, low, high })
                 }
@@ -143,6 +143,6 @@ fn weighted(
     let number = quantity(weight, Dimension::RATIO, context, said);
     let part = distribution(part, dimension, context, said);
     let number = number?;
-    within(number, LEAST, MOST, Dimension::RATIO, weight.span, context, said)?;
+    within(number, MIN_POSITIVE, MAX_MAGNITUDE, Dimension::RATIO, weight.span, context, said)?;
     Some((number, part?))
 }

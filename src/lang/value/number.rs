@@ -6,7 +6,7 @@ use crate::ast::{Expression, ExpressionKind, Known};
 use crate::diagnostics;
 use crate::formula::{Scope, Sort, formula};
 use base::diagnostic::{Diagnostic, Span};
-use base::signature::{LEAST, MOST, Type, Value, VariableId, bounds, short};
+use base::signature::{MAX_MAGNITUDE, MIN_POSITIVE, Type, Value, VariableId, bounds, short};
 use base::units::Dimension;
 
 /// A constant quantity.
@@ -204,8 +204,8 @@ pub(super) fn within(
     let written = context.sources.text(span).to_string();
     // The bound applies even if it is not shown.
     let allowed = match number {
-        _ if min == LEAST && 0.0 < number && number < LEAST => format!("{LEAST:e} or more, in SI"),
-        _ if max == MOST && number > MOST => format!("{MOST:e} or less, in SI"),
+        _ if min == MIN_POSITIVE && 0.0 < number && number < MIN_POSITIVE => format!("{MIN_POSITIVE:e} or more, in SI"),
+        _ if max == MAX_MAGNITUDE && number > MAX_MAGNITUDE => format!("{MAX_MAGNITUDE:e} or less, in SI"),
         _ => bounds(min, max, dimension),
     };
     diagnostics.push(diagnostics::out_of_range(span, written, allowed));

@@ -107,7 +107,7 @@ impl BehaviorAgent {
             return Intent::Stop(DrivingMode::RedLight);
         }
         let cruise = self.profile.max_speed.min(limit - self.profile.below_limit);
-        let reach = self.profile.least_reach.max(limit / 3.0);
+        let reach = self.profile.min_reach.max(limit / 3.0);
         // In most ticks no road user is near, so no look-up is needed.
         let mut everybody = perception.pedestrians.iter().chain(perception.vehicles);
         if everybody.any(|actor| ego.may_reach(actor, reach))
@@ -149,7 +149,7 @@ impl BehaviorAgent {
         Intent::Drive(DrivingMode::Cruise, cruise)
     }
 
-    /// Runs the planner once; none at the end of the route.
+    /// Runs the planner once; `None` at the end of the route.
     fn follow_route(
         &mut self,
         perception: &Perception<'_>,
@@ -163,7 +163,7 @@ impl BehaviorAgent {
 }
 
 impl DrivingPolicy for BehaviorAgent {
-    /// Its profile subtracts from the limit, and has a greatest speed.
+    /// Its profile subtracts from the limit, and has a maximum speed.
     fn speed_limit_for(&self, speed: f64) -> f64 {
         speed + self.profile.below_limit / KMH
     }

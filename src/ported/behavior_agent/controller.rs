@@ -11,7 +11,7 @@ const MEMORY: usize = 10;
 const MAX_THROTTLE: f64 = 0.75;
 const MAX_BRAKE: f64 = 0.3;
 const MAX_STEER: f64 = 0.8;
-/// Greatest change of the steer per run.
+/// Maximum change of the steer per run.
 const STEER_RATE: f64 = 0.1;
 
 /// Proportional, integral and differential gain.

@@ -12,10 +12,10 @@ use world::road::{ForkRule, RandomWalk, RoadOption, RoutePlanner, RoutePoint, To
 
 /// A walk without destination is refilled by this number of points when fewer are left.
 const REFILL: usize = 100;
-/// The greatest number of destinations that are drawn before the agent gives up.
+/// The maximum number of destinations that are drawn before the agent gives up.
 const DRAWS: u32 = 100;
-/// The greatest number of points of a given route.
-const MOST_GIVEN: usize = 4096;
+/// The maximum number of points of a given route.
+const MAX_GIVEN: usize = 4096;
 /// Points in the old planner's buffer.
 const BUFFER: usize = 5;
 /// Points within this distance are reached (m), at rest.
@@ -120,7 +120,7 @@ impl Planner {
         // Every fork on the way is given, so nothing is drawn.
         let mut unused = Seed::root(0).stream();
         let mut point = Some(start);
-        while let Some(here) = point.filter(|here| !reached(&here.waypoint) && self.queue.len() < MOST_GIVEN) {
+        while let Some(here) = point.filter(|here| !reached(&here.waypoint) && self.queue.len() < MAX_GIVEN) {
             self.queue.push_back(PlannedPoint::new(here));
             point = walk.next(town, &here, traits.step, &mut unused);
         }
@@ -146,7 +146,7 @@ impl Planner {
         self.queue.get(steps).or_else(|| self.queue.back())
     }
 
-    /// Drops the reached points and returns the one to steer for; none at the end of the route.
+    /// Drops the reached points and returns the one to steer for; `None` at the end of the route.
     ///
     /// The old planner first returns the point and then drops the reached ones, so the reached points are checked once more.
     pub fn run(&mut self, traits: &ReleaseTraits, town: &Town, ego: Location, speed: f64) -> Option<Location> {

@@ -20,7 +20,7 @@ choice! {
 /// The figures of a profile, in CARLA's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ProfileTraits {
-    /// Its greatest speed (km/h).
+    /// Its maximum speed (km/h).
     pub max_speed: f64,
     /// Its speed below the limit (km/h).
     pub below_limit: f64,
@@ -28,14 +28,14 @@ pub(super) struct ProfileTraits {
     pub speed_decrease: f64,
     /// Shortest time to collision with the vehicle ahead (s).
     pub safety_time: f64,
-    /// Least reach of the obstacle test (m).
-    pub least_reach: f64,
+    /// Minimum reach of the obstacle test (m).
+    pub min_reach: f64,
     /// Gap below which it makes an emergency stop (m).
     pub braking_distance: f64,
 }
 
-/// Least speed when following another vehicle at a sufficient distance (km/h).
-const LEAST_SPEED: f64 = 5.0;
+/// Minimum speed when following another vehicle at a sufficient distance (km/h).
+const MIN_SPEED: f64 = 5.0;
 
 impl ProfileTraits {
     /// The speed when following another vehicle at a gap (m), before the limit caps it; speeds in km/h.
@@ -45,7 +45,7 @@ impl ProfileTraits {
         if time > 0.0 && time < self.safety_time {
             (other - self.speed_decrease).max(0.0)
         } else if time >= self.safety_time && time < 2.0 * self.safety_time {
-            other.max(LEAST_SPEED)
+            other.max(MIN_SPEED)
         } else {
             f64::INFINITY
         }
@@ -54,12 +54,12 @@ impl ProfileTraits {
 
 impl Profile {
     pub(super) const fn traits(self) -> ProfileTraits {
-        let (max_speed, below_limit, speed_decrease, least_reach, braking_distance) = match self {
+        let (max_speed, below_limit, speed_decrease, min_reach, braking_distance) = match self {
             Self::Cautious => (40.0, 6.0, 12.0, 12.0, 6.0),
             Self::Normal => (50.0, 3.0, 10.0, 10.0, 5.0),
             Self::Aggressive => (70.0, 1.0, 8.0, 8.0, 4.0),
         };
-        ProfileTraits { max_speed, below_limit, speed_decrease, safety_time: 3.0, least_reach, braking_distance }
+        ProfileTraits { max_speed, below_limit, speed_decrease, safety_time: 3.0, min_reach, braking_distance }
     }
 }
 

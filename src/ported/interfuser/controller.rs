@@ -10,7 +10,7 @@ use world::sim::Control;
 /// Distance that it leaves to a road user in the way (m).
 const GAP: f64 = 2.0;
 /// It brakes for less room than this (m) at any speed.
-const LEAST_ROOM: f64 = 3.0;
+const MIN_ROOM: f64 = 3.0;
 /// Ticks at rest after which it creeps.
 const PATIENCE: u32 = 1200;
 /// Ticks that it creeps.
@@ -236,7 +236,7 @@ impl Controller {
 
     fn desired_speed(&self, speed: f64, room: [f64; 3], p_not_junction: f64, p_red: f64) -> (f64, Reason) {
         let [now, soon, later] = room;
-        if now < speed.max(LEAST_ROOM) {
+        if now < speed.max(MIN_ROOM) {
             return (0.0, Reason::Blocked);
         }
         if p_not_junction > 0.0 && p_red > 0.3 {

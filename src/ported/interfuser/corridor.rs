@@ -4,10 +4,10 @@ use super::image::{Bounds, Image, Rectangle, in_crop};
 
 /// The number of points of the route for the planner.
 pub const WAYPOINTS: usize = 10;
-/// Greatest spacing of the path (m).
+/// Maximum spacing of the path (m).
 const PRECISION: f64 = 0.2;
-/// The most points between two waypoints. No plan needs as many; a position with an error of kilometres does.
-const MOST_BETWEEN: usize = 10_000;
+/// The maximum number of points between two waypoints. No plan needs as many; a position with an error of kilometres does.
+const MAX_BETWEEN: usize = 10_000;
 /// Half extents of the ego in the planner (m), before the margin.
 const EGO: EgoVector = EgoVector::new(2.45, 1.0);
 /// The last points of a path have no direction.
@@ -50,7 +50,7 @@ impl Corridor {
         for &waypoint in waypoints {
             let distance = length(waypoint - last);
             if distance > PRECISION {
-                let between = ((distance / PRECISION) as usize).min(MOST_BETWEEN);
+                let between = ((distance / PRECISION) as usize).min(MAX_BETWEEN);
                 let step = (waypoint - last) / (between as f64 + 1.0);
                 self.path.extend((1..=between).map(|index| last + step * index as f64));
             }

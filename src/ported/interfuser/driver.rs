@@ -74,7 +74,7 @@ impl InterFuser {
         }
     }
 
-    /// The planner's decision in the last [`DrivingPolicy::drive`], carried out or not; none at the end of the road.
+    /// The planner's decision in the last [`DrivingPolicy::drive`], carried out or not; `None` at the end of the road.
     pub fn decision(&self) -> Option<&Decision> {
         self.decision.as_ref()
     }
@@ -96,7 +96,7 @@ impl InterFuser {
         self.forecast.draw(&self.detections);
     }
 
-    /// Ten points of the route ahead, in the ego's frame; none if the road ends before.
+    /// Ten points of the route ahead, in the ego's frame; `None` if the road ends before.
     fn waypoints(&self, perception: &Perception<'_>) -> Option<[EgoVector; WAYPOINTS]> {
         let ego = &perception.ego.pose;
         let here = ego.position();

@@ -8,9 +8,9 @@ use super::object_map::{Cell, centre};
 /// Times of the forecast images (s).
 pub const HORIZONS: [f64; 6] = [0.0, 0.5, 0.75, 1.0, 1.5, 2.0];
 /// Bikes are forecast to move at least at this speed (m/s).
-const LEAST_BIKE_SPEED: f64 = 4.0;
-/// Least half width of boxes (m).
-const LEAST_HALF_WIDTH: f64 = 0.4;
+const MIN_BIKE_SPEED: f64 = 4.0;
+/// Minimum half width of boxes (m).
+const MIN_HALF_WIDTH: f64 = 0.4;
 /// Boxes with a smaller half length (m) are drawn twice as large.
 const SMALL: f64 = 1.5;
 
@@ -42,7 +42,7 @@ impl Forecast {
         }
     }
 
-    /// The image of a horizon; none when it is empty.
+    /// The image of a horizon; `None` when it is empty.
     pub(super) fn image(&self, horizon: usize) -> Option<&Image> {
         (!self.clear[horizon]).then(|| &self.images[horizon])
     }
@@ -51,13 +51,13 @@ impl Forecast {
 /// The box of a detection after some time (s).
 fn outline(detection: &Cell, time: f64) -> Rectangle {
     let speed = match ObjectClass::of(detection) {
-        ObjectClass::Bike => detection.speed.max(LEAST_BIKE_SPEED),
+        ObjectClass::Bike => detection.speed.max(MIN_BIKE_SPEED),
         ObjectClass::Car | ObjectClass::Pedestrian => detection.speed,
     };
     let (right, forward) = centre(detection.row, detection.col);
     let (sin, cos) = libm::sincos(detection.theta * PI);
     let (right, forward) = (right + detection.dx + time * speed * cos, forward + detection.dy - time * speed * sin);
-    let half = EgoVector::new(detection.half_length, detection.half_width.max(LEAST_HALF_WIDTH));
+    let half = EgoVector::new(detection.half_length, detection.half_width.max(MIN_HALF_WIDTH));
     Rectangle {
         centre: EgoVector::new(right, -forward),
         direction: EgoVector::new(cos, sin),

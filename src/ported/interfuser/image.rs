@@ -42,7 +42,7 @@ impl Rectangle {
     }
 }
 
-/// Least and greatest pixel of a shape, inclusive.
+/// Minimum and maximum pixel of a shape, inclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Bounds {
     pub left: i64,

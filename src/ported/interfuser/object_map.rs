@@ -13,7 +13,7 @@ const SCALE: [f64; 7] = [1.0, 3.5, 3.5, 2.0, 3.5, 2.0, 8.0];
 /// Actors with a smaller half length (m) are drawn larger, by this factor.
 const ENLARGED: (f64, f64) = (1.5, 1.5);
 /// White pixels that a cell of 25 needs: five in a hundred of its brightness.
-const LEAST_PIXELS: u32 = 2;
+const MIN_PIXELS: u32 = 2;
 /// Actors nearer to the ego (m) count as the ego itself.
 const ITSELF: f64 = 1.0;
 /// Actors farther away (m) are ignored.
@@ -182,7 +182,7 @@ impl ObjectMap {
                     continue;
                 }
                 let pixels: u32 = lines.iter().map(|line| (line & block).count_ones()).sum();
-                if pixels >= LEAST_PIXELS {
+                if pixels >= MIN_PIXELS {
                     self.fill_cell(row, col);
                 }
             }

@@ -4,17 +4,17 @@
 /// InterFuser `team_code/interfuser_config.py`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// The greatest wanted speed (m/s).
+    /// The maximum wanted speed (m/s).
     pub max_speed: f64,
     /// Room that is added to the ego's half length and half width (m).
     pub margin: [f64; 2],
     /// Share of the ego's box above which a road user is in the way.
     pub overlap: f64,
-    /// The most throttle, except while creeping.
+    /// The maximum throttle, except while creeping.
     pub max_throttle: f64,
     /// Ratio of speed to wanted speed above which it brakes.
     pub brake_ratio: f64,
-    /// The greatest speed error that the throttle receives (m/s).
+    /// The maximum speed error that the throttle receives (m/s).
     pub speed_step: f64,
     /// Proportional, integral and derivative gains of the throttle.
     pub speed_gains: [f64; 3],

@@ -37,7 +37,7 @@ fn decide(speed: f64, cells: &[Cell]) -> Decision {
     Controller::new(&Settings::default()).step(&inputs(speed), &forecast)
 }
 
-/// The greatest multiple of 5 cm for which a condition is true; none is true beyond.
+/// The maximum multiple of 5 cm for which a condition is true; none is true beyond.
 fn last(holds: impl Fn(f64) -> bool) -> f64 {
     (0..320).map(|step| f64::from(step) * 0.05).filter(|value| holds(*value)).fold(f64::NAN, f64::max)
 }
@@ -110,7 +110,7 @@ fn the_published_tracker_takes_the_heading_for_the_speed() {
 }
 
 /// A car at 5 m/s and a pedestrian that comes from one side (+1 right, −1 left) and is 0.8 m from the middle line, on its side,
-/// when the bumper would be there; the speed of the impact (m/s), none when they do not meet.
+/// when the bumper would be there; the speed of the impact (m/s), `None` when they do not meet.
 fn crossing(side: f64, walking: f64) -> Option<f64> {
     const DT: f64 = 0.05;
     const MEETING: f64 = 3.5;

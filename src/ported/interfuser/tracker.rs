@@ -9,7 +9,7 @@ const FREQUENCY: f64 = 10.0;
 const LOOK_BACK: i64 = 12;
 /// The number of updates that a track survives without a detection.
 const LIFE: i64 = 6;
-/// Greatest distance of a detection from its track (m).
+/// Maximum distance of a detection from its track (m).
 const GATE: f64 = 2.0;
 /// Displacements per update count from this speed (m/s) up to this one.
 const SPEEDS: (f64, f64) = (0.2, 7.0);

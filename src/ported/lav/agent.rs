@@ -7,7 +7,7 @@ use super::forecast::Forecast;
 use super::frame::{EgoPoint, clockwise_yaw};
 use super::hazards;
 use super::plan::{Tempo, write_plan};
-use super::version::{LONGEST, Version};
+use super::version::{MAX_HORIZON, Version};
 use base::keys;
 use base::seed::Stream;
 use world::av::{DrivingMode, DrivingPolicy, Path, Perception};
@@ -76,7 +76,7 @@ pub struct Lav {
     mode: DrivingMode,
     cause: DrivingMode,
     started: bool,
-    plan: [EgoPoint; LONGEST],
+    plan: [EgoPoint; MAX_HORIZON],
     blobs: Vec<Blob>,
     speeds: Vec<f64>,
     forecasts: Vec<Forecast>,
@@ -101,7 +101,7 @@ impl Lav {
             mode: DrivingMode::Cruise,
             cause: DrivingMode::EmergencyStop,
             started: false,
-            plan: [EgoPoint::default(); LONGEST],
+            plan: [EgoPoint::default(); MAX_HORIZON],
             blobs: Vec::with_capacity(room),
             speeds: Vec::with_capacity(room),
             forecasts: Vec::with_capacity(room),
@@ -109,7 +109,7 @@ impl Lav {
         }
     }
 
-    /// Its controller's decision in the last tick, with the reason; none after the empty first one.
+    /// Its controller's decision in the last tick, with the reason; `None` after the empty first one.
     pub fn verdict(&self) -> Option<&Verdict> {
         self.verdict.as_ref()
     }

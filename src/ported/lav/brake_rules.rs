@@ -12,8 +12,8 @@ const BEHIND_VEHICLES: f64 = 4.0;
 const EXPERT_GAP: f64 = 6.0;
 /// Walkers count within this distance of the lane point under the ego (m).
 const NEAR_LANE: f64 = 10.0;
-/// Least look-ahead of the expert (m); otherwise it is a third of the limit in km/h.
-const LEAST_LOOK_AHEAD: f64 = 12.0;
+/// Minimum look-ahead of the expert (m); otherwise it is a third of the limit in km/h.
+const MIN_LOOK_AHEAD: f64 = 12.0;
 /// Half of the expert's cone (rad).
 const EXPERT_CONE: f64 = 60.0 * std::f64::consts::PI / 180.0;
 
@@ -72,13 +72,13 @@ impl BrakeRules {
         !walker.on_sidewalk
             && walker.in_lane
             && walker.from_lane_point < NEAR_LANE
-            && distance < LEAST_LOOK_AHEAD.max(self.speed_limit * 3.6 / 3.0)
+            && distance < MIN_LOOK_AHEAD.max(self.speed_limit * 3.6 / 3.0)
             && bearing > 0.0
             && bearing < EXPERT_CONE
             && distance - walker.half - self.ego_half_length < EXPERT_GAP
     }
 
-    /// The greatest distance of a walker for which a rule brakes (m).
+    /// The maximum distance of a walker for which a rule brakes (m).
     pub fn reach(&self, half: f64) -> f64 {
         let on_map = 2.0 * self.ego_half_length + half + MAP_MARGIN;
         on_map.max(half + self.ego_half_length + EXPERT_GAP)

@@ -4,7 +4,7 @@ use super::frame::EgoPoint;
 use super::version::Traits;
 
 /// Modes below this score are ignored.
-const LEAST_SCORE: f64 = 0.2;
+const MIN_SCORE: f64 = 0.2;
 /// A vehicle that starts farther behind the ego than this is ignored (m).
 const BEHIND: f64 = 2.0;
 /// A vehicle that moves less than this between two points stands, for v2 (m).
@@ -16,7 +16,7 @@ const STANDS: f64 = 0.2;
 /// `plan_collide` of LAV. Only a vehicle's first branch, a turn to the left, decides whether it is behind.
 pub(super) fn plan_collides(traits: &Traits, plan: &[EgoPoint], forecasts: &[Forecast]) -> bool {
     forecasts.iter().filter(|forecast| forecast.modes[Command::Left.index()][0].back <= BEHIND).any(|forecast| {
-        forecast.modes.iter().zip(forecast.scores).filter(|(_, score)| *score >= LEAST_SCORE).any(|(mode, _)| {
+        forecast.modes.iter().zip(forecast.scores).filter(|(_, score)| *score >= MIN_SCORE).any(|(mode, _)| {
             let mode = &mode[..plan.len().min(mode.len())];
             let threshold = if mean_step(mode) < STANDS { traits.collision_standing } else { traits.collision };
             mode.iter().zip(plan).any(|(its, own)| its.distance(*own) < threshold)

@@ -10,8 +10,8 @@ const SPEED_GAINS: Gains = Gains { proportional: 5.0, integral: 0.5, differentia
 const POINTS_PER_SECOND: f64 = 4.0;
 /// A plan slower than this brakes (m/s).
 const STOP_BELOW: f64 = 0.8;
-/// Greatest error that the speed controller receives (m/s).
-const GREATEST_ERROR: f64 = 0.25;
+/// Maximum error that the speed controller receives (m/s).
+const MAX_ERROR: f64 = 0.25;
 const MAX_THROTTLE: f64 = 0.8;
 /// No throttle above this speed (m/s).
 const THROTTLE_UP_TO: f64 = 35.0 / 3.6;
@@ -142,7 +142,7 @@ impl Controller {
         let angle = (90.0 - libm::atan2(-aim.back, aim.right).to_degrees()) / 90.0;
         let steer = self.turn.run(angle).clamp(-1.0, 1.0);
         let wanted = self.traits.speed_ratio[situation.command.index()] * desired_speed;
-        let throttle = self.speed.run((wanted - situation.speed).clamp(0.0, GREATEST_ERROR)).clamp(0.0, MAX_THROTTLE);
+        let throttle = self.speed.run((wanted - situation.speed).clamp(0.0, MAX_ERROR)).clamp(0.0, MAX_THROTTLE);
         if desired_speed < STOP_BELOW {
             return Pedals { throttle: 0.0, brake: 1.0, steer };
         }

@@ -5,16 +5,16 @@ use super::version::{Traits, Version};
 const SIDE: f64 = 320.0;
 /// The ego on the map (px).
 const EGO: (f64, f64) = (160.0, 280.0);
-/// A peak is the greatest value within this distance (px).
+/// A peak is the maximum value within this distance (px).
 const PEAK_REACH: f64 = 3.0;
 /// A peak within this distance of the ego is the ego (px).
 const EGO_RADIUS: f64 = 2.0;
 /// The range of the fast variant (px).
 const FAST_RADIUS: f64 = 120.0;
-/// Least half length of a vehicle (px).
-const LEAST_HALF_LENGTH: f64 = 0.4;
-/// Least half width of anything, except in the fast variant (px).
-const LEAST_HALF_WIDTH: f64 = 0.8;
+/// Minimum half length of a vehicle (px).
+const MIN_HALF_LENGTH: f64 = 0.4;
+/// Minimum half width of anything, except in the fast variant (px).
+const MIN_HALF_WIDTH: f64 = 0.8;
 
 /// The map a peak is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,7 +58,7 @@ impl Blob {
         }
     }
 
-    /// Its greatest value in the window around a peak.
+    /// Its maximum value in the window around a peak.
     fn reaches(&self, peak: &Self) -> f64 {
         let outside = |mine: f64, its: f64| ((mine - its).abs() - PEAK_REACH).max(0.0);
         let (columns, rows) = (outside(self.column, peak.column), outside(self.row, peak.row));
@@ -129,9 +129,9 @@ fn passes(traits: &Traits, blob: &Blob) -> bool {
     let away = blob.pixels_from_ego();
     let vehicle = blob.kind == BlobKind::Vehicle;
     let too_small = if traits.fast_gates {
-        vehicle && blob.half_length.max(blob.half_width) < LEAST_HALF_LENGTH
+        vehicle && blob.half_length.max(blob.half_width) < MIN_HALF_LENGTH
     } else {
-        (vehicle && blob.half_length < LEAST_HALF_LENGTH) || blob.half_width < LEAST_HALF_WIDTH
+        (vehicle && blob.half_length < MIN_HALF_LENGTH) || blob.half_width < MIN_HALF_WIDTH
     };
     !too_small && away > EGO_RADIUS && !(traits.fast_gates && away >= FAST_RADIUS)
 }

@@ -1,7 +1,7 @@
 use super::command::Command;
 use super::detection::Detection;
 use super::frame::EgoPoint;
-use super::version::{LONGEST, Traits};
+use super::version::{MAX_HORIZON, Traits};
 
 /// Time between points of plans and forecasts (s).
 pub(super) const STEP: f64 = 0.25;
@@ -14,7 +14,7 @@ const TURN_RADIUS: f64 = 8.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forecast {
     /// Points 0.25 s apart, the first one 0.25 s from now; v1 looks at ten of them.
-    pub modes: [[EgoPoint; LONGEST]; 6],
+    pub modes: [[EgoPoint; MAX_HORIZON]; 6],
     /// The probability of each, 0 to 1; they need not sum to one.
     pub scores: [f64; 6],
 }
@@ -27,7 +27,7 @@ impl Forecast {
     /// for a turn of 8 m to either side. All of these are assumptions.
     pub(super) fn of(detection: &Detection, speed: f64, traits: &Traits) -> Self {
         let narrow = detection.blob.half_width < NARROW * super::frame::PIXELS_PER_METRE;
-        let mut modes = [[EgoPoint::default(); LONGEST]; 6];
+        let mut modes = [[EgoPoint::default(); MAX_HORIZON]; 6];
         for command in Command::ALL {
             let side = match command {
                 Command::Left => -1.0,

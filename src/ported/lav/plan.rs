@@ -3,14 +3,14 @@ use super::frame::EgoPoint;
 use world::av::Path;
 use world::geometry::Pose;
 
-/// The expert's greatest speed (m/s), and by how much it stays below the limit along lanes and in turns.
+/// The expert's maximum speed (m/s), and by how much it stays below the limit along lanes and in turns.
 const FASTEST: f64 = 40.0 / 3.6;
 const BELOW_LIMIT: f64 = 6.0 / 3.6;
 const BELOW_LIMIT_IN_TURNS: f64 = 5.0 / 3.6;
 /// If the limit is too low for that difference, the share of the limit.
-const LEAST_SHARE: f64 = 0.5;
+const MIN_SHARE: f64 = 0.5;
 /// Distance between the points of a plan that stands (m), so that the wheel still has a target.
-const LEAST_SPACING: f64 = 0.01;
+const MIN_SPACING: f64 = 0.01;
 
 /// The speed of a plan along the route.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,7 @@ impl Tempo {
     /// The expert's speed under a limit (m/s).
     pub fn of_expert(limit: f64, in_turn: bool) -> Self {
         let below = if in_turn { BELOW_LIMIT_IN_TURNS } else { BELOW_LIMIT };
-        Self::Cruise((limit - below).max(LEAST_SHARE * limit).min(FASTEST))
+        Self::Cruise((limit - below).max(MIN_SHARE * limit).min(FASTEST))
     }
 
     /// The distance (m) after a time (s).
@@ -52,7 +52,7 @@ pub(super) fn write_plan(path: &Path, ego: &Pose, tempo: Tempo, plan: &mut [EgoP
     let (mut behind, mut before) = (0.0, 0.0);
     for (k, point) in plan.iter_mut().enumerate() {
         let count = (k + 1) as f64;
-        before = tempo.way(STEP * count).max(before + LEAST_SPACING);
+        before = tempo.way(STEP * count).max(before + MIN_SPACING);
         let place = loop {
             let along = abeam + before - behind;
             let Some(next) = to else { break from.position() };

@@ -16,7 +16,7 @@ choice! {
 }
 
 /// The number of points of the longest plan.
-pub(super) const LONGEST: usize = 20;
+pub(super) const MAX_HORIZON: usize = 20;
 
 /// The figures in which the agents differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +66,7 @@ const V1: Traits = Traits {
 };
 
 const V2: Traits = Traits {
-    horizon: LONGEST,
+    horizon: MAX_HORIZON,
     aim: [4, 4, 4, 3, 6, 6],
     speed_ratio: [0.8, 0.8, 0.8, 0.6, 0.8, 0.8],
     turn: Gains { proportional: 0.8, integral: 0.5, differential: 0.2 },

@@ -19,7 +19,7 @@ pub fn trial() -> Arc<NetworkTrial> {
 pub fn carry_out() -> ExitCode {
     process::limit_trial();
     let mut bytes = Vec::new();
-    if std::io::stdin().lock().take(base::files::MOST_BYTES).read_to_end(&mut bytes).is_err() {
+    if std::io::stdin().lock().take(base::files::MAX_BYTES).read_to_end(&mut bytes).is_err() {
         return ExitCode::Usage;
     }
     // It is a driver or a pedestrian.

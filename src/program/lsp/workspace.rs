@@ -8,7 +8,7 @@ use super::documents::plain;
 /// The greatest number of scenarios that are looked at.
 pub const MOST_FILES: usize = 1000;
 /// The greatest size of one that is looked at (bytes).
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 /// The greatest number of entries of folders that are read on the way.
 const MOST_ENTRIES: usize = 100_000;
 
@@ -40,7 +40,7 @@ pub fn scenarios(folders: &[PathBuf]) -> Scenarios {
         for entry in inside {
             let path = entry.path();
             let is_scenario = path.extension().is_some_and(|end| end == "scn");
-            let is_small = || entry.metadata().is_ok_and(|data| data.is_file() && data.len() <= MOST_BYTES);
+            let is_small = || entry.metadata().is_ok_and(|data| data.is_file() && data.len() <= MAX_BYTES);
             if is_scenario && is_small() {
                 found.paths.insert(path);
             }

@@ -7,7 +7,7 @@ use base::files;
 use lang::Reader;
 use results::report::{FileRecord, MOST_HELD_BYTES};
 
-/// Reads regular files of the disk, up to [`files::MOST_BYTES`] each.
+/// Reads regular files of the disk, up to [`files::MAX_BYTES`] each.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Disk;
 

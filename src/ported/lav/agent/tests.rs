@@ -88,13 +88,13 @@ impl Drive {
 /// The outcome of an encounter with a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Meeting {
-    /// Distance between the middles when the brake was first pressed (m); none if it never was.
+    /// Distance between the middles when the brake was first pressed (m); `None` if it never was.
     braked_at: Option<f64>,
     /// Speed then (m/s).
     speed: f64,
-    /// Least gap between the bodies (m).
+    /// Minimum gap between the bodies (m).
     gap: f64,
-    /// Speed at the first touch (m/s); none if there was none.
+    /// Speed at the first touch (m/s); `None` if there was none.
     hit: Option<f64>,
 }
 

@@ -4,7 +4,7 @@ use super::{Cell, Spread};
 use crate::record::{CellKey, Column, Interval, Table, cell_key};
 use crate::report::{CellEvidence, Figure};
 use base::choice;
-use base::statistics::{LEAST_RUNS, Uncertainty};
+use base::statistics::{MIN_RUNS, Uncertainty};
 use compile::{Published, PublishedCell, PublishedFigure};
 
 /// The least power with which a test for equivalence is worth its answer.
@@ -75,7 +75,7 @@ impl PublishedComparison<'_> {
 
     /// Student's 95 % interval of the difference; none where either side has fewer than four trainings.
     pub fn interval(&self) -> Option<(f64, f64)> {
-        let few = |runs: u32| (runs as usize) < LEAST_RUNS;
+        let few = |runs: u32| (runs as usize) < MIN_RUNS;
         if few(self.runs) || few(self.published_runs) {
             return None;
         }

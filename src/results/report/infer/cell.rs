@@ -2,7 +2,7 @@ use super::place::{Measured, Place};
 use super::tried::Tried;
 use super::{Figure, Learning};
 use crate::record::CellKey;
-use base::statistics::{LEAST_RUNS, Sample, Uncertainty, Weighted, quantile};
+use base::statistics::{MIN_RUNS, Sample, Uncertainty, Weighted, quantile};
 use world::judge::Reference;
 
 /// The distribution of a figure between trainings.
@@ -90,7 +90,7 @@ impl CellEvidence {
         self.between[figure as usize] = AcrossRuns {
             uncertainty: sample.as_ref().and_then(Sample::uncertainty),
             // One run says nothing of further ones, and two or three next to nothing.
-            interval: sample.as_ref().filter(|_| by_run.len() >= LEAST_RUNS).and_then(Sample::interval).map(cut),
+            interval: sample.as_ref().filter(|_| by_run.len() >= MIN_RUNS).and_then(Sample::interval).map(cut),
             by_run,
         };
         if figure == Figure::Reward {

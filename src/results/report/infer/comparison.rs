@@ -2,7 +2,7 @@ use super::Figure;
 use super::place::{Measured, Place};
 use crate::record::CellKey;
 use base::choice;
-use base::statistics::{LEAST_RUNS, Uncertainty, disagreement, holm, mcnemar};
+use base::statistics::{MIN_RUNS, Uncertainty, disagreement, holm, mcnemar};
 
 choice! {
     /// The method behind a p-value.
@@ -53,7 +53,7 @@ pub struct Comparison {
 impl Comparison {
     /// Whether a side has several runs, but too few for an interval. Where no pair of episodes disagrees, their number makes one.
     pub fn has_few_runs(&self) -> bool {
-        let few = |runs: &u64| (2..LEAST_RUNS as u64).contains(runs);
+        let few = |runs: &u64| (2..MIN_RUNS as u64).contains(runs);
         self.runs.iter().any(few) && self.discordant != Some((0, 0))
     }
 

@@ -9,7 +9,7 @@ use crate::report::aggregate::{
 };
 use crate::report::compare::COMMON_STARTS;
 use crate::report::infer::cell_table;
-use base::statistics::{LEAST_RUNS, mcnemar};
+use base::statistics::{MIN_RUNS, mcnemar};
 use compile::{Campaign, SearchKey};
 
 /// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about `search_cells`
@@ -103,7 +103,7 @@ impl Judged {
 /// An end of an interval that too few runs have. `Display` gives the reason and what to write instead.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "there is no `{column}`, since fewer than {LEAST_RUNS} runs have no interval{}",
+    "there is no `{column}`, since fewer than {MIN_RUNS} runs have no interval{}",
     instead.as_ref().map_or(String::new(), |instead| format!("; write `{instead}`, or give more `runs`"))
 )]
 pub struct TooFewRuns {
@@ -118,7 +118,7 @@ impl TooFewRuns {
         let (stem, end) = ["_low", "_high"].iter().find_map(|end| Some((column.strip_suffix(end)?, end)))?;
         let (runs, found) = (number(&value(cells, RUNS, row))?, number(&value(cells, column, row)));
         // The time to the first failure is censored and not averaged: without an end the runs say that there is none.
-        if found.is_some() || runs >= LEAST_RUNS as f64 || stem == FIRST_FAILURE {
+        if found.is_some() || runs >= MIN_RUNS as f64 || stem == FIRST_FAILURE {
             return None;
         }
         let bare = ["_student", "_difference"];

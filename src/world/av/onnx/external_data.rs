@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::encoding::{Content, Refusal, field, put, text};
-use base::files::MOST_BYTES;
+use base::files::MAX_BYTES;
 
 /// The way from the file to its constants: the graph of the model, its initial values.
 const CONSTANTS: [u32; 2] = [7, 5];
@@ -12,7 +12,7 @@ const CONSTANTS: [u32; 2] = [7, 5];
 /// that of a file in the same folder, never a path.
 ///
 /// # Errors
-/// It is not ONNX, a name is a path, `read` refuses it, a part lies beyond the end of its file, or all is more than [`MOST_BYTES`].
+/// It is not ONNX, a name is a path, `read` refuses it, a part lies beyond the end of its file, or all is more than [`MAX_BYTES`].
 ///
 /// # Source
 /// `onnx.proto` and the page about external data of the ONNX project.
@@ -23,13 +23,13 @@ pub fn with_external_data(
     if !has_external_data(&bytes, &CONSTANTS)? {
         return Ok(bytes);
     }
-    let mut data = Data { read, files: BTreeMap::new(), left: MOST_BYTES.saturating_sub(bytes.len() as u64) };
+    let mut data = Data { read, files: BTreeMap::new(), left: MAX_BYTES.saturating_sub(bytes.len() as u64) };
     let whole = filled(&bytes, &CONSTANTS, &mut data)?;
-    if whole.len() as u64 > MOST_BYTES { Err(too_long()) } else { Ok(whole) }
+    if whole.len() as u64 > MAX_BYTES { Err(too_long()) } else { Ok(whole) }
 }
 
 fn too_long() -> Refusal {
-    format!("with the files of its constants it has more than {} MiB", MOST_BYTES >> 20)
+    format!("with the files of its constants it has more than {} MiB", MAX_BYTES >> 20)
 }
 
 /// The files of constants.
@@ -57,7 +57,7 @@ impl Data<'_> {
         if !self.files.contains_key(name) {
             let content = (self.read)(name).map_err(|reason| format!("its constants are in `{name}`: {reason}"))?;
             let read: u64 = self.files.values().map(|content| content.len() as u64).sum();
-            if read + content.len() as u64 > MOST_BYTES {
+            if read + content.len() as u64 > MAX_BYTES {
                 return Err(too_long());
             }
             self.files.insert(name.clone(), content);
