@@ -200,7 +200,7 @@ fn a_schedule_reaches_the_optimiser() {
     let log = trainer.update(&mut envs).unwrap().clone();
     assert_eq!((trainer.actor_critic(), log.clip_fraction > 0.0), (&before, true));
     let constant = train(&mut [Identity::new(0)], &config(450), &Seed::root(1), &mut keep_going).unwrap();
-    assert!(constant.learning_curve.iter().all(|log| (log.learning_rate, log.clip_coef) == (3e-4, 0.2)));
+    assert!(constant.learning_curve.iter().all(|log| log.learning_rate == 3e-4));
 }
 
 #[test]

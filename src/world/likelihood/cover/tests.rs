@@ -148,14 +148,15 @@ fn chance_is_part_of_the_bound() {
     assert!(held >= 38, "{held} of 40");
 }
 
-/// Asserts that at most 10 of 200 bounds miss: three shapes in two and three dimensions, against a truth of this number of points for each.
+/// Asserts that at most 10 of 200 bounds miss, or 4 of 40 without `FALSIFY_LARGE_SAMPLES`: three shapes in two and three dimensions, against a truth of this number of points for each.
 fn hold(points: u32, epsilon: impl Fn(&str, usize) -> f64) {
+    let (repetitions, misses) = if std::env::var_os("FALSIFY_LARGE_SAMPLES").is_some() { (200, 10) } else { (40, 4) };
     for dimensions in [2, 3] {
         for (name, shape) in SHAPES {
             let config = CoverConfig { dimensions, epsilon: epsilon(name, dimensions), budget: 100_000 };
-            let (held, experiments) = repeated(shape, &config, 200, points);
-            eprintln!("{name} in {dimensions}: {held} of 200 hold, {experiments:.0} experiments");
-            assert!(held >= 190, "{name} in {dimensions} dimensions: {held} of 200");
+            let (held, experiments) = repeated(shape, &config, repetitions, points);
+            eprintln!("{name} in {dimensions}: {held} of {repetitions} hold, {experiments:.0} experiments");
+            assert!(held + misses >= repetitions, "{name} in {dimensions} dimensions: {held} of {repetitions}");
         }
     }
 }
