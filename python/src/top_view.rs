@@ -4,6 +4,7 @@ use world::geometry::{OrientedBox, Point, Pose, Vector};
 use world::road::{LaneFilter, LaneKind};
 
 use super::world::World;
+use world::env::Simulation;
 
 /// Metres that a picture shows from side to side.
 const SPAN: f64 = 60.0;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use learn::Step;
-use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use world::env::{Observer, Outcome, PedestrianEnv, Scenario, Simulation, Trace, carry_out};
 use world::judge::{Judged, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
@@ -96,7 +96,7 @@ impl World {
         let has_run_up = self.env.run_up_ticks() > 0;
         self.placed = has_run_up && self.env.world().ego().state.speed == 0.0;
         self.run_ups = (self.run_ups.0 + u64::from(self.placed), self.run_ups.1 + u64::from(has_run_up));
-        self.trace.begin(self.env.world());
+        self.trace.begin(&self.env.scene());
         self.env.scene().write_state(&mut self.state);
         (self.episode, self.step, self.started_over) = (Some(number), FIRST, false);
     }
@@ -112,12 +112,12 @@ impl World {
 
     /// Takes a decision. The action is clamped to its bounds.
     pub fn decide(&mut self, action: impl Iterator<Item = f64>) {
-        for ((number, (low, high)), given) in self.action.iter_mut().zip(self.env.scene().bounds).zip(action) {
+        for ((number, (low, high)), given) in self.action.iter_mut().zip(self.env.scene().bounds()).zip(action) {
             *number = given.clamp(*low, *high);
         }
         self.started_over = false;
         self.env.scene().write_commands(&self.action, &mut self.commands);
-        self.step = self.trace.watch_decision(&mut self.env, &self.commands);
+        self.step = carry_out(&mut self.env, &self.commands, &mut self.trace);
         self.env.scene().write_state(&mut self.state);
         if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
             let scenario = self.env.scenario();

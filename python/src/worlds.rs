@@ -8,7 +8,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use world::env::Scenario;
+use world::env::{Scenario, Simulation};
 use world::judge::Label;
 use world::sim::WalkCommand;
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::{Controller, PedestrianEnv, Trace};
+use world::env::{Controller, Observer, PedestrianEnv, Simulation, Trace, carry_out};
 use world::sim::WalkCommand;
 
 use crate::cast::{ahead, away, two_and_two};
@@ -81,10 +81,10 @@ fn a_tick_allocates_nothing_with_any_driver() {
         let mut walk = |episode| {
             env.begin(episode);
             let before = ALLOCATIONS.get();
-            trace.begin(env.world());
+            trace.begin(&env.scene());
             while env.outcome().is_none() {
                 let commands = [env.scene().intercept(0)];
-                trace.watch_decision(&mut env, &commands);
+                carry_out(&mut env, &commands, &mut trace);
             }
             ALLOCATIONS.get() - before
         };
@@ -106,10 +106,10 @@ fn a_tick_of_two_cars_and_two_pedestrians_allocates_nothing() {
     let mut walk = |episode| {
         env.begin(episode);
         let before = ALLOCATIONS.get();
-        trace.begin(env.world());
+        trace.begin(&env.scene());
         while env.outcome().is_none() {
             let commands = [env.scene().homing(0), env.scene().homing(1)];
-            trace.watch_decision(&mut env, &commands);
+            carry_out(&mut env, &commands, &mut trace);
         }
         ALLOCATIONS.get() - before
     };

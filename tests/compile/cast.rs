@@ -9,11 +9,8 @@ use base::signature::Distribution;
 use compile::{Catalog, Plan, compile};
 use learn::Env;
 use world::av::{DrivingMode, PerfectSensors};
-use world::env::{
-    ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Outcome, PedestrianEnv, PedestrianRole,
-    Placed, Scenario, Trace, VehicleRole,
-};
-use world::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate};
+use world::env::{ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianEnv, PedestrianRole, Placed, Scenario, Simulation, Trace, VehicleRole, carry_out};
+use world::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate, play};
 use world::geometry::{Obstacles, Pose};
 use world::judge::{NearMiss, judge};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
@@ -93,9 +90,9 @@ fn run(scenario: &Arc<Scenario>, commands: [WalkCommand; 2]) -> (Outcome, Trace)
     let mut env = PedestrianEnv::new(Arc::clone(scenario), Seed::root(1));
     let mut trace = Trace::new(scenario);
     env.begin(0);
-    trace.begin(env.world());
+    trace.begin(&env.scene());
     while env.outcome().is_none() {
-        trace.watch_decision(&mut env, &commands);
+        carry_out(&mut env, &commands, &mut trace);
     }
     (*env.outcome().unwrap(), trace)
 }
@@ -302,7 +299,7 @@ fn policies_and_searches_see_an_environment_by_its_dimensions() {
     assert!(found.iter().all(|outcomes| outcomes.len() == 3) && found[0] != found[1]);
 
     let mut simulator = Simulator::new(Arc::clone(&both), Seed::root(6), 5_000, &|| false);
-    while simulator.begin(0) && simulator.finish(|scene, commands| Intercept.choose(scene, commands)).is_some() {}
+    while simulator.begin(0) && play(&mut simulator, &mut Intercept, &mut ()).is_some() {}
     let spent = simulator.into_spent();
     for failure in &spent.failures {
         let Failure { commands, outcome, .. } = failure;

@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock};
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use world::av::{DrivingMode, PerfectSensors};
-use world::env::Scenario;
+use world::env::{Scenario, Simulation};
 use world::geometry::{Obstacles, Pose};
 use world::sim::{ActorStart, Contact, Start, WalkCommand, World};
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use base::seed::Seed;
 use compile::{Catalog, compile};
 use world::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
-use world::env::{Driven, Ending, Outcome, PedestrianEnv, Scenario, Trace, VehicleFrame};
+use world::env::{Actions, Ending, Observer, Outcome, PedestrianEnv, Scenario, Scene, Simulation, Trace, VehicleFrame};
 use world::falsifier::{Intercept, evaluate_noting};
 use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use world::judge::{
@@ -169,6 +169,7 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
     // After 3 s the bumper is at 30 m and the pedestrian in the middle of it.
     let walked = |time: f64| (0..(time * 1000.0) as u32).map(|i| speed(f64::from(i) / 1000.0) / 1000.0).sum::<f64>();
     let end = walked(3.0);
+    let mut actions = Actions::new(&scenario.cast);
     for tick in 0..=60 {
         let time = f64::from(tick) * 0.05;
         world.vehicles[0].state.pose = Pose::new(10.0 * time - scenario.cast.ego.blueprint.half_length, 0.0, 0.0);
@@ -185,11 +186,9 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
             aside: 0.0,
             impact_speed: 10.0,
         };
-        if tick == 0 {
-            trace.begin(&world);
-        } else {
-            trace.watch(&world, (tick == 60).then_some(&contact), |_| Driven::default());
-        }
+        actions.contact = (tick == 60).then_some(contact);
+        let scene = Scene { scenario: &scenario, world: &world, actions: &actions };
+        if tick == 0 { trace.begin(&scene) } else { trace.tick(&scene) }
     }
     (scenario, trace)
 }
@@ -264,13 +263,15 @@ fn pass(aside: f64, speed: f64) -> FalseAlarms {
     let blueprint = scenario.cast.ego.blueprint.clone();
     let mut world = World::new(town, scenario.obstacles.clone(), vec![blueprint.clone()], vec![body], None, 0.05);
     let mut trace = Trace::new(&scenario);
+    let actions = Actions::new(&scenario.cast);
     for tick in 0..=120 {
         let time = f64::from(tick) * 0.05;
         world.vehicles[0].state.pose = Pose::new(8.0 * time - blueprint.half_length, 0.0, 0.0);
         world.vehicles[0].state.speed = 8.0;
         world.pedestrians[0].state.pose = Pose::new(30.0, aside - speed * time, 0.0);
         world.pedestrians[0].state.velocity = Vector::new(0.0, -speed);
-        if tick == 0 { trace.begin(&world) } else { trace.watch(&world, None, |_| Driven::default()) }
+        let scene = Scene { scenario: &scenario, world: &world, actions: &actions };
+        if tick == 0 { trace.begin(&scene) } else { trace.tick(&scene) }
     }
     FalseAlarms::new(&trace.main_pair(&scenario)).unwrap()
 }

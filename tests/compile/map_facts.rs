@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Compiled, compile};
-use world::env::{PedestrianEnv, Scenario};
+use world::env::{PedestrianEnv, Scenario, Simulation};
 
 use crate::straight_road::map;
 
@@ -52,11 +52,11 @@ fn drive(map: &str, driver: &str, spawn: &str, to: f64) -> Vec<(f64, f64)> {
     let mut env = PedestrianEnv::new(scenario(map, driver, spawn), Seed::root(4));
     env.begin(0);
     let still = [env.scene().homing(0)];
-    env.begin_decision(&still);
+    env.decide(&still);
     let mut driven = Vec::new();
     for _ in 0..2000 {
         if env.tick().is_some() {
-            env.begin_decision(&still);
+            env.decide(&still);
         }
         let ego = env.world().ego();
         driven.push((ego.state.pose.x + ego.blueprint.half_length, ego.state.speed));

@@ -10,7 +10,7 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use learn::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
-use world::env::{ObservationSpec, PedestrianEnv};
+use world::env::{ObservationSpec, PedestrianEnv, Simulation};
 use world::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy, train};
 use world::sim::WalkCommand;
 
@@ -175,7 +175,7 @@ fn a_trained_walker_sees_stacked_and_normalised_states() {
         while env.outcome().is_none() {
             let mut action = [0.0; 2];
             trained.actor_critic.act(stack.as_slice(), &mut action, &mut scratch);
-            let bounds = env.scene().bounds;
+            let bounds = env.scene().bounds();
             let clamped = [0, 1].map(|i| action[i].clamp(bounds[i].0, bounds[i].1));
             let mut commands = [WalkCommand::default(); 2];
             let (chosen, wanted) = commands.split_at_mut(1);

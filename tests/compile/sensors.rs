@@ -8,7 +8,7 @@ use compile::{Catalog, Plan, compile};
 use rand::Rng;
 use world::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
 use world::av::{Actor, ActuationDelay, DrivingMode, DrivingPolicy, Perception};
-use world::env::{PedestrianEnv, Scenario};
+use world::env::{PedestrianEnv, Scenario, Simulation};
 use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use world::sim::{ActorId, Control};
 

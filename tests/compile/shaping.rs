@@ -8,7 +8,7 @@ use base::seed::Seed;
 use compile::{Catalog, Training, compile};
 use learn::{Env, shaping};
 use rand::RngExt;
-use world::env::{PedestrianEnv, SpawnRule};
+use world::env::{PedestrianEnv, Simulation, SpawnRule};
 use world::falsifier::train;
 
 /// Rewards with and without a potential; a spawn whose near part is empty.

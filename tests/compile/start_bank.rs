@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Training, compile};
-use world::env::{Ending, HardStarts, Outcome, PedestrianEnv, Scenario, StartBank};
+use world::env::{Ending, HardStarts, Outcome, PedestrianEnv, Scenario, Simulation, StartBank};
 use world::falsifier::TrainingRun;
 use world::sim::WalkCommand;
 

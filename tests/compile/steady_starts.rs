@@ -9,8 +9,8 @@ use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use learn::Env;
 use process::ProcessOpener;
-use world::env::{Outcome, PedestrianEnv, Scenario};
-use world::falsifier::{Intercept, Random, Simulator, WalkPolicy, evaluate};
+use world::env::{Outcome, PedestrianEnv, Scenario, Simulation};
+use world::falsifier::{Intercept, Random, Simulator, WalkPolicy, evaluate, play};
 
 /// Every kind of route and of memory.
 const DRIVERS: [&str; 12] = [
@@ -91,12 +91,12 @@ fn a_longer_way_gives_the_same_speed() {
         let mut env = PedestrianEnv::new(scenario("straight", &spawn(320.0), driver), Seed::root(4));
         env.begin(0);
         let still = [env.scene().homing(0)];
-        env.begin_decision(&still);
+        env.decide(&still);
         // LAV and InterFuser never drive at one speed: their throttle opens and closes. So the speeds of the last 20 m are compared.
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         while env.world().ego().state.pose.x < start.spawn.ego.x {
             if env.tick().is_some() {
-                env.begin_decision(&still);
+                env.decide(&still);
             }
             let ego = env.world().ego().state;
             if !["lav", "interfuser"].contains(&driver) {
@@ -158,7 +158,7 @@ fn a_start_that_is_tried_again_at_once_costs_its_run_up_once() {
             .iter()
             .map(|start| {
                 assert!(simulator.begin(*start));
-                simulator.finish(|scene, commands| commands[0] = scene.intercept(0)).expect("the budget is large")
+                play(&mut simulator, &mut Intercept, &mut ()).expect("the budget is large")
             })
             .collect();
         (outcomes, simulator.into_spent().ticks)
@@ -193,8 +193,8 @@ fn a_search_pays_for_run_ups_and_never_exceeds_its_budget() {
         if !simulator.begin(start) {
             break;
         }
-        run_up += u64::from(simulator.env().run_up_ticks());
-        let Some(outcome) = simulator.finish(|scene, commands| Intercept.choose(scene, commands)) else { break };
+        run_up += u64::from(simulator.run_up_ticks());
+        let Some(outcome) = play(&mut simulator, &mut Intercept, &mut ()) else { break };
         played += u64::from(outcome.ticks);
     }
     let spent = simulator.into_spent();

@@ -11,7 +11,7 @@ use base::signature::{Form, Param, Signature, Type};
 use base::units::Dimension;
 use compile::{Catalog, compile};
 use proptest::prelude::*;
-use world::env::{ObservationSpec, PedestrianEnv, Scenario};
+use world::env::{ObservationSpec, PedestrianEnv, Scenario, Simulation};
 
 use crate::samples::samples;
 
@@ -180,7 +180,7 @@ fn step(text: &str) {
         if episode == 1 {
             env.scene().write_commands(&[0.3, 1.0], &mut commands);
         }
-        env.begin_decision(&commands);
+        env.decide(&commands);
         for _ in 0..TICKS {
             let step = env.tick();
             assert!(env.hopeless().is_none());
@@ -192,7 +192,7 @@ fn step(text: &str) {
                 if env.outcome().is_some() {
                     break;
                 }
-                env.begin_decision(&[env.scene().homing(0)]);
+                env.decide(&[env.scene().homing(0)]);
             }
         }
     }

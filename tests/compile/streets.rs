@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
-use world::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use world::env::{Outcome, PedestrianEnv, Scenario, Simulation, Trace};
 use world::falsifier::{Scripted, evaluate_noting};
 use world::geometry::{OrientedBox, Point};
 use world::judge::{Reference, judge};
@@ -117,11 +117,11 @@ fn the_first_command_paces_and_turns_a_path_and_later_ones_do_not() {
     env.begin(0);
     let stated = env.scene().scenario.spawn.scripted().expect("the rule has a path");
     assert!((stated.heading - std::f64::consts::FRAC_PI_2).abs() < 1e-12 && (stated.speed - 1.0).abs() < 1e-12);
-    env.begin_decision(&[WalkCommand { heading: 0.0, speed: 2.0 }]);
+    env.decide(&[WalkCommand { heading: 0.0, speed: 2.0 }]);
     for tick in 0..60 {
         env.tick();
         if tick == 10 {
-            env.begin_decision(&[WalkCommand { heading: 2.0, speed: 0.0 }]);
+            env.decide(&[WalkCommand { heading: 2.0, speed: 0.0 }]);
         }
     }
     // Twice the pace: after 3 s the path as it is given has been walked for 6 s, and it is turned to the right by 90 degrees.
@@ -350,7 +350,7 @@ fn lights_keep_their_cycle_and_opposite_legs_share_a_turn() {
     }
     let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(1));
     env.begin(0);
-    env.begin_decision(&[env.scene().scenario.spawn.scripted().unwrap()]);
+    env.decide(&[env.scene().scenario.spawn.scripted().unwrap()]);
     for tick in 0..400 {
         let time = 3.5 + f64::from(tick) * 0.05;
         let clock = env.world().light_clock().expect("lights work");

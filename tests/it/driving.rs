@@ -9,7 +9,7 @@ use compile::{Catalog, Plan, Training, compile};
 use learn::{ActorCritic, Env, Trained};
 use world::av::onnx::{Model, Onnx};
 use world::driving::{ACTION_BOUNDS, ACTION_SCALES, DriveEnv, inputs};
-use world::env::PedestrianEnv;
+use world::env::{Draw, PedestrianEnv, Phase, Simulation};
 use world::falsifier::TrainingRun;
 
 use crate::program::{error, falsify};
@@ -65,7 +65,7 @@ fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64;
     let mut elsewhere = (**scenario).clone();
     elsewhere.cast.ego.policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
     let mut driver = PedestrianEnv::new(Arc::new(elsewhere), seed);
-    driver.place(0);
+    driver.place(Draw::new(&seed, 0));
     let mut obs = vec![0.0; learner.obs_dim()];
     learner.reset(&mut obs);
     let (mut action, mut scratch) = ([0.0; 2], networks.scratch(1));
@@ -77,9 +77,9 @@ fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64;
             *number = number.clamp(*low, *high);
         }
         assert!(!learner.step(&action, &mut obs).done());
-        driver.tick_run_up();
-        assert_eq!(learner.env().is_running_up(), driver.is_running_up());
-        if !driver.is_running_up() {
+        driver.tick();
+        assert_eq!(learner.env().phase(), driver.phase());
+        if driver.phase() != Phase::RunUp {
             break;
         }
         for (way, env) in ways.iter_mut().zip([learner.env(), &driver]) {

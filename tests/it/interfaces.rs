@@ -6,7 +6,7 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
 use learn::Env;
-use world::env::{PedestrianEnv, Trace};
+use world::env::{Observer, PedestrianEnv, Simulation, Trace, carry_out};
 
 use crate::program::{error, falsify, said};
 
@@ -42,16 +42,16 @@ fn a_trace_has_the_states_and_actions_of_the_episode_in_every_frame() {
         let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
         let (mut state, mut trace) = ([0.0; 4], Trace::new(&scenario));
         env.reset(&mut state);
-        trace.begin(env.world());
+        trace.begin(&env.scene());
         let bounds = env.action_bounds();
-        let (mut taken, mut commands) = (Vec::new(), env.scene().commands.to_vec());
+        let (mut taken, mut commands) = (Vec::new(), env.scene().commands().to_vec());
         loop {
             let share = [0.2, 0.9, 0.45][taken.len() % 3];
             let action = [0, 1].map(|part: usize| bounds[part].0 + share * (bounds[part].1 - bounds[part].0));
             env.scene().write_state(&mut state);
             env.scene().write_commands(&action, &mut commands);
             taken.push((state, action));
-            if trace.watch_decision(&mut env, &commands).done() {
+            if carry_out(&mut env, &commands, &mut trace).done() {
                 break;
             }
         }

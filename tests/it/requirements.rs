@@ -11,7 +11,7 @@ use falsify::session::{FailuresOptions, Input, RepeatOptions, Repeated, ReplayOp
 use learn::Env;
 use results::campaign::{self, InMemory, Repeatable, Silent, watch};
 use results::report::{FailureFilter, Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
-use world::env::{Outcome, PedestrianEnv, Trace as EpisodeTrace};
+use world::env::{Outcome, PedestrianEnv, Simulation, Trace as EpisodeTrace};
 use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
 use world::requirement::Trace;
 use world::sim::WalkCommand;
@@ -491,7 +491,7 @@ fn a_reward_pays_for_violations_and_robustness() {
             let world = env.world();
             let (car, walker) = (&world.ego().state.pose, &world.pedestrians[0].state.pose);
             let ahead = car.position() + car.forward() * 6.0;
-            env.begin_decision(&[WalkCommand { heading: walker.yaw + walker.bearing_to(ahead), speed: 1.4 }]);
+            env.decide(&[WalkCommand { heading: walker.yaw + walker.bearing_to(ahead), speed: 1.4 }]);
             while env.tick().is_none() {}
             let now = env.potential();
             assert!(now >= last, "what must always be true becomes no truer: {last} {now}");

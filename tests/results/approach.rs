@@ -4,7 +4,7 @@ use std::path::Path;
 
 use compile::{Catalog, compile};
 use results::analysis::Approach;
-use world::env::{Driven, Scenario, Trace};
+use world::env::{Actions, Observer, Scenario, Scene, Trace};
 use world::geometry::{Pose, Vector};
 use world::sim::{ActorId, Contact, World};
 
@@ -32,7 +32,7 @@ fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
     let (ego, body) = (&scenario.cast.ego.blueprint, scenario.cast.pedestrian.body);
     let mut world =
         World::new(scenario.town.clone(), scenario.obstacles.clone(), vec![ego.clone()], vec![body], None, 0.05);
-    let mut trace = Trace::new(&scenario);
+    let (mut trace, mut actions) = (Trace::new(&scenario), Actions::new(&scenario.cast));
     let touch = ego.half_length + body.radius;
     // The car drives east at 10 m/s for three seconds, and touches a pedestrian who comes from the left at 1.39 m/s.
     for tick in 0..=60 {
@@ -43,11 +43,13 @@ fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
         world.pedestrians[0].state.velocity = Vector::new(0.0, -1.39);
         let pair = (ActorId::EGO, ActorId::Pedestrian(0));
         let contact = Contact { pair, fraction: 1.0, bearing: 0.0, ahead: touch, aside: 0.0, impact_speed: 10.0 };
+        actions.contact = (tick == 60).then_some(contact);
+        let scene = Scene { scenario: &scenario, world: &world, actions: &actions };
         if tick == 0 {
-            trace.begin(&world);
+            trace.begin(&scene);
             assert_eq!(Approach::new(&trace.main_pair(&scenario)), None, "nobody is touched");
         } else {
-            trace.watch(&world, (tick == 60).then_some(&contact), |_| Driven::default());
+            trace.tick(&scene);
         }
     }
     let approach = Approach::new(&trace.main_pair(&scenario)).unwrap();

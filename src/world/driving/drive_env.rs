@@ -3,8 +3,8 @@ use std::sync::Arc;
 use super::wheel::{ACTION_BOUNDS, ACTION_SCALES, Seat, inputs};
 use super::{DriveReward, DriveRule, Pupil};
 use crate::av::view::View;
-use crate::env::{PedestrianEnv, Placed, Scenario, VehicleRole};
-use crate::falsifier::{Controller, WalkPolicy};
+use crate::env::{Draw, PedestrianEnv, Phase, Placed, Scenario, Simulation, VehicleRole};
+use crate::falsifier::{Controller, WalkPolicy, advance};
 use crate::sim::{ActorId, ActorStart, Contact, LightColour, WalkCommand};
 use base::seed::Seed;
 use learn::{Env, Inputs, Step};
@@ -30,8 +30,6 @@ pub struct DriveEnv {
     actions: Vec<[f32; 2]>,
     /// Whether the pedestrian has begun to walk.
     met: bool,
-    /// Whether the pedestrian's last command has been carried out.
-    is_due: bool,
     last: Last,
     is_collision: bool,
     /// Ticks for which an action is kept.
@@ -85,7 +83,6 @@ impl DriveEnv {
             next: 0,
             actions: Vec::new(),
             met: false,
-            is_due: true,
             last: Last::default(),
             is_collision: false,
             hold: rule.hold,
@@ -105,9 +102,9 @@ impl DriveEnv {
     fn begin(&mut self, number: u64) {
         self.next = number + 1;
         self.actions.clear();
-        self.env.place(number);
+        self.env.place(Draw::new(&self.seed, number));
         self.env.prepare();
-        (self.met, self.is_due, self.is_collision) = (false, true, false);
+        (self.met, self.is_collision) = (false, false);
         self.last = Last { speed: self.env.world().ego().state.speed, ..Last::default() };
         self.last.red = red_light(&self.seat.wheel().view);
     }
@@ -120,8 +117,7 @@ impl DriveEnv {
     fn drive(&mut self, action: [f32; 2]) -> Step {
         self.actions.push(action);
         self.seat.wheel().action = action;
-        let was_running_up = self.env.is_running_up();
-        let (ended, contact) = if was_running_up { self.run_up() } else { self.encounter() };
+        let (ended, contact) = if self.env.phase() == Phase::RunUp { self.run_up() } else { self.encounter() };
         self.env.prepare();
         let is_lost = self.aside().is_none_or(|aside| aside > LOST);
         let collided = contact.filter(|contact| contact.pair.0 == ActorId::EGO);
@@ -141,8 +137,8 @@ impl DriveEnv {
 
     /// A tick of the run-up; returns whether it ended the episode, and whether the car failed.
     fn run_up(&mut self) -> (Option<bool>, Option<Contact>) {
-        self.env.tick_run_up();
-        let restarted = !self.env.is_running_up() && self.env.world().run_up == 0;
+        self.env.tick();
+        let restarted = self.env.phase() != Phase::RunUp && self.env.world().run_up == 0;
         // A car that was placed among others, that stood or that waited too long is cut off.
         let is_fast = self.last.speed > self.env.scenario().episode.moving_above;
         let ticks = self.env.run_up_ticks();
@@ -159,16 +155,14 @@ impl DriveEnv {
             walker.begin(self.seed.index(number).child("walker").stream());
             self.met = true;
         }
-        if std::mem::take(&mut self.is_due) {
-            walker.choose(&self.env.scene(), &mut self.commands);
-            if walker.fault().is_some() {
+        if self.env.phase() == Phase::Decision {
+            advance(&mut self.env, walker.as_mut(), &mut self.commands, &mut ());
+            if self.env.outcome().is_some() {
                 return (Some(false), None);
             }
-            self.env.begin_decision(&self.commands);
         }
         let step = self.env.tick();
-        self.is_due = step.is_some();
-        let contact = self.env.contact().copied();
+        let contact = self.env.scene().contact().copied();
         let done = step.is_some_and(|step| step.done());
         (done.then(|| contact.is_some_and(|contact| contact.pair.0 == ActorId::EGO)), contact)
     }

@@ -1,6 +1,7 @@
 use std::fmt;
 
-use super::{Frame, Outcome, Pair, PedestrianEnv};
+use super::requirement_watch::Moment;
+use super::{Frame, Outcome, Pair, Scene};
 use crate::av::DrivingMode;
 use crate::geometry::{Vector, wrap_angle};
 use crate::sim::{Contact, VehicleBlueprint};
@@ -81,20 +82,21 @@ pub struct FailureCell {
 }
 
 impl FailureCell {
-    /// The cell of the touch that ended an episode of an environment, or of the moment that violates its goal; none when the ego and a pedestrian did
-    /// not touch, or the goal is not violated, and when the episode does not count.
-    pub fn new(env: &PedestrianEnv) -> Option<Self> {
-        let counts = env.outcome().is_some_and(Outcome::counts);
-        if env.scenario().criterion.requirement().is_some() {
-            let moment = env.goal_moment().filter(|_| counts)?;
-            let met = ((moment.place.x, moment.place.y), moment.speed);
-            return Some(Self::of(met, (&env.world().ego().blueprint, moment.yaw), moment.velocity, moment.mode));
+    /// The cell of the touch that ended an episode, or of the moment that violates its goal; `None` if the ego and a pedestrian did not touch, or the
+    /// goal is not violated, and if the episode does not count.
+    pub(super) fn new(scene: &Scene<'_>, outcome: &Outcome, moment: Option<&Moment>) -> Option<Self> {
+        if !outcome.counts() {
+            return None;
         }
-        let contact = env.contact().filter(|_| counts)?;
-        let walker = &env.world().pedestrians[contact.pedestrian_at_ego()?].state;
-        let ego = env.world().ego();
-        let mode = env.outcome()?.last_mode;
-        Some(Self::of(met(contact), (&ego.blueprint, ego.state.pose.yaw), walker.velocity, mode))
+        let ego = scene.world.ego();
+        if scene.scenario.criterion.requirement().is_some() {
+            let moment = moment?;
+            let met = ((moment.place.x, moment.place.y), moment.speed);
+            return Some(Self::of(met, (&ego.blueprint, moment.yaw), moment.velocity, moment.mode));
+        }
+        let contact = scene.hit()?;
+        let walker = &scene.world.pedestrians[contact.pedestrian_at_ego()?].state;
+        Some(Self::of(met(contact), (&ego.blueprint, ego.state.pose.yaw), walker.velocity, outcome.last_mode))
     }
 
     /// The cell of the touch that ended a traced episode with this mode of the driver, or of the frame that violates its goal; none when the two did not

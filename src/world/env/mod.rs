@@ -35,14 +35,23 @@ mod criterion;
 mod failure_cell;
 mod running;
 mod run_up;
-mod pedestrian_env;
 mod pursuit;
 mod scene;
+mod actions;
+mod simulation;
+mod drivers;
+mod script;
+mod tally;
+mod road_watch;
+mod requirement_watch;
+mod observers;
+mod pedestrian_env;
 mod trace;
 mod pair;
 mod other_drive;
 
 pub use action::ActionSpec;
+pub use actions::Actions;
 pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMaker, VehicleRole};
 pub use component::Component;
 pub use criterion::Criterion;
@@ -57,6 +66,8 @@ pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};
 pub use scenario::{EpisodeRule, Scenario};
 pub use scene::Scene;
+pub(crate) use simulation::tick;
+pub use simulation::{Draw, Observer, Phase, Simulation, carry_out};
 pub use signal::{
     Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
 };

@@ -1,3 +1,4 @@
+use crate::av::Fault;
 use crate::geometry::{OrientedBox, Pose, wrap_angle};
 use crate::road::{LaneFilter, RoadOption, Town, Waypoint, lane_route};
 use crate::sim::{LightCycle, VehicleBlueprint, VehicleState};
@@ -21,6 +22,20 @@ pub(super) struct RunUp {
     limit: Option<f64>,
     speed: f64,
     branches: Vec<Waypoint>,
+    pub(super) stage: Stage,
+    /// The ticks of it up to now.
+    pub(super) ticks: u32,
+}
+
+/// The stage of an episode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stage {
+    /// The driver drives alone.
+    RunUp,
+    /// A driver failed in the run-up.
+    Failed(Fault),
+    /// The pedestrians are there.
+    Encounter,
 }
 
 /// The length of the way (m).
@@ -61,12 +76,14 @@ impl RunUp {
             limit: None,
             speed: f64::INFINITY,
             branches: room(),
+            stage: Stage::Encounter,
+            ticks: 0,
         }
     }
 
     /// Finds the way to a goal on a driving lane.
     pub fn plan(&mut self, town: &Town, goal: Pose, blueprint: &VehicleBlueprint, stream: &mut Stream) {
-        self.goal = goal;
+        (self.goal, self.stage) = (goal, Stage::RunUp);
         (self.limit, self.speed) = (None, f64::INFINITY);
         self.lanes.clear();
         let Some(mut here) = town.nearest_lane(goal.position(), LaneFilter::Driving) else { return };
@@ -97,14 +114,25 @@ impl RunUp {
         }
     }
 
-    /// Forgets the way, for a start without a run-up.
+    /// Forgets the way: a start without a run-up.
     pub fn clear(&mut self) {
         self.lanes.clear();
         self.at_goal = 0;
+        (self.stage, self.ticks) = (Stage::Encounter, 0);
     }
 
-    /// The lanes from the goal on; empty where the driver finds its own way from there.
-    pub fn lanes_after_goal(&self) -> &[Waypoint] {
+    /// Whether the driver drives alone.
+    #[inline]
+    pub fn is_running(&self) -> bool {
+        self.stage == Stage::RunUp
+    }
+
+    /// The lanes that the ego is to take; from the goal on none, if the driver finds its own way from there.
+    #[inline]
+    pub fn route(&self) -> &[Waypoint] {
+        if self.is_running() {
+            return &self.lanes;
+        }
         let after = self.lanes.get(self.at_goal..).unwrap_or_default();
         if after.len() > 1 { after } else { &[] }
     }
@@ -152,11 +180,6 @@ impl RunUp {
             }
         }
         None
-    }
-
-    /// The lanes of the way, in the form of a route.
-    pub fn lanes(&self) -> &[Waypoint] {
-        &self.lanes
     }
 
     pub fn goal(&self) -> &Pose {

@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use super::{Cast, Criterion, EgoSpeed, RewardRule, SpawnRule, TestOracle, run_up};
+use super::{Cast, Criterion, EgoSpeed, PedestrianEnv, RewardRule, Simulation, SpawnRule, TestOracle, run_up};
 use crate::geometry::Obstacles;
 use crate::requirement::NamedRequirement;
 use crate::road::Town;
 use crate::sim::LightCycle;
+use base::seed::Seed;
 use base::signature::{Distribution, Formula};
 
 /// The duration of an episode, and the conditions that end it.
@@ -59,6 +60,11 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// What runs its episodes.
+    pub fn simulation(self: &Arc<Self>) -> Box<dyn Simulation> {
+        Box::new(PedestrianEnv::new(self.clone(), Seed::root(0)))
+    }
+
     /// The greatest number of ticks of an episode's run-up; 0 where episodes have none.
     pub fn most_run_up(&self) -> u32 {
         match self.spawn.ego_speed {

@@ -1,22 +1,50 @@
 use super::pursuit::meeting_heading;
-use super::{Observation, ObservationSpec, ReferenceFrame, Scenario};
+use super::trace::Driven;
+use super::{Actions, Observation, ObservationSpec, ReferenceFrame, Scenario};
 use crate::geometry::{Point, Pose, Vector};
-use crate::sim::{ActorStart, WalkCommand, World};
+use crate::sim::{Contact, WalkCommand, World};
 
 /// What a policy of pedestrians sees: time, roads, lights and all actors as they are now.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
     pub scenario: &'a Scenario,
     pub world: &'a World,
-    /// The command that each pedestrian carries out now.
-    pub commands: &'a [WalkCommand],
-    /// The bounds of a joint action.
-    pub bounds: &'a [(f64, f64)],
-    /// Where each pedestrian started.
-    pub(super) starts: &'a [ActorStart],
+    pub actions: &'a Actions,
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// The command that each pedestrian carries out now.
+    pub fn commands(&self) -> &'a [WalkCommand] {
+        &self.actions.commands
+    }
+
+    /// The bounds of a joint action.
+    pub fn bounds(&self) -> &'a [(f64, f64)] {
+        &self.actions.bounds
+    }
+
+    /// The actors that touched in the last tick, and how; `None` without a touch.
+    pub fn contact(&self) -> Option<&'a Contact> {
+        self.actions.contact.as_ref()
+    }
+
+    /// The touch of the ego and a pedestrian in the last tick.
+    pub(super) fn hit(&self) -> Option<&'a Contact> {
+        self.contact().filter(|contact| contact.pedestrian_at_ego().is_some())
+    }
+
+    /// Time until now, or until a touch within the last tick (s).
+    pub(super) fn elapsed(&self) -> f64 {
+        let before = f64::from(self.world.ticks.saturating_sub(1)) * self.world.dt;
+        self.contact().map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt)
+    }
+
+    /// What the driver of a vehicle did in the last tick.
+    #[inline]
+    pub fn driven(&self, vehicle: usize) -> Driven {
+        self.actions.driven(vehicle)
+    }
+
     /// A pedestrian's observation of the ego.
     pub fn observe(&self, pedestrian: usize) -> Observation {
         let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
@@ -38,7 +66,7 @@ impl Scene<'_> {
 
     /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.
     pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
-        commands.copy_from_slice(self.commands);
+        commands.copy_from_slice(self.commands());
         for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
             commands[number] = role.action.command(*part, |speed| self.origin(number, role.action.frame, speed));
         }
@@ -96,7 +124,7 @@ impl Scene<'_> {
 
     /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.
     fn viewpoint(&self, pedestrian: usize) -> (&Pose, f64, Point) {
-        let initial = self.starts[pedestrian].pose.yaw;
+        let initial = self.actions.starts[pedestrian].pose.yaw;
         (&self.world.pedestrians[pedestrian].state.pose, initial, self.world.ego().state.pose.position())
     }
 }

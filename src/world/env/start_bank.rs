@@ -44,7 +44,7 @@ impl StartBank {
     pub fn new(scenario: &Arc<Scenario>, size: usize, hard: Option<HardStarts>, seed: Seed) -> Option<Self> {
         let spawn = &scenario.spawn;
         let suits = matches!(spawn.ego_speed, EgoSpeed::Steady) && spawn.target_walk.is_none() && size > 0;
-        suits.then(|| PedestrianEnv::new(scenario.clone(), seed).snapshot())??;
+        suits.then(|| PedestrianEnv::new(scenario.clone(), seed).copy())??;
         let starts = if hard.is_some() { WIDER * size } else { size };
         let starts = (0..starts).map(|_| Mutex::default()).collect();
         Some(Self { scenario: scenario.clone(), seed, starts, hard })
@@ -90,7 +90,7 @@ impl StartBank {
 }
 
 fn copied(start: &PedestrianEnv) -> Option<PedestrianEnv> {
-    start.failed_run_up().is_none().then(|| start.snapshot()).flatten()
+    start.failed_run_up().is_none().then(|| start.copy()).flatten()
 }
 
 impl std::fmt::Debug for StartBank {

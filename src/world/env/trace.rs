@@ -1,8 +1,7 @@
-use super::{Pair, PedestrianEnv, Scenario};
+use super::{Observer, Pair, Scenario, Scene};
 use crate::av::DrivingMode;
 use crate::requirement::Degree;
 use crate::sim::{Contact, Control, LightClock, PedestrianState, VehicleState, WalkCommand, World};
-use learn::Step;
 
 /// The action of a driver in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -44,7 +43,53 @@ struct PedestrianTrack {
 /// The most ticks for which memory is reserved in advance.
 const RESERVED: u32 = 20_000;
 
+impl Observer for Trace {
+    /// Clears the last episode.
+    fn begin(&mut self, scene: &Scene<'_>) {
+        self.vehicles.iter_mut().for_each(Vec::clear);
+        for track in &mut self.pedestrians {
+            track.states.clear();
+            track.decisions.clear();
+        }
+        self.degrees.clear();
+        self.lights = scene.world.light_clock();
+        self.record(scene.world, |_| Driven::default());
+        self.contact = None;
+    }
+
+    /// Records a decision: the command that each pedestrian carries out. The first decision may have moved a target to its start.
+    fn decide(&mut self, scene: &Scene<'_>) {
+        let pedestrians = &scene.world.pedestrians;
+        for ((track, command), pedestrian) in self.pedestrians.iter_mut().zip(scene.commands()).zip(pedestrians) {
+            if let [only] = track.states.as_mut_slice() {
+                *only = pedestrian.state;
+            }
+            track.decisions.push(*command);
+        }
+    }
+
+    /// Records the state of all actors after a tick, whether two of them touched in it, and what the driver of each vehicle did.
+    fn tick(&mut self, scene: &Scene<'_>) {
+        self.record(scene.world, |vehicle| scene.driven(vehicle));
+        self.contact = scene.contact().copied();
+    }
+
+    fn end(&mut self, degrees: &[Degree]) {
+        self.degrees.extend_from_slice(degrees);
+    }
+}
+
 impl Trace {
+    #[inline]
+    fn record(&mut self, world: &World, driven: impl Fn(usize) -> Driven) {
+        for (number, (track, vehicle)) in self.vehicles.iter_mut().zip(&world.vehicles).enumerate() {
+            track.push(VehicleFrame { state: vehicle.state, driven: driven(number) });
+        }
+        for (track, pedestrian) in self.pedestrians.iter_mut().zip(&world.pedestrians) {
+            track.states.push(pedestrian.state);
+        }
+    }
+
     /// Reserves memory for the actors and the length of a scenario's episodes.
     pub fn new(scenario: &Scenario) -> Self {
         let rule = &scenario.episode;
@@ -93,61 +138,6 @@ impl Trace {
 
     pub fn vehicle_count(&self) -> usize {
         self.vehicles.len()
-    }
-
-    /// Clears the last episode; the world is at the start of the next one.
-    pub fn begin(&mut self, world: &World) {
-        self.vehicles.iter_mut().for_each(Vec::clear);
-        for track in &mut self.pedestrians {
-            track.states.clear();
-            track.decisions.clear();
-        }
-        self.degrees.clear();
-        self.lights = world.light_clock();
-        self.watch(world, None, |_| Driven::default());
-    }
-
-    /// Records a decision: the command that each pedestrian carries out. The first decision may have moved a target to its start.
-    pub fn decide(&mut self, world: &World, commands: &[WalkCommand]) {
-        for ((track, command), pedestrian) in self.pedestrians.iter_mut().zip(commands).zip(&world.pedestrians) {
-            if let [only] = track.states.as_mut_slice() {
-                *only = pedestrian.state;
-            }
-            track.decisions.push(*command);
-        }
-    }
-
-    /// Records the state of all actors after a tick, whether two of them touched in it, and what the driver of each vehicle did.
-    #[inline]
-    pub fn watch(&mut self, world: &World, contact: Option<&Contact>, driven: impl Fn(usize) -> Driven) {
-        for (number, (track, vehicle)) in self.vehicles.iter_mut().zip(&world.vehicles).enumerate() {
-            track.push(VehicleFrame { state: vehicle.state, driven: driven(number) });
-        }
-        for (track, pedestrian) in self.pedestrians.iter_mut().zip(&world.pedestrians) {
-            track.states.push(pedestrian.state);
-        }
-        self.contact = contact.copied();
-    }
-
-    /// Simulates one tick of an environment and records it.
-    pub fn watch_tick(&mut self, env: &mut PedestrianEnv) -> Option<Step> {
-        let step = env.tick();
-        self.watch(env.world(), env.contact(), |vehicle| env.driven(vehicle));
-        if env.outcome().is_some() {
-            self.degrees.extend_from_slice(env.degrees());
-        }
-        step
-    }
-
-    /// Carries out a decision in an environment and records all of its ticks.
-    pub fn watch_decision(&mut self, env: &mut PedestrianEnv, commands: &[WalkCommand]) -> Step {
-        env.begin_decision(commands);
-        self.decide(env.world(), env.scene().commands);
-        loop {
-            if let Some(step) = self.watch_tick(env) {
-                return step;
-            }
-        }
     }
 
     /// The degree of each requirement of the scenario; empty without requirements, and where the episode is not over or in error.

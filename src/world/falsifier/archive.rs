@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, VecDeque};
 use rand::RngExt;
 
 use super::crossing::{Crossing, Goal};
-use super::{Falsifier, Homing, Intercept, Simulator, TrainError, WalkPolicy};
-use crate::env::{FailureCell, Scene};
+use super::{Falsifier, Homing, Intercept, Simulator, TrainError, WalkPolicy, play};
+use crate::env::{FailureCell, Scene, Simulation};
 use crate::sim::WalkCommand;
 use base::keys;
 use base::seed::{Seed, Stream};
@@ -356,7 +356,7 @@ impl Archive {
             let ready = simulator.left();
             let reward = run(simulator, &mut Crossing::new(goal))?;
             let left = simulator.left();
-            let cell = FailureCell::new(simulator.env());
+            let cell = simulator.cell();
             let gain = elites.worth(reward, cell, &worth);
             elites.calibration.note(number, &worth, proposal.expected, gain);
             worth.best = worth.best.max(reward);
@@ -420,7 +420,7 @@ impl Falsifier for Archive {
 fn run(simulator: &mut Simulator<'_>, walker: &mut dyn WalkPolicy) -> Option<f64> {
     // No controller of this search draws random numbers.
     walker.begin(Seed::root(0).stream());
-    Some(simulator.finish(|scene, commands| walker.choose(scene, commands))?.reward)
+    Some(play(simulator, walker, &mut ())?.reward)
 }
 
 /// The controller that the search ends up with: at each start the elite that promises most.

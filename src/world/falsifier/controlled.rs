@@ -1,9 +1,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::episodes::MOST_FAULTS;
-use super::{Falsifier, Simulator, TrainError, WalkPolicy};
-use crate::sim::WalkCommand;
+use super::episodes::MAX_FAULTS;
+use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
 use base::keys;
 use base::seed::Seed;
 use base::signature::DeclarationId;
@@ -86,29 +85,16 @@ impl Controlled {
 impl Falsifier for Controlled {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut walker = self.controller.walk_policy();
-        let mut commands = vec![WalkCommand::default(); simulator.scene().world.pedestrians.len()];
         let mut faults = 0;
         for start in 0.. {
             if !simulator.begin(start) {
                 break;
             }
             walker.begin(seed.index(start).stream());
-            loop {
-                walker.choose(&simulator.scene(), &mut commands);
-                if let Some(fault) = walker.fault() {
-                    faults += 1;
-                    if faults == MOST_FAULTS {
-                        return Err(TrainError::Controller { fault });
-                    }
-                    break;
-                }
-                match simulator.step(&commands) {
-                    Some(step) if !step.done() => {}
-                    _ => {
-                        faults = 0;
-                        break;
-                    }
-                }
+            play(simulator, walker.as_mut(), &mut ());
+            faults = if walker.fault().is_some() { faults + 1 } else { 0 };
+            if let Some(fault) = walker.fault().filter(|_| faults == MAX_FAULTS) {
+                return Err(TrainError::Controller { fault });
             }
         }
         Ok(Some(walker))

@@ -1,9 +1,10 @@
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
-use super::episodes::{evaluate_noting, play_begun};
-use super::{Crossing, Goal, WalkPolicy};
-use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use super::drive::play;
+use super::episodes::{MAX_FAULTS, evaluate_noting};
+use super::{Crossing, Goal};
+use crate::env::{Draw, Observer, Outcome, Scenario, Simulation, Trace};
 use base::seed::Seed;
 
 /// Evaluates every one of these crossings from each of these starts, and returns what `note` makes of each episode: start by start, the
@@ -19,9 +20,9 @@ pub fn evaluate_crossings<T>(
     seed: Seed,
     note: &mut dyn FnMut(&Outcome, &Trace) -> T,
 ) -> Vec<Option<T>> {
-    let mut env = PedestrianEnv::new(scenario.clone(), seed);
+    let mut simulation = scenario.simulation();
     let mut notes: Vec<Option<T>> = (0..starts.len() * goals.len()).map(|_| None).collect();
-    if env.batch_size() > 1 {
+    if simulation.batch_size() > 1 {
         for (place, goal) in goals.iter().enumerate() {
             let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| note(outcome, trace);
             let (mut crossing, go_on) = (Crossing::new(*goal), &mut |_| ControlFlow::Continue(()));
@@ -38,24 +39,23 @@ pub fn evaluate_crossings<T>(
     }
     let mut trace = Trace::new(scenario);
     let mut slots = notes.iter_mut();
+    let mut faults = 0;
     for start in starts {
-        let mut ready = None;
+        let mut ready: Option<Box<dyn Simulation>> = None;
         for goal in goals {
-            match ready.as_ref().and_then(PedestrianEnv::snapshot) {
-                Some(copy) => env = copy,
+            match ready.as_ref().and_then(|ready| ready.snapshot()) {
+                Some(copy) => simulation = copy,
                 None => {
-                    env.begin(start.into());
-                    ready = env.snapshot();
+                    simulation.start(Draw::new(&seed, start.into()));
+                    ready = simulation.snapshot();
                 }
             }
-            let mut crossing = Crossing::new(*goal);
-            let outcome = play_begun(&mut env, &mut trace, |scene, commands| {
-                crossing.choose(scene, commands);
-                Some(())
-            });
-            let outcome = outcome.expect("a crossing has a command for every decision");
+            trace.begin(&simulation.scene());
+            let outcome = play(&mut *simulation, &mut Crossing::new(*goal), &mut trace);
+            let outcome = outcome.expect("our simulator ends every episode");
             *slots.next().expect("there is a slot for every episode") = Some(note(&outcome, &trace));
-            if env.hopeless().is_some() {
+            faults = if outcome.fault().is_some() { faults + 1 } else { 0 };
+            if faults == MAX_FAULTS {
                 return notes;
             }
         }

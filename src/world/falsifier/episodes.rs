@@ -1,14 +1,15 @@
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
+use super::drive::{advance, place, play};
 use super::WalkPolicy;
 use crate::av::Fault;
-use crate::env::{Outcome, PedestrianEnv, Scenario, Scene, Trace};
+use crate::env::{Draw, Outcome, Phase, Scenario, Simulation, Trace};
 use crate::sim::WalkCommand;
 use base::seed::Seed;
 
 /// Number of episodes in a row that a driver or a controller may fail; then no more are run.
-pub(super) const MOST_FAULTS: usize = 10;
+pub(super) const MAX_FAULTS: usize = 10;
 
 /// Evaluates a walk policy in this number of episodes, and reports the number of finished episodes to the observer.
 ///
@@ -44,91 +45,58 @@ pub fn evaluate_noting<T>(
     note: &mut dyn FnMut(u32, &Outcome, &Trace) -> T,
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<T> {
-    let mut env = PedestrianEnv::new(scenario.clone(), *episodes_seed);
-    let mut places = places(&env, walker, episodes.len());
-    let notes = episodes.clone().map(|_| None).collect();
+    let mut simulation = scenario.simulation();
+    let mut batch = batch(&*simulation, walker, episodes.len());
     let mut numbers = u64::from(episodes.start)..u64::from(episodes.end);
-    let mut trial = Trial { walker_seed, note, observer, first: numbers.start, notes, done: 0, settled: 0, faults: 0 };
-    let _ = if places.is_empty() {
+    let mut trial = Trial {
+        seeds: (episodes_seed, walker_seed),
+        note,
+        observer,
+        first: numbers.start,
+        notes: episodes.map(|_| None).collect(),
+        done: 0,
+        settled: 0,
+        faults: 0,
+    };
+    let _ = if batch.is_empty() {
         let mut trace = Trace::new(scenario);
-        numbers.try_for_each(|episode| trial.alone(&mut env, walker, &mut trace, episode))
+        numbers.try_for_each(|episode| trial.alone(&mut *simulation, walker, &mut trace, episode))
     } else {
-        trial.together(&mut places, numbers)
+        trial.together(&mut batch, numbers)
     };
     trial.notes.into_iter().take(trial.settled).flatten().map(|(noted, _)| noted).collect()
 }
 
 /// One episode of a batch.
-struct Place {
-    env: PedestrianEnv,
+struct Slot {
+    simulation: Box<dyn Simulation>,
     walker: Box<dyn WalkPolicy>,
     trace: Trace,
     commands: Vec<WalkCommand>,
     episode: Option<u64>,
 }
 
-impl Place {
-    /// Takes the first decision if the run-up is over.
-    fn meet(&mut self) {
-        if !self.env.is_running_up() {
-            self.trace.begin(self.env.world());
-            self.decide();
-        }
-    }
-
-    /// Takes a decision, or ends the episode when the walk policy fails.
-    fn decide(&mut self) {
-        self.walker.choose(&self.env.scene(), &mut self.commands);
-        if let Some(fault) = self.walker.fault() {
-            return self.env.abandon(fault);
-        }
-        self.env.begin_decision(&self.commands);
-        self.trace.decide(self.env.world(), self.env.scene().commands);
+impl Slot {
+    fn advance(&mut self) {
+        advance(&mut *self.simulation, self.walker.as_mut(), &mut self.commands, &mut self.trace);
     }
 }
 
-/// Runs the episode with this number and records its trace. `choose` writes the commands of each decision. None when `choose` returns none
-/// before the end.
-pub(crate) fn play(
-    env: &mut PedestrianEnv,
-    trace: &mut Trace,
-    episode: u64,
-    choose: impl FnMut(&Scene<'_>, &mut [WalkCommand]) -> Option<()>,
-) -> Option<Outcome> {
-    env.begin(episode);
-    play_begun(env, trace, choose)
-}
-
-/// As [`play`], but the episode has begun.
-pub(super) fn play_begun(
-    env: &mut PedestrianEnv,
-    trace: &mut Trace,
-    mut choose: impl FnMut(&Scene<'_>, &mut [WalkCommand]) -> Option<()>,
-) -> Option<Outcome> {
-    trace.begin(env.world());
-    let mut commands = vec![WalkCommand::default(); trace.pedestrian_count()];
-    loop {
-        choose(&env.scene(), &mut commands)?;
-        trace.watch_decision(env, &commands);
-        if let Some(outcome) = env.outcome() {
-            return Some(*outcome);
-        }
-    }
-}
-
-/// One slot for each episode of a batch; none when a batch is no faster than single episodes.
-fn places(env: &PedestrianEnv, walker: &dyn WalkPolicy, episodes: usize) -> Vec<Place> {
-    let wanted = env.batch_size().min(episodes);
-    let (trace, commands) = (Trace::new(env.scenario()), vec![WalkCommand::default(); env.world().pedestrians.len()]);
-    let place = || {
-        let (env, walker) = (env.clone_for_batch()?, walker.clone_for_batch()?);
-        Some(Place { env, walker, trace: trace.clone(), commands: commands.clone(), episode: None })
+/// One slot for each episode of a batch; empty if a batch is no faster than single episodes.
+fn batch(simulation: &dyn Simulation, walker: &dyn WalkPolicy, episodes: usize) -> Vec<Slot> {
+    let wanted = simulation.batch_size().min(episodes);
+    let scenario = simulation.scenario();
+    let (trace, commands) = (Trace::new(scenario), vec![WalkCommand::default(); scenario.cast.pedestrian_count()]);
+    let slot = || {
+        let (simulation, walker) = (simulation.clone_for_batch()?, walker.clone_for_batch()?);
+        Some(Slot { simulation, walker, trace: trace.clone(), commands: commands.clone(), episode: None })
     };
-    if wanted > 1 { (0..wanted).map_while(|_| place()).collect() } else { Vec::new() }
+    if wanted > 1 { (0..wanted).map_while(|_| slot()).collect() } else { Vec::new() }
 }
 
 struct Trial<'a, T> {
-    walker_seed: &'a Seed,
+    /// Those of the episodes and of the walk policy.
+    seeds: (&'a Seed, &'a Seed),
     note: &'a mut dyn FnMut(u32, &Outcome, &Trace) -> T,
     observer: &'a mut dyn FnMut(u32) -> ControlFlow<()>,
     /// Number of the first episode.
@@ -143,74 +111,57 @@ struct Trial<'a, T> {
 }
 
 impl<T> Trial<'_, T> {
+    fn begin(&self, simulation: &mut dyn Simulation, walker: &mut dyn WalkPolicy, trace: &mut Trace, episode: u64) {
+        walker.begin(self.seeds.1.index(episode).stream());
+        place(simulation, Draw::new(self.seeds.0, episode), trace);
+    }
+
     fn alone(
         &mut self,
-        env: &mut PedestrianEnv,
+        simulation: &mut dyn Simulation,
         walker: &mut dyn WalkPolicy,
         trace: &mut Trace,
         episode: u64,
     ) -> ControlFlow<()> {
-        walker.begin(self.walker_seed.index(episode).stream());
-        let played = play(env, trace, episode, |scene, commands| {
-            walker.choose(scene, commands);
-            walker.fault().is_none().then_some(())
-        });
-        if let (None, Some(fault)) = (played, walker.fault()) {
-            env.abandon(fault);
-        }
-        let outcome = *env.outcome().expect("an episode ends, or its walk policy fails");
+        self.begin(simulation, walker, trace, episode);
+        let outcome = play(simulation, walker, trace).expect("our simulator ends every episode");
         self.record(episode, &outcome, trace)
     }
 
-    fn together(&mut self, places: &mut [Place], mut episodes: Range<u64>) -> ControlFlow<()> {
+    fn together(&mut self, batch: &mut [Slot], mut episodes: Range<u64>) -> ControlFlow<()> {
         loop {
-            for place in places.iter_mut().filter(|place| place.episode.is_none()) {
-                place.episode = episodes.next();
-                if let Some(episode) = place.episode {
-                    place.env.place(episode);
-                    place.walker.begin(self.walker_seed.index(episode).stream());
-                    place.meet();
+            for slot in batch.iter_mut().filter(|slot| slot.episode.is_none()) {
+                slot.episode = episodes.next();
+                if let Some(episode) = slot.episode {
+                    self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode);
                 }
             }
-            let mut running: Vec<&mut Place> = places.iter_mut().filter(|place| place.episode.is_some()).collect();
+            let mut running: Vec<&mut Slot> = batch.iter_mut().filter(|slot| slot.episode.is_some()).collect();
             if running.is_empty() {
                 return ControlFlow::Continue(());
             }
-            running.iter_mut().filter(|place| place.env.outcome().is_none()).for_each(|place| place.env.prepare());
+            for slot in &mut running {
+                if slot.simulation.phase() == Phase::Decision {
+                    slot.advance();
+                }
+                if slot.simulation.phase() != Phase::Over {
+                    slot.simulation.prepare();
+                }
+            }
             let mut failed = Vec::new();
-            for place in running {
-                if place.env.is_stopped() {
-                    return ControlFlow::Break(());
-                }
-                if place.env.outcome().is_some() {
-                    // Its walk policy failed.
-                    failed.extend(place.episode.take().map(|episode| (episode, place)));
-                    continue;
-                }
-                if place.env.is_running_up() {
-                    place.env.tick_run_up();
-                    place.meet();
-                    continue;
-                }
-                if place.trace.watch_tick(&mut place.env).is_none() {
-                    continue;
-                }
-                match (place.env.outcome().copied(), place.episode) {
-                    (Some(outcome), _) if outcome.fault() == Some(Fault::Stopped) => return ControlFlow::Break(()),
-                    (Some(outcome), Some(episode)) => {
-                        place.episode = None;
-                        if outcome.fault().is_some() {
-                            failed.push((episode, place));
-                        } else {
-                            self.record(episode, &outcome, &place.trace)?;
-                        }
-                    }
-                    _ => place.decide(),
+            for slot in running {
+                slot.advance();
+                let Some(outcome) = slot.simulation.outcome().copied() else { continue };
+                let Some(episode) = slot.episode.take() else { continue };
+                match outcome.fault() {
+                    Some(Fault::Stopped) => return ControlFlow::Break(()),
+                    Some(_) => failed.push((episode, slot)),
+                    None => self.record(episode, &outcome, &slot.trace)?,
                 }
             }
             failed.sort_by_key(|(episode, _)| *episode);
-            for (episode, place) in failed {
-                self.alone(&mut place.env, place.walker.as_mut(), &mut place.trace, episode)?;
+            for (episode, slot) in failed {
+                self.alone(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode)?;
             }
         }
     }
@@ -225,7 +176,7 @@ impl<T> Trial<'_, T> {
         while let Some(Some((_, failed))) = self.notes.get(self.settled) {
             self.settled += 1;
             self.faults = if *failed { self.faults + 1 } else { 0 };
-            if self.faults == MOST_FAULTS {
+            if self.faults == MAX_FAULTS {
                 return ControlFlow::Break(());
             }
         }

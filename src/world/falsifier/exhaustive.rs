@@ -1,5 +1,5 @@
 use super::crossing::{Crossing, Goal};
-use super::{Falsifier, Simulator, TrainError, WalkPolicy};
+use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
 use base::keys;
 use base::seed::Seed;
 
@@ -60,10 +60,7 @@ impl Falsifier for Exhaustive {
         let goals = crossings(self.keys.levels);
         for start in 0..self.keys.starts {
             for goal in &goals {
-                let mut crossing = Crossing::new(*goal);
-                let ended = simulator.begin(start)
-                    && simulator.finish(|scene, commands| crossing.choose(scene, commands)).is_some();
-                if !ended {
+                if !simulator.begin(start) || play(simulator, &mut Crossing::new(*goal), &mut ()).is_none() {
                     return Ok(None);
                 }
             }

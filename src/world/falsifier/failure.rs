@@ -1,10 +1,13 @@
+use std::slice::ChunksExact;
 use std::sync::Arc;
 
-use super::episodes::play;
-use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario, Trace};
+use super::WalkPolicy;
+use super::drive::{place, play};
+use crate::av::Fault;
+use crate::env::{Draw, FailureCell, Outcome, Scenario, Scene, Trace};
 use crate::requirement::Degree;
 use crate::sim::WalkCommand;
-use base::seed::Seed;
+use base::seed::{Seed, Stream};
 
 /// A collision that a falsifier found, or a violation of its goal, with all data to repeat it; a bump is none.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -26,25 +29,62 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// Simulates it again under the seed of the search; none when the commands do not end the episode.
+    /// Simulates it again under the seed of the search; `None` if the commands do not end the episode.
     pub fn replay(&self, scenario: &Arc<Scenario>, seed: Seed) -> Option<Outcome> {
         follow(scenario, seed, self.start, &self.commands).map(|(outcome, _)| outcome)
     }
 }
 
-/// Repeats an episode from a start under the seed of a search with these commands; none when they do not end it.
-pub fn follow(scenario: &Arc<Scenario>, seed: Seed, start: u64, commands: &[WalkCommand]) -> Option<(Outcome, Trace)> {
-    let mut env = PedestrianEnv::new(scenario.clone(), seed);
-    let mut trace = Trace::new(scenario);
-    let mut decisions = commands.chunks_exact(scenario.cast.pedestrian_count());
-    let outcome = play(&mut env, &mut trace, start, |_, commands| {
-        commands.copy_from_slice(decisions.next()?);
-        Some(())
-    })?;
-    (decisions.next().is_none() && decisions.remainder().is_empty()).then_some((outcome, trace))
+/// Gives recorded commands, one for each pedestrian in every decision.
+struct Recorded<'a> {
+    decisions: ChunksExact<'a, WalkCommand>,
+    /// The last command, if it is kept when no more are left.
+    kept: Option<&'a [WalkCommand]>,
+    keeps_last: bool,
+    fault: Option<Fault>,
 }
 
-/// Repeats the commands of an episode against a driver that may drive otherwise: the last command is kept until the episode ends. None
+impl<'a> Recorded<'a> {
+    fn new(scenario: &Scenario, commands: &'a [WalkCommand], keeps_last: bool) -> Self {
+        let decisions = commands.chunks_exact(scenario.cast.pedestrian_count());
+        Self { decisions, kept: None, keeps_last, fault: None }
+    }
+
+    /// Runs an episode with these commands; `None` if they do not end it.
+    fn play(&mut self, scenario: &Arc<Scenario>, draw: Draw) -> Option<(Outcome, Trace)> {
+        let (mut simulation, mut trace) = (scenario.simulation(), Trace::new(scenario));
+        place(&mut *simulation, draw, &mut trace);
+        let outcome = play(&mut *simulation, self, &mut trace)?;
+        self.fault.is_none().then_some((outcome, trace))
+    }
+}
+
+impl WalkPolicy for Recorded<'_> {
+    fn begin(&mut self, _: Stream) {}
+
+    fn choose(&mut self, _: &Scene<'_>, commands: &mut [WalkCommand]) {
+        let next = self.decisions.next().or(self.kept);
+        self.kept = next.filter(|_| self.keeps_last);
+        match next {
+            Some(next) => commands.copy_from_slice(next),
+            None => self.fault = Some(Fault::Ended),
+        }
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+}
+
+/// Repeats an episode from a start under the seed of a search with these commands; `None` if they do not end it.
+pub fn follow(scenario: &Arc<Scenario>, seed: Seed, start: u64, commands: &[WalkCommand]) -> Option<(Outcome, Trace)> {
+    let mut recorded = Recorded::new(scenario, commands, false);
+    let played = recorded.play(scenario, Draw::new(&seed, start))?;
+    let decisions = recorded.decisions;
+    (decisions.len() == 0 && decisions.remainder().is_empty()).then_some(played)
+}
+
+/// Repeats the commands of an episode against a driver that may drive otherwise: the last command is kept until the episode ends. `None`
 /// without a command.
 pub fn walk_again(
     scenario: &Arc<Scenario>,
@@ -52,16 +92,7 @@ pub fn walk_again(
     start: u64,
     commands: &[WalkCommand],
 ) -> Option<(Outcome, Trace)> {
-    let mut env = PedestrianEnv::new(scenario.clone(), seed);
-    let mut trace = Trace::new(scenario);
-    let mut decisions = commands.chunks_exact(scenario.cast.pedestrian_count());
-    let mut last = None;
-    let outcome = play(&mut env, &mut trace, start, |_, commands| {
-        last = decisions.next().or(last);
-        commands.copy_from_slice(last?);
-        Some(())
-    })?;
-    Some((outcome, trace))
+    Recorded::new(scenario, commands, true).play(scenario, Draw::new(&seed, start))
 }
 
 /// The commands of an episode: one for each pedestrian in every decision.

@@ -1,4 +1,5 @@
 use super::{ActionMode, Falsifier, Simulator, TrainError, TrainedWalker, WalkPolicy};
+use crate::env::Simulation;
 use base::keys;
 use base::seed::Seed;
 use base::signature::DeclarationId;
@@ -42,11 +43,11 @@ struct Ground<'a> {
 
 impl Env for Ground<'_> {
     fn obs_dim(&self) -> usize {
-        self.share.env().obs_dim()
+        self.share.scenario().cast.obs_dim()
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
-        self.share.env().action_bounds()
+        self.share.scene().bounds().to_vec()
     }
 
     fn reset(&mut self, state: &mut [f64]) {
@@ -62,22 +63,23 @@ impl Env for Ground<'_> {
     }
 
     fn is_success(&self) -> bool {
-        self.share.env().is_success()
+        self.share.is_failure()
     }
 
     fn is_fault(&self) -> Option<bool> {
-        self.share.env().is_fault()
+        self.share.judged_fault()
     }
 
     fn potential(&self) -> f64 {
-        self.share.env().potential()
+        self.share.shaping()
     }
 }
 
 impl Falsifier for Learning {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
-        let hold = u64::from(simulator.env().scenario().episode.hold);
-        let run_up = u64::from(simulator.env().scenario().most_run_up());
+        let scenario = simulator.scenario();
+        let (hold, obs_dim) = (u64::from(scenario.episode.hold), scenario.cast.obs_dim());
+        let run_up = u64::from(scenario.most_run_up());
         let stride = self.environments as u64;
         let shares = simulator.shares(stride);
         let mut grounds: Vec<Ground<'_>> =
@@ -85,7 +87,7 @@ impl Falsifier for Learning {
         let config = PpoConfig { total_steps: (simulator.left() / hold).max(1), ..self.config.clone() };
         let trained = train(&mut grounds, &config, hold + run_up, seed);
         simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());
-        Ok(Some(Box::new(TrainedWalker::new(trained?, simulator.env().obs_dim(), ActionMode::Deterministic))))
+        Ok(Some(Box::new(TrainedWalker::new(trained?, obs_dim, ActionMode::Deterministic))))
     }
 }
 

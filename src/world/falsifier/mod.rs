@@ -18,6 +18,7 @@ mod recorded_walking;
 mod scripted;
 mod outside;
 mod controlled;
+mod drive;
 mod episodes;
 
 mod method;
@@ -38,7 +39,8 @@ pub use archive::Archive;
 pub use controlled::{Controlled, ControlledKeys, Controller};
 pub use crossing::{Crossing, Goal};
 pub use crossings::evaluate_crossings;
-pub(crate) use episodes::play;
+pub use drive::play;
+pub(crate) use drive::{advance, place};
 pub use episodes::{evaluate, evaluate_noting};
 pub use exhaustive::{Exhaustive, crossings};
 pub use failure::{Failure, follow, recorded_commands, walk_again};

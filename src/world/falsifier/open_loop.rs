@@ -1,9 +1,9 @@
 use super::optimizer::{CmaEs, CrossEntropy, Optimizer};
-use super::{Falsifier, Simulator, TrainError, WalkPolicy};
-use crate::env::{ActionSpec, Cast, Criterion, Outcome};
+use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
+use crate::env::{ActionSpec, Cast, Criterion, Outcome, Scene, Simulation};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
-use base::seed::Seed;
+use base::seed::{Seed, Stream};
 use base::signature::DeclarationId;
 use base::{choice, keys};
 
@@ -131,7 +131,7 @@ impl OpenLoop {
     /// Evaluates plans from one start; none when the budget is used up.
     fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, seed: &Seed) -> Option<()> {
         let mut stream = seed.stream();
-        let mut optimizer = self.optimizer(&simulator.env().scenario().cast);
+        let mut optimizer = self.optimizer(&simulator.scenario().cast);
         let mut tried = 0;
         while tried < self.plan.tries {
             let points = optimizer.ask(&mut stream);
@@ -152,26 +152,41 @@ impl OpenLoop {
                     false => scene.homing(pedestrian).heading,
                 };
                 let lines: Vec<f64> = all.map(line).collect();
-                let mut decision = 0;
-                let outcome = simulator.finish(|scene, commands| {
-                    let leg = (decision / self.plan.decisions).min(self.plan.legs - 1);
-                    decision += 1;
-                    let cast = &scene.scenario.cast;
-                    let components =
-                        point.chunks_exact(point.len() / self.plan.legs).nth(leg).expect("a plan has its legs");
-                    for ((pedestrian, role), part) in cast.controlled().zip(components.as_chunks().0) {
-                        commands[pedestrian] = command(&role.action, lines[pedestrian], *part);
-                    }
-                })?;
-                let env = simulator.env();
-                if env.is_failure() && self.plan.on.after_failure == AfterFailure::Next {
+                let mut plan = Plan { keys: &self.plan, lines, point, decision: 0 };
+                let outcome = play(simulator, &mut plan, &mut ())?;
+                if simulator.is_failure() && self.plan.on.after_failure == AfterFailure::Next {
                     return Some(());
                 }
-                costs.push(self.cost(&outcome, env.scenario().criterion));
+                costs.push(self.cost(&outcome, simulator.scenario().criterion));
             }
             optimizer.tell(&points, &costs);
         }
         Some(())
+    }
+}
+
+/// The commands of a plan, one leg after another.
+struct Plan<'a> {
+    keys: &'a PlanKeys,
+    /// The direction from which each pedestrian's headings are measured (rad).
+    lines: Vec<f64>,
+    point: &'a [f64],
+    decision: usize,
+}
+
+impl WalkPolicy for Plan<'_> {
+    fn begin(&mut self, _: Stream) {
+        self.decision = 0;
+    }
+
+    fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        let leg = (self.decision / self.keys.decisions).min(self.keys.legs - 1);
+        self.decision += 1;
+        let size = self.point.len() / self.keys.legs;
+        let components = &self.point[leg * size..][..size];
+        for ((pedestrian, role), part) in scene.scenario.cast.controlled().zip(components.as_chunks().0) {
+            commands[pedestrian] = command(&role.action, self.lines[pedestrian], *part);
+        }
     }
 }
 

@@ -26,7 +26,7 @@ impl WalkPolicy for Random {
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         let stream = self.stream.as_mut().expect("an episode has started");
         self.action.clear();
-        self.action.extend(scene.bounds.iter().map(|(low, high)| low + (high - low) * stream.random::<f64>()));
+        self.action.extend(scene.bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>()));
         scene.write_commands(&self.action, commands);
     }
 

@@ -2,7 +2,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::{Failure, StartSet};
-use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario, Scene};
+use crate::av::Fault;
+use crate::env::{Draw, FailureCell, Outcome, Phase, Scenario, Scene, Simulation};
+use crate::requirement::Degree;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
 use learn::Step;
@@ -16,13 +18,15 @@ use learn::Step;
 pub struct Simulator<'a> {
     scenario: Arc<Scenario>,
     seed: Seed,
-    env: PedestrianEnv,
+    simulation: Box<dyn Simulation>,
     budget: u64,
     used: u64,
     start: u64,
     /// The first tick of the last start that had a run-up, and its number.
-    ready: Option<(u64, PedestrianEnv)>,
+    ready: Option<(u64, Box<dyn Simulation>)>,
     commands: Vec<WalkCommand>,
+    /// Ticks of the episode before the running decision.
+    before: u32,
     /// Memory for the commands of a decision.
     chosen: Vec<WalkCommand>,
     episodes: u64,
@@ -67,7 +71,7 @@ impl<'a> Simulator<'a> {
     pub fn new(scenario: Arc<Scenario>, seed: Seed, budget: u64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
         let chosen = vec![WalkCommand::default(); scenario.cast.pedestrian_count()];
         Self {
-            env: PedestrianEnv::new(scenario.clone(), seed),
+            simulation: scenario.simulation(),
             scenario,
             seed,
             budget,
@@ -75,6 +79,7 @@ impl<'a> Simulator<'a> {
             start: 0,
             ready: None,
             commands: Vec::new(),
+            before: 0,
             chosen,
             episodes: 0,
             left_out: 0,
@@ -96,16 +101,6 @@ impl<'a> Simulator<'a> {
         Self { progress, ..self }
     }
 
-    /// The environment as it is now.
-    pub fn env(&self) -> &PedestrianEnv {
-        &self.env
-    }
-
-    /// What pedestrians see now.
-    pub fn scene(&self) -> Scene<'_> {
-        self.env.scene()
-    }
-
     /// Whether the budget is used up.
     pub fn is_spent(&self) -> bool {
         self.spent
@@ -118,71 +113,17 @@ impl<'a> Simulator<'a> {
 
     /// Starts an episode from the start with this number; false when the budget is used up.
     pub fn begin(&mut self, start: u64) -> bool {
-        (self.progress)(self.used - self.heard);
-        self.heard = self.used;
-        self.stopped |= (self.stop)();
-        let ready = self.ready.as_ref().filter(|(number, _)| *number == start).and_then(|(_, env)| env.snapshot());
-        self.spent |= self.stopped || (ready.is_none() && self.left() < self.scenario.most_run_up().into());
-        if self.spent {
-            return false;
-        }
-        self.start = start;
-        self.commands.clear();
-        match ready {
-            Some(env) => self.env = env,
-            None => {
-                self.env.begin(start);
-                self.used += u64::from(self.env.run_up_ticks());
-                let has_run_up = self.env.run_up_ticks() > 0;
-                self.ready = has_run_up.then(|| self.env.snapshot()).flatten().map(|env| (start, env));
-            }
-        }
-        true
+        self.place(Draw::new(&self.seed, start));
+        !self.spent
     }
 
-    /// Carries out a decision, one command for each pedestrian; none when the budget is used up. The step reports whether the episode is
-    /// over.
-    pub fn step(&mut self, commands: &[WalkCommand]) -> Option<Step> {
-        let rule = &self.env.scenario().episode;
-        let before = self.env.world().ticks;
-        let most = rule.hold.min(rule.ticks - before);
-        if self.spent || self.left() < most.into() {
-            self.spent = true;
-            return None;
-        }
-        let step = self.env.carry_out(commands);
-        self.used += u64::from(self.env.world().ticks - before);
-        self.commands.extend_from_slice(self.env.scene().commands);
-        if let Some(clock) = &mut self.clock {
-            clock.push(self.used);
-        }
-        if let Some(outcome) = self.env.outcome().copied() {
-            self.note(outcome);
-        }
-        Some(step)
-    }
-
-    /// Carries out the decision for a joint action, as [`Simulator::step`] does.
+    /// Carries out the decision for a joint action; `None` when the budget is used up.
     pub fn act(&mut self, action: &[f64]) -> Option<Step> {
-        self.decide(|scene, commands| scene.write_commands(action, commands))
-    }
-
-    /// Runs the episode to its end; none when the budget is used up before. `choose` writes the commands of each decision.
-    pub fn finish(&mut self, mut choose: impl FnMut(&Scene<'_>, &mut [WalkCommand])) -> Option<Outcome> {
-        loop {
-            self.decide(&mut choose)?;
-            if let Some(outcome) = self.env.outcome() {
-                return Some(*outcome);
-            }
-        }
-    }
-
-    fn decide(&mut self, choose: impl FnOnce(&Scene<'_>, &mut [WalkCommand])) -> Option<Step> {
         let mut commands = std::mem::take(&mut self.chosen);
-        choose(&self.env.scene(), &mut commands);
-        let step = self.step(&commands);
+        self.scene().write_commands(action, &mut commands);
+        let step = self.carry_out(&commands);
         self.chosen = commands;
-        step
+        (!self.spent).then_some(step)
     }
 
     fn note(&mut self, outcome: Outcome) {
@@ -194,10 +135,10 @@ impl<'a> Simulator<'a> {
         }
         self.episodes += 1;
         self.starts.insert(self.start);
-        if let Some(cell) = FailureCell::new(&self.env).filter(|_| self.env.is_failure()) {
+        if let Some(cell) = self.cell().filter(|_| self.is_failure()) {
             let commands = self.commands.clone();
             let violation =
-                self.scenario.criterion.requirement().and_then(|place| self.env.degrees().get(place).copied());
+                self.scenario.criterion.requirement().and_then(|place| self.degrees().get(place).copied());
             let (start, ticks, simulations) = (self.start, self.used, self.episodes + self.left_out);
             self.failures.push(Failure { start, ticks, simulations, commands, outcome, violation, cell });
         }
@@ -254,6 +195,107 @@ impl<'a> Simulator<'a> {
             failures: self.failures,
             stopped: self.stopped,
         }
+    }
+}
+
+/// What a decision is worth that the budget does not have.
+const NO_STEP: Step = Step { reward: 0.0, terminated: true, truncated: false };
+
+/// When the budget is used up, no episode starts and the running one is over without an outcome.
+impl Simulation for Simulator<'_> {
+    fn scenario(&self) -> &Arc<Scenario> {
+        &self.scenario
+    }
+
+    fn place(&mut self, draw: Draw) {
+        (self.progress)(self.used - self.heard);
+        self.heard = self.used;
+        self.stopped |= (self.stop)();
+        let start = draw.number;
+        let ready = self.ready.as_ref().filter(|(number, _)| *number == start).and_then(|(_, ready)| ready.snapshot());
+        self.spent |= self.stopped || (ready.is_none() && self.left() < self.scenario.most_run_up().into());
+        if self.spent {
+            return;
+        }
+        self.start = start;
+        self.commands.clear();
+        match ready {
+            Some(ready) => self.simulation = ready,
+            None => {
+                self.simulation.start(draw);
+                let ticks = self.simulation.run_up_ticks();
+                self.used += u64::from(ticks);
+                self.ready = (ticks > 0).then(|| self.simulation.snapshot()).flatten().map(|ready| (start, ready));
+            }
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        if self.spent { Phase::Over } else { self.simulation.phase() }
+    }
+
+    fn decide(&mut self, commands: &[WalkCommand]) {
+        let rule = &self.scenario.episode;
+        self.before = self.scene().world.ticks;
+        let longest = rule.hold.min(rule.ticks - self.before);
+        self.spent |= self.left() < longest.into();
+        if !self.spent {
+            self.simulation.decide(commands);
+            self.commands.extend_from_slice(self.simulation.scene().commands());
+        }
+    }
+
+    fn tick(&mut self) -> Option<Step> {
+        if self.spent {
+            return Some(NO_STEP);
+        }
+        let step = self.simulation.tick();
+        if step.is_some() {
+            self.used += u64::from(self.scene().world.ticks - self.before);
+            if let Some(clock) = &mut self.clock {
+                clock.push(self.used);
+            }
+            if let Some(outcome) = self.outcome().copied() {
+                self.note(outcome);
+            }
+        }
+        step
+    }
+
+    fn scene(&self) -> Scene<'_> {
+        self.simulation.scene()
+    }
+
+    fn outcome(&self) -> Option<&Outcome> {
+        self.simulation.outcome().filter(|_| !self.spent)
+    }
+
+    fn abandon(&mut self, fault: Fault) {
+        self.simulation.abandon(fault);
+    }
+
+    fn run_up_ticks(&self) -> u32 {
+        self.simulation.run_up_ticks()
+    }
+
+    fn degrees(&self) -> &[Degree] {
+        self.simulation.degrees()
+    }
+
+    fn is_failure(&self) -> bool {
+        self.simulation.is_failure()
+    }
+
+    fn cell(&self) -> Option<FailureCell> {
+        self.simulation.cell()
+    }
+
+    fn judged_fault(&self) -> Option<bool> {
+        self.simulation.judged_fault()
+    }
+
+    fn shaping(&self) -> f64 {
+        self.simulation.shaping()
     }
 }
 

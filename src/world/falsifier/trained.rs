@@ -72,7 +72,7 @@ impl WalkPolicy for TrainedWalker {
             }
             _ => self.actor_critic.act(seen, &mut self.action, &mut self.scratch),
         }
-        for (component, (low, high)) in self.action.iter_mut().zip(scene.bounds) {
+        for (component, (low, high)) in self.action.iter_mut().zip(scene.bounds()) {
             *component = component.clamp(*low, *high);
         }
         scene.write_commands(&self.action, commands);

@@ -2,6 +2,7 @@ use rand::RngExt;
 
 use super::open_loop::{AfterFailure, FailureKeys};
 use super::{Falsifier, Simulator, TrainError, WalkPolicy};
+use crate::env::Simulation;
 use base::keys;
 use base::seed::{Seed, Stream};
 use base::signature::DeclarationId;
@@ -83,13 +84,13 @@ impl TreeSearch {
 
     /// Grows a tree from one start; none when the budget is used up.
     fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
-        let mut tree = Tree::new(simulator.scene().bounds.len());
+        let mut tree = Tree::new(simulator.scene().bounds().len());
         for _ in 0..self.keys.tries {
             if !simulator.begin(start) {
                 return None;
             }
             self.simulate(&mut tree, simulator, stream)?;
-            if self.keys.on.after_failure == AfterFailure::Next && simulator.env().is_failure() {
+            if self.keys.on.after_failure == AfterFailure::Next && simulator.is_failure() {
                 break;
             }
         }
@@ -100,7 +101,7 @@ impl TreeSearch {
     fn simulate(&self, tree: &mut Tree, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
         let mut path = Vec::new();
         let (mut node, mut grown) = (0, false);
-        while simulator.env().outcome().is_none() && !grown {
+        while simulator.outcome().is_none() && !grown {
             let (branch, new) = self.choose(tree, node, simulator, stream);
             let below = tree.nodes[node].branches[branch].node;
             let step = simulator.act(tree.action(below))?;
@@ -108,7 +109,7 @@ impl TreeSearch {
             (node, grown) = (below, new);
         }
         let (mut below, mut action) = (0.0, Vec::with_capacity(tree.dim));
-        while simulator.env().outcome().is_none() {
+        while simulator.outcome().is_none() {
             action.clear();
             action.extend(draw(simulator, stream));
             below += simulator.act(&action)?.reward;
@@ -175,7 +176,7 @@ impl Tree {
 
 /// The numbers of an action drawn uniformly from its bounds.
 fn draw<'a>(simulator: &'a Simulator<'_>, stream: &'a mut Stream) -> impl Iterator<Item = f64> + 'a {
-    simulator.scene().bounds.iter().map(|(low, high)| low + (high - low) * stream.random::<f64>())
+    simulator.scene().bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>())
 }
 
 impl Falsifier for TreeSearch {

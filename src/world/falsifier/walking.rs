@@ -1,4 +1,4 @@
-use super::{Falsifier, Simulator, TrainError, WalkPolicy};
+use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
 use base::seed::Seed;
 
 /// A walk policy that does not learn, as a falsifier: it runs one episode from every start.
@@ -22,7 +22,7 @@ impl<W: WalkPolicy + Clone + std::fmt::Debug + Send + Sync + 'static> Falsifier 
                 break;
             }
             walker.begin(seed.index(start).stream());
-            simulator.finish(|scene, commands| walker.choose(scene, commands));
+            play(simulator, &mut walker, &mut ());
         }
         Ok(Some(Box::new(walker)))
     }

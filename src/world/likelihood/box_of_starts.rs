@@ -1,10 +1,12 @@
 use std::sync::Arc;
 
-use crate::env::{DrawnParameter, Outcome, PedestrianEnv, Scenario, SpawnRule, StartParameter, Trace};
-use crate::falsifier::{WalkPolicy, play};
+use crate::env::{
+    Draw, DrawnParameter, Outcome, PedestrianEnv, Scenario, Scene, Simulation, SpawnRule, StartParameter, Trace,
+};
+use crate::falsifier::{WalkPolicy, place, play};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
-use base::seed::Seed;
+use base::seed::{Seed, Stream};
 
 /// Episodes whose starts are points of the box of a scenario's parameters ([`Scenario::start_parameters`]). A coordinate is a share: the value is that
 /// quantile of what the spawn rule draws the parameter from, so equal parts of the box are equally likely.
@@ -47,27 +49,27 @@ impl BoxOfStarts {
         let scenario = self.env.scenario();
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let first = scenario.cast.pedestrian.first_heading;
-        let place = &mut self.seed.child("place").index(number).stream();
-        let rule = rule.settled(town, obstacles, first, place)?;
+        let drawn = &mut self.seed.child("place").index(number).stream();
+        let rule = rule.settled(town, obstacles, first, drawn)?;
         let target = rule.target_walk.as_ref().map(|walk| stated(walk.command(), &values));
         self.env.respawn(rule);
-        let walker = self.walker.as_mut();
-        walker.begin(self.seed.child("walker").index(number).stream());
-        let played = play(&mut self.env, &mut self.trace, number, |scene, commands| match target {
-            Some(target) => {
-                commands.fill(target);
-                Some(())
-            }
-            None => {
-                walker.choose(scene, commands);
-                walker.fault().is_none().then_some(())
-            }
-        });
-        if let (None, Some(fault)) = (played, self.walker.fault()) {
-            self.env.abandon(fault);
-        }
-        let outcome = *self.env.outcome().expect("an episode ends, or its walk policy fails");
+        self.walker.begin(self.seed.child("walker").index(number).stream());
+        let mut stated = target.map(Stated);
+        let walker = stated.as_mut().map_or(self.walker.as_mut(), |stated| stated as &mut dyn WalkPolicy);
+        place(&mut self.env, Draw::new(&self.seed.child("episodes"), number), &mut self.trace);
+        let outcome = play(&mut self.env, walker, &mut self.trace).expect("our simulator ends every episode");
         Some((outcome, &self.trace))
+    }
+}
+
+/// Gives the same command at every decision.
+struct Stated(WalkCommand);
+
+impl WalkPolicy for Stated {
+    fn begin(&mut self, _: Stream) {}
+
+    fn choose(&mut self, _: &Scene<'_>, commands: &mut [WalkCommand]) {
+        commands.fill(self.0);
     }
 }
 

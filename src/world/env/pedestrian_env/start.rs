@@ -1,202 +1,129 @@
 use rand::RngExt;
 
-use super::{Episode, PedestrianEnv, Stage, perceive};
-use crate::av::cruising_speed;
-use crate::env::motion::Motion;
-use crate::env::{EgoSpeed, LeftOut};
+use super::{Episode, PedestrianEnv};
+use crate::env::run_up::Stage;
+use crate::env::script::Script;
+use crate::env::{Draw, EgoSpeed, Scene, Simulation};
 use crate::geometry::Pose;
-use crate::sim::{ActorStart, Control, Start, WalkCommand};
-use base::seed::{Seed, Stream};
+use crate::sim::{ActorStart, Control, Start};
+use base::seed::Stream;
 
 /// The start of an episode: the draw, the run-up of the ego alone, and the moment at which the pedestrians appear.
 impl PedestrianEnv {
     /// Starts the episode with this number, and drives its run-up.
     pub fn begin(&mut self, number: u64) {
-        if self.begin_with_copy(number) {
-            return;
-        }
-        self.place(number);
-        self.drive_run_up();
+        self.start(Draw::new(&self.seed, number));
     }
 
-    /// Starts the episode with this number as [`PedestrianEnv::begin`] does, but from other random numbers: the start is drawn from `start`, and all
-    /// that drivers draw, the way to the start included, comes from below `drivers`.
-    pub fn begin_drawn(&mut self, number: u64, start: Stream, drivers: Seed) {
-        self.place_drawn(number, start, drivers);
-        self.drive_run_up();
-    }
-
-    fn drive_run_up(&mut self) {
-        while self.is_running_up() {
-            self.tick_run_up();
-        }
-    }
-
-    /// Starts the episode with this number with a copy of a start of the bank, if there is a bank for it.
-    fn begin_with_copy(&mut self, number: u64) -> bool {
-        let bank = self.bank.clone().filter(|_| self.near.is_none());
-        let Some(copy) = bank.as_ref().and_then(|bank| bank.copy(&self.seed.index(number))) else { return false };
-        let Self { seed, width, faults_in_a_row, last_fault, .. } = *self;
-        *self = Self { seed, width, faults_in_a_row, last_fault, bank, next_episode: number + 1, ..copy };
-        self.episode.width = width;
-        let drivers = self.seed.index(number);
-        self.drivers = drivers;
-        self.reseed(drivers);
+    /// Starts an episode with a copy of a start of the bank, if there is a bank for it.
+    pub(super) fn place_copy(&mut self, draw: &Draw) -> bool {
+        let bank = self.source.bank.clone().filter(|_| self.source.near.is_none());
+        let Some(copy) = bank.and_then(|bank| bank.copy(&draw.drivers)) else { return false };
+        let Self { seed, faults_in_a_row, last_fault, .. } = *self;
+        let source = self.source.clone();
+        *self = Self { seed, source, faults_in_a_row, last_fault, next_episode: draw.number + 1, ..copy };
+        self.episode.width = self.source.width;
+        self.drivers.seed = draw.drivers;
+        self.drivers.reseed(&draw.drivers);
         true
     }
 
-    /// Draws the start of the episode with this number and places the actors. Where that is at the start of a run-up,
-    /// [`PedestrianEnv::tick_run_up`] drives it.
-    pub fn place(&mut self, number: u64) {
-        let seed = self.seed.index(number);
-        self.place_drawn(number, seed.child("spawn").stream(), seed);
-    }
-
-    fn place_drawn(&mut self, number: u64, mut stream: Stream, seed: Seed) {
-        self.drivers = seed;
+    /// Draws the start of an episode and places the actors.
+    pub(super) fn place_drawn(&mut self, Draw { number, start: mut stream, drivers: seed }: Draw) {
+        self.drivers.seed = seed;
         let scenario = &self.scenario;
         let first = scenario.cast.pedestrian.first_heading;
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
-        let test = scenario.spawn.target_walk.as_ref();
-        let target = test.map(|walk| {
-            let approach = walk.approach.quantile(stream.random());
-            (approach, walk.spawn(number, approach, &scenario.cast.ego.blueprint))
+        let (script, stated) = Script::draw(scenario, number, &mut stream);
+        let spawn = stated.unwrap_or_else(|| {
+            let near = self.source.near.as_ref();
+            let near = near.and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
+            near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream))
         });
-        let delay = scenario.spawn.given_path.as_ref().map(|path| path.delay.quantile(stream.random()));
-        let near = self.near.as_ref().and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
-        let drawn = || near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
-        let spawn = target.map_or_else(drawn, |(_, spawn)| spawn);
-        (self.release, self.pacing) = (None, None);
-        self.approach = target.map_or(1.0, |(approach, _)| approach);
-        self.delay = delay.unwrap_or(0.0);
+        self.script = script;
         if let Some(test_speed) = scenario.spawn.test_speed(number) {
-            self.held_limit = Some(self.policies[0].speed_limit_for(test_speed));
+            self.drivers.hold(test_speed);
         }
         // A whole number of cycles of groups with up to four turns.
         let drawn = stream.random_range(0.0..12.0 * scenario.episode.light_cycle.turn());
         let phase = scenario.episode.light_phase.as_ref().map(|phase| phase.quantile(stream.random()));
         self.light_phase = phase.unwrap_or(drawn);
-        self.episode = Episode::new(spawn, self.width);
+        self.episode = Episode::new(spawn, self.source.width);
+        self.observers.clear(scenario);
         self.next_episode = number + 1;
         self.decisions.clear();
-        self.starts.1[0] = ActorStart::standing(spawn.pedestrian);
+        self.actions.starts[0] = ActorStart::standing(spawn.pedestrian);
+        self.actions.contact = None;
+        self.run_up.clear();
         match &scenario.spawn.ego_speed {
-            EgoSpeed::Steady => {
-                self.stage = Stage::RunUp;
-                self.place_before(&spawn.ego, &mut seed.child("run_up").stream());
-            }
+            EgoSpeed::Steady => self.place_before(&spawn.ego, seed.child("run_up").stream()),
             EgoSpeed::Drawn(_) => {
-                self.run_up.clear();
                 self.run_up.lead_on(&scenario.town, &spawn.ego, &scenario.spawn.ego_route);
                 self.place_vehicles(ActorStart { pose: spawn.ego, speed: spawn.ego_speed });
                 self.meet();
             }
         }
-        self.reset_policies();
+        self.drivers.reset(&self.world, &self.run_up, &mut self.actions);
         self.meet_at_goal();
     }
 
     /// Places the ego at the start of the run-up to a goal, at the speed at which an average driver would be there.
-    fn place_before(&mut self, goal: &Pose, stream: &mut Stream) {
-        let town = &self.scenario.town;
-        self.run_up.plan(town, *goal, &self.scenario.cast.ego.blueprint, stream);
-        self.run_up.lead_on(town, goal, &self.scenario.spawn.ego_route);
+    fn place_before(&mut self, goal: &Pose, mut stream: Stream) {
+        let scenario = &self.scenario;
+        let town = &scenario.town;
+        self.run_up.plan(town, *goal, &scenario.cast.ego.blueprint, &mut stream);
+        self.run_up.lead_on(town, goal, &scenario.spawn.ego_route);
         let start = ActorStart::standing(self.run_up.start(town));
+        let test_speed = scenario.spawn.test_speed(self.next_episode - 1);
         self.place_vehicles(start);
         if let Some(limit) = self.run_up.limit() {
             self.world.vehicles[0].speed_limit = limit;
         }
-        let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, 0);
-        self.path.reset(&perception, stream.clone());
-        let cruising = cruising_speed(&self.path, &perception).min(self.run_up.speed());
-        let test_speed = self.scenario.spawn.test_speed(self.next_episode - 1);
+        let cruising = self.drivers.cruising_speed(&self.world, &self.run_up, stream);
         self.world.vehicles[0].state.speed = test_speed.unwrap_or(cruising);
     }
 
     /// Places all actors, with this start of the ego.
     fn place_vehicles(&mut self, ego: ActorStart) {
-        let (vehicles, pedestrians) = &mut self.starts;
-        vehicles[0] = ego;
+        self.vehicles[0] = ego;
+        let (vehicles, pedestrians) = (&self.vehicles, &self.actions.starts);
         self.world.begin(&Start { vehicles, pedestrians, light_phase: self.light_phase });
-        self.controls.fill(Control::default());
-    }
-
-    fn reset_policies(&mut self) {
-        for (number, policy) in self.policies.iter_mut().enumerate() {
-            let stream = driver_seed(&self.drivers, number).stream();
-            let perception =
-                perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, number);
-            policy.reset(&perception, stream);
-        }
-    }
-
-    /// Lets all drivers draw from below another seed from now on, each from a stream of its own.
-    pub fn reseed(&mut self, drivers: Seed) {
-        for (number, policy) in self.policies.iter_mut().enumerate() {
-            policy.reseed(driver_seed(&drivers, number).stream());
-        }
-    }
-
-    /// Whether the run-up of the episode is not over yet.
-    pub fn is_running_up(&self) -> bool {
-        self.stage == Stage::RunUp
+        self.actions.controls.fill(Control::default());
     }
 
     /// Simulates one tick of the run-up.
-    pub fn tick_run_up(&mut self) {
-        if let Some(fault) = self.drive() {
-            self.stage = Stage::Failed(fault);
+    pub(super) fn tick_run_up(&mut self) {
+        if let Some(fault) = self.drivers.drive(&self.world, &self.run_up, &mut self.actions) {
+            self.run_up.stage = Stage::Failed(fault);
             return;
         }
-        let touched = self.world.run_up(&self.controls);
-        self.episode.run_up += 1;
+        let touched = self.world.run_up(&self.actions.controls);
+        self.run_up.ticks += 1;
         self.meet_at_goal();
-        let over = touched || self.episode.run_up >= self.scenario.most_run_up();
-        if self.is_running_up() && over {
+        let over = touched || self.run_up.ticks >= self.scenario.most_run_up();
+        if self.run_up.is_running() && over {
             self.place_vehicles(ActorStart::standing(*self.run_up.goal()));
-            self.episode.left_out = Some(LeftOut::RunUp).filter(|_| !self.scenario.episode.count_all);
+            self.observers.road.miss_start();
             self.meet();
-            self.reset_policies();
+            self.drivers.reset(&self.world, &self.run_up, &mut self.actions);
         }
     }
 
     /// Ends the run-up if the ego has reached its goal.
     fn meet_at_goal(&mut self) {
         let ego = &self.world.ego().state;
-        if self.is_running_up() && self.run_up.is_reached(ego, self.world.dt) {
+        if self.run_up.is_running() && self.run_up.is_reached(ego, self.world.dt) {
             let spawn = &mut self.episode.spawn;
             (spawn.ego, spawn.ego_speed) = (ego.pose, ego.speed);
             self.meet();
         }
     }
 
-    /// The ticks of this episode's run-up up to now.
-    pub fn run_up_ticks(&self) -> u32 {
-        self.episode.run_up
-    }
-
     /// The pedestrians appear: tick 0 of the episode.
     fn meet(&mut self) {
-        self.stage = Stage::Encounter;
-        for (command, start) in self.walks.commands.iter_mut().zip(&self.starts.1) {
-            *command = WalkCommand { heading: start.pose.yaw, speed: 0.0 };
-        }
-        self.walks.turns.fill(0.0);
-        for pedestrian in 0..self.world.pedestrians.len() {
-            self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, pedestrian));
-        }
-        for (pedestrian, motion) in self.motions.iter_mut().enumerate() {
-            *motion = Motion::new(&self.world, pedestrian);
-        }
-        if let Some(trace) = &mut self.trace {
-            trace.begin(&self.world);
-        }
-        self.begin_samples();
-        self.begin_watch();
+        self.run_up.stage = Stage::Encounter;
+        self.actions.begin();
+        let Self { scenario, world, actions, .. } = self;
+        self.observers.begin(&Scene { scenario, world, actions });
     }
-}
-
-/// The seed of what a vehicle's driver draws. That of the ego does not depend on whether there is other traffic.
-fn driver_seed(drivers: &Seed, number: usize) -> Seed {
-    if number == 0 { drivers.child("policy") } else { drivers.child("traffic").index(number as u64) }
 }

@@ -42,7 +42,7 @@ impl<'a> Hello<'a> {
             vehicle: Car { length: 2.0 * car.half_length, width: 2.0 * car.half_width },
             pedestrians: scenario.cast.controlled().count(),
             state: scenario.cast.obs_dim(),
-            action_bounds: scene.bounds,
+            action_bounds: scene.bounds(),
         }
     }
 }

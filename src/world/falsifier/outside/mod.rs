@@ -18,14 +18,14 @@ use crate::sim::WalkCommand;
 fn carry_out(scene: &Scene<'_>, action: Result<&mut [f64], Fault>, commands: &mut [WalkCommand]) -> Option<Fault> {
     match action {
         Ok(action) => {
-            for (number, (low, high)) in action.iter_mut().zip(scene.bounds) {
+            for (number, (low, high)) in action.iter_mut().zip(scene.bounds()) {
                 *number = number.clamp(*low, *high);
             }
             scene.write_commands(action, commands);
             None
         }
         Err(fault) => {
-            commands.copy_from_slice(scene.commands);
+            commands.copy_from_slice(scene.commands());
             Some(fault)
         }
     }

@@ -1,0 +1,68 @@
+use super::trace::Driven;
+use super::{Cast, Controller};
+use crate::av::DrivingMode;
+use crate::geometry::wrap_angle;
+use crate::sim::{ActorStart, Contact, Control, WalkCommand};
+
+/// What the actors of an episode do: the command of each pedestrian, what each driver did in the last tick, and the touch in it.
+#[derive(Debug, Clone)]
+pub struct Actions {
+    /// The bounds of a joint action.
+    pub(super) bounds: Vec<(f64, f64)>,
+    /// Where each pedestrian starts.
+    pub starts: Vec<ActorStart>,
+    /// The command that each pedestrian carries out.
+    pub commands: Vec<WalkCommand>,
+    /// The angle from the previous command to each command (rad).
+    pub(super) turns: Vec<f64>,
+    /// The pedals and the wheel of each vehicle in the last tick.
+    pub controls: Vec<Control>,
+    /// What each driver did in it.
+    pub modes: Vec<DrivingMode>,
+    /// The first touch in it.
+    pub contact: Option<Contact>,
+}
+
+impl Actions {
+    /// Those of a cast before its first episode.
+    pub fn new(cast: &Cast) -> Self {
+        let (vehicles, pedestrians) = (1 + cast.traffic.len(), cast.pedestrian_count());
+        let starts = cast.others.iter().map(|placed| placed.start);
+        Self {
+            bounds: cast.action_bounds(),
+            starts: std::iter::once(ActorStart::default()).chain(starts).collect(),
+            commands: vec![WalkCommand::default(); pedestrians],
+            turns: vec![0.0; pedestrians],
+            controls: vec![Control::default(); vehicles],
+            modes: vec![DrivingMode::default(); vehicles],
+            contact: None,
+        }
+    }
+
+    /// The pedestrians appear at their starts and stand.
+    pub fn begin(&mut self) {
+        for (command, start) in self.commands.iter_mut().zip(&self.starts) {
+            *command = WalkCommand { heading: start.pose.yaw, speed: 0.0 };
+        }
+        self.turns.fill(0.0);
+    }
+
+    /// Takes a decision. Pedestrians with a fixed command keep it.
+    pub fn decide(&mut self, cast: &Cast, commands: &[WalkCommand]) {
+        let last = self.commands.iter_mut().zip(&mut self.turns);
+        for (((last, turn), command), role) in last.zip(commands).zip(cast.pedestrians()) {
+            let command = match role.controller {
+                Controller::External => *command,
+                Controller::Fixed(fixed) => fixed,
+            };
+            *turn = wrap_angle(command.heading - last.heading);
+            *last = command;
+        }
+    }
+
+    /// What the driver of a vehicle did in the last tick.
+    #[inline]
+    pub fn driven(&self, vehicle: usize) -> Driven {
+        Driven { mode: self.modes[vehicle], control: self.controls[vehicle] }
+    }
+}

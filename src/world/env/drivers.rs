@@ -1,0 +1,116 @@
+use super::run_up::RunUp;
+use super::{Actions, Cast};
+use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors, cruising_speed};
+use crate::sim::World;
+use base::seed::{Seed, Stream};
+
+/// The drivers of all vehicles, in the order of their numbers, and their sensors.
+pub(super) struct Drivers {
+    pub(super) policies: Vec<Box<dyn DrivingPolicy>>,
+    sensors: PerfectSensors,
+    /// The seed of what they draw in the running episode.
+    pub(super) seed: Seed,
+    /// The way ahead of the ego at the start of its run-up.
+    path: Path,
+    /// The speed limit that lets the driver of the ego hold a test speed (m/s).
+    held_limit: Option<f64>,
+}
+
+impl Drivers {
+    pub(super) fn new(policies: Vec<Box<dyn DrivingPolicy>>) -> Self {
+        Self { policies, sensors: PerfectSensors::default(), seed: Seed::root(0), path: Path::default(), held_limit: None }
+    }
+
+    /// Fresh drivers of a cast.
+    pub(super) fn of(cast: &Cast) -> Self {
+        Self::new(cast.vehicles().map(|role| (role.policy)()).collect())
+    }
+
+    /// Lets the ego hold a test speed (m/s).
+    pub(super) fn hold(&mut self, test_speed: f64) {
+        self.held_limit = Some(self.policies[0].speed_limit_for(test_speed));
+    }
+
+    /// The speed at which an average driver would be at the start of the run-up (m/s).
+    pub(super) fn cruising_speed(&mut self, world: &World, run_up: &RunUp, stream: Stream) -> f64 {
+        let perception = perceive(&mut self.sensors, self.held_limit, world, run_up, 0);
+        self.path.reset(&perception, stream);
+        cruising_speed(&self.path, &perception).min(run_up.speed())
+    }
+
+    /// Lets all drivers begin anew.
+    pub(super) fn reset(&mut self, world: &World, run_up: &RunUp, actions: &mut Actions) {
+        for (vehicle, policy) in self.policies.iter_mut().enumerate() {
+            let perception = perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle);
+            policy.reset(&perception, of_driver(&self.seed, vehicle).stream());
+            actions.modes[vehicle] = policy.mode();
+        }
+    }
+
+    /// Lets all drivers draw from below another seed from now on, each from a stream of its own.
+    pub(super) fn reseed(&mut self, seed: &Seed) {
+        for (vehicle, policy) in self.policies.iter_mut().enumerate() {
+            policy.reseed(of_driver(seed, vehicle).stream());
+        }
+    }
+
+    pub(super) fn prepare(&mut self, world: &World, run_up: &RunUp) {
+        for (vehicle, policy) in self.policies.iter_mut().enumerate() {
+            policy.prepare(&perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle));
+        }
+    }
+
+    /// Asks every driver for the next tick; returns the fault of the first that fails.
+    #[inline]
+    pub(super) fn drive(&mut self, world: &World, run_up: &RunUp, actions: &mut Actions) -> Option<Fault> {
+        let chosen = actions.controls.iter_mut().zip(&mut actions.modes);
+        for (vehicle, (policy, (control, mode))) in self.policies.iter_mut().zip(chosen).enumerate() {
+            let driven = policy.drive(&perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle));
+            *mode = policy.mode();
+            if let Some(fault) = policy.fault() {
+                return Some(fault);
+            }
+            *control = driven;
+        }
+        None
+    }
+
+    /// A copy in their present state; `None` if one of them cannot be copied.
+    pub(super) fn snapshot(&self) -> Option<Self> {
+        let policies = self.policies.iter().map(|policy| policy.snapshot()).collect::<Option<_>>()?;
+        Some(Self { policies, sensors: self.sensors.clone(), path: self.path.clone(), ..*self })
+    }
+
+    /// Other drivers of a cast, if that of the ego is faster in a batch.
+    pub(super) fn clone_for_batch(&self, cast: &Cast) -> Option<Self> {
+        let ego = self.policies[0].clone_for_batch()?;
+        let traffic = self.policies.iter().zip(cast.vehicles()).skip(1);
+        let traffic = traffic.map(|(policy, role)| policy.clone_for_batch().unwrap_or_else(|| (role.policy)()));
+        Some(Self::new(std::iter::once(ego).chain(traffic).collect()))
+    }
+}
+
+/// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take; afterwards the stated turns.
+#[inline]
+fn perceive<'a>(
+    sensors: &'a mut PerfectSensors,
+    held_limit: Option<f64>,
+    world: &'a World,
+    run_up: &'a RunUp,
+    vehicle: usize,
+) -> Perception<'a> {
+    let mut perception = sensors.perceive(world, vehicle);
+    if let Some(limit) = held_limit.filter(|_| vehicle == 0) {
+        (perception.speed_limit, perception.signed_limit) = (limit, None);
+    }
+    if run_up.is_running() {
+        perception.pedestrians = &[];
+    }
+    perception.route = if vehicle == 0 { run_up.route() } else { &[] };
+    perception
+}
+
+/// The seed of what a vehicle's driver draws. That of the ego does not depend on whether there is other traffic.
+fn of_driver(seed: &Seed, vehicle: usize) -> Seed {
+    if vehicle == 0 { seed.child("policy") } else { seed.child("traffic").index(vehicle as u64) }
+}
