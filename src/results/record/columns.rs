@@ -152,11 +152,6 @@ pub const COUNTS_AS: Column<String> = Column::new(
     "`fault`, or the first reason why it is none: `bump` (the car stood), `not_preventable`, `unforeseeable`, `flank` (the pedestrian walked \
      into the flank or the rear), `slow` (below 1 m/s), `narrow` (a careful human has less than 0.1 m to spare)",
 );
-pub const PANEL: Column<u32> = Column::new(
-    "panel",
-    "",
-    "number of the five models of a human that avoid it: `cc`, `cc_attentive`, `nieon_like`, `cc_swerve`, `fsm_swerve`",
-);
 pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "avoidable_injury",
     "",

@@ -356,10 +356,7 @@ const fn false_alarm_names(reference: Reference) -> [&'static str; 4] {
     match reference {
         Reference::CarefulHuman => names!("cc"),
         Reference::AttentiveHuman => names!("cc_attentive"),
-        Reference::Surprised => names!("nieon_like"),
-        Reference::SwervingHuman => names!("cc_swerve"),
         Reference::FuzzySafety => names!("fsm"),
-        Reference::SwervingFuzzy => names!("fsm_swerve"),
         Reference::Rss => names!("rss"),
         Reference::IdealBrake => names!("ideal"),
         Reference::Bound => names!("bound"),

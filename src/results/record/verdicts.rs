@@ -1,7 +1,7 @@
 use super::Entry;
 use super::columns::{
     AVOIDABLE_INJURY, CONTACT_SIDE, COUNTS_AS, DANGER_SPEED, FATALITY_RISK, FAULT, FAULT_IF, FORESEEABLE, HARD,
-    HIDDEN_SHARE, IN_SIGHT, LATEST_REACTION, PANEL, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK, VERDICT, WALKED_INTO,
+    HIDDEN_SHARE, IN_SIGHT, LATEST_REACTION, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK, VERDICT, WALKED_INTO,
     WARNING,
 };
 use world::judge::{Sensitivity, Verdict, fatality_risk, severe_injury_risk};
@@ -14,7 +14,6 @@ pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + '
         FORESEEABLE.of(move |row| struck(row).map(|verdict| verdict.foreseeable)),
         FAULT.of(move |row| struck(row).map(|verdict| verdict.is_fault())),
         COUNTS_AS.of(move |row| verdict(row).map(|verdict| verdict.class().name())),
-        PANEL.of(move |row| struck(row).map(|verdict| verdict.panel() as u32)),
         AVOIDABLE_INJURY.of(move |row| struck(row).map(|verdict| verdict.avoidable_injury())),
         LATEST_REACTION.of(move |row| struck(row).and_then(|verdict| verdict.latest_reaction)),
         PREVENTABLE_PROBABILITY.of(move |row| struck(row).map(|verdict| verdict.preventable_probability())),

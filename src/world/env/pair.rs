@@ -4,13 +4,9 @@ use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, ReferenceF
 use crate::av::{DrivingMode, EYE};
 use crate::geometry::{OrientedBox, Point, Vector};
 use crate::requirement::Degree;
-use crate::road::LaneFilter;
 use crate::sim::{
     ActorId, Contact, Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand,
 };
-
-/// How far a corner of a car may be beyond the edge of a lane (m).
-const EDGE: f64 = 0.1;
 
 /// A vehicle and a pedestrian at a tick, and the driver's action in the tick that ended there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,35 +186,6 @@ impl<'a> Pair<'a> {
     /// Whether the episode took place on the scenario's map. A recording from elsewhere did not.
     pub fn is_on_map(&self) -> bool {
         self.trace.is_on_map()
-    }
-
-    /// Whether a car with this outline is on the road at a tick, touches no obstacle, and no actor but the two. Actors are where they were, and
-    /// after the end of the trace where they were last.
-    pub fn is_free(&self, tick: usize, outline: &OrientedBox) -> bool {
-        let town = &self.scenario.town;
-        let on_road = |corner: &Point| {
-            town.nearest_lane(*corner, LaneFilter::Driving)
-                .is_some_and(|lane| (town.pose(lane).position() - corner).norm() <= town.lane_width(lane) / 2.0 + EDGE)
-        };
-        if !outline.corners().iter().all(on_road) || self.scenario.obstacles.overlap(outline) {
-            return false;
-        }
-        let cast = &self.scenario.cast;
-        let vehicles =
-            (0..self.trace.vehicle_count()).filter(|number| ActorId::Vehicle(*number as u8) != self.actors.0);
-        let hits_vehicle = vehicles.into_iter().any(|number| {
-            let track = self.trace.vehicle(number);
-            let other = track.get(tick).or(track.last());
-            other.is_some_and(|other| other.state.outline(&cast.vehicle(number).blueprint).overlaps(outline))
-        });
-        let walkers =
-            (0..self.trace.pedestrian_count()).filter(|number| ActorId::Pedestrian(*number as u8) != self.actors.1);
-        let hits_walker = walkers.into_iter().any(|number| {
-            let track = self.trace.pedestrian(number);
-            let other = track.get(tick).or(track.last());
-            other.is_some_and(|other| other.gap_to(outline, &cast.pedestrian(number).body) <= 0.0)
-        });
-        !hits_vehicle && !hits_walker
     }
 
     /// Distance from the pedestrian to the car's box (m); 0 when they touch.

@@ -1,6 +1,6 @@
 use super::trial::STANDING;
 use super::{DrivenPath, Place};
-use crate::av::reference_drivers::{Aside, Threat};
+use crate::av::reference_drivers::Threat;
 use crate::env::{Frame, Pair};
 use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
 use crate::sim::{PedestrianBody, PedestrianState, WalkCommand};
@@ -99,16 +99,6 @@ pub struct Encounter<'a> {
     pub(super) step_count: usize,
     /// The recorded car's position on the path, tick by tick (m).
     pub(super) ways: Vec<f64>,
-    /// What is beside the path; none where it is not known.
-    ground: Option<Ground<'a>>,
-}
-
-/// What is beside the path.
-#[derive(Debug, Clone, Copy)]
-struct Ground<'a> {
-    pair: Pair<'a>,
-    /// The tick at which the question starts.
-    first: usize,
 }
 
 impl<'a> Encounter<'a> {
@@ -141,7 +131,6 @@ impl<'a> Encounter<'a> {
         let begun = stood.unwrap_or(danger);
         let mut encounter = Self::between(pair, path, &ways, begun..pair.len());
         encounter.warning = (last - begun) as f64 * encounter.dt;
-        encounter.ground = pair.is_on_map().then_some(Ground { pair: *pair, first: begun });
         // What would have come after a touch is not recorded.
         if let Some(end) = pair.last().filter(|_| pair.contact().is_some()) {
             encounter.walker = Some(Walker {
@@ -213,8 +202,8 @@ impl<'a> Encounter<'a> {
         let warning = (steps.len() - 1) as f64 * dt;
         let step_count = steps.len();
         let grip = f64::INFINITY;
-        let (start, walker, ground) = (ways[0], None, None);
-        Self { path, start, speeds, steps, warning, dt, half, radius, grip, walker, step_count, ways, ground }
+        let (start, walker) = (ways[0], None);
+        Self { path, start, speeds, steps, warning, dt, half, radius, grip, walker, step_count, ways }
     }
 
     /// Whether there is a pedestrian at this tick, for at most five seconds after the recorded touch.
@@ -265,27 +254,9 @@ impl<'a> Encounter<'a> {
         threat(from, to, share, way, (self.half, self.radius))
     }
 
-    /// The box of a car that is `way` (m) along the path and beside it, at this speed (m/s). It drives on: `passed` is that of
-    /// [`DrivenPath::pose`].
-    pub(super) fn outline_beside(&self, way: f64, speed: f64, aside: &Aside, passed: &mut usize) -> OrientedBox {
-        let mut outline = OrientedBox { pose: self.path.pose(way, passed), half: self.half };
-        if *aside != Aside::default() {
-            let left = outline.pose.left() * aside.offset;
-            (outline.pose.x, outline.pose.y) = (outline.pose.x + left.x, outline.pose.y + left.y);
-            outline.pose.yaw += libm::atan2(aside.speed, speed.max(0.5));
-        }
-        outline
-    }
-
-    /// Whether the road beside the path is known.
-    pub(super) fn has_ground(&self) -> bool {
-        self.ground.is_some()
-    }
-
-    /// Whether a car with these outlines, each at a tick of the question, stays on the road and touches no obstacle and no other actor.
-    pub(super) fn is_free(&self, outlines: &[(usize, OrientedBox)]) -> bool {
-        let Some(ground) = &self.ground else { return false };
-        outlines.iter().all(|(tick, outline)| ground.pair.is_free(ground.first + tick, outline))
+    /// The box of a car that is `way` (m) along the path. It drives on: `passed` is that of [`DrivenPath::pose`].
+    pub(super) fn outline(&self, way: f64, passed: &mut usize) -> OrientedBox {
+        OrientedBox { pose: self.path.pose(way, passed), half: self.half }
     }
 }
 

@@ -42,8 +42,6 @@ impl FalseAlarms {
                     let noticed = free.noticed(encounter, &driver);
                     free.braked(encounter, driver, noticed)
                 }
-                // To steer is an answer to what braking alone does not avoid.
-                Model::Swerving(other) => Trial::new(encounter, other.driver().as_mut()),
                 Model::Other(mut driver) => Trial::new(encounter, driver.as_mut()),
             };
             self.braked[reference as usize] |= trial.braked;

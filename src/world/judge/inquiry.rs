@@ -5,7 +5,7 @@ use super::trial::{FreeRun, Notice, STANDING};
 use super::{
     Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, Sensitivity, Sight, Trial, Verdict, contact_side,
 };
-use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Evading, Gate};
+use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate};
 use crate::env::Pair;
 use crate::sim::Contact;
 
@@ -51,27 +51,10 @@ impl<'a> Inquiry<'a> {
             return trial;
         }
         let trial = match reference.model() {
-            Model::Swerving(other) => self.swerved(other),
             Model::Delayed(driver) => self.braked(driver),
             Model::Other(mut driver) => Trial::new(&mut self.encounter, driver.as_mut()),
         };
         *self.trials[reference as usize].insert(trial)
-    }
-
-    /// The result of a driver that may also move to a side: that of the braking alone where that avoids the touch, or where the driver finds no
-    /// free way beside it.
-    fn swerved(&mut self, other: Reference) -> Trial {
-        let braked = self.trial(other);
-        if braked.is_avoided() || !self.encounter.has_ground() {
-            return braked;
-        }
-        let tried = Evading::WANTED.into_iter().find_map(|wanted| {
-            let mut driver = Evading::new(other.driver(), wanted);
-            let mut outlines = Vec::new();
-            let trial = Trial::swerving(&mut self.encounter, &mut driver, &mut outlines);
-            (trial.is_avoided() && self.encounter.is_free(&outlines)).then_some(trial)
-        });
-        tried.unwrap_or(braked)
     }
 
     fn braked(&mut self, driver: DelayedBrake) -> Trial {

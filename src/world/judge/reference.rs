@@ -1,4 +1,4 @@
-use crate::av::reference_drivers::{DelayedBrake, FuzzySafety, ReferenceDriver, Rss, Surprised};
+use crate::av::reference_drivers::{DelayedBrake, FuzzySafety, ReferenceDriver, Rss};
 use base::choice;
 
 choice! {
@@ -9,14 +9,8 @@ choice! {
         CarefulHuman = "cc",
         /// The same, who has evaluated the risk when the gate opens: it brakes 0.75 s later.
         AttentiveHuman = "cc_attentive",
-        /// A human whose response depends on how abruptly the situation turns, after Waymo's NIEON.
-        Surprised = "nieon_like",
-        /// The careful human, who may also move to a side.
-        SwervingHuman = "cc_swerve",
         /// The Fuzzy Safety Model.
         FuzzySafety = "fsm",
-        /// The Fuzzy Safety Model, which may also move to a side.
-        SwervingFuzzy = "fsm_swerve",
         /// RSS with the parameters of ad-rss-lib and CARLA.
         Rss = "rss",
         /// An emergency brake of 0.85 g, 0.35 s after the gate, with a ramp of 0.6 s.
@@ -28,8 +22,6 @@ choice! {
 
 /// How a reference driver is computed.
 pub(super) enum Model {
-    /// It brakes as this one does, and may also move to a side.
-    Swerving(Reference),
     /// It brakes a fixed time after it has noticed the pedestrian.
     Delayed(DelayedBrake),
     /// It decides in each step.
@@ -38,15 +30,11 @@ pub(super) enum Model {
 
 impl Reference {
     /// The number of reference drivers.
-    pub const COUNT: usize = 9;
-    /// The models of a human: a failure tells how many of them avoid it.
-    pub const PANEL: [Self; 5] =
-        [Self::CarefulHuman, Self::AttentiveHuman, Self::Surprised, Self::SwervingHuman, Self::SwervingFuzzy];
+    pub const COUNT: usize = 6;
 
-    /// Makes the driver; one that may move to a side stays on its path.
+    /// Makes the driver.
     pub fn driver(self) -> Box<dyn ReferenceDriver> {
         match self.model() {
-            Model::Swerving(other) => other.driver(),
             Model::Delayed(driver) => Box::new(driver),
             Model::Other(driver) => driver,
         }
@@ -56,7 +44,7 @@ impl Reference {
     pub(super) fn reaction(self) -> f64 {
         match self.model() {
             Model::Delayed(driver) => driver.profile.wait,
-            Model::Swerving(_) | Model::Other(_) => 0.0,
+            Model::Other(_) => 0.0,
         }
     }
 
@@ -64,10 +52,7 @@ impl Reference {
         match self {
             Self::CarefulHuman => Model::Delayed(DelayedBrake::careful_human()),
             Self::AttentiveHuman => Model::Delayed(DelayedBrake::attentive_human()),
-            Self::Surprised => Model::Other(Box::new(Surprised::default())),
-            Self::SwervingHuman => Model::Swerving(Self::CarefulHuman),
             Self::FuzzySafety => Model::Other(Box::new(FuzzySafety::default())),
-            Self::SwervingFuzzy => Model::Swerving(Self::FuzzySafety),
             Self::Rss => Model::Other(Box::new(Rss::default())),
             Self::IdealBrake => Model::Delayed(DelayedBrake::ideal()),
             Self::Bound => Model::Delayed(DelayedBrake::bound()),

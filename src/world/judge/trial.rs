@@ -1,6 +1,6 @@
 use super::Encounter;
 use super::encounter::RecordedCar;
-use crate::av::reference_drivers::{Aside, DelayedBrake, Evading, OwnMotion, ReferenceDriver, Threat};
+use crate::av::reference_drivers::{DelayedBrake, OwnMotion, ReferenceDriver, Threat};
 use crate::geometry::{OrientedBox, first_touch};
 
 /// Number of steps of a tick: reference drivers react in hundredths of a second.
@@ -122,8 +122,6 @@ pub(super) struct Seen {
     pub outline: OrientedBox,
     /// Its speed (m/s).
     pub speed: f64,
-    /// Whether it is beside its path.
-    pub is_aside: bool,
     /// The least gap up to now (m).
     pub least_gap: f64,
 }
@@ -151,21 +149,6 @@ impl Watch for LeastGaps<'_> {
 
     fn is_whole(&self) -> bool {
         self.rest.is_whole()
-    }
-}
-
-/// Keeps the outlines of a car that is beside its path, with their ticks.
-struct Asides<'a> {
-    tick: usize,
-    outlines: &'a mut Vec<(usize, OrientedBox)>,
-}
-
-impl Watch for Asides<'_> {
-    fn tick(&mut self, seen: &Seen) {
-        if seen.is_aside {
-            self.outlines.push((self.tick, seen.outline));
-        }
-        self.tick += 1;
     }
 }
 
@@ -248,16 +231,6 @@ impl Trial {
         Self::run(encounter, driver, 0, None, &mut Unwatched)
     }
 
-    /// Simulates an encounter with a driver that steers, and notes the outline of the car at each tick at which it is beside its path.
-    pub(super) fn swerving(
-        encounter: &mut Encounter<'_>,
-        driver: &mut Evading,
-        outlines: &mut Vec<(usize, OrientedBox)>,
-    ) -> Self {
-        driver.begin();
-        Self::run(encounter, driver, 0, None, &mut Asides { tick: 0, outlines })
-    }
-
     /// Simulates an encounter from a tick on, up to which the driver has not interfered and the gap was at least this (m).
     fn run<D: ReferenceDriver + ?Sized>(
         encounter: &mut Encounter<'_>,
@@ -270,15 +243,14 @@ impl Trial {
         let dt = tick * part;
         let mut car = Car::new(&encounter.car(first, 0.0));
         let mut passed = 0;
-        let mut outline = encounter.outline_beside(car.way, car.speed, &Aside::default(), &mut passed);
+        let mut outline = encounter.outline(car.way, &mut passed);
         let (half, radius) = (encounter.half, encounter.radius);
         let gap = |outline: &OrientedBox, place| (outline.distance_to(place) - radius).max(0.0);
         let far = half.norm() + radius;
         let mut least_gap = least_gap.unwrap_or_else(|| gap(&outline, encounter.steps[first].position));
         let mut number = first;
         while encounter.has_step(number + 1) {
-            let is_aside = driver.aside() != Aside::default();
-            watch.tick(&Seen { outline, speed: car.speed, is_aside, least_gap });
+            watch.tick(&Seen { outline, speed: car.speed, least_gap });
             let (from, to) = (encounter.steps[number].position, encounter.steps[number + 1].position);
             let chord = to - from;
             for step in 0..STEPS {
@@ -305,11 +277,10 @@ impl Trial {
                     return car.trial(None, time, least_gap);
                 }
                 let before = outline;
-                let aside = driver.aside();
-                outline = encounter.outline_beside(car.way, car.speed, &aside, &mut passed);
+                outline = encounter.outline(car.way, &mut passed);
                 let (start, end) = (from + chord * share, from + chord * (share + part));
                 // The distance of the centres bounds the gap from below; most steps need no more.
-                let moved = (own.speed + aside.speed.abs()) * dt + chord.norm() * part + TURNING;
+                let moved = own.speed * dt + chord.norm() * part + TURNING;
                 let reach = far + least_gap.max(moved);
                 if (end - outline.pose.position()).norm_squared() > reach * reach {
                     continue;
@@ -324,7 +295,7 @@ impl Trial {
                         return car.trial(None, time, least_gap);
                     }
                     let impact = own.speed + (car.speed - own.speed) * touch.fraction;
-                    watch.touch(&Seen { outline, speed: impact, is_aside: false, least_gap: 0.0 });
+                    watch.touch(&Seen { outline, speed: impact, least_gap: 0.0 });
                     let impact_speed = (impact > STANDING).then_some(impact);
                     return car.trial(impact_speed, time + touch.fraction * dt, 0.0);
                 }
@@ -332,7 +303,7 @@ impl Trial {
             number += 1;
         }
         if watch.is_whole() {
-            watch.tick(&Seen { outline, speed: car.speed, is_aside: false, least_gap });
+            watch.tick(&Seen { outline, speed: car.speed, least_gap });
         }
         car.trial(None, number as f64 * tick, least_gap)
     }

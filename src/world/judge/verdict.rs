@@ -133,11 +133,6 @@ impl Verdict {
         if self.is_fault() { severity::severe_injury_risk(self.impact_speed) } else { 0.0 }
     }
 
-    /// The number of the [panel](Reference::PANEL) that avoid it.
-    pub fn panel(&self) -> usize {
-        Reference::PANEL.into_iter().filter(|reference| self.trial(*reference).is_avoided()).count()
-    }
-
     /// Whether it is preventable, but one of the two careful humans has less than [`CLEAR`] to spare.
     pub fn is_narrow(&self) -> bool {
         self.is_preventable() && Label::humans().into_iter().any(|human| self.margin(human) < CLEAR)

@@ -1,14 +1,12 @@
 //! Reference drivers: published rules for when a car must brake for a pedestrian in its way, as baselines for a car under test.
 //!
-//! They decide about the brake, along a given path, from a [`Threat`] in the frame of that path; an [`Evading`] one leaves it, too. A failure
+//! They decide about the brake, along a given path, from a [`Threat`] in the frame of that path. A failure
 //! can therefore be run again with each of them, and a driving policy can be built around one.
 //!
 //! | driver | from | brakes |
 //! |---|---|---|
 //! | [`DelayedBrake::careful_human`] | UN R157, competent and careful human | 1.15 s after the gate, in 0.6 s to 0.774 g |
 //! | [`DelayedBrake::attentive_human`] | the same, whose risk evaluation is over when the gate opens | 0.75 s after the gate |
-//! | [`Surprised`] | after Waymo's NIEON | sooner after the gate the longer the pedestrian was seen coming |
-//! | [`Evading`] | one of the others | as that one, and steers to one side |
 //! | [`FuzzySafety`] | JRC's Fuzzy Safety Model | as hard as the distance is unsafe, to 6 m/s² |
 //! | [`Rss`] | ad-rss-lib, unstructured rule | 4 m/s² when both could not stop apart, unless the other was to stop |
 //! | [`DelayedBrake::ideal`] | our choice | 0.35 s after the gate, in 0.6 s to 0.85 g |
@@ -31,18 +29,14 @@ mod delayed_brake;
 mod fuzzy_safety;
 mod rss_limits;
 mod rss;
-mod surprised;
-mod evading;
 #[cfg(test)]
 mod tests;
 
 pub use brake_profile::BrakeProfile;
 pub use delayed_brake::{DelayedBrake, Gate};
-pub use evading::{Aside, Evading};
 pub use fuzzy_safety::FuzzySafety;
 pub use rss::Rss;
 pub use rss_limits::{RssLimits, lateral_distance, longitudinal_distance};
-pub use surprised::Surprised;
 pub use threat::{OwnMotion, ReferenceDriver, Threat};
 
 /// Gravity (m/s²) in the regulations.

@@ -1,5 +1,3 @@
-use super::Aside;
-
 /// The car's own motion, for its reference driver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnMotion {
@@ -113,11 +111,6 @@ pub trait ReferenceDriver: Send {
     /// The time (s) for which it has noticed the pedestrian when it begins to brake.
     fn noticed_for(&self) -> f64 {
         0.0
-    }
-
-    /// Where the car is beside its path; on it, unless the driver steers.
-    fn aside(&self) -> Aside {
-        Aside::default()
     }
 }
 

@@ -84,9 +84,6 @@ fn driver(name: &str) -> &str {
     match name {
         "cc" => "careful human",
         "cc_attentive" => "attentive human",
-        "cc_swerve" => "careful human who swerves",
-        "nieon_like" => "NIEON-like human",
-        "fsm_swerve" => "fuzzy safety, swerving",
         "fsm" => "fuzzy safety",
         "rss" => "RSS",
         "ideal" => "ideal brake",
