@@ -9,7 +9,10 @@ use base::signature::Distribution;
 use compile::{Catalog, Plan, compile};
 use learn::Env;
 use world::av::{DrivingMode, PerfectSensors};
-use world::env::{ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianEnv, PedestrianRole, Placed, Scenario, Simulation, Trace, VehicleRole, carry_out};
+use world::env::{
+    ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianEnv,
+    PedestrianRole, Placed, Scenario, Simulation, Trace, VehicleRole, carry_out,
+};
 use world::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate, play};
 use world::geometry::{Obstacles, Pose};
 use world::judge::{NearMiss, judge};

@@ -18,7 +18,13 @@ pub(super) struct Drivers {
 
 impl Drivers {
     pub(super) fn new(policies: Vec<Box<dyn DrivingPolicy>>) -> Self {
-        Self { policies, sensors: PerfectSensors::default(), seed: Seed::root(0), path: Path::default(), held_limit: None }
+        Self {
+            policies,
+            sensors: PerfectSensors::default(),
+            seed: Seed::root(0),
+            path: Path::default(),
+            held_limit: None,
+        }
     }
 
     /// Fresh drivers of a cast.

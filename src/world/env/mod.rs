@@ -66,11 +66,11 @@ pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};
 pub use scenario::{EpisodeRule, Scenario};
 pub use scene::Scene;
-pub(crate) use simulation::tick;
-pub use simulation::{Draw, Observer, Phase, Simulation, carry_out};
 pub use signal::{
     Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
 };
+pub(crate) use simulation::tick;
+pub use simulation::{Draw, Observer, Phase, Simulation, carry_out};
 pub use spawn::{
     Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn,
     SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,

@@ -52,9 +52,9 @@ const ASIDE: f64 = 5.0;
 const PATIENCE: f64 = 60.0;
 const TURNS: f64 = 4.0;
 /// The greatest number of ticks of a run-up.
-const MOST_TICKS: f64 = 20_000.0;
+const MAX_TICKS: f64 = 20_000.0;
 /// The greatest number of lanes of the way, a guard against lanes without length.
-const MOST_LANES: usize = 512;
+const MAX_LANES: usize = 512;
 /// The step back along the lanes (m).
 const STEP: f64 = 2.0;
 /// How far before the way the last speed sign and bends are looked for (m).
@@ -89,7 +89,7 @@ impl RunUp {
         let Some(mut here) = town.nearest_lane(goal.position(), LaneFilter::Driving) else { return };
         self.lanes.push(here);
         let mut walked = 0.0;
-        while walked < self.length && self.lanes.len() < MOST_LANES {
+        while walked < self.length && self.lanes.len() < MAX_LANES {
             let Some(before) = self.step_back(town, here, stream, true) else { break };
             (here, walked) = (before, walked + STEP);
         }
@@ -161,7 +161,7 @@ impl RunUp {
     /// The place one step back along the lanes; none where the road begins. A branch is drawn where lanes merge.
     fn step_back(&mut self, town: &Town, from: Waypoint, stream: &mut Stream, record: bool) -> Option<Waypoint> {
         let (mut here, mut left) = (from, STEP);
-        for _ in 0..MOST_LANES {
+        for _ in 0..MAX_LANES {
             let start = town.lane_start(here)?;
             let room = (here.s - start.s).abs();
             if room >= left {
@@ -211,7 +211,7 @@ impl RunUp {
 
 /// The greatest number of ticks of this length (s) that a run-up takes, with or without traffic lights.
 pub(super) fn most_ticks(dt: f64, lights: Option<LightCycle>) -> u32 {
-    ((PATIENCE + lights.map_or(0.0, |cycle| TURNS * cycle.turn())) / dt).ceil().min(MOST_TICKS) as u32
+    ((PATIENCE + lights.map_or(0.0, |cycle| TURNS * cycle.turn())) / dt).ceil().min(MAX_TICKS) as u32
 }
 
 /// The limit of the speed sign that a vehicle obeys at a pose.

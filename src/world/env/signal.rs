@@ -92,7 +92,7 @@ variables! {
     /// Speed of the pedestrian.
     walking_speed: SPEED, (0.0, WALKING), 1.0, Decision;
     /// Time since the episode began.
-    elapsed: TIME, (0.0, LONGEST), 1.0, Decision;
+    elapsed: TIME, (0.0, MAX_TIME), 1.0, Decision;
     /// Angle from where the pedestrian faces to the ego's centre, positive to the left.
     facing: ANGLE, (-PI, PI), 0.2, Begin;
     /// How far the pedestrian's last command turned away from the one before, positive to the left; the first turns away from where it looked.
@@ -116,9 +116,9 @@ variables! {
     /// Least gap that a careful human would have kept; 0 if it hits as well.
     margin: LENGTH, (0.0, FARTHEST), 1.0, Judgement;
     /// Time from the start of the danger to the hit.
-    warning: TIME, (0.0, LONGEST), 1.0, Judgement;
+    warning: TIME, (0.0, MAX_TIME), 1.0, Judgement;
     /// Time before the hit in which the car could see the pedestrian without a break, at most 3 s.
-    seen: TIME, (0.0, LONGEST), 1.0, Judgement;
+    seen: TIME, (0.0, MAX_TIME), 1.0, Judgement;
     /// Gap between the bodies of the ego and the pedestrian now; 0 at a touch. Of several pedestrians the nearest counts, here and below.
     gap: LENGTH, (0.0, FARTHEST), 1.0, Tick;
     /// Speed at which the centres of ego and pedestrian approach each other now; negative if they move apart.
@@ -163,9 +163,9 @@ pub(super) const AHEAD: f64 = 100.0;
 const FASTEST: f64 = 1000.0;
 const WALKING: f64 = 41.0;
 /// The longest episode: a million ticks of 0.1 s, and the shortest tick (s).
-const LONGEST: f64 = 1e5;
+const MAX_TIME: f64 = 1e5;
 const SHORTEST: f64 = 1e-3;
-const FARTHEST: f64 = FASTEST * LONGEST;
+const FARTHEST: f64 = FASTEST * MAX_TIME;
 /// The centre of a pedestrian that touches a car is not at the car's centre (m).
 const TOUCHING: f64 = 0.1;
 

@@ -4,7 +4,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 /// The most marks that are stored.
-const MOST: usize = 32;
+const MAX_MARKS: usize = 32;
 
 /// Hashes of the states of an episode, which show from which decision on two episodes differ. A mark is a byte of the digest after a
 /// decision. Up to 32 decisions there is a mark for each; with more there is one for every second decision, and so on.
@@ -13,7 +13,7 @@ const MOST: usize = 32;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct StateHashes {
-    marks: [u8; MOST],
+    marks: [u8; MAX_MARKS],
     length: u8,
     /// Decisions from mark to mark.
     stride: u32,
@@ -23,7 +23,7 @@ pub struct StateHashes {
 
 impl Default for StateHashes {
     fn default() -> Self {
-        Self { marks: [0; MOST], length: 0, stride: 1, decisions: 0 }
+        Self { marks: [0; MAX_MARKS], length: 0, stride: 1, decisions: 0 }
     }
 }
 
@@ -34,7 +34,7 @@ impl StateHashes {
         if !self.decisions.is_multiple_of(self.stride) {
             return;
         }
-        if usize::from(self.length) == MOST {
+        if usize::from(self.length) == MAX_MARKS {
             self.thin();
             if !self.decisions.is_multiple_of(self.stride) {
                 return;
@@ -47,10 +47,10 @@ impl StateHashes {
 
     /// Drops every other mark.
     fn thin(&mut self) {
-        for kept in 0..MOST / 2 {
+        for kept in 0..MAX_MARKS / 2 {
             self.marks[kept] = self.marks[2 * kept + 1];
         }
-        self.length = (MOST / 2) as u8;
+        self.length = (MAX_MARKS / 2) as u8;
         self.stride *= 2;
     }
 
@@ -113,11 +113,11 @@ impl FromStr for StateHashes {
         let stride: u32 = stride.parse().map_err(|_| NoTrail)?;
         let length = digits.len() / 2;
         let hexadecimal = digits.bytes().all(|byte| byte.is_ascii_hexdigit());
-        if !stride.is_power_of_two() || digits.len() % 2 == 1 || length > MOST || !hexadecimal {
+        if !stride.is_power_of_two() || digits.len() % 2 == 1 || length > MAX_MARKS || !hexadecimal {
             return Err(NoTrail);
         }
         let decisions = stride.checked_mul(length as u32).ok_or(NoTrail)?;
-        let mut hashes = Self { marks: [0; MOST], length: length as u8, stride, decisions };
+        let mut hashes = Self { marks: [0; MAX_MARKS], length: length as u8, stride, decisions };
         for (place, mark) in hashes.marks[..length].iter_mut().enumerate() {
             *mark = u8::from_str_radix(&digits[2 * place..2 * place + 2], 16).map_err(|_| NoTrail)?;
         }
@@ -143,7 +143,7 @@ mod tests {
     fn the_divergence_is_found_between_two_marks_whatever_the_lengths() {
         for decisions in [1, 5, 31, 32, 33, 64, 65, 200, 3000] {
             let whole = hashes(decisions, u32::MAX);
-            let stride = decisions.div_ceil(MOST as u32).next_power_of_two();
+            let stride = decisions.div_ceil(MAX_MARKS as u32).next_power_of_two();
             assert!(whole.stride <= stride && whole.marks().len() as u32 == decisions / whole.stride, "{decisions}");
             assert_eq!(whole.divergence(&whole), None);
             for from in [1, 2, decisions / 2 + 1] {

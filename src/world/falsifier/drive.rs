@@ -58,11 +58,7 @@ pub fn play(
 }
 
 /// Lets the walk policy choose. Returns false and ends the episode if it fails as a program.
-fn choose(
-    simulation: &mut dyn Simulation,
-    walker: &mut dyn WalkPolicy,
-    commands: &mut [WalkCommand],
-) -> bool {
+fn choose(simulation: &mut dyn Simulation, walker: &mut dyn WalkPolicy, commands: &mut [WalkCommand]) -> bool {
     walker.choose(&simulation.scene(), commands);
     match walker.fault() {
         Some(fault) => simulation.abandon(fault),

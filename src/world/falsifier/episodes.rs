@@ -1,8 +1,8 @@
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
-use super::drive::{advance, place, play};
 use super::WalkPolicy;
+use super::drive::{advance, place, play};
 use crate::av::Fault;
 use crate::env::{Draw, Outcome, Phase, Scenario, Simulation, Trace};
 use crate::sim::WalkCommand;

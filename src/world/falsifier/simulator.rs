@@ -137,8 +137,7 @@ impl<'a> Simulator<'a> {
         self.starts.insert(self.start);
         if let Some(cell) = self.cell().filter(|_| self.is_failure()) {
             let commands = self.commands.clone();
-            let violation =
-                self.scenario.criterion.requirement().and_then(|place| self.degrees().get(place).copied());
+            let violation = self.scenario.criterion.requirement().and_then(|place| self.degrees().get(place).copied());
             let (start, ticks, simulations) = (self.start, self.used, self.episodes + self.left_out);
             self.failures.push(Failure { start, ticks, simulations, commands, outcome, violation, cell });
         }

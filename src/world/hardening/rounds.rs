@@ -13,7 +13,7 @@ use crate::judge::{Blame, Judged};
 use base::seed::Seed;
 
 /// Most failures that a search leaves for repairs, each from another start, evenly from all of them.
-const MOST_KEPT: usize = 60;
+const MAX_KEPT: usize = 60;
 
 /// A falsifier with its name, and the scenario of each town with its reward.
 pub type Attack = (String, Arc<dyn Falsifier>, Vec<Arc<Scenario>>);
@@ -165,6 +165,6 @@ pub(super) fn faults<'a>(scenario: &Arc<Scenario>, seed: Seed, failures: &'a [Fa
 }
 
 fn evenly(all: Vec<&Failure>) -> impl Iterator<Item = &Failure> {
-    let (count, kept) = (all.len(), all.len().min(MOST_KEPT));
+    let (count, kept) = (all.len(), all.len().min(MAX_KEPT));
     (0..kept).map(move |place| all[place * count / kept])
 }

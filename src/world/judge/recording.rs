@@ -56,7 +56,7 @@ impl Sizes {
 /// A recording that cannot be judged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordingError {
-    #[error("there are {ego} instants of the car and {pedestrian} of the pedestrian; give the same number of both, 2 to {most}", most = Recording::MOST_INSTANTS)]
+    #[error("there are {ego} instants of the car and {pedestrian} of the pedestrian; give the same number of both, 2 to {most}", most = Recording::MAX_INSTANTS)]
     Instants { ego: usize, pedestrian: usize },
     #[error("the time between two instants is {0} s; give 0.001 s to 0.5 s")]
     Step(f64),
@@ -101,7 +101,7 @@ pub struct RecordedRequirement {
 
 impl Recording {
     /// The most instants: 80 minutes at 20 Hz.
-    pub const MOST_INSTANTS: usize = 100_000;
+    pub const MAX_INSTANTS: usize = 100_000;
     /// The greatest coordinate (m).
     const FARTHEST: f64 = 1e6;
     /// The greatest speed (m/s).
@@ -112,7 +112,7 @@ impl Recording {
     /// Checks the states of both at instants that are `dt` (s) apart.
     ///
     /// # Errors
-    /// The tracks have not 2 to [`Recording::MOST_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, a
+    /// The tracks have not 2 to [`Recording::MAX_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, a
     /// speed is not 0 to 150 m/s, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
     /// are longer or shorter than the speed explains, or are not along the heading.
     pub fn new(
@@ -120,7 +120,7 @@ impl Recording {
         mut ego: Vec<VehicleState>,
         mut pedestrian: Vec<PedestrianState>,
     ) -> Result<Self, RecordingError> {
-        if ego.len() != pedestrian.len() || !(2..=Self::MOST_INSTANTS).contains(&ego.len()) {
+        if ego.len() != pedestrian.len() || !(2..=Self::MAX_INSTANTS).contains(&ego.len()) {
             return Err(RecordingError::Instants { ego: ego.len(), pedestrian: pedestrian.len() });
         }
         if !(0.001..=0.5).contains(&dt) {

@@ -8,7 +8,7 @@ const NEEDED: [&str; 7] =
 /// Columns of the pedestrian's velocity: both or none.
 const VELOCITY: [&str; 2] = ["pedestrian_yaw_deg", "pedestrian_speed_mps"];
 /// The most columns; what follows is not looked at.
-const MOST_COLUMNS: usize = 10_000;
+const MAX_COLUMNS: usize = 10_000;
 /// The greatest deviation of a time from a constant step, as a share of the step.
 const UNEVEN: f64 = 0.1;
 
@@ -19,7 +19,7 @@ pub enum RecordingFileError {
     Column { column: &'static str, found: Vec<String> },
     #[error("line {line}: there are {found} fields; the header has {wanted}")]
     Fields { line: usize, found: usize, wanted: usize },
-    #[error("line {line}: there are more than {most} rows; cut the recording", most = Recording::MOST_INSTANTS)]
+    #[error("line {line}: there are more than {most} rows; cut the recording", most = Recording::MAX_INSTANTS)]
     Long { line: usize },
     #[error("line {line}, column `{column}`: `{text}` is not a number")]
     Number { line: usize, column: &'static str, text: String },
@@ -42,7 +42,7 @@ impl Recording {
         let mut lines =
             text.trim_start_matches('\u{feff}').lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
         let header: Vec<&str> =
-            lines.next().map_or_else(Vec::new, |(_, line)| fields(line).take(MOST_COLUMNS).collect());
+            lines.next().map_or_else(Vec::new, |(_, line)| fields(line).take(MAX_COLUMNS).collect());
         let place = |column: &'static str| header.iter().position(|name| *name == column);
         let absent = |column: &'static str| {
             let found = header.iter().take(40).map(|name| name.chars().take(40).collect()).collect();
@@ -61,10 +61,10 @@ impl Recording {
         }
         let (mut times, mut ego, mut positions, mut walkers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (index, line) in lines {
-            if times.len() == Self::MOST_INSTANTS {
+            if times.len() == Self::MAX_INSTANTS {
                 return Err(RecordingFileError::Long { line: index + 1 });
             }
-            let row: Vec<&str> = fields(line).take(MOST_COLUMNS).collect();
+            let row: Vec<&str> = fields(line).take(MAX_COLUMNS).collect();
             if row.len() != header.len() {
                 return Err(RecordingFileError::Fields { line: index + 1, found: row.len(), wanted: header.len() });
             }

@@ -8,7 +8,7 @@ use crate::geometry::{Pose, Vector, wrap_angle};
 const STRETCH: f64 = 2.0;
 const MOVING: f64 = 0.5;
 /// The least number of stretches that say something.
-const FEWEST: usize = 4;
+const MIN_STRETCHES: usize = 4;
 /// What the length of a stretch may be, as a multiple of what the speed explains: of the longest at least the first number, since an actor that turns round
 /// comes back, and of the median at most the second. Miles per hour give 0.45.
 const EXPLAINED: (f64, f64) = (0.6, 1.7);
@@ -54,7 +54,7 @@ impl Stretch {
 /// actor and a car that drives backwards are no misfit.
 pub(super) fn misfit(track: &[(Pose, f64)], dt: f64) -> Option<Misfit> {
     let stretches = stretches(track, dt);
-    if stretches.len() < FEWEST {
+    if stretches.len() < MIN_STRETCHES {
         return None;
     }
     let ratio = median(stretches.iter().map(Stretch::ratio));

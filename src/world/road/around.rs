@@ -10,7 +10,7 @@ use crate::geometry::{Point, Vector};
 /// How far beyond the edge of a lane the centre of a car still counts as inside (m).
 const EDGE: f64 = 0.1;
 /// The greatest number of lanes in a row through a junction, a guard against lanes that lead in circles.
-const MOST_LANES: usize = 64;
+const MAX_LANES: usize = 64;
 
 /// The driving lane whose centre line is nearest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +81,7 @@ impl Town {
         let mut best = self.inside_of(first, point);
         for branch in self.network.next(self.network.lane(first)) {
             let mut slot = *branch;
-            for _ in 0..MOST_LANES {
+            for _ in 0..MAX_LANES {
                 best = best.max(self.inside_of(slot, point));
                 let lane = self.network.lane(slot);
                 match *self.network.next(lane) {

@@ -7,7 +7,7 @@ use crate::geometry::{Point, Vector};
 /// How far the heading turns before the next chord starts (rad).
 const TURN: f64 = std::f64::consts::PI / 100.0;
 /// The longest chord on a curved lane (m).
-const LONGEST: f64 = 100.0;
+const MAX_LENGTH: f64 = 100.0;
 /// The step in which a curved lane is searched for the end of a chord (m).
 const STEP: f64 = 1.0;
 /// Margin by which a chord stays before the end of its lane (m).
@@ -115,7 +115,7 @@ fn chords_of(roads: &[Road], network: &LaneNetwork, lane: &NetworkLane, mut tell
     while along < length {
         let next = (along + step).min(length);
         let end = end_at(next);
-        if begin.turned(&end) > TURN || next - begun > LONGEST || next >= length {
+        if begin.turned(&end) > TURN || next - begun > MAX_LENGTH || next >= length {
             tell(&begin, &end);
             (begun, begin) = (next, end);
         }

@@ -7,9 +7,9 @@ use crate::geometry::{Point, Vector};
 /// The width of a grid's cell (m).
 const CELL: f64 = 4.0;
 /// The greatest number of cells of a grid; larger towns get wider cells.
-const MOST_CELLS: f64 = 65_536.0;
+const MAX_CELLS: f64 = 65_536.0;
 /// The greatest number of candidate chords in all cells of a grid together.
-const MOST_CANDIDATES: usize = 4_000_000;
+const MAX_CANDIDATES: usize = 4_000_000;
 /// How far beyond the lanes a grid reaches (m).
 const BEYOND: f64 = 12.0;
 
@@ -50,7 +50,7 @@ impl ChordGrid {
 
     fn fill(&mut self, chords: &[Chord], tree: &ChordTree, low: Point, size: Vector) {
         self.origin = low - Vector::new(BEYOND, BEYOND);
-        self.cell = CELL.max((size.x * size.y / MOST_CELLS).sqrt()).max(size.max() / MOST_CELLS);
+        self.cell = CELL.max((size.x * size.y / MAX_CELLS).sqrt()).max(size.max() / MAX_CELLS);
         self.columns = (size.x / self.cell).ceil() as usize;
         self.rows = (size.y / self.cell).ceil() as usize;
         let mut blocks = vec![Vec::new(); self.columns.div_ceil(BLOCK)];
@@ -73,7 +73,7 @@ impl ChordGrid {
                 self.candidates = candidates;
                 self.starts.push(self.candidates.len() as u32);
             }
-            if self.candidates.len() > MOST_CANDIDATES {
+            if self.candidates.len() > MAX_CANDIDATES {
                 return self.give_up();
             }
         }
@@ -112,7 +112,7 @@ impl ChordGrid {
             block.extend(tree.within(middle, reach));
             block.sort_unstable();
             count += block.len();
-            if count > MOST_CANDIDATES {
+            if count > MAX_CANDIDATES {
                 return false;
             }
         }

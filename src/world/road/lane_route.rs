@@ -4,7 +4,7 @@ use crate::geometry::wrap_angle;
 /// Turns below this angle are straight on (rad), as for drivers without a route.
 const STRAIGHT: f64 = 35.0 * std::f64::consts::PI / 180.0;
 /// The greatest number of lanes of a route, a guard against lanes without length.
-const MOST_LANES: usize = 4096;
+const MAX_LANES: usize = 4096;
 
 /// A turn that no branch takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub fn lane_route(town: &Town, from: Waypoint, turns: &[RoadOption]) -> Result<V
     let mut lanes = vec![from];
     let mut here = from;
     let mut open = turns.iter().enumerate().peekable();
-    while lanes.len() < MOST_LANES {
+    while lanes.len() < MAX_LANES {
         if open.peek().is_none() && !town.is_junction(here) {
             return Ok(lanes);
         }
@@ -49,7 +49,7 @@ pub fn lane_route(town: &Town, from: Waypoint, turns: &[RoadOption]) -> Result<V
 /// The turn that a branch takes, from its start up to where it leaves its junction.
 fn option(town: &Town, branch: Waypoint) -> RoadOption {
     let mut here = branch;
-    for _ in 0..MOST_LANES {
+    for _ in 0..MAX_LANES {
         if !town.is_junction(here) {
             break;
         }

@@ -20,7 +20,7 @@ impl ActorId {
     pub const EGO: Self = Self::Vehicle(0);
 
     /// The most vehicles, and the most pedestrians, of a world.
-    pub const MOST: usize = 255;
+    pub const MAX_COUNT: usize = 255;
 
     /// The number among the actors of its kind.
     pub fn number(self) -> usize {

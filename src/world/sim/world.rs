@@ -34,7 +34,7 @@ impl World {
     /// Makes a world with all actors at the origin; [`World::begin`] places them.
     ///
     /// # Panics
-    /// Without a vehicle, or with more than [`ActorId::MOST`] vehicles or pedestrians.
+    /// Without a vehicle, or with more than [`ActorId::MAX_COUNT`] vehicles or pedestrians.
     pub fn new(
         town: Arc<Town>,
         obstacles: Arc<Obstacles>,
@@ -44,7 +44,10 @@ impl World {
         dt: f64,
     ) -> Self {
         assert!(!vehicles.is_empty(), "a world has an ego");
-        assert!(vehicles.len().max(pedestrians.len()) <= ActorId::MOST, "a world has at most 255 actors of a kind");
+        assert!(
+            vehicles.len().max(pedestrians.len()) <= ActorId::MAX_COUNT,
+            "a world has at most 255 actors of a kind"
+        );
         Self {
             town,
             obstacles,

@@ -4,7 +4,7 @@ use super::{Link, Opener, Program};
 use crate::av::Fault;
 
 /// Longest line of an answer (bytes).
-const LONGEST_LINE: usize = 1 << 20;
+const MAX_LINE: usize = 1 << 20;
 /// The number of bytes of a wrong answer that are shown.
 const SHOWN: usize = 200;
 
@@ -67,7 +67,7 @@ impl Peer {
         line.push(b'\n');
         link.send(&line, self.start_timeout)?;
         line.clear();
-        link.line(&mut line, LONGEST_LINE)?;
+        link.line(&mut line, MAX_LINE)?;
         match greeted(&line) {
             Ok(()) => Ok(link),
             Err(fault) => {
@@ -108,7 +108,7 @@ impl Peer {
         let link = self.link()?;
         answer.clear();
         link.send(line, limit)?;
-        link.line(answer, LONGEST_LINE)?;
+        link.line(answer, MAX_LINE)?;
         read(answer).inspect_err(|fault| link.note(&format!("{fault}: {}", shown(answer))))
     }
 }

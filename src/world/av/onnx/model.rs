@@ -9,8 +9,8 @@ use crate::av::view::View;
 use base::contained::contained;
 
 /// The greatest number of actors and of points of the route in a network's inputs.
-const MOST_ACTORS: usize = 64;
-const MOST_POINTS: usize = 40;
+const MAX_ACTORS: usize = 64;
+const MAX_POINTS: usize = 40;
 
 /// Why a file contains no driver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -134,11 +134,11 @@ fn input(network: &rten::Model, id: NodeId) -> Result<Input, ModelError> {
         },
         "actors" => {
             let wrong = ModelError::Shape { name: "actors", wanted: "(1, K, 8) with K from 1 to 64" };
-            rows(8, MOST_ACTORS).map(Input::Actors).ok_or(wrong)
+            rows(8, MAX_ACTORS).map(Input::Actors).ok_or(wrong)
         }
         "route" => {
             let wrong = ModelError::Shape { name: "route", wanted: "(1, R, 3) with R from 1 to 40" };
-            rows(3, MOST_POINTS).map(Input::Route).ok_or(wrong)
+            rows(3, MAX_POINTS).map(Input::Route).ok_or(wrong)
         }
         _ => Err(ModelError::UnknownInput(name)),
     }

@@ -10,7 +10,7 @@ use crate::av::Fault;
 use base::contained::contained;
 
 /// The greatest number of numbers that a network takes.
-const MOST_NUMBERS: usize = 1 << 16;
+const MAX_NUMBERS: usize = 1 << 16;
 
 /// Why a file contains no network of plain numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -96,7 +96,7 @@ fn width(network: &rten::Model, id: NodeId) -> Option<usize> {
     let floats = matches!(info.dtype(), None | Some(ValueType::Tensor(DataType::Float)));
     match info.shape()?.as_slice() {
         [Dimension::Fixed(1) | Dimension::Symbolic(_), Dimension::Fixed(width)]
-            if floats && (1..=MOST_NUMBERS).contains(width) =>
+            if floats && (1..=MAX_NUMBERS).contains(width) =>
         {
             Some(*width)
         }

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use super::encoding::{Content, Refusal, fields, text, whole_numbers};
 
 /// The most elements of a constant.
-const MOST_ELEMENTS: u64 = 1 << 26;
+const MAX_ELEMENTS: u64 = 1 << 26;
 /// The most operators of a network.
-const MOST_OPERATORS: usize = 20_000;
+const MAX_OPERATORS: usize = 20_000;
 
 /// Operators that have graphs of their own, or make lists of tensors.
 const UNBOUNDED: [&str; 8] = [
@@ -143,8 +143,8 @@ impl Vetting {
     }
 
     fn node(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
-        if self.operators.len() == MOST_OPERATORS {
-            return Err(format!("it has more than {MOST_OPERATORS} operators"));
+        if self.operators.len() == MAX_OPERATORS {
+            return Err(format!("it has more than {MAX_OPERATORS} operators"));
         }
         let mut operator = Operator::default();
         fields(bytes, &mut |number, content| {
@@ -204,9 +204,8 @@ fn attribute(bytes: &[u8]) -> Result<(), Refusal> {
         }
         Ok(())
     })?;
-    if numbers.iter().any(|number| number.unsigned_abs() > MOST_ELEMENTS && *number != i64::MAX && *number != i64::MIN)
-    {
-        return Err(format!("the attribute `{name}` has a number beyond {MOST_ELEMENTS}"));
+    if numbers.iter().any(|number| number.unsigned_abs() > MAX_ELEMENTS && *number != i64::MAX && *number != i64::MIN) {
+        return Err(format!("the attribute `{name}` has a number beyond {MAX_ELEMENTS}"));
     }
     if SIZES.contains(&name.as_str()) && numbers.iter().any(|number| number.unsigned_abs() > 1 << 16) {
         return Err(format!("the attribute `{name}` has a size beyond {}", 1 << 16));
@@ -241,9 +240,9 @@ fn tensor(bytes: &[u8]) -> Result<String, Refusal> {
         Ok(())
     })?;
     let name = &tensor.name;
-    let elements = product(&tensor.dimensions).filter(|elements| *elements <= MOST_ELEMENTS);
+    let elements = product(&tensor.dimensions).filter(|elements| *elements <= MAX_ELEMENTS);
     let elements = elements
-        .ok_or_else(|| format!("the constant `{name}` has more than {MOST_ELEMENTS} elements, or a negative size"))?;
+        .ok_or_else(|| format!("the constant `{name}` has more than {MAX_ELEMENTS} elements, or a negative size"))?;
     let bytes = elements.saturating_mul(element_bytes(tensor.kind));
     if tensor.raw.max(tensor.listed.saturating_mul(element_bytes(tensor.kind))) < bytes {
         return Err(format!("the constant `{name}` should have {elements} elements and has fewer"));

@@ -7,7 +7,7 @@ use base::seed::Stream;
 /// The car may drive at so many times the highest limit of a speed sign,
 const BEYOND_LIMIT: f64 = 2.0;
 /// and at this speed (m/s) in any town.
-const LEAST_SPEED: f64 = 20.0;
+const MIN_SPEED: f64 = 20.0;
 /// Length that bodies and half a lane may take of a distance between middles (m).
 const BODIES: f64 = 5.0;
 /// The number of starts that are drawn first.
@@ -32,7 +32,7 @@ impl SpawnRule {
         if self.scripted().is_some() {
             return false;
         }
-        let limit = limits(town).map(|limit| BEYOND_LIMIT * limit).fold(LEAST_SPEED, f64::max);
+        let limit = limits(town).map(|limit| BEYOND_LIMIT * limit).fold(MIN_SPEED, f64::max);
         let driven = limit.max(self.greatest_given_speed().unwrap_or(0.0));
         let walked = walking * time + BODIES;
         let lane_in_reach = |place: Point| {

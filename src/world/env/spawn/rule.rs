@@ -68,7 +68,7 @@ const FEW_PROBES: u32 = 400;
 /// Number of starts that measure their rate, if they are rare.
 const RARE: u32 = 40;
 /// Most tries for each listed pose of the ego, and most tries in total for many poses.
-const MOST_PROBES: u32 = 40_000;
+const MAX_PROBES: u32 = 40_000;
 const ALL_PROBES: u32 = 400_000;
 /// A probe that finds enough within this number of tries does not check the poses of the ego.
 const QUICK_PROBES: u32 = 10 * ENOUGH;
@@ -82,7 +82,7 @@ const EGOS: u32 = 20;
 /// Most tries of the latter kind: with one in ten thousand accepted, all of them fail once in 10⁴³⁴ starts.
 const LAST_TRIES: u32 = 10_000_000;
 /// Most poses that are drawn to find one on a stretch of road that the rule admits.
-const MOST_POSES: u32 = 1_000_000;
+const MAX_POSES: u32 = 1_000_000;
 /// Poses of the ego that one [`SpawnRule::sample_if_easy`] tries.
 const FEW_EGOS: u32 = 10;
 /// The part of the distances, from the nearest, with which a curriculum starts.
@@ -104,7 +104,7 @@ impl SpawnRule {
         self.ego_start.check(town)?;
         self.check_route(town)?;
         let poses = if let EgoStart::Poses(poses) = &self.ego_start { poses.len() as u32 } else { 1 };
-        let most = (ALL_PROBES / poses).clamp(FEW_PROBES, MOST_PROBES);
+        let most = (ALL_PROBES / poses).clamp(FEW_PROBES, MAX_PROBES);
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
             let mut survey = |most: u32, enough| self.survey_from(ego, town, obstacles, first, (most, enough), stream);
             let few = survey(FEW_PROBES, ENOUGH);
@@ -239,7 +239,7 @@ impl SpawnRule {
         tried: &mut u32,
     ) -> Option<Spawn> {
         (0..egos).find_map(|_| {
-            let mut poses = (0..MOST_POSES).map(|_| self.ego_start.sample(town, stream));
+            let mut poses = (0..MAX_POSES).map(|_| self.ego_start.sample(town, stream));
             let ego = poses.find(|ego| self.road_shape.admits(town, ego))?;
             (0..tries).find_map(|_| {
                 *tried += 1;

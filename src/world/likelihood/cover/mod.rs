@@ -76,15 +76,15 @@ impl Coverage {
 /// The places that measure a share of the box.
 const SPREAD: usize = 4096;
 /// The least number of points of the first design.
-const LEAST_DESIGN: u64 = 40;
+const MIN_DESIGN: u64 = 40;
 /// A batch of learning is this part of the points so far.
 const BATCH: u64 = 8;
 /// The least number of points of a batch.
-const LEAST_BATCH: u64 = 10;
+const MIN_BATCH: u64 = 10;
 /// Candidates for each point of a batch, and their bounds.
 const CANDIDATES: (u64, u64, u64) = (20, 500, 20_000);
 /// The greatest number of points of a look that may be worse than the picture.
-const MOST_WORSE: u64 = 20;
+const MAX_WORSE: u64 = 20;
 
 /// Whether a run at a point of the unit box, with this number, failed; a break to stop.
 pub type Experiment<'a> = dyn FnMut(&[f64], u64) -> ControlFlow<(), bool> + 'a;
@@ -117,7 +117,7 @@ struct Work<'a, 'b> {
 impl Work<'_, '_> {
     fn run(&mut self, seed: &Seed) -> ControlFlow<()> {
         let CoverConfig { dimensions, epsilon, budget } = *self.config;
-        let design = ((1.0 / epsilon) as u64).max(LEAST_DESIGN).min(budget / 2);
+        let design = ((1.0 / epsilon) as u64).max(MIN_DESIGN).min(budget / 2);
         for at in latin_hypercube(design as usize, dimensions, &mut seed.child("design").stream()) {
             self.try_at(at, Sampled::Design)?;
         }
@@ -129,7 +129,7 @@ impl Work<'_, '_> {
             let left = budget - self.used();
             let learnt = self.used();
             // A look may cost as much as what was learnt before it. More points allow more of them to be worse.
-            let allowed = (1..=MOST_WORSE).take_while(|worse| size(*worse, epsilon, alpha) <= learnt.min(left)).last();
+            let allowed = (1..=MAX_WORSE).take_while(|worse| size(*worse, epsilon, alpha) <= learnt.min(left)).last();
             let allowed = allowed.unwrap_or(0);
             let last = left < size(allowed, epsilon, alpha);
             // The last look uses what is left, whatever it finds: nothing could be learnt from it.
@@ -171,7 +171,7 @@ impl Work<'_, '_> {
         let room = (self.config.budget - self.used()).saturating_sub(reserve);
         let end = self.used() + self.used().min(room);
         while self.used() < end {
-            let batch = (self.used() / BATCH).max(LEAST_BATCH).min(end - self.used());
+            let batch = (self.used() / BATCH).max(MIN_BATCH).min(end - self.used());
             let (each, least, most) = CANDIDATES;
             let candidates = (each * batch).clamp(least, most);
             let points = uncertain(&self.picture, candidates, batch, &mut stream);

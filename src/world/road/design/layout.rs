@@ -6,17 +6,17 @@ use crate::geometry::{Point, wrap_angle};
 use crate::road::RoadEnd;
 
 /// The least angle between two streets (rad).
-const LEAST_ANGLE: f64 = FRAC_PI_6;
+const MIN_ANGLE: f64 = FRAC_PI_6;
 /// Nodes nearer than this lie on one place (m).
 const SAME_PLACE: f64 = 0.01;
 /// The least length of a road between bends and junctions (m): room for a speed sign and a traffic light.
-const LEAST_ROAD: f64 = 5.0;
+const MIN_ROAD: f64 = 5.0;
 /// Streets in line to within this angle need no bend (rad).
 const IN_LINE: f64 = 1e-9;
 /// How much more than half the width of a street the radius of its bend is at least (m).
 const BEND_MARGIN: f64 = 0.5;
 /// The least length of the straight part that a bend replaces (m); it prevents roads of a few millimetres.
-const LEAST_TANGENT: f64 = 1.0;
+const MIN_TANGENT: f64 = 1.0;
 
 /// The straight part of a street between two of its nodes.
 #[derive(Debug)]
@@ -119,14 +119,14 @@ impl Layout {
         }
         for (index, leg) in legs.iter().enumerate().filter(|_| legs.len() > 1) {
             let gap = self.gap(node, index);
-            if gap < LEAST_ANGLE - 1e-9 {
+            if gap < MIN_ANGLE - 1e-9 {
                 let street = |leg: &Leg| design.streets[self.edges[leg.edge].street].name.clone();
                 faults.push(DesignError::SharpAngle {
                     node: design.nodes[node].name.clone(),
                     first: street(leg),
                     second: street(&legs[(index + 1) % legs.len()]),
                     degrees: gap.to_degrees(),
-                    least: LEAST_ANGLE.to_degrees(),
+                    least: MIN_ANGLE.to_degrees(),
                 });
                 sound = false;
             }
@@ -189,7 +189,7 @@ impl Layout {
             }
         }
         for edge in &mut self.edges {
-            let needed = edge.cuts[0] + edge.cuts[1] + LEAST_ROAD;
+            let needed = edge.cuts[0] + edge.cuts[1] + MIN_ROAD;
             edge.fits = edge.length >= needed;
             if !edge.fits {
                 faults.push(DesignError::ShortLeg {
@@ -206,7 +206,7 @@ impl Layout {
     /// The radius of the middle of a street where it bends at a node (m); `None` if the node is not a bend.
     pub fn bend_radius(&self, design: &TownDesign, node: usize) -> Option<f64> {
         let bend = *self.joints.get(node)? == Joint::Bend;
-        bend.then(|| design.bend_radius.max(LEAST_TANGENT / self.half_turn(node)))
+        bend.then(|| design.bend_radius.max(MIN_TANGENT / self.half_turn(node)))
     }
 
     /// The tangent of half the angle by which a street turns at a bend.
@@ -218,7 +218,7 @@ impl Layout {
     fn leg_cut(&self, design: &TownDesign, node: usize, leg: usize) -> f64 {
         match self.joints[node] {
             Joint::Nothing | Joint::DeadEnd | Joint::Straight => 0.0,
-            Joint::Bend => (design.bend_radius * self.half_turn(node)).max(LEAST_TANGENT),
+            Joint::Bend => (design.bend_radius * self.half_turn(node)).max(MIN_TANGENT),
             Joint::Junction => {
                 // The outer edges of two neighbouring streets are joined by an arc of the corner's radius, and so the
                 // middles by an arc about the same centre. If one street is wider, the arc is that of two such streets.
@@ -300,7 +300,7 @@ fn find_unused_nodes(design: &TownDesign, faults: &mut Vec<DesignError>) {
 }
 
 /// The greatest number of reported crossings and overlaps; each pair of streets may have one.
-pub(super) const MOST_FAULTS: usize = 100;
+pub(super) const MAX_FAULTS: usize = 100;
 
 fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignError>) {
     let ends = |edge: &Edge| edge.nodes.map(|node| design.nodes[node].position);
@@ -311,7 +311,7 @@ fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignEr
                 continue;
             }
             if let Some(place) = crossing(ends(first), ends(second)) {
-                if faults.len() >= MOST_FAULTS {
+                if faults.len() >= MAX_FAULTS {
                     return;
                 }
                 faults.push(DesignError::Crossing { first: name(first), second: name(second), x: place.x, y: place.y });

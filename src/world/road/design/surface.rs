@@ -1,4 +1,4 @@
-use super::layout::{Joint, Layout, MOST_FAULTS};
+use super::layout::{Joint, Layout, MAX_FAULTS};
 use super::network::Network;
 use super::{DesignError, TownDesign};
 use crate::geometry::{OrientedBox, Point, Pose, Vector};
@@ -85,7 +85,7 @@ impl Surfaces {
                 if let Some(place) = common_place(&self.roads[first], &self.roads[second])
                     && !is_known(faults, names)
                 {
-                    if faults.len() >= MOST_FAULTS {
+                    if faults.len() >= MAX_FAULTS {
                         return;
                     }
                     let [first, second] = names.map(str::to_owned);

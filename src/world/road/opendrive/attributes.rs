@@ -7,9 +7,9 @@ use roxmltree::Node;
 use super::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 
 /// An upper bound of every length, coordinate and coefficient of a town.
-const LARGEST: f64 = 1e9;
+const MAX_NUMBER: f64 = 1e9;
 /// The greatest number of warnings that are stored.
-const MOST_WARNINGS: usize = 10_000;
+const MAX_WARNINGS: usize = 10_000;
 
 /// The number of bytes after which line ends are counted anew.
 const BLOCK: usize = 1 << 12;
@@ -55,7 +55,7 @@ impl<'x> Context<'x> {
 
     /// Records a problem with an element.
     pub fn warn(&mut self, node: Node, problem: OpenDriveProblem) {
-        if self.warnings.len() >= MOST_WARNINGS {
+        if self.warnings.len() >= MAX_WARNINGS {
             return;
         }
         let line = self.line(node);
@@ -74,7 +74,7 @@ impl<'x> Context<'x> {
     /// Counts an element that has no effect, under what it is.
     pub fn not_used(&mut self, node: Node, what: String) {
         let line = self.line(node);
-        if self.unused.len() < MOST_WARNINGS || self.unused.contains_key(&what) {
+        if self.unused.len() < MAX_WARNINGS || self.unused.contains_key(&what) {
             self.unused.entry(what).or_insert((line, 0)).1 += 1;
         }
     }
@@ -106,7 +106,7 @@ impl<'x> Context<'x> {
     /// A number, if the attribute is present and is one.
     pub fn optional(&mut self, node: Node, attribute: &'static str) -> Option<f64> {
         let text = node.attribute(attribute)?;
-        let number = text.trim().parse().ok().filter(|number: &f64| number.abs() <= LARGEST);
+        let number = text.trim().parse().ok().filter(|number: &f64| number.abs() <= MAX_NUMBER);
         if number.is_none() {
             self.bad(node, attribute, text);
         }

@@ -22,7 +22,7 @@ const PLACES: f64 = 4e6;
 /// The most terms in the sums of widths that lead from a reference line to the centres of lanes.
 const TERMS: f64 = 2e7;
 /// The longest road, and the longest piece of a reference line (m).
-pub(super) const LONGEST: f64 = 1e6;
+pub(super) const MAX_LENGTH: f64 = 1e6;
 /// The distance between two places of a cubic curve (m), and the most places of one.
 const SPACING: (f64, f64) = (0.3, 20_001.0);
 
@@ -86,14 +86,14 @@ pub(super) fn check_roads(root: Node) -> Result<(), OpenDriveError> {
     for road in children(root, "road") {
         let mut drawn = 0.0_f64;
         for piece in child(road, "planView").into_iter().flat_map(|view| children(view, "geometry")) {
-            let Some(length) = number(piece, "length").filter(|length| *length <= LONGEST) else { continue };
+            let Some(length) = number(piece, "length").filter(|length| *length <= MAX_LENGTH) else { continue };
             drawn = drawn.max(number(piece, "s").unwrap_or(0.0) + length);
             if ["poly3", "paramPoly3"].iter().any(|form| child(piece, form).is_some()) {
                 places += (length / SPACING.0).min(SPACING.1) + 6.0;
             }
         }
         let length = number(road, "length").filter(|length| *length > 0.0).unwrap_or(drawn);
-        let Some(sections) = child(road, "lanes").filter(|_| length <= LONGEST) else { continue };
+        let Some(sections) = child(road, "lanes").filter(|_| length <= MAX_LENGTH) else { continue };
         let offsets = children(sections, "laneOffset").count() as f64;
         let mut starts: Vec<(f64, Node)> = children(sections, "laneSection")
             .map(|section| (number(section, "s").unwrap_or(0.0).clamp(0.0, length), section))

@@ -6,7 +6,7 @@ use super::{OpenDriveError, OpenDriveProblem};
 use crate::road::{Cubic, Lane, LaneId, LaneKind, LaneSection, Profile};
 
 /// Larger lane numbers are treated as errors.
-const LARGEST_ID: LaneId = 1000;
+const MAX_ID: LaneId = 1000;
 /// The greatest width of a lane (m).
 const WIDEST: f64 = 1000.0;
 
@@ -38,7 +38,7 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
     let mut found: Vec<(LaneId, Node)> = Vec::new();
     let sides = node.children().filter(|side| matches!(side.tag_name().name(), "left" | "center" | "right"));
     for lane in sides.flat_map(|side| children(side, "lane")) {
-        match context.whole(lane, "id").filter(|id| id.abs() <= LARGEST_ID) {
+        match context.whole(lane, "id").filter(|id| id.abs() <= MAX_ID) {
             None => {
                 context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" });
             }

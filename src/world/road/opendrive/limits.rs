@@ -11,7 +11,7 @@ use crate::road::{LaneSection, Road, SpeedSign, TownParts};
 /// What stands for "no limit" (m/s): 130 km/h, the speed that is recommended on German motorways without a limit.
 const NO_LIMIT: f64 = 130.0 / 3.6;
 /// Greater limits are mistakes (m/s).
-const MOST: f64 = 150.0;
+const MAX_LIMIT: f64 = 150.0;
 /// A mile per hour (m/s).
 const MPH: f64 = 0.44704;
 
@@ -76,7 +76,7 @@ fn limit(context: &mut Context, speed: Node) -> Option<f64> {
             return None;
         }
     };
-    let usable = limit > 0.0 && limit <= MOST;
+    let usable = limit > 0.0 && limit <= MAX_LIMIT;
     if !usable {
         context.bad(speed, "max", text);
     }

@@ -2,12 +2,12 @@ use roxmltree::Node;
 
 use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
-use super::budget::LONGEST;
+use super::budget::MAX_LENGTH;
 use crate::geometry::Pose;
 use crate::road::{Geometry, PlanView, Shape};
 
 /// The most that a spiral may turn (rad). Its places cost as much time as it turns.
-const MOST_TURN: f64 = 64.0;
+const MAX_TURN: f64 = 64.0;
 
 /// Reads the reference line of a road; empty when there is no usable piece.
 pub(super) fn read(context: &mut Context, road: Node) -> PlanView {
@@ -17,7 +17,7 @@ pub(super) fn read(context: &mut Context, road: Node) -> PlanView {
 
 fn piece(context: &mut Context, node: Node) -> Option<Geometry> {
     let (x, y) = (context.number(node, "x")?, context.number(node, "y")?);
-    let length = context.number(node, "length").filter(|length| *length > 0.0 && *length <= LONGEST)?;
+    let length = context.number(node, "length").filter(|length| *length > 0.0 && *length <= MAX_LENGTH)?;
     let s = context.number_or_zero(node, "s");
     let heading = context.number_or_zero(node, "hdg");
     let shape = node.children().filter(Node::is_element).find_map(|form| shape(context, form));
@@ -25,7 +25,7 @@ fn piece(context: &mut Context, node: Node) -> Option<Geometry> {
         context.warn(node, OpenDriveProblem::UnknownShape);
     }
     let shape = shape.map(|shape| match shape {
-        Shape::Spiral(first, last) if first.abs().max(last.abs()) * length > MOST_TURN => {
+        Shape::Spiral(first, last) if first.abs().max(last.abs()) * length > MAX_TURN => {
             context.warn(node, OpenDriveProblem::Winding);
             Shape::Line
         }

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
-use super::budget::LONGEST;
+use super::budget::MAX_LENGTH;
 use super::{OpenDriveProblem, lanes, limits, plan_view};
 use crate::road::{Cubic, JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
 
@@ -51,7 +51,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
     };
     let drawn = last.s + last.length;
     let length = context.optional(node, "length").filter(|length| *length > 0.0).unwrap_or(drawn);
-    if !(length > 0.0 && length <= LONGEST) {
+    if !(length > 0.0 && length <= MAX_LENGTH) {
         context.warn(node, OpenDriveProblem::NoReferenceLine);
         return None;
     }

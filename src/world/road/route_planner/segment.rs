@@ -2,7 +2,7 @@ use super::client_location::ClientLocation;
 use crate::road::{RoadOption, RoutePoint, Town, Waypoint};
 
 /// The greatest number of points of a segment, a guard against files whose lanes lead past their own end.
-const MOST_POINTS: usize = 100_000;
+const MAX_POINTS: usize = 100_000;
 
 /// A point of a segment, with the location by which CARLA compares points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ impl Segment {
         if entry.location.distance(exit.location) > step {
             let mut here = next(entry);
             while let Some(place) = here.filter(|place| place.location.distance(exit.location) > step) {
-                if places.len() > MOST_POINTS {
+                if places.len() > MAX_POINTS {
                     return None;
                 }
                 places.push(place);
@@ -74,7 +74,7 @@ impl Segment {
         let mut places = vec![from];
         let mut ahead = Vec::new();
         let mut here = from.point.waypoint;
-        while places.len() < MOST_POINTS {
+        while places.len() < MAX_POINTS {
             ahead.clear();
             town.next(here, sampling, &mut ahead);
             let Some(next) = ahead.first().filter(|next| lane(**next) == lane(here)) else { break };
