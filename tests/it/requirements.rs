@@ -7,10 +7,10 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
-use falsify::session::{FailuresOptions, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
+use falsify::session::{FailuresArgs, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
 use learn::Env;
 use results::campaign::{self, InMemory, Repeatable, Silent, watch};
-use results::report::{FailureFilter, Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
+use results::report::{Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
 use world::env::{Outcome, PedestrianEnv, Simulation, Trace as EpisodeTrace};
 use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
 use world::requirement::Trace;
@@ -240,9 +240,8 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     assert_eq!(table(&again, "requirements.csv"), before);
 
     let failures = |requirements: &[&str]| {
-        let requirements = requirements.iter().map(ToString::to_string).collect();
-        let filter = FailureFilter { requirements, ..FailureFilter::default() };
-        let options = FailuresOptions { reports: vec![again.clone()], filter, ..FailuresOptions::default() };
+        let requirement = requirements.iter().map(ToString::to_string).collect();
+        let options = FailuresArgs { reports: vec![again.clone()], requirement, ..FailuresArgs::default() };
         session.failures(&options).unwrap().into_iter().map(|found| found.failure).collect::<Vec<_>>()
     };
     let slow = failures(&["slow_pass"]);
@@ -267,12 +266,12 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         .map(|line| line.split(',').nth(13).unwrap().parse::<f64>().unwrap())
         .sum();
     let listed = |verdict: &str| {
-        let filter = FailureFilter {
-            requirements: vec!["slow_pass".into()],
-            verdicts: vec![verdict.into()],
-            ..FailureFilter::default()
+        let options = FailuresArgs {
+            reports: vec![again.clone()],
+            requirement: vec!["slow_pass".into()],
+            verdict: vec![verdict.into()],
+            ..FailuresArgs::default()
         };
-        let options = FailuresOptions { reports: vec![again.clone()], filter, ..FailuresOptions::default() };
         session.failures(&options).unwrap().into_iter().map(|found| found.failure).collect::<Vec<_>>()
     };
     let blamed = listed("fault");
@@ -325,8 +324,8 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         (0, 0, evaluated.len() as u64),
         "both reports are one"
     );
-    let typo = FailureFilter { requirements: vec!["slow_pas".into()], ..FailureFilter::default() };
-    let options = FailuresOptions { reports: vec![again.clone()], filter: typo, ..FailuresOptions::default() };
+    let requirement = vec!["slow_pas".into()];
+    let options = FailuresArgs { reports: vec![again.clone()], requirement, ..FailuresArgs::default() };
     let refused = session.failures(&options).unwrap_err().to_string();
     assert!(
         refused.contains("no report has a requirement `slow_pas`; known are: no_collision, sees, slow_pass"),

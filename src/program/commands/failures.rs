@@ -1,3 +1,4 @@
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -7,10 +8,11 @@ use crate::cli::console;
 use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{self, FoundFailure};
-use results::report::{self, FailureFilter, FailureOrder, ListedFailure};
+use crate::session::{Error, Session};
+use results::report::{self, FailureOrder, ListedFailure, StoredReport};
+use world::judge::Label;
 
-/// The number of failures that a table shows by default.
+/// Number of failures that a table shows by default.
 const SHOWN: usize = 20;
 
 /// Shown after the help.
@@ -27,7 +29,7 @@ Examples:
 Exit codes: 0 done, also when there is none   2 no report";
 
 /// Options of `falsify failures`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct FailuresArgs {
     /// Reports, or folders of reports.
     #[arg(value_name = "REPORT")]
@@ -87,28 +89,161 @@ pub enum Form {
     Csv,
 }
 
+impl Default for FailuresArgs {
+    /// All failures of `reports`, the worst first.
+    fn default() -> Self {
+        Self {
+            reports: Vec::new(),
+            report: "reports".into(),
+            verdict: Vec::new(),
+            driver: Vec::new(),
+            controller: Vec::new(),
+            kind: Vec::new(),
+            requirement: Vec::new(),
+            min_speed: 0.0,
+            sort: FailureOrder::Severity,
+            top: None,
+            distinct: false,
+            format: Form::Table,
+            names: false,
+        }
+    }
+}
+
+/// The words that may be verdicts.
+fn verdicts() -> impl Iterator<Item = &'static str> {
+    ["fault", "foreseeable", "violation", "no_verdict"].into_iter().chain(Label::ALL.map(Label::name))
+}
+
 fn verdict(text: &str) -> Result<String, String> {
-    let known: Vec<&str> = FailureFilter::verdict_names().collect();
+    let known: Vec<&str> = verdicts().collect();
     if known.contains(&text) { Ok(text.into()) } else { Err(format!("write one of {}", known.join(", "))) }
+}
+
+impl FailuresArgs {
+    /// Whether a failure is listed. Bumps are listed only if `verdict` names them, and a violation at the touch of a collision only if
+    /// `requirement` names it; else it is listed as the collision.
+    fn allows(&self, failure: &ListedFailure) -> bool {
+        let among = |words: &[String], word: &str| words.is_empty() || words.iter().any(|each| each == word);
+        let verdict = |word: &String| match (word.as_str(), &failure.violation) {
+            ("fault", _) => failure.fault,
+            ("foreseeable", _) => failure.foreseeable,
+            ("violation", found) => found.is_some(),
+            ("no_verdict", found) => found.as_ref().is_some_and(|found| found.preventable.is_none()),
+            ("preventable", Some(found)) => found.preventable == Some(true),
+            (_, Some(_)) => false,
+            (label, None) => failure.verdict.is_some_and(|known| known.name() == label),
+        };
+        let violated = match &failure.violation {
+            Some(violation) if self.requirement.is_empty() => !violation.at_collision,
+            Some(violation) => self.requirement.contains(&violation.requirement),
+            None => self.requirement.is_empty(),
+        };
+        let kind = failure.kind();
+        let has = |word: &String| kind.split(", ").any(|part| part == word.replace('_', " "));
+        (self.verdict.is_empty() && !failure.is_bump() || self.verdict.iter().any(verdict))
+            && among(&self.driver, &failure.policy)
+            && among(&self.controller, &failure.controller)
+            && self.kind.iter().all(has)
+            && failure.impact_speed >= self.min_speed
+            && violated
+    }
+}
+
+/// A failure, and the report that has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundFailure {
+    /// The folder of the report.
+    pub report: PathBuf,
+    pub failure: ListedFailure,
+}
+
+/// The words that reports have for a filter.
+#[derive(Debug, Default)]
+struct KnownWords {
+    drivers: BTreeSet<String>,
+    controllers: BTreeSet<String>,
+    kinds: BTreeSet<String>,
+    requirements: BTreeSet<String>,
+}
+
+impl KnownWords {
+    /// Adds those of a report with these failures.
+    fn add(&mut self, report: &StoredReport, failures: &[ListedFailure]) -> Result<(), Error> {
+        for run in report.run_rows()? {
+            self.drivers.insert(run.key.cell.policy);
+            self.controllers.insert(run.key.cell.controller);
+        }
+        for search in report.searches()? {
+            self.drivers.insert(search.policy);
+            self.controllers.insert(search.falsifier);
+        }
+        self.requirements.extend(report.requirements()?);
+        for failure in failures {
+            self.kinds.extend(failure.kind().split(", ").map(|word| word.replace(' ', "_")));
+        }
+        Ok(())
+    }
+
+    /// Checks that the words of the options are known.
+    ///
+    /// # Errors
+    /// The first word that no report has.
+    fn check(&self, options: &FailuresArgs) -> Result<(), Error> {
+        let parts = [
+            ("driver", &options.driver, &self.drivers),
+            ("controller or falsifier", &options.controller, &self.controllers),
+            ("word of a kind", &options.kind, &self.kinds),
+            ("requirement", &options.requirement, &self.requirements),
+        ];
+        // Without any failure there is no word of a kind.
+        for (what, words, known) in parts.into_iter().filter(|(what, _, known)| !known.is_empty() || *what == "requirement") {
+            if let Some(word) = words.iter().find(|word| !known.contains(&word.replace(' ', "_"))) {
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+                return Err(Error::Usage(format!("no report has a {what} `{word}`; known are: {known}")));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Session {
+    /// Lists the failures of reports, of evaluations and searches alike.
+    ///
+    /// # Errors
+    /// No report is there, a table is damaged, or the options name a driver, a controller or a kind that no report has.
+    pub fn failures(&self, options: &FailuresArgs) -> Result<Vec<FoundFailure>, Error> {
+        let mut found: Vec<FoundFailure> = Vec::new();
+        let mut known = KnownWords::default();
+        let one = std::slice::from_ref(&options.report);
+        for folder in if options.reports.is_empty() { one } else { &options.reports } {
+            for report in self.open_whole(folder)? {
+                report.check_tables()?;
+                let failures = report.failures()?;
+                known.add(&report, &failures)?;
+                let listed = failures.into_iter().filter(|failure| options.allows(failure));
+                found.extend(listed.map(|failure| FoundFailure { report: report.folder().to_path_buf(), failure }));
+            }
+        }
+        if found.is_empty() {
+            known.check(options)?;
+        }
+        found.sort_by(|a, b| options.sort.compare(&a.failure, &b.failure));
+        if options.distinct {
+            let mut seen = BTreeSet::new();
+            found.retain(|FoundFailure { report, failure }| {
+                let ListedFailure { town, policy, start, .. } = failure;
+                seen.insert((report.clone(), town.clone(), policy.clone(), *start))
+            });
+        }
+        Ok(found)
+    }
 }
 
 /// `falsify failures`
 pub fn failures(options: &FailuresArgs) -> Ended {
-    let named = !options.reports.is_empty();
-    let wanted = session::FailuresOptions {
-        reports: if named { options.reports.clone() } else { vec![options.report.clone()] },
-        filter: FailureFilter {
-            verdicts: options.verdict.clone(),
-            drivers: options.driver.clone(),
-            controllers: options.controller.clone(),
-            kind: options.kind.clone(),
-            requirements: options.requirement.clone(),
-            min_speed: options.min_speed,
-        },
-        distinct: options.distinct,
-        order: options.sort,
-    };
-    let found = session(false).failures(&wanted).map_err(failed)?;
+    let found = session(false).failures(options).map_err(failed)?;
     let is_table = options.format == Form::Table && !options.names;
     let shown = options.top.unwrap_or(if is_table { SHOWN } else { usize::MAX });
     let all = found.len();

@@ -36,9 +36,8 @@ mod reasons;
 mod replay;
 mod export;
 mod export_files;
-mod failures;
 
-pub use crate::commands::{ReplayAllOptions, ReplayedReport, Retrained};
+pub use crate::commands::{FailuresArgs, FoundFailure, ReplayAllOptions, ReplayedReport, Retrained};
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
 pub use changed_program::ChangedProgram;
 pub use check::{Checked, Planned};
@@ -49,7 +48,6 @@ pub use error::{Change, Error, KeepError};
 pub use event::{Event, Level, Notice, Observer, RecheckStage, Silent};
 pub use export::{Drawing, Export, Picture, TickTable};
 pub use export_files::{ExportOptions, Exported};
-pub use failures::{FailuresOptions, FoundFailure};
 pub use growing_curves::NewestUpdate;
 pub use incomplete::{Incomplete, Missing};
 pub use input::Input;

@@ -182,6 +182,11 @@ impl ListedFailure {
         self.verdict == Some(Label::Bump) && self.violation.is_none()
     }
 
+    /// Whether it is a failure of its own: not a bump, and not a violation at the touch of a collision.
+    pub fn is_failure(&self) -> bool {
+        !self.is_bump() && self.violation.as_ref().is_none_or(|violation| !violation.at_collision)
+    }
+
     /// What it is called in lists: [`Label::word`], or whose fault the violation is.
     pub fn word(&self) -> &'static str {
         match &self.violation {

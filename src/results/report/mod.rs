@@ -57,7 +57,7 @@ pub use metric_table::{METRICS, metric_references};
 pub use overview::{Found, Overview, OverviewRow, RateOfRow, Variant};
 pub use played::PlayedFailure;
 pub use read::{
-    Difference, FailureFilter, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, TooFewRuns,
+    Difference, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, TooFewRuns,
     differences, divergence, failure, failure_list,
 };
 pub use recheck::{

@@ -10,7 +10,7 @@ use super::encounters::{MetAgain, cross};
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
 use compile::{Campaign, RunId};
 use results::report::{
-    CrossedStarts, Encounter, FailureFilter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures,
+    CrossedStarts, Encounter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures,
     StoredReport, WalkedBy,
 };
 use world::env::Scenario;
@@ -139,12 +139,12 @@ impl Sides {
         let [mut other_now, mut other_start, mut damaged, mut commands_alone] = [0; 4];
         let mut found: Vec<(&DriverPair, BTreeMap<RunId, Vec<ListedFailure>>)> = Vec::new();
         for pair in pairs {
-            let filter = FailureFilter { drivers: vec![pair.before.clone()], ..FailureFilter::default() };
             let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
             // A violation of a requirement that is no collision has no verdict to compare.
-            let collisions =
-                self.old.report.failures(&filter)?.into_iter().filter(|failure| failure.violation.is_none());
-            for failure in collisions {
+            let is_collision = |failure: &ListedFailure| {
+                failure.policy == pair.before && failure.violation.is_none() && failure.is_failure()
+            };
+            for failure in self.old.report.failures()?.into_iter().filter(is_collision) {
                 let name = EpisodeName::of_table(failure.name())?;
                 runs.entry(name.run).or_default().push(failure);
             }

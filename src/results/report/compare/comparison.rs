@@ -10,7 +10,7 @@ use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::infer::{Comparison, Figure, adjust, sides};
 use crate::report::listed_failure::listed;
-use crate::report::read::{FailureFilter, StoredRun};
+use crate::report::read::StoredRun;
 use crate::report::{ListedFailure, ReadError};
 use world::judge::Label;
 
@@ -270,13 +270,12 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
 /// The names of the episodes that violate each requirement of a report, `RUN:EPISODE`.
 fn violations(side: Side<'_>) -> Result<BTreeMap<String, BTreeSet<String>>, ReadError> {
     let requirements = side.report.requirements()?;
-    let filter = FailureFilter { requirements: requirements.iter().cloned().collect(), ..FailureFilter::default() };
     let mut violated: BTreeMap<String, BTreeSet<String>> =
         requirements.into_iter().map(|name| (name, BTreeSet::new())).collect();
     if violated.is_empty() {
         return Ok(violated);
     }
-    for failure in side.report.failures(&filter)?.into_iter().filter(|failure| !failure.searched) {
+    for failure in side.report.failures()?.into_iter().filter(|failure| !failure.searched) {
         let name = failure.name();
         if let Some(violation) = failure.violation {
             violated.entry(violation.requirement).or_default().insert(name);

@@ -20,61 +20,6 @@ use world::judge::Label;
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 17;
 
-/// The failures that a list shows. An empty list of words allows every value; bumps are listed only where `verdicts` names them.
-#[derive(Debug, Clone, Default)]
-pub struct FailureFilter {
-    /// Verdicts: names of [`Label`]s, `fault`, `foreseeable`, `violation`, `no_verdict`. Of a violation `preventable` and `fault` are those of its
-    /// requirement.
-    pub verdicts: Vec<String>,
-    /// Names of driving policies.
-    pub drivers: Vec<String>,
-    /// Names of controllers and falsifiers.
-    pub controllers: Vec<String>,
-    /// Words of the kind, all of which must occur: `front`, `occluded`, `cruise`.
-    pub kind: Vec<String>,
-    /// Names of requirements, of which only violations are listed. An empty list allows all failures; a violation at the touch of a collision is then
-    /// listed as the collision alone.
-    pub requirements: Vec<String>,
-    /// The least speed of the car at the touch (m/s).
-    pub min_speed: f64,
-}
-
-impl FailureFilter {
-    /// The words that may be verdicts in a filter.
-    pub fn verdict_names() -> impl Iterator<Item = &'static str> {
-        ["fault", "foreseeable", "violation", "no_verdict"].into_iter().chain(Label::ALL.map(Label::name))
-    }
-
-    /// Whether it lets a failure through.
-    pub fn allows(&self, failure: &ListedFailure) -> bool {
-        let among = |words: &[String], word: &str| words.is_empty() || words.iter().any(|each| each == word);
-        let verdict = |word: &String| match word.as_str() {
-            "fault" => failure.fault,
-            "foreseeable" => failure.foreseeable,
-            "violation" => failure.violation.is_some(),
-            "no_verdict" => failure.violation.as_ref().is_some_and(|found| found.preventable.is_none()),
-            "preventable" if failure.violation.is_some() => {
-                failure.violation.as_ref().is_some_and(|found| found.preventable == Some(true))
-            }
-            _ if failure.violation.is_some() => false,
-            label => failure.verdict.is_some_and(|known| known.name() == label),
-        };
-        let violated = match &failure.violation {
-            Some(violation) if self.requirements.is_empty() => !violation.at_collision,
-            Some(violation) => self.requirements.contains(&violation.requirement),
-            None => self.requirements.is_empty(),
-        };
-        let kind = failure.kind();
-        let has = |word: &String| kind.split(", ").any(|part| part == word.replace('_', " "));
-        (self.verdicts.is_empty() && !failure.is_bump() || self.verdicts.iter().any(verdict))
-            && among(&self.drivers, &failure.policy)
-            && among(&self.controllers, &failure.controller)
-            && self.kind.iter().all(has)
-            && failure.impact_speed >= self.min_speed
-            && violated
-    }
-}
-
 impl StoredReport {
     /// The names of the requirements that its table has degrees of: those of its evaluations, and the goals of its searches.
     ///
@@ -89,22 +34,23 @@ impl StoredReport {
         Ok(names)
     }
 
-    /// The failures that a filter lets through: collisions of evaluations, those of searches, violations of requirements, each in the order of its table.
+    /// All failures: collisions of evaluations, those of searches, violations of requirements, each in the order of its table. Bumps are among them, and
+    /// violations at the touch of a collision.
     ///
     /// # Errors
     /// A table that is damaged, or that the report has as CSV only.
-    pub fn failures(&self, filter: &FailureFilter) -> Result<Vec<ListedFailure>, ReadError> {
+    pub fn failures(&self) -> Result<Vec<ListedFailure>, ReadError> {
         let mut found = Vec::new();
         self.each_part(EPISODES, ROWS, |rows| {
-            found.extend(touches(rows)?.into_values().filter(|failure| filter.allows(failure)));
+            found.extend(touches(rows)?.into_values());
             Ok(())
         })?;
         self.each_part(FAILURES, ROWS, |rows| {
-            found.extend(searched(rows)?.into_iter().filter(|failure| filter.allows(failure)));
+            found.extend(searched(rows)?);
             Ok(())
         })?;
         self.each_part(REQUIREMENTS, ROWS, |rows| {
-            found.extend(violations(rows)?.into_iter().filter(|failure| filter.allows(failure)));
+            found.extend(violations(rows)?);
             Ok(())
         })?;
         Ok(found)
@@ -155,29 +101,4 @@ pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
         .column(PREVENTABLE.of(|row: &Row| row.1.violation.as_ref().and_then(|found| found.preventable)))
         .column(NO_VERDICT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.no_verdict.clone())))
         .frame(failures)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::listed_failure::tests::failure;
-
-    #[test]
-    fn a_filter_joins_its_conditions() {
-        let one = failure(Some(Label::Preventable), true, 3.0);
-        let words = |words: &[&str]| words.iter().map(ToString::to_string).collect::<Vec<_>>();
-        let all = FailureFilter::default();
-        for (filter, wanted) in [
-            (all.clone(), true),
-            (FailureFilter { verdicts: words(&["bump", "fault"]), ..all.clone() }, true),
-            (FailureFilter { verdicts: words(&["bump"]), ..all.clone() }, false),
-            (FailureFilter { drivers: words(&["idm"]), ..all.clone() }, false),
-            (FailureFilter { controllers: words(&["random"]), min_speed: 3.0, ..all.clone() }, true),
-            (FailureFilter { min_speed: 3.1, ..all.clone() }, false),
-            (FailureFilter { kind: words(&["front", "emergency_stop"]), ..all.clone() }, true),
-            (FailureFilter { kind: words(&["front", "occluded"]), ..all }, false),
-        ] {
-            assert_eq!(filter.allows(&one), wanted, "{filter:?}");
-        }
-    }
 }

@@ -8,7 +8,7 @@ mod failures;
 mod searches;
 
 pub use divergence::divergence;
-pub use failures::{FailureFilter, failure_list};
+pub use failures::failure_list;
 pub use gate::{Gate, GateError, Judged, TooFewRuns};
 pub use searches::StoredSearch;
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, StoredRun, differences, failure};

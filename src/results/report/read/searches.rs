@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{FailureFilter, ReadError, StoredReport};
+use super::{ReadError, StoredReport};
 use crate::record::Column;
 use crate::record::columns::{POLICY, REWARD, RUN_ID, TOWN};
 use crate::report::ListedFailure;
@@ -42,7 +42,7 @@ impl StoredReport {
     /// A table that is damaged, or that the report has as CSV only.
     pub fn searches(&self) -> Result<Vec<StoredSearch>, ReadError> {
         let mut found: BTreeMap<String, Vec<ListedFailure>> = BTreeMap::new();
-        for failure in self.failures(&FailureFilter::default())?.into_iter().filter(|failure| failure.searched) {
+        for failure in self.failures()?.into_iter().filter(|failure| failure.searched && failure.is_failure()) {
             found.entry(failure.run.clone()).or_default().push(failure);
         }
         let mut searches = Vec::new();
