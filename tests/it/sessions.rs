@@ -4,10 +4,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use falsify::results::WriteError;
 use falsify::session::{
-    CampaignOutcome, CampaignState, EpisodeName, Error, Event, Export, Input, MergeOptions, Observer, RepeatOptions,
-    Repeated, ReplayAllOptions, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable,
+    CampaignOutcome, CampaignState, EpisodeName, Error, Event, Input, MergeOptions, Observer, RepeatOptions,
+    ReplayAllOptions, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop,
 };
 
 const SCENARIO: &str = r#"
@@ -64,18 +63,8 @@ impl Observer for Heard {
     }
 }
 
-/// Counts the decisions of the episode that it has to write.
-struct Decisions(Mutex<Vec<usize>>);
-
-impl Export for Decisions {
-    fn write(&self, episode: &Repeated) -> Result<(), WriteError> {
-        self.0.lock().unwrap().push(episode.trace.decisions(0).len());
-        Ok(())
-    }
-}
-
 #[test]
-fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
+fn a_campaign_is_run_repeated_and_merged_without_a_process() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("whole");
     let heard = Arc::new(Heard::default());
@@ -90,14 +79,6 @@ fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
     let which = ReplayOptions { name, report: out.clone(), repeat: RepeatOptions::default() };
     let replay = session.replay(&which).unwrap();
     assert!(replay.episode.differences.is_empty() && replay.report.folder() == report.folder);
-    let decisions = Decisions(Mutex::default());
-    session.export(&which, &decisions).unwrap();
-    assert_eq!(*decisions.0.lock().unwrap(), [replay.episode.trace.decisions(0).len()]);
-    let table = TickTable { path: folder.path().join("ticks.csv") };
-    session.export(&which, &table).unwrap();
-    let ticks = std::fs::read_to_string(&table.path).unwrap().lines().count() - 1;
-    assert_eq!(ticks, replay.episode.trace.vehicle(0).len());
-
     let options_of_all = ReplayAllOptions { sample: std::num::NonZero::new(7), ..ReplayAllOptions::default() };
     let stored = replay.report.clone();
     let verified = session.replay_all(stored, &options_of_all, &RepeatOptions::default()).unwrap();

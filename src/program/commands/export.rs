@@ -9,8 +9,11 @@ use crate::cli::console;
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{self, Drawing, EpisodePath, Picture};
-use export::{EXPORTERS, EgoDriver, Exporter, Variant, Walking};
+use crate::session::{EpisodePath, Error, Repeated, Session, Source};
+use export::{EXPORTERS, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking};
+use results::report;
+use world::env::{Scenario, Trace};
+use world::judge::Verdict;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -69,43 +72,87 @@ pub struct ExportArgs {
 
 /// A format of the command line.
 #[derive(Clone, Copy)]
-pub enum Format {
-    /// One of another program.
-    Foreign(&'static dyn Exporter),
-    /// A picture of ours.
-    Drawing(Drawing),
-}
-
-/// The pictures: what they are called, what they are, and what they are drawn as.
-const DRAWINGS: [(&str, &str, Drawing); 2] = [
-    ("svg", "six frames side by side, and the speeds of both actors", Drawing::Strip),
-    ("animation", "an animation as SVG, for a browser", Drawing::Animation),
-];
-
-/// Reads the name of a format.
-fn formats() -> impl TypedValueParser<Value = Format> {
-    let foreign = EXPORTERS.iter().map(|exporter| PossibleValue::new(exporter.name()).help(exporter.about()));
-    let drawn = DRAWINGS.iter().map(|(name, about, _)| PossibleValue::new(*name).help(*about));
-    PossibleValuesParser::new(foreign.chain(drawn)).map(|word| {
-        let drawing = DRAWINGS.iter().find(|(name, ..)| *name == word).map(|(.., drawing)| Format::Drawing(*drawing));
-        let found = drawing.or_else(|| export::exporter(&word).map(Format::Foreign));
-        found.expect("it is one of the names")
-    })
-}
+pub struct Format(&'static dyn Exporter);
 
 impl std::fmt::Debug for Format {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Foreign(exporter) => f.write_str(exporter.name()),
-            Self::Drawing(drawing) => drawing.fmt(f),
-        }
+        f.write_str(self.0.name())
     }
+}
+
+/// A picture of an episode, as SVG.
+struct Drawing {
+    name: &'static str,
+    about: &'static str,
+    /// The end of the file's name.
+    ending: &'static str,
+    draw: Draw,
+}
+
+/// Draws an episode with its verdict, a headline and a title.
+type Draw = fn(&Scenario, &Trace, Option<&Verdict>, &str, &str) -> String;
+
+static DRAWINGS: [Drawing; 2] = [
+    Drawing {
+        name: "svg",
+        about: "six frames side by side, and the speeds of both actors",
+        ending: ".svg",
+        draw: report::strip,
+    },
+    Drawing {
+        name: "animation",
+        about: "an animation as SVG, for a browser",
+        ending: "-animation.svg",
+        draw: report::animation,
+    },
+];
+
+impl Exporter for Drawing {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn about(&self) -> &'static str {
+        self.about
+    }
+
+    fn approximates(&self) -> &'static str {
+        "nothing"
+    }
+
+    fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
+        let Episode { name, title, scenario, trace, outcome, verdict } = episode;
+        let what = match (outcome.impact_speed(), verdict) {
+            (Some(speed), Some(verdict)) => format!("hit at {speed:.1} m/s, {}", verdict.word()),
+            _ => format!("no hit, minimum gap {:.2} m", outcome.least_gap),
+        };
+        let text = (self.draw)(scenario, trace, *verdict, &format!("{name}: {what}"), title);
+        let name = format!("{}{}", name.replace(':', "-"), self.ending);
+        Ok(vec![ExportFile { name, bytes: text.into_bytes() }])
+    }
+}
+
+/// All formats: those of other programs, and the pictures.
+fn all_formats() -> impl Iterator<Item = &'static dyn Exporter> {
+    EXPORTERS.iter().copied().chain(DRAWINGS.iter().map(|drawing| drawing as &dyn Exporter))
+}
+
+/// Reads the name of a format.
+fn formats() -> impl TypedValueParser<Value = Format> {
+    let names = all_formats().map(|exporter| PossibleValue::new(exporter.name()).help(exporter.about()));
+    PossibleValuesParser::new(names).map(|word| {
+        let found = all_formats().find(|exporter| exporter.name() == word);
+        Format(found.expect("it is one of the names"))
+    })
 }
 
 /// `falsify export`
 pub fn export(options: &ExportArgs) -> Ended {
-    let Some(format) = options.format.filter(|_| !options.formats) else {
-        list();
+    let Some(Format(exporter)) = options.format.filter(|_| !options.formats) else {
+        for exporter in all_formats() {
+            console::say(&format!("{:12} {}", exporter.name(), exporter.about()));
+            console::say(&format!("{:12} approximated: {}", "", exporter.approximates()));
+        }
         return Ok(ExitCode::Done);
     };
     if is_named_like_a_file(&options.out) {
@@ -114,33 +161,79 @@ pub fn export(options: &ExportArgs) -> Ended {
             "--out names a folder, and `{out}` is named like a file: give a folder; the files in it are called RUN-EPISODE and the ending of the format"
         )));
     }
-    let episodes = resolved(&options.names)?;
-    let variant_of = |ego: EgoDriver| Variant { ego: options.ego.unwrap_or(ego), walking: options.pedestrians };
-    let exporter = match format {
-        Format::Foreign(exporter) => exporter,
-        Format::Drawing(_) if variant_of(EgoDriver::Recorded) != Variant::default() => {
-            return Err(misused("a picture shows the recorded episode: leave out --ego and --pedestrians"));
+    let variant = Variant { ego: options.ego.unwrap_or(exporter.usual_ego()), walking: options.pedestrians };
+    let session = session(options.repeat.allow_external);
+    let (mut code, mut open) = (ExitCode::Done, None);
+    for episode in resolved(&options.names)? {
+        if session.stop.is_asked() {
+            break;
         }
-        Format::Drawing(drawing) => return Ok(draw(drawing, episodes, options)),
-    };
-    let variant = variant_of(exporter.usual_ego());
-    let call = session::ExportOptions {
-        episodes,
-        report: options.report.clone(),
-        repeat: options.repeat.repeat.clone(),
-        exporter,
-        variant,
-        out: options.out.clone(),
-    };
-    let mut code = ExitCode::Done;
-    session(options.repeat.allow_external).export_files(&call, &mut |exported| match exported {
-        Ok(exported) => {
-            let files: Vec<String> = exported.files.iter().map(|file| file.display().to_string()).collect();
-            console::say(&format!("{}  {}", exported.name, files.join("  ")));
+        let exported = repeated(&session, &episode, options, &mut open)
+            .and_then(|repeated| write(&repeated, exporter, variant, &options.out));
+        match exported {
+            Ok(files) => {
+                let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+                console::say(&format!("{}  {}", episode.name, files.join("  ")));
+            }
+            Err(error) => code = code.or(failed(error)),
         }
-        Err(error) => code = code.or(failed(error)),
-    });
+    }
     Ok(code)
+}
+
+/// Repeats an episode. The campaign of the last one stays compiled, since lists have many of one report.
+///
+/// # Errors
+/// The episode cannot be repeated, or differs from its report.
+fn repeated(
+    session: &Session,
+    EpisodePath { report, name }: &EpisodePath,
+    options: &ExportArgs,
+    open: &mut Option<Source>,
+) -> Result<Repeated, Error> {
+    let is_there = |source: &Source| {
+        let here = report.as_ref().is_none_or(|report| report == source.report.folder());
+        here && (source.evaluation(*name).is_some() || source.search(*name).is_some())
+    };
+    let source = match open.take().filter(is_there) {
+        Some(source) => source,
+        None => {
+            let found = session.find(report.as_ref().unwrap_or(&options.report), *name)?;
+            found.check_for_repetition()?;
+            session.reopen(found, &options.repeat.repeat)?
+        }
+    };
+    let repeated = open.insert(source).repeat(*name)?;
+    if repeated.differences.is_empty() || options.repeat.repeat.anyway {
+        return Ok(repeated);
+    }
+    let columns: Vec<&str> = repeated.differences.iter().map(|each| each.column.as_str()).collect();
+    Err(Error::Differs(format!(
+        "{name} differs from its report in {}, so it is not exported; `falsify replay {name}` shows where, and --anyway exports it all the same",
+        columns.join(", ")
+    )))
+}
+
+/// Writes the files of an episode; returns them, the one to open first.
+fn write(repeated: &Repeated, exporter: &dyn Exporter, variant: Variant, out: &Path) -> Result<Vec<PathBuf>, Error> {
+    let name = repeated.name.to_string();
+    let episode = Episode {
+        name: &name,
+        title: &repeated.title,
+        scenario: &repeated.scenario,
+        trace: &repeated.trace,
+        outcome: &repeated.outcome,
+        verdict: repeated.verdict.as_ref(),
+    };
+    let files = export::export(exporter, &episode, variant);
+    let files = files.map_err(|source| Error::Export { name: repeated.name, source })?;
+    let write = |file: &ExportFile| {
+        // In the current folder its name alone.
+        let path = if out == Path::new(".") { PathBuf::from(&file.name) } else { out.join(&file.name) };
+        report::write_new_file(&path, &file.bytes)?;
+        Ok(path)
+    };
+    files.iter().map(write).collect()
 }
 
 /// The endings of the files that exports write.
@@ -151,38 +244,4 @@ const ENDINGS: [&str; 14] =
 fn is_named_like_a_file(out: &Path) -> bool {
     let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     !out.is_dir() && ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
-}
-
-/// Lists the formats.
-fn list() {
-    for exporter in EXPORTERS {
-        console::say(&format!("{:12} {}", exporter.name(), exporter.about()));
-        console::say(&format!("{:12} approximated: {}", "", exporter.approximates()));
-    }
-    for (name, about, _) in DRAWINGS {
-        console::say(&format!("{name:12} {about}"));
-    }
-}
-
-/// Draws episodes, each as `RUN-EPISODE.svg` or `RUN-EPISODE-animation.svg`.
-fn draw(drawing: Drawing, episodes: Vec<EpisodePath>, options: &ExportArgs) -> ExitCode {
-    let session = session(options.repeat.allow_external);
-    let mut ended = ExitCode::Done;
-    for EpisodePath { report, name } in episodes {
-        let report = report.unwrap_or_else(|| options.report.clone());
-        let which = session::ReplayOptions { name, report, repeat: options.repeat.repeat.clone() };
-        let kind = if drawing == Drawing::Animation { "-animation" } else { "" };
-        let path = options.out.join(format!("{}-{}{kind}.svg", name.run, name.number));
-        let picture = Picture { drawing, path: path.clone() };
-        let drawn = session.export(&which, &picture).map_err(failed).and_then(|replay| {
-            console::say(&format!("{name}  {}", path.display()));
-            if replay.episode.differences.is_empty() {
-                return Ok(ExitCode::Done);
-            }
-            console::fail(&format!("{name} differs from its report; `falsify replay {name}` shows where"));
-            Err(ExitCode::Differs)
-        });
-        ended = ended.or(drawn.unwrap_or_else(|code| code));
-    }
-    ended
 }

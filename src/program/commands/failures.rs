@@ -197,7 +197,9 @@ impl KnownWords {
             ("requirement", &options.requirement, &self.requirements),
         ];
         // Without any failure there is no word of a kind.
-        for (what, words, known) in parts.into_iter().filter(|(what, _, known)| !known.is_empty() || *what == "requirement") {
+        for (what, words, known) in
+            parts.into_iter().filter(|(what, _, known)| !known.is_empty() || *what == "requirement")
+        {
             if let Some(word) = words.iter().find(|word| !known.contains(&word.replace(' ', "_"))) {
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
                 let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };

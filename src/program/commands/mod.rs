@@ -25,7 +25,7 @@ use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
 pub use failures::{FailuresArgs, FoundFailure};
-pub use replay::{ReplayAllOptions, ReplayedReport, Retrained};
+pub use replay::{Replay, ReplayAllOptions, ReplayOptions, ReplayedReport, Retrained};
 pub use run::RunArgs;
 
 const EXAMPLES: &str = "\

@@ -7,10 +7,10 @@ use serde_json::json;
 
 use super::episode::{Named, RepeatArgs, resolved};
 use crate::cli::console;
-use crate::cli::failure::{failed, misused};
+use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{self, EpisodePath, Replay, Session, TickTable, reasons};
+use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, reasons};
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::report::{self, Narrative, StoredReport};
 use world::judge::{Judged, JudgedDegree};
@@ -65,6 +65,41 @@ fn table_file(text: &str) -> Result<PathBuf, String> {
     if known { Ok(path) } else { Err("the name must end in .csv or .parquet".into()) }
 }
 
+/// Options of [`Session::replay`].
+#[derive(Debug, Clone)]
+pub struct ReplayOptions {
+    /// The episode, or the failure of a search.
+    pub name: EpisodeName,
+    /// A report, or a folder of reports.
+    pub report: PathBuf,
+    /// Options of the repetition.
+    pub repeat: RepeatOptions,
+}
+
+/// An episode of a report that was repeated.
+#[derive(Debug, Clone)]
+pub struct Replay {
+    pub report: StoredReport,
+    pub episode: Repeated,
+    /// The programs that are not, or need not be, those of the report.
+    pub programs: Vec<ChangedProgram>,
+}
+
+impl Session {
+    /// Repeats an episode of a report and compares it with the report.
+    ///
+    /// # Errors
+    /// No report has it, scenario files cannot be compiled or are not those that were run, or a file of the report is damaged.
+    pub fn replay(&self, options: &ReplayOptions) -> Result<Replay, Error> {
+        let report = self.find(&options.report, options.name)?;
+        report.check_for_repetition()?;
+        let source = self.reopen(report, &options.repeat)?;
+        let episode = source.repeat(options.name)?;
+        let programs = source.changed_programs();
+        Ok(Replay { report: source.report, episode, programs })
+    }
+}
+
 /// `falsify replay`
 pub fn replay(options: &ReplayArgs) -> Ended {
     let session = session(options.repeat.allow_external);
@@ -84,19 +119,19 @@ pub fn replay(options: &ReplayArgs) -> Ended {
             console::say("");
         }
         let report = report.unwrap_or_else(|| options.report.clone());
-        let which = session::ReplayOptions { name, report, repeat: repeat.clone() };
+        let which = ReplayOptions { name, report, repeat: repeat.clone() };
         ended = ended.or(replay_one(&session, &which, options).unwrap_or_else(|code| code));
     }
     Ok(ended)
 }
 
-fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayArgs) -> Ended {
-    let replay = match &options.ticks {
-        Some(path) => session.export(which, &TickTable { path: path.clone() }),
-        None => session.replay(which),
-    };
-    let replay = replay.map_err(failed)?;
+fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) -> Ended {
+    let replay = session.replay(which).map_err(failed)?;
     let episode = &replay.episode;
+    if let Some(path) = &options.ticks {
+        let table = report::ticks(which.name.run, which.name.number, &episode.scenario, &episode.trace);
+        report::write_table(path, &table).map_err(unwritten)?;
+    }
     let narrative = report::narrative(&episode.scenario, &episode.outcome, &episode.trace, episode.verdict.as_ref());
     if options.json {
         console::say(&as_json(&replay, &narrative).to_string());

@@ -33,11 +33,10 @@ mod changed_program;
 mod stored;
 mod repeat;
 mod reasons;
-mod replay;
-mod export;
-mod export_files;
 
-pub use crate::commands::{FailuresArgs, FoundFailure, ReplayAllOptions, ReplayedReport, Retrained};
+pub use crate::commands::{
+    FailuresArgs, FoundFailure, Replay, ReplayAllOptions, ReplayOptions, ReplayedReport, Retrained,
+};
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
 pub use changed_program::ChangedProgram;
 pub use check::{Checked, Planned};
@@ -46,8 +45,6 @@ pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
 pub(crate) use error::named;
 pub use error::{Change, Error, KeepError};
 pub use event::{Event, Level, Notice, Observer, RecheckStage, Silent};
-pub use export::{Drawing, Export, Picture, TickTable};
-pub use export_files::{ExportOptions, Exported};
 pub use growing_curves::NewestUpdate;
 pub use incomplete::{Incomplete, Missing};
 pub use input::Input;
@@ -59,7 +56,6 @@ pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
 pub use reasons::{Reason, reasons};
 pub use repeat::Repeated;
-pub use replay::{Replay, ReplayOptions};
 pub use setup::Session;
 pub use shard::ShardOptions;
 pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};

@@ -57,8 +57,8 @@ pub use metric_table::{METRICS, metric_references};
 pub use overview::{Found, Overview, OverviewRow, RateOfRow, Variant};
 pub use played::PlayedFailure;
 pub use read::{
-    Difference, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, TooFewRuns,
-    differences, divergence, failure, failure_list,
+    Difference, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, TooFewRuns, differences, divergence,
+    failure, failure_list,
 };
 pub use recheck::{
     CrossedStarts, Encounter, FoundIn, Met, Recheck, RecheckNote, RecheckedFailures, StartFaults, WalkedBy,

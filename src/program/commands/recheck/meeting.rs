@@ -10,8 +10,7 @@ use super::encounters::{MetAgain, cross};
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
 use compile::{Campaign, RunId};
 use results::report::{
-    CrossedStarts, Encounter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures,
-    StoredReport, WalkedBy,
+    CrossedStarts, Encounter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy,
 };
 use world::env::Scenario;
 use world::falsifier::{Goal, crossings};
