@@ -58,23 +58,6 @@ fn a_release_of_changed_files_is_refused_and_the_usage_is_shown() {
 }
 
 #[test]
-fn the_extension_of_vs_code_belongs_to_this_version() {
-    let read = |path: &str| std::fs::read_to_string(repository(path)).unwrap();
-    let package: Value = serde_json::from_str(&read("grammar/vscode/package.json")).unwrap();
-    assert_eq!(package["version"], env!("CARGO_PKG_VERSION"));
-    let grammar: Value = serde_json::from_str(&read("grammar/falsify.tmLanguage.json")).unwrap();
-    assert_eq!(package["contributes"]["grammars"][0]["scopeName"], grammar["scopeName"]);
-    assert_eq!(package["contributes"]["languages"][0]["extensions"][0], ".scn");
-    // The files that the package names are beside it, or copied by the script that packs it.
-    let script = read("grammar/vscode/pack");
-    for name in ["extension.js", "language-configuration.json", "falsify.tmLanguage.json"] {
-        assert!(repository("grammar/vscode").join(name).exists() || script.contains(name), "{name}");
-    }
-    // The server takes the arguments that the extension starts it with.
-    assert!(read("grammar/vscode/extension.js").contains(r#"args: ["lsp"]"#));
-}
-
-#[test]
 fn the_extension_starts_the_language_server_and_reports_a_missing_program() {
     let node = Command::new("node")
         .arg(repository("tests/external/extension.js"))
