@@ -99,22 +99,21 @@ fn rates_from_the_bank_and_from_fresh_starts_agree() {
 fn copies_share_their_start_and_only_what_is_random_differs_after_it() {
     for (driver, random) in [("sharp", false), ("squinting", true)] {
         let scenario = scenario("", driver);
-        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7))
-            .with_bank(StartBank::new(&scenario, 1, None, Seed::root(15)).map(Arc::new));
-        let copies = outcomes(&mut env, 12);
-        assert!(copies.iter().all(|copy| copy.start == copies[0].start && copy.spawn == copies[0].spawn), "{driver}");
-        let mut ends: Vec<u64> = copies.iter().map(|copy| copy.digest).collect();
-        ends.sort_unstable();
-        ends.dedup();
-        assert_eq!(ends.len() > 1, random, "{driver}: {ends:?}");
-        // The copy is what the driven start is, up to the last bit.
-        let mut driven = PedestrianEnv::new(scenario, Seed::root(15));
-        let original = outcomes(&mut driven, 1)[0];
-        assert_eq!(
-            (original.start, original.spawn, original.run_up),
-            (copies[0].start, copies[0].spawn, copies[0].run_up)
-        );
-        assert!(random || original == copies[0], "{driver}");
+        let mut differ = false;
+        // From some starts the driver does the same whatever its sensors miss.
+        for seed in (15..19).map(Seed::root) {
+            let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7))
+                .with_bank(StartBank::new(&scenario, 1, None, seed.clone()).map(Arc::new));
+            let copies = outcomes(&mut env, 12);
+            let first = copies[0];
+            assert!(copies.iter().all(|copy| (copy.start, copy.spawn) == (first.start, first.spawn)), "{driver}");
+            differ |= copies.iter().any(|copy| copy.digest != first.digest);
+            // The copy is what the driven start is, up to the last bit.
+            let original = outcomes(&mut PedestrianEnv::new(scenario.clone(), seed), 1)[0];
+            assert_eq!((original.start, original.spawn, original.run_up), (first.start, first.spawn, first.run_up));
+            assert!(random || original == first, "{driver}");
+        }
+        assert_eq!(differ, random, "{driver}");
     }
 }
 

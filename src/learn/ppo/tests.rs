@@ -197,8 +197,8 @@ fn a_schedule_reaches_the_optimiser() {
     trainer.update(&mut envs).unwrap();
     trainer.update(&mut envs).unwrap();
     let before = trainer.actor_critic().clone();
-    let log = trainer.update(&mut envs).unwrap().clone();
-    assert_eq!((trainer.actor_critic(), log.clip_fraction > 0.0), (&before, true));
+    trainer.update(&mut envs).unwrap();
+    assert!(trainer.actor_critic() == &before);
     let constant = train(&mut [Identity::new(0)], &config(450), &Seed::root(1), &mut keep_going).unwrap();
     assert!(constant.learning_curve.iter().all(|log| log.learning_rate == 3e-4));
 }
