@@ -11,6 +11,7 @@ use world::falsifier::{Gaps, Natural, NaturalKeys, RecordedWalking, Recording, e
 use world::geometry::{Vector, wrap_angle};
 
 use crate::reference;
+use crate::samples::samples;
 
 /// Pedestrians before a car that drives past at 10 m/s, with a body that reaches every command at once.
 fn scenario(spawn: &str) -> Arc<Scenario> {
@@ -138,6 +139,11 @@ fn pedestrians_that_heed_the_car_wait_for_a_gap() {
 /// those of the capacity manual set off earlier than recorded ones. reports/natural_walking.md has the figures that this prints.
 #[test]
 fn pedestrians_accept_the_gaps_that_they_say() {
+    let count = samples(0, 6_000) as u32;
+    if count == 0 {
+        loud!("skipped: it is a large sample");
+        return;
+    }
     let accepted = |gaps: Gaps| -> Vec<(f64, usize, usize)> {
         let walker = Natural::from_keys(NaturalKeys { changes: Recording::Dut, heed: 1.0, gaps });
         let first = |_: &Outcome, trace: &Trace| {
@@ -146,7 +152,7 @@ fn pedestrians_accept_the_gaps_that_they_say() {
             let sets_off = track.iter().take_while(|state| state.speed() < 0.05).count() <= 1;
             (place.x / 10.0, place.y.abs(), sets_off)
         };
-        let all = episodes(walker, "bearing: 1.5 deg .. 12 deg distance: 20 m .. 200 m", 6_000, first);
+        let all = episodes(walker, "bearing: 1.5 deg .. 12 deg distance: 20 m .. 200 m", count, first);
         let within = |second: f64| {
             let some =
                 all.iter().filter(|(gap, aside, _)| (second..second + 1.0).contains(gap) && (3.0..5.0).contains(aside));
