@@ -24,7 +24,7 @@ fn plan(declared: &str, names: &str, policies: &str) -> Plan {
          spawn near {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }}\n\
          episode until_passed {{ ticks: 240  hold: 10  end_when: ahead < -6 m }}\n\
          campaign mine {{\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed\n  requirements: [{names}]\n\
-         evaluate {{ towns: [harbour]  policies: [{policies}]  pedestrians: [intercept]  episodes: 100 }}\n}}\n"
+         evaluate {{ towns: [harbour]  policies: [{policies}]  pedestrians: [intercept]  episodes: 400 }}\n}}\n"
     );
     let read = |path: &Path| if path == Path::new("my.scn") { Ok(text.clone()) } else { std::fs::read_to_string(path) };
     let compiled = compile(&["my.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
@@ -214,8 +214,8 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         falsifier meet = intercept()\n\
         campaign mine {\n  vehicle: model3  adversary: plausible  spawn: near  episode: until_passed\n\
         requirements: [no_collision, slow_pass, sees]\n\
-        evaluate { towns: [harbour]  policies: [behavior]  pedestrians: [intercept, random]  episodes: 30 }\n\
-        search { towns: [harbour]  policies: [behavior]  falsifiers: [meet]  budget: 6_000  runs: 1  episodes: 0  goal: slow_pass }\n}\n";
+        evaluate { towns: [harbour]  policies: [blind]  pedestrians: [intercept, random]  episodes: 30 }\n\
+        search { towns: [harbour]  policies: [blind]  falsifiers: [meet]  budget: 6_000  runs: 1  episodes: 0  goal: slow_pass }\n}\n";
     let read = move |path: &Path| match path.to_str() {
         Some("my.scn") => Ok(text.to_string()),
         _ => std::fs::read_to_string(path),
@@ -451,7 +451,7 @@ fn careful_humans_are_asked_whose_fault_a_violation_is() {
                 slow[usize::from(verdict.preventable) + usize::from(verdict.fault)] += 1;
             }
         };
-        watch(evaluation, None, 0..100, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()));
+        watch(evaluation, None, 0..400, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()));
     }
     assert!(preventable > 3 && faults > 3, "{preventable} {faults}");
     assert!(collisions - same <= collisions / 20, "{same} of {collisions}");

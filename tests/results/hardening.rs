@@ -77,7 +77,7 @@ fn keys_that_cannot_be_varied_are_reported() {
         ("from: idm(margin: 0 m) to: idm(margin: 1 m)", "`from` is of kind `idm`, and `late` of kind `aeb`"),
         ("from: aeb(full: 0.1 s) to: aeb(full: 0.1 s)", "`from` and `to` are equal"),
         ("from: aeb(full: 0.1 s, margin: 0 m) to: aeb(full: 0.2 s)", "`from` states `margin` and `to` does not"),
-        ("from: aeb(sensors: poor) to: aeb(sensors: good)", "`sensors` is no quantity"),
+        ("from: aeb(sensors: poor) to: aeb(sensors: good)", "`sensors` is not a quantity"),
     ] {
         let said = wrong(keys);
         assert!(said.contains(message), "{keys}: {said}");

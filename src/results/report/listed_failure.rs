@@ -89,12 +89,12 @@ pub struct ListedFailure {
     pub foreseeable: bool,
     /// Whether it counts against the driver: preventable and foreseeable.
     pub fault: bool,
-    /// The side of the car that was hit.
-    pub impact: String,
+    /// The side of the car that was hit; `None` without a touch.
+    pub impact: Option<Impact>,
     /// Whether the pedestrian came into sight too late for a careful human.
     pub occluded: bool,
-    /// What the driver did at the touch.
-    pub driving_mode: String,
+    /// What the driver did at the touch; `None` of a violation in an evaluation.
+    pub driving_mode: Option<DrivingMode>,
     /// Speed of the car at the touch (m/s).
     pub impact_speed: f64,
     /// Time from the start of the episode to the touch, or to the sample that decides a violation (s).
@@ -154,9 +154,9 @@ impl ListedFailure {
             verdict: None,
             foreseeable: false,
             fault: false,
-            impact: String::new(),
+            impact: None,
             occluded: false,
-            driving_mode: String::new(),
+            driving_mode: None,
             impact_speed: 0.0,
             length: 0.0,
             violation: None,
@@ -174,7 +174,8 @@ impl ListedFailure {
             return violation.text();
         }
         let occluded = if self.occluded { "occluded, " } else { "" };
-        format!("{}, {occluded}{}", self.impact, self.driving_mode.replace('_', " "))
+        let mode = self.driving_mode.map_or(String::new(), |mode| mode.name().replace('_', " "));
+        format!("{}, {occluded}{mode}", self.impact.map_or("", Impact::name))
     }
 
     /// Whether the pedestrian touched a standing car, which is no failure, and no requirement is violated.
@@ -294,9 +295,9 @@ impl From<&Find<'_>> for ListedFailure {
                 Some(blame) => blame.is_some_and(|blame| blame.fault),
                 None => struck.is_some_and(|verdict| verdict.is_fault()),
             },
-            impact: impact(outcome).map_or("", Impact::name).into(),
+            impact: impact(outcome),
             occluded: verdict.is_some_and(|verdict| verdict.sight.is_occluded()),
-            driving_mode: outcome.last_mode.name().into(),
+            driving_mode: Some(outcome.last_mode),
             impact_speed: outcome.impact_speed().unwrap_or_default(),
             length: find.instant().unwrap_or(outcome.duration),
             violation: violation.map(|(named, degree, verdict)| Violation {
@@ -359,9 +360,9 @@ pub fn touches(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>>
             verdict: table.label(row),
             foreseeable: foreseeable.get(row) == Some(true),
             fault: table.is_fault(row),
-            impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()).name().into(),
+            impact: Some(Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default())),
             occluded: is_occluded(table.in_sight(row)),
-            driving_mode: table.driving_mode(row).map_or("", DrivingMode::name).into(),
+            driving_mode: table.driving_mode(row),
             impact_speed: table.impact_speed(row).unwrap_or_default(),
             length: table.length(row).unwrap_or_default(),
             ..ListedFailure::of_episode(id, cell, table.episode(row).into())
@@ -394,9 +395,9 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<ListedFailure>> {
             verdict: Label::named(&text(&VERDICT)?),
             foreseeable: has(&FORESEEABLE)?,
             fault: has(&FAULT)?,
-            impact: text(&IMPACT)?,
+            impact: Impact::named(&text(&IMPACT)?),
             occluded: is_occluded(IN_SIGHT.value(rows, row)?),
-            driving_mode: text(&DRIVING_MODE)?,
+            driving_mode: DrivingMode::named(&text(&DRIVING_MODE)?),
             impact_speed: IMPACT_SPEED.value(rows, row)?.unwrap_or_default(),
             length: EPISODE_LENGTH.value(rows, row)?.unwrap_or_default(),
             violation: None,
@@ -478,9 +479,9 @@ pub(crate) mod tests {
             verdict,
             foreseeable: fault,
             fault,
-            impact: "front".into(),
+            impact: Some(Impact::Front),
             occluded: false,
-            driving_mode: "emergency_stop".into(),
+            driving_mode: Some(DrivingMode::EmergencyStop),
             impact_speed: speed,
             length: 10.0 - speed,
             violation: None,

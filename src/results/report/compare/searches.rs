@@ -298,7 +298,9 @@ mod tests {
     use rand::Rng;
 
     use super::*;
+    use crate::analysis::Impact;
     use base::seed::{Seed, Stream};
+    use world::av::DrivingMode;
 
     fn failure(start: u64, fault: bool, speed: f64) -> ListedFailure {
         ListedFailure {
@@ -315,9 +317,9 @@ mod tests {
             verdict: Some(if fault { Label::Preventable } else { Label::Bump }),
             foreseeable: fault,
             fault,
-            impact: "front".into(),
+            impact: Some(Impact::Front),
             occluded: false,
-            driving_mode: "cruise".into(),
+            driving_mode: Some(DrivingMode::Cruise),
             impact_speed: speed,
             length: 1.0,
             violation: None,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use polars::prelude::DataFrame;
 
 use super::{ReadError, StoredReport};
+use crate::analysis::Impact;
 use crate::record::columns::{
     CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN_ID, TOWN,
     TRAIN_POLICY, TRAIN_TOWN, VERDICT,
@@ -15,6 +16,7 @@ use crate::report::aggregate::{
     FAILURES, INSTANT, NO_VERDICT, PART, PREVENTABLE, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT,
 };
 use crate::report::listed_failure::{ListedFailure, searched, touches, violations};
+use world::av::DrivingMode;
 use world::judge::Label;
 
 /// The number of rows of a table that are read at once.
@@ -85,12 +87,12 @@ pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
         .column(VERDICT.of(|row: &Row| row.1.verdict.map(Label::name)))
         .column(FORESEEABLE.of(|row: &Row| row.1.foreseeable))
         .column(FAULT.of(|row: &Row| row.1.fault))
-        .column(IMPACT.of(|row: &Row| row.1.impact.clone()))
+        .column(IMPACT.of(|row: &Row| row.1.impact.map_or("", Impact::name)))
         .column(
             Column::<bool>::new("occluded", "", "whether it came into sight too late for a careful human")
                 .of(|row: &Row| row.1.occluded),
         )
-        .column(DRIVING_MODE.of(|row: &Row| row.1.driving_mode.clone()))
+        .column(DRIVING_MODE.of(|row: &Row| row.1.driving_mode.map_or("", DrivingMode::name)))
         .column(IMPACT_SPEED.of(|row: &Row| Some(row.1.impact_speed).filter(|_| row.1.violation.is_none())))
         .column(EPISODE_LENGTH.of(|row: &Row| row.1.length))
         .column(REQUIREMENT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.requirement.clone())))
