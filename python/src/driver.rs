@@ -91,6 +91,6 @@ pub fn with_driver(scenario: &Scenario, make: Py<PyAny>, raised: &Raised) -> Sce
     let settings = Settings { worlds: 1, ..Settings::default() };
     let policy: PolicyMaker = Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone())));
     let mut scenario = scenario.clone();
-    scenario.cast.ego.policy = policy;
+    scenario.cast.vehicles[0].policy = policy;
     scenario
 }

@@ -71,7 +71,7 @@ impl World {
             episode: None,
             state: vec![0.0; cast.obs_dim()],
             last_state: vec![0.0; cast.obs_dim()],
-            commands: vec![WalkCommand::default(); cast.pedestrian_count()],
+            commands: vec![WalkCommand::default(); cast.pedestrians.len()],
             action: vec![0.0; cast.action_bounds().len()],
             step: FIRST,
             started_over: false,

@@ -141,14 +141,14 @@ impl Worlds {
     #[getter]
     fn scaled(&self) -> (bool, bool) {
         use world::env::Scaling;
-        let role = &self.scenario.cast.pedestrian;
+        let role = self.scenario.cast.pedestrian();
         (role.observation.scaling == Scaling::Unit, role.action.scaling == Scaling::Unit)
     }
 
     /// The numbers of a state of one pedestrian.
     #[getter]
     fn state_size(&self) -> usize {
-        self.scenario.cast.pedestrian.observation.dim()
+        self.scenario.cast.pedestrian().observation.dim()
     }
 
     /// Gives worlds new seeds; their next episode is number 0. A negative seed leaves a world as it is.
@@ -288,7 +288,7 @@ impl Worlds {
                 }
             }
         };
-        let commands = (0..scenario.cast.pedestrian_count()).map(command).collect::<PyResult<Vec<_>>>()?;
+        let commands = (0..scenario.cast.pedestrians.len()).map(command).collect::<PyResult<Vec<_>>>()?;
         let mut action = vec![0.0; scenario.cast.action_bounds().len()];
         scene.write_action(&commands, &mut action);
         Ok(action.into_pyarray(py))

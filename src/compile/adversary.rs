@@ -139,6 +139,7 @@ pub fn lower(keys: AdversaryKeys) -> PedestrianRole {
         },
         controller: Controller::External,
         first_heading: keys.first_heading,
+        start: None,
     }
 }
 

@@ -71,7 +71,7 @@ impl<'a> Episode<'a> {
     /// All actors: the ego, the other vehicles, the pedestrians.
     pub(super) fn actors(&self) -> Vec<Actor<'a>> {
         let Self { scenario, trace, .. } = *self;
-        let vehicles = scenario.cast.vehicles().enumerate().map(|(number, role)| {
+        let vehicles = scenario.cast.vehicles.iter().enumerate().map(|(number, role)| {
             let states = trace.vehicle(number).iter().map(|frame| {
                 let pose = frame.state.pose;
                 (pose, pose.forward() * frame.state.speed)
@@ -80,7 +80,7 @@ impl<'a> Episode<'a> {
             let track = track(&scenario.town, states);
             Actor { id: ActorId::Vehicle(number as u8), name, shape: Shape::Vehicle(&role.blueprint), track }
         });
-        let pedestrians = scenario.cast.pedestrians().enumerate().map(|(number, role)| {
+        let pedestrians = scenario.cast.pedestrians.iter().enumerate().map(|(number, role)| {
             let states = trace.pedestrian(number).iter().map(|state| (state.pose, state.velocity));
             let name = if number == 0 { "pedestrian".to_owned() } else { format!("pedestrian_{number}") };
             let track = track(&scenario.town, states);
@@ -92,7 +92,7 @@ impl<'a> Episode<'a> {
     /// The pedestrian that the verdict is about: the one that the ego touched, or the first: its place among [`Episode::actors`].
     pub(super) fn main_pedestrian(&self) -> usize {
         let struck = self.trace.contact().and_then(|contact| contact.pedestrian_at_ego()).unwrap_or(0);
-        self.scenario.cast.vehicles().count() + struck
+        self.scenario.cast.vehicles.iter().count() + struck
     }
 
     /// The traffic lights that work.
@@ -138,7 +138,7 @@ impl<'a> Episode<'a> {
     /// # Errors
     /// The friction, by name.
     pub(super) fn without_friction(&self, format: &'static str) -> Result<(), ExportError> {
-        let grip = self.scenario.cast.vehicle(0).blueprint.grip;
+        let grip = self.scenario.cast.vehicles[0].blueprint.grip;
         if grip.is_finite() {
             let what = format!("the friction of the road ({grip:.1} m/s²), which an ego of the user would feel");
             return Err(ExportError::NotRepresentable { format, what });
@@ -211,8 +211,8 @@ impl<'a> Episode<'a> {
     /// For a disc it is the square around it, whose corners touch at most 0.21 diameters before the disc does. A pedestrian that passes the
     /// car closely may graze it with a corner much earlier; then it is the largest square that does not.
     pub(super) fn box_of_pedestrian(&self) -> Vector {
-        let pedestrian = self.main_pedestrian() - self.scenario.cast.vehicles().count();
-        let body = self.scenario.cast.pedestrian(pedestrian).body;
+        let pedestrian = self.main_pedestrian() - self.scenario.cast.vehicles.iter().count();
+        let body = self.scenario.cast.pedestrians[pedestrian].body;
         let hit = self.outcome.is_collision();
         let too_early =
             |share: f64| self.touch_of_boxes(body.half() * share).is_some_and(|tick| !hit || tick + 1 < self.ticks());

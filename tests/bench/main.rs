@@ -228,7 +228,7 @@ fn scenes(bencher: Bencher<'_, '_>, spelling: &str) {
     let mut stream = Seed::root(1).stream();
     bencher.counter(ItemsCount::new(1000_u32)).bench_local(|| {
         for _ in 0..1000 {
-            let first = scenario.cast.pedestrian.first_heading;
+            let first = scenario.cast.pedestrian().first_heading;
             divan::black_box(scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream));
         }
     });
@@ -272,7 +272,7 @@ fn onnx<const WORLDS: usize>(bencher: Bencher<'_, '_>) {
 /// A scenario with another driver of the ego.
 fn driven_by(policy: PolicyMaker) -> Arc<Scenario> {
     let mut scenario = Scenario::clone(&scenario("blind"));
-    scenario.cast.ego.policy = policy;
+    scenario.cast.vehicles[0].policy = policy;
     Arc::new(scenario)
 }
 

@@ -101,8 +101,8 @@ impl Human {
 
     /// Whether it notices a pedestrian in this tick: now, or when the tick ends.
     fn notices(&self, scenario: &Scenario, state: &PedestrianState, speed: f64, way: f64) -> bool {
-        let (half, radius) = (scenario.cast.ego.blueprint.half_length, scenario.cast.pedestrian.body.radius);
-        let reach = scenario.cast.ego.blueprint.half_width + radius;
+        let (half, radius) = (scenario.cast.ego().blueprint.half_length, scenario.cast.pedestrian().body.radius);
+        let reach = scenario.cast.ego().blueprint.half_width + radius;
         let brake = DelayedBrake::new(Some(Gate::CAREFUL), BrakeProfile::careful_human(self.wait));
         let own = OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * half };
         [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].into_iter().any(|share| {

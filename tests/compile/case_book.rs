@@ -196,7 +196,7 @@ impl Family {
     }
 
     fn judged(&self, speed: f64, scenario: &Scenario) -> Encountered {
-        let (car, radius) = (&scenario.cast.ego.blueprint, scenario.cast.pedestrian.body.radius);
+        let (car, radius) = (&scenario.cast.ego().blueprint, scenario.cast.pedestrian().body.radius);
         let walker = &self.walker;
         let beside = car.half_width + radius;
         let place = match (walker.meets, walker.flank, walker.flank_left) {

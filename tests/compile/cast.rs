@@ -11,7 +11,7 @@ use learn::Env;
 use world::av::{DrivingMode, PerfectSensors};
 use world::env::{
     ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianEnv,
-    PedestrianRole, Placed, Scenario, Simulation, Trace, VehicleRole, carry_out,
+    PedestrianRole, Scenario, Simulation, Trace, VehicleRole, carry_out,
 };
 use world::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate, play};
 use world::geometry::{Obstacles, Pose};
@@ -58,7 +58,7 @@ fn scenario(town: &str, policy: &str) -> Scenario {
 }
 
 fn vehicle(policy: &str) -> VehicleRole {
-    scenario("long", policy).cast.ego
+    scenario("long", policy).cast.ego().clone()
 }
 
 /// The ego starts at x = 60 m in its lane at 8 m/s. The first pedestrian is 30 m to its right and faces east. The arguments place the
@@ -72,9 +72,10 @@ pub fn two_and_two(ego: &str, traffic: (&str, ActorStart), second: (ActorStart, 
     scenario.spawn.distance = Distribution::Constant(30.0);
     scenario.spawn.heading = Some(Distribution::Constant(0.0));
     scenario.spawn.constraints.clear();
-    scenario.cast.traffic.push(Placed { role: vehicle(traffic.0), start: traffic.1 });
-    let role = PedestrianRole { controller: second.1, ..scenario.cast.pedestrian.clone() };
-    scenario.cast.others.push(Placed { role, start: second.0 });
+    scenario.cast.vehicles.push(VehicleRole { start: Some(traffic.1), ..vehicle(traffic.0) });
+    let (controller, start) = (second.1, Some(second.0));
+    let role = PedestrianRole { controller, start, ..scenario.cast.pedestrian().clone() };
+    scenario.cast.pedestrians.push(role);
     scenario
 }
 
@@ -157,7 +158,7 @@ fn an_episode_of_four_is_the_same_again_and_goes_on_from_where_it_was_saved() {
 #[test]
 fn drivers_know_the_others_and_their_own_signs_and_lights() {
     let blueprint = || vehicle("blind").blueprint;
-    let body = scenario("long", "blind").cast.pedestrian.body;
+    let body = scenario("long", "blind").cast.pedestrian().body;
     let town = scenario("lit", "blind").town;
     let (fast, slow) = {
         let sign = |limit: f64| town.speed_signs.iter().find(|sign| (sign.limit - limit / 3.6).abs() < 1e-9).unwrap();
@@ -202,12 +203,12 @@ fn cars_touch_cars_and_the_touch_names_them() {
     // The ego does not look; the other car stands.
     let standing = ActorStart { speed: 0.0, ..ahead(30.0) };
     let mut scenario = two_and_two("blind", ("blind", standing), (away(), Controller::External));
-    scenario.cast.traffic[0].role.blueprint.start_up_pause = 1e6;
+    scenario.cast.vehicles[1].blueprint.start_up_pause = 1e6;
     let scenario = Arc::new(scenario);
     let (outcome, trace) = run(&scenario, [STANDING; 2]);
     let contact = *trace.contact().unwrap();
     assert_eq!(contact.pair, (ActorId::EGO, ActorId::Vehicle(1)));
-    let length = 2.0 * scenario.cast.ego.blueprint.half_length;
+    let length = 2.0 * scenario.cast.ego().blueprint.half_length;
     assert!((contact.ahead - length).abs() < 1e-3 && contact.aside.abs() < 0.1, "{contact:?}");
     assert!(contact.impact_speed > 7.0 && contact.is_front(0.1));
     assert_eq!(outcome.ending, Ending::OtherContact);
@@ -218,7 +219,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     // At the touch the boxes have no gap; one tick earlier they have one.
     let (ego, other) = (trace.vehicle(0), trace.vehicle(1));
     let last = ego.len() - 1;
-    let outline = |frame: &world::env::VehicleFrame| frame.state.outline(&scenario.cast.ego.blueprint);
+    let outline = |frame: &world::env::VehicleFrame| frame.state.outline(&scenario.cast.ego().blueprint);
     assert!(outline(&ego[last]).overlaps(&outline(&other[last])));
     assert!(!outline(&ego[last - 1]).overlaps(&outline(&other[last - 1])));
 }

@@ -45,13 +45,13 @@ struct Drive {
 
 fn drive(policy: &str, x: f64, walker: Pose, walking: f64, seconds: f64) -> Drive {
     let scenario = scenario(policy);
-    let body = scenario.cast.pedestrian.body.nimble();
+    let body = scenario.cast.pedestrian().body.nimble();
     let empty = Arc::new(Obstacles::new(&[]));
-    let (car, town) = (scenario.cast.ego.blueprint.clone(), scenario.town.clone());
+    let (car, town) = (scenario.cast.ego().blueprint.clone(), scenario.town.clone());
     let mut world = World::new(town, empty, vec![car], vec![body], None, 0.05);
     let vehicles = &[ActorStart { pose: Pose::new(x, -1.75, 0.0), speed: 7.5 }];
     world.begin(&Start { vehicles, pedestrians: &[ActorStart::standing(walker)], light_phase: 0.0 });
-    let mut driver = (scenario.cast.ego.policy)();
+    let mut driver = (scenario.cast.ego().policy)();
     let mut sensors = PerfectSensors::default();
     driver.reset(&sensors.perceive(&world, 0), Seed::root(1).stream());
     let (mut slowest, mut emergencies, mut contact) = (f64::INFINITY, 0, None);

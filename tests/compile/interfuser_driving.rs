@@ -38,7 +38,7 @@ fn world(scenario: &Scenario, lane: usize, pedestrian: Vector) -> World {
     let mut world = World::new(
         Arc::clone(&scenario.town),
         Arc::clone(&scenario.obstacles),
-        vec![scenario.cast.ego.blueprint.clone()],
+        vec![scenario.cast.ego().blueprint.clone()],
         vec![PedestrianBody::adult()],
         None,
         0.05,

@@ -159,8 +159,8 @@ fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
 fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, Trace) {
     let mut scenario = Scenario::clone(&scenario("blind"));
     scenario.obstacles = Arc::new(Obstacles::new(obstacles));
-    let (town, obstacles, body) = (scenario.town.clone(), scenario.obstacles.clone(), scenario.cast.pedestrian.body);
-    let mut world = World::new(town, obstacles, vec![scenario.cast.ego.blueprint.clone()], vec![body], None, 0.05);
+    let (town, obstacles, body) = (scenario.town.clone(), scenario.obstacles.clone(), scenario.cast.pedestrian().body);
+    let mut world = World::new(town, obstacles, vec![scenario.cast.ego().blueprint.clone()], vec![body], None, 0.05);
     let mut trace = Trace::new(&scenario);
     // After 3 s the bumper is at 30 m and the pedestrian in the middle of it.
     let walked = |time: f64| (0..(time * 1000.0) as u32).map(|i| speed(f64::from(i) / 1000.0) / 1000.0).sum::<f64>();
@@ -168,12 +168,12 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
     let mut actions = Actions::new(&scenario.cast);
     for tick in 0..=60 {
         let time = f64::from(tick) * 0.05;
-        world.vehicles[0].state.pose = Pose::new(10.0 * time - scenario.cast.ego.blueprint.half_length, 0.0, 0.0);
+        world.vehicles[0].state.pose = Pose::new(10.0 * time - scenario.cast.ego().blueprint.half_length, 0.0, 0.0);
         world.vehicles[0].state.speed = 10.0;
         let aside = end - walked(time);
         world.pedestrians[0].state.pose = Pose::new(30.0 + body.radius, aside, -std::f64::consts::FRAC_PI_2);
         world.pedestrians[0].state.velocity = Vector::new(0.0, -speed(time));
-        let ahead = scenario.cast.ego.blueprint.half_length + body.radius;
+        let ahead = scenario.cast.ego().blueprint.half_length + body.radius;
         let contact = Contact {
             pair: (ActorId::EGO, ActorId::Pedestrian(0)),
             fraction: 1.0,
@@ -255,8 +255,8 @@ fn false_alarms_are_those_of_episodes_that_end_well() {
 /// Of a recording without a touch: the car drives past a pedestrian who stands this far from its axis (m), or who walks away.
 fn pass(aside: f64, speed: f64) -> FalseAlarms {
     let (scenario, _) = run_out(&[], |_| 0.0);
-    let (town, body) = (scenario.town.clone(), scenario.cast.pedestrian.body);
-    let blueprint = scenario.cast.ego.blueprint.clone();
+    let (town, body) = (scenario.town.clone(), scenario.cast.pedestrian().body);
+    let blueprint = scenario.cast.ego().blueprint.clone();
     let mut world = World::new(town, scenario.obstacles.clone(), vec![blueprint.clone()], vec![body], None, 0.05);
     let mut trace = Trace::new(&scenario);
     let actions = Actions::new(&scenario.cast);

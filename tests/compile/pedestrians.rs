@@ -51,8 +51,8 @@ fn motions(scenario: &Arc<Scenario>, walker: &mut dyn WalkPolicy, episodes: u32)
 #[test]
 fn the_bodies_are_those_that_their_sources_give() {
     let plan = plan();
-    let gait = |name: &str| scenario(&plan, name).cast.pedestrian.body.gait;
-    let fastest = |name: &str| scenario(&plan, name).cast.pedestrian.action.speed.1;
+    let gait = |name: &str| scenario(&plan, name).cast.pedestrian().body.gait;
+    let fastest = |name: &str| scenario(&plan, name).cast.pedestrian().action.speed.1;
     for (name, acceleration, degrees, speed) in [
         ("plausible", 1.65, 80.0_f64, 8.0 / 3.6),
         ("child", 0.96, 80.0, 5.0 / 3.6),

@@ -61,7 +61,7 @@ fn cases(scenario: &Arc<Scenario>) -> Vec<(Outcome, Trace)> {
 /// The place of the target's impact point on the car's front, as a share of its width from the right, when the front reaches the target's box.
 /// That place is where both meet if the target is a box.
 fn overlap_of_the_box(scenario: &Scenario, trace: &Trace) -> f64 {
-    let (walk, car) = (scenario.spawn.target_walk.as_ref().unwrap(), &scenario.cast.ego.blueprint);
+    let (walk, car) = (scenario.spawn.target_walk.as_ref().unwrap(), &scenario.cast.ego().blueprint);
     let (cars, targets) = (trace.vehicle(0), trace.pedestrian(0));
     let front = |tick: usize| cars[tick].state.pose.to_local(targets[tick].pose.position()).x - car.half_length;
     let last = cars.len() - 1;
@@ -86,7 +86,7 @@ fn without_braking_every_cell_is_hit_at_the_stated_overlap() {
     for test in CROSSING {
         let scenario = scenario(test, "blind");
         let (walk, width) =
-            (scenario.spawn.target_walk.as_ref().unwrap(), 2.0 * scenario.cast.ego.blueprint.half_width);
+            (scenario.spawn.target_walk.as_ref().unwrap(), 2.0 * scenario.cast.ego().blueprint.half_width);
         let left = walk.command().heading < 0.0;
         for (case, (outcome, trace)) in walk.cases.iter().zip(cases(&scenario)) {
             assert!(outcome.is_collision(), "{test} {case:?}");
@@ -105,7 +105,7 @@ fn without_braking_every_cell_is_hit_at_the_stated_overlap() {
 fn without_braking_every_target_along_the_path_is_hit_at_the_stated_overlap() {
     for test in ALONG {
         let scenario = scenario(test, "blind");
-        let (walk, car) = (scenario.spawn.target_walk.as_ref().unwrap(), &scenario.cast.ego.blueprint);
+        let (walk, car) = (scenario.spawn.target_walk.as_ref().unwrap(), &scenario.cast.ego().blueprint);
         for (case, (outcome, trace)) in walk.cases.iter().zip(cases(&scenario)) {
             assert!(outcome.is_collision(), "{test} {case:?}");
             let (cars, targets) = (trace.vehicle(0), trace.pedestrian(0));
@@ -167,8 +167,8 @@ fn ideal(test: &str, share: f64) -> Arc<Scenario> {
     let mut scenario = Arc::unwrap_or_clone(scenario(test, "blind"));
     let walk = scenario.spawn.target_walk.as_ref().unwrap();
     let along = (walk.from == TargetSide::Along).then_some(walk.speed);
-    scenario.cast.ego.blueprint = VehicleBlueprint::generic();
-    scenario.cast.ego.policy = Arc::new(move || Box::new(Ideal { share, along, is_braking: false }));
+    scenario.cast.vehicles[0].blueprint = VehicleBlueprint::generic();
+    scenario.cast.vehicles[0].policy = Arc::new(move || Box::new(Ideal { share, along, is_braking: false }));
     Arc::new(scenario)
 }
 
@@ -191,8 +191,8 @@ fn an_ideal_driver_that_brakes_late_hits_at_the_speed_of_the_closed_form() {
     let tick = 0.05;
     for test in ALONG {
         let scenario = ideal(test, 0.7);
-        let (walk, car) = (scenario.spawn.target_walk.as_ref().unwrap(), &scenario.cast.ego.blueprint);
-        let radius = scenario.cast.pedestrian.body.radius;
+        let (walk, car) = (scenario.spawn.target_walk.as_ref().unwrap(), &scenario.cast.ego().blueprint);
+        let radius = scenario.cast.pedestrian().body.radius;
         for (case, (outcome, trace)) in walk.cases.iter().zip(cases(&scenario)) {
             let (cars, targets) = (trace.vehicle(0), trace.pedestrian(0));
             let onset = cars.windows(2).position(|pair| pair[1].state.speed < pair[0].state.speed - 0.1).unwrap();
@@ -229,7 +229,7 @@ fn carlas_agent_sees_the_target_of_cpla_50() {
 fn cpna_50_meets_where_the_published_openscenario_file_does() {
     let (latitude, overlap, width, length, impact) = (4.0, 50.0, 0.5, 0.6, 0.36);
     let scenario = scenario("cpna", "blind");
-    let car = &scenario.cast.ego.blueprint;
+    let car = &scenario.cast.ego().blueprint;
     let offset = 2.0 * car.half_width * (overlap / 100.0) - car.half_width;
     let walked = latitude + offset - (length / 2.0 - impact);
     let walk = scenario.spawn.target_walk.as_ref().unwrap();

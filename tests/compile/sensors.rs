@@ -92,7 +92,7 @@ fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Ac
         let cars: Vec<Actor> = (0..).map(ActorId::Vehicle).zip(cars).map(moved).collect();
         let perception = Perception {
             town: &scenario.town,
-            blueprint: &scenario.cast.ego.blueprint,
+            blueprint: &scenario.cast.ego().blueprint,
             tick,
             dt,
             ego: car(0.0, 0.0, 0.0),
@@ -378,7 +378,7 @@ fn commands_take_effect_after_the_actuation_delay() {
     let obstacles = Obstacles::new(&[]);
     let perception = Perception {
         town: &scenario.town,
-        blueprint: &scenario.cast.ego.blueprint,
+        blueprint: &scenario.cast.ego().blueprint,
         tick: 0,
         dt: 0.05,
         ego: car(0.0, 0.0, 0.0),

@@ -149,7 +149,7 @@ fn a_target_as_a_box_is_touched_at_its_impact_point() {
     for (test, adversary) in [("cpna", "adult_target_box"), ("cpfa", "adult_target_box"), ("cpnco", "child_target_box")]
     {
         let scenario = protocol(test, adversary, "blind", "");
-        let (car, body) = (&scenario.cast.ego.blueprint, &scenario.cast.pedestrian.body);
+        let (car, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
         let walk = scenario.spawn.target_walk.as_ref().unwrap();
         let side = if test == "cpfa" { -1.0 } else { 1.0 };
         for (case, (outcome, trace)) in walk.cases.iter().zip(scripted(&scenario, walk.cases.len() as u32)) {

@@ -63,7 +63,7 @@ fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64;
     let bytes = networks.to_onnx_with(&inputs(), &ACTION_SCALES, &ACTION_BOUNDS, &Default::default());
     let model = Arc::new(Model::read(bytes).unwrap());
     let mut elsewhere = (**scenario).clone();
-    elsewhere.cast.ego.policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
+    elsewhere.cast.vehicles[0].policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
     let mut driver = PedestrianEnv::new(Arc::new(elsewhere), seed);
     driver.place(Draw::new(&seed, 0));
     let mut obs = vec![0.0; learner.obs_dim()];

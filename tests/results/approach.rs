@@ -29,7 +29,7 @@ fn scenario() -> Scenario {
 #[test]
 fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
     let scenario = scenario();
-    let (ego, body) = (&scenario.cast.ego.blueprint, scenario.cast.pedestrian.body);
+    let (ego, body) = (&scenario.cast.ego().blueprint, scenario.cast.pedestrian().body);
     let mut world =
         World::new(scenario.town.clone(), scenario.obstacles.clone(), vec![ego.clone()], vec![body], None, 0.05);
     let (mut trace, mut actions) = (Trace::new(&scenario), Actions::new(&scenario.cast));

@@ -62,7 +62,7 @@ impl Place<'_> {
         Arc::new(Scenario {
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
-            cast: Cast::pair(VehicleRole { blueprint, policy: self.policy.value.clone() }, walker.clone()),
+            cast: Cast::pair(VehicleRole { blueprint, policy: self.policy.value.clone(), start: None }, walker.clone()),
             spawn: self.spawn.value.clone(),
             reward: reward.clone(),
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),

@@ -147,7 +147,7 @@ pub fn lower(
             }
         }
     }
-    town.crosswalks.extend(crosswalks);
+    town.add_crosswalks(crosswalks);
     // The first look-up of a lane is expensive, and in a described town most objects stand far from every street.
     let reach = UNDER_SLACK + half_width;
     let near = |own: &OrientedBox| town.roads.iter().any(|road| comes_near(road, own, reach));

@@ -53,7 +53,7 @@ pub fn sampled_starts(campaign: &Campaign, count: u32, seed: u64) -> Vec<Sampled
     let sampled = |(town, scenario): (&str, &Arc<Scenario>)| {
         let rule = &scenario.spawn;
         let mut stream = Seed::root(seed).child("sample").child(town).child(&rule.name).stream();
-        let first = scenario.cast.pedestrian.first_heading;
+        let first = scenario.cast.pedestrian().first_heading;
         let survey = rule.survey(&scenario.town, &scenario.obstacles, first, count, &mut stream);
         let ends = EndsOfRoads::of(scenario, &survey);
         SampledStarts { town: town.to_string(), scenario: Arc::clone(scenario), survey, ends }

@@ -3,8 +3,9 @@ use std::sync::Arc;
 use super::wheel::{ACTION_BOUNDS, ACTION_SCALES, Seat, inputs};
 use super::{DriveReward, DriveRule, Pupil};
 use crate::av::view::View;
-use crate::env::{Draw, PedestrianEnv, Phase, Placed, Scenario, Simulation, VehicleRole};
+use crate::env::{Draw, PedestrianEnv, Phase, Scenario, Simulation, VehicleRole};
 use crate::falsifier::{Controller, WalkPolicy, advance};
+use crate::geometry::Pose;
 use crate::sim::{ActorId, ActorStart, Contact, LightColour, WalkCommand};
 use base::seed::Seed;
 use learn::{Env, Inputs, Step};
@@ -68,8 +69,9 @@ impl DriveEnv {
     pub fn new(scenario: &Arc<Scenario>, rule: &Arc<DriveRule>, seed: &Seed) -> Self {
         let seat = Seat::default();
         let mut scenario = (**scenario).clone();
-        scenario.cast.ego.policy = seat.policy();
-        scenario.cast.traffic = traffic(&scenario, rule, seed);
+        scenario.cast.vehicles[0].policy = seat.policy();
+        let others = traffic(&scenario, rule, seed);
+        scenario.cast.vehicles.extend(others);
         let env = PedestrianEnv::new(Arc::new(scenario), *seed);
         let commands = vec![WalkCommand::default(); env.world().pedestrians.len()];
         Self {
@@ -297,20 +299,20 @@ fn red_light(view: &View) -> Option<f64> {
 }
 
 /// The other cars, each where the spawn rule would place the ego.
-fn traffic(scenario: &Scenario, rule: &DriveRule, seed: &Seed) -> Vec<Placed<VehicleRole>> {
+fn traffic(scenario: &Scenario, rule: &DriveRule, seed: &Seed) -> Vec<VehicleRole> {
     let mut stream = seed.child("traffic").stream();
-    let first = scenario.cast.pedestrian.first_heading;
-    let mut placed: Vec<Placed<VehicleRole>> = Vec::new();
+    let first = scenario.cast.pedestrian().first_heading;
+    let (mut poses, mut others): (Vec<Pose>, Vec<VehicleRole>) = Default::default();
     for _ in 0..ATTEMPTS * rule.cars {
-        if placed.len() == rule.cars {
+        if others.len() == rule.cars {
             break;
         }
         let pose = scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream).ego;
-        let apart = |other: &Placed<VehicleRole>| (other.start.pose.position() - pose.position()).norm() > APART;
-        if placed.iter().all(apart) {
-            let role = VehicleRole { policy: rule.teacher.clone(), ..scenario.cast.ego.clone() };
-            placed.push(Placed { role, start: ActorStart::standing(pose) });
+        if poses.iter().all(|other| (other.position() - pose.position()).norm() > APART) {
+            let (policy, start) = (rule.teacher.clone(), Some(ActorStart::standing(pose)));
+            others.push(VehicleRole { policy, start, ..scenario.cast.ego().clone() });
+            poses.push(pose);
         }
     }
-    placed
+    others
 }

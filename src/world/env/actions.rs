@@ -26,11 +26,10 @@ pub struct Actions {
 impl Actions {
     /// Those of a cast before its first episode.
     pub fn new(cast: &Cast) -> Self {
-        let (vehicles, pedestrians) = (1 + cast.traffic.len(), cast.pedestrian_count());
-        let starts = cast.others.iter().map(|placed| placed.start);
+        let (vehicles, pedestrians) = (cast.vehicles.len(), cast.pedestrians.len());
         Self {
             bounds: cast.action_bounds(),
-            starts: std::iter::once(ActorStart::default()).chain(starts).collect(),
+            starts: cast.pedestrians.iter().map(|role| role.start.unwrap_or_default()).collect(),
             commands: vec![WalkCommand::default(); pedestrians],
             turns: vec![0.0; pedestrians],
             controls: vec![Control::default(); vehicles],
@@ -50,7 +49,7 @@ impl Actions {
     /// Takes a decision. Pedestrians with a fixed command keep it.
     pub fn decide(&mut self, cast: &Cast, commands: &[WalkCommand]) {
         let last = self.commands.iter_mut().zip(&mut self.turns);
-        for (((last, turn), command), role) in last.zip(commands).zip(cast.pedestrians()) {
+        for (((last, turn), command), role) in last.zip(commands).zip(cast.pedestrians.iter()) {
             let command = match role.controller {
                 Controller::External => *command,
                 Controller::Fixed(fixed) => fixed,

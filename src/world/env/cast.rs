@@ -8,26 +8,12 @@ use base::choice;
 /// Makes a fresh driving policy; every episode's environment owns one for each vehicle.
 pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
 
-/// The actors of a scenario. In a world the ego is vehicle 0, the other vehicles follow in their order, and pedestrians have their order.
+/// The actors of a scenario, in the order of their numbers in a world.
 #[derive(Clone)]
 pub struct Cast {
-    /// The car under test. The scenario's spawn rule places it.
-    pub ego: VehicleRole,
-    /// All other vehicles; each has its own start.
-    pub traffic: Vec<Placed<VehicleRole>>,
-    /// The pedestrian that the scenario's spawn rule places.
-    pub pedestrian: PedestrianRole,
-    /// All other pedestrians; each has its own start.
-    pub others: Vec<Placed<PedestrianRole>>,
-}
-
-/// A role with its own start.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Placed<R> {
-    /// The actor.
-    pub role: R,
-    /// Its start in every episode.
-    pub start: ActorStart,
+    /// The first is the ego, the car under test.
+    pub vehicles: Vec<VehicleRole>,
+    pub pedestrians: Vec<PedestrianRole>,
 }
 
 /// A vehicle and its driver.
@@ -37,6 +23,8 @@ pub struct VehicleRole {
     pub blueprint: VehicleBlueprint,
     /// Its driver.
     pub policy: PolicyMaker,
+    /// Its start in every episode; `None` for the ego, which the scenario's spawn rule places.
+    pub start: Option<ActorStart>,
 }
 
 /// A pedestrian: its body, its observation, its action and its controller.
@@ -52,6 +40,8 @@ pub struct PedestrianRole {
     pub controller: Controller,
     /// The direction that it faces at the start, when the spawn rule places it and states no heading.
     pub first_heading: FirstHeading,
+    /// Its start in every episode; `None` for the first pedestrian, which the scenario's spawn rule places.
+    pub start: Option<ActorStart>,
 }
 
 /// The source of a pedestrian's commands.
@@ -76,34 +66,22 @@ choice! {
 impl Cast {
     /// One car and one pedestrian.
     pub fn pair(ego: VehicleRole, pedestrian: PedestrianRole) -> Self {
-        Self { ego, traffic: Vec::new(), pedestrian, others: Vec::new() }
+        Self { vehicles: vec![ego], pedestrians: vec![pedestrian] }
     }
 
-    /// All vehicles in the order of their numbers.
-    pub fn vehicles(&self) -> impl Iterator<Item = &VehicleRole> {
-        std::iter::once(&self.ego).chain(self.traffic.iter().map(|placed| &placed.role))
+    /// The car under test.
+    pub fn ego(&self) -> &VehicleRole {
+        &self.vehicles[0]
     }
 
-    /// All pedestrians in the order of their numbers.
-    pub fn pedestrians(&self) -> impl Iterator<Item = &PedestrianRole> {
-        std::iter::once(&self.pedestrian).chain(self.others.iter().map(|placed| &placed.role))
-    }
-
-    pub fn vehicle(&self, number: usize) -> &VehicleRole {
-        number.checked_sub(1).map_or(&self.ego, |index| &self.traffic[index].role)
-    }
-
-    pub fn pedestrian(&self, number: usize) -> &PedestrianRole {
-        number.checked_sub(1).map_or(&self.pedestrian, |index| &self.others[index].role)
-    }
-
-    pub fn pedestrian_count(&self) -> usize {
-        1 + self.others.len()
+    /// The pedestrian that the scenario's spawn rule places.
+    pub fn pedestrian(&self) -> &PedestrianRole {
+        &self.pedestrians[0]
     }
 
     /// The pedestrians that the user of an environment controls, with their numbers.
     pub fn controlled(&self) -> impl Iterator<Item = (usize, &PedestrianRole)> {
-        self.pedestrians().enumerate().filter(|(_, role)| role.controller == Controller::External)
+        self.pedestrians.iter().enumerate().filter(|(_, role)| role.controller == Controller::External)
     }
 
     /// The numbers of a joint state: those of all controlled pedestrians, one after another.
@@ -119,7 +97,7 @@ impl Cast {
 
 impl std::fmt::Debug for Cast {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let vehicles = 1 + self.traffic.len();
-        f.debug_struct("Cast").field("vehicles", &vehicles).field("pedestrians", &self.pedestrian_count()).finish()
+        let Self { vehicles, pedestrians } = self;
+        f.debug_struct("Cast").field("vehicles", &vehicles.len()).field("pedestrians", &pedestrians.len()).finish()
     }
 }

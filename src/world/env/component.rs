@@ -104,7 +104,7 @@ impl Cast {
         let json = |components: Vec<Component>| {
             serde_json::to_string(&components).expect("names and finite bounds have a form in JSON")
         };
-        let role = self.controlled().next().map_or(&self.pedestrian, |(_, role)| role);
+        let role = self.controlled().next().map_or(self.pedestrian(), |(_, role)| role);
         vec![
             ("state", json(self.state_components())),
             ("state_frame", role.observation.frame.name().into()),

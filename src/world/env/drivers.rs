@@ -29,7 +29,7 @@ impl Drivers {
 
     /// Fresh drivers of a cast.
     pub(super) fn of(cast: &Cast) -> Self {
-        Self::new(cast.vehicles().map(|role| (role.policy)()).collect())
+        Self::new(cast.vehicles.iter().map(|role| (role.policy)()).collect())
     }
 
     /// Lets the ego hold a test speed (m/s).
@@ -90,7 +90,7 @@ impl Drivers {
     /// Other drivers of a cast, if that of the ego is faster in a batch.
     pub(super) fn clone_for_batch(&self, cast: &Cast) -> Option<Self> {
         let ego = self.policies[0].clone_for_batch()?;
-        let traffic = self.policies.iter().zip(cast.vehicles()).skip(1);
+        let traffic = self.policies.iter().zip(cast.vehicles.iter()).skip(1);
         let traffic = traffic.map(|(policy, role)| policy.clone_for_batch().unwrap_or_else(|| (role.policy)()));
         Some(Self::new(std::iter::once(ego).chain(traffic).collect()))
     }

@@ -52,7 +52,7 @@ mod other_drive;
 
 pub use action::ActionSpec;
 pub use actions::Actions;
-pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMaker, VehicleRole};
+pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, PolicyMaker, VehicleRole};
 pub use component::Component;
 pub use criterion::Criterion;
 pub use failure_cell::{Course, FailureCell, Zone};

@@ -28,7 +28,7 @@ impl<'a> OtherDrive<'a> {
         let scenario = pair.scenario();
         let cast = &scenario.cast;
         let count = pair.trace().pedestrian_count();
-        let bodies: Vec<_> = cast.pedestrians().take(count).map(|role| role.body).collect();
+        let bodies: Vec<_> = cast.pedestrians.iter().take(count).map(|role| role.body).collect();
         let lights = pair.trace().lights();
         let cycle = lights.is_some().then_some(scenario.episode.light_cycle);
         let (town, obstacles) = (scenario.town.clone(), scenario.obstacles.clone());

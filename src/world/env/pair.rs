@@ -41,9 +41,9 @@ impl<'a> Pair<'a> {
         let pair = (ActorId::Vehicle(vehicle as u8), ActorId::Pedestrian(pedestrian as u8));
         Self {
             scenario,
-            blueprint: &scenario.cast.vehicle(vehicle).blueprint,
-            body: &scenario.cast.pedestrian(pedestrian).body,
-            role: scenario.cast.pedestrian(pedestrian),
+            blueprint: &scenario.cast.vehicles[vehicle].blueprint,
+            body: &scenario.cast.pedestrians[pedestrian].body,
+            role: &scenario.cast.pedestrians[pedestrian],
             driving: trace.vehicle(vehicle),
             walking: trace.pedestrian(pedestrian),
             decisions: trace.decisions(pedestrian),

@@ -110,17 +110,16 @@ impl PedestrianEnv {
         let world = World::new(
             scenario.town.clone(),
             scenario.obstacles.clone(),
-            cast.vehicles().map(|role| role.blueprint.clone()).collect(),
-            cast.pedestrians().map(|role| role.body).collect(),
+            cast.vehicles.iter().map(|role| role.blueprint.clone()).collect(),
+            cast.pedestrians.iter().map(|role| role.body).collect(),
             rule.traffic_lights.then_some(rule.light_cycle),
             rule.tick,
         );
         let actions = Actions::new(cast);
         let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let decisions = rule.ticks.div_ceil(rule.hold).min(MAX_RESERVED) as usize * actions.commands.len();
-        let traffic = cast.traffic.iter().map(|placed| placed.start);
         Self {
-            vehicles: std::iter::once(ActorStart::default()).chain(traffic).collect(),
+            vehicles: cast.vehicles.iter().map(|role| role.start.unwrap_or_default()).collect(),
             observers: Observers::new(&scenario, &world),
             scratch: actions.commands.clone(),
             actions,
@@ -190,7 +189,7 @@ impl PedestrianEnv {
         self.set_curriculum(running.width);
         self.begin(number);
         for commands in running.decisions.chunks(pedestrians) {
-            let roles = || self.scenario.cast.pedestrians().zip(commands);
+            let roles = || self.scenario.cast.pedestrians.iter().zip(commands);
             let possible = roles().all(|(role, command)| match role.controller {
                 Controller::External => (role.action.speed.0..=role.action.speed.1).contains(&command.speed),
                 Controller::Fixed(fixed) => fixed == *command,

@@ -48,7 +48,7 @@ impl<'a> Scene<'a> {
     /// A pedestrian's observation of the ego.
     pub fn observe(&self, pedestrian: usize) -> Observation {
         let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
-        let observed = self.scenario.cast.pedestrian(pedestrian).observation.speed;
+        let observed = self.scenario.cast.pedestrians[pedestrian].observation.speed;
         Observation::new(&state.pose, state.speed(), &ego.pose, ego.speed, observed)
     }
 
@@ -82,7 +82,7 @@ impl<'a> Scene<'a> {
 
     /// The direction from which a pedestrian's chosen heading is measured at a speed (m/s), in the world (rad).
     pub fn action_origin(&self, number: usize, speed: f64) -> f64 {
-        self.origin(number, self.scenario.cast.pedestrian(number).action.frame, speed)
+        self.origin(number, self.scenario.cast.pedestrians[number].action.frame, speed)
     }
 
     fn origin(&self, pedestrian: usize, frame: ReferenceFrame, speed: f64) -> f64 {
@@ -119,7 +119,7 @@ impl<'a> Scene<'a> {
     }
 
     fn max_speed(&self, pedestrian: usize) -> f64 {
-        self.scenario.cast.pedestrian(pedestrian).action.speed.1
+        self.scenario.cast.pedestrians[pedestrian].action.speed.1
     }
 
     /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.

@@ -23,7 +23,7 @@ impl Script {
         let mut script = Self { approach: 1.0, ..Self::default() };
         let spawn = scenario.spawn.target_walk.as_ref().map(|walk| {
             script.approach = walk.approach.quantile(stream.random());
-            walk.spawn(number, script.approach, &scenario.cast.ego.blueprint)
+            walk.spawn(number, script.approach, &scenario.cast.ego().blueprint)
         });
         if let Some(path) = &scenario.spawn.given_path {
             script.delay = path.delay.quantile(stream.random());

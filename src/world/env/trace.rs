@@ -99,8 +99,8 @@ impl Trace {
         let track =
             |_| PedestrianTrack { states: Vec::with_capacity(frames), decisions: Vec::with_capacity(decisions) };
         Self {
-            vehicles: scenario.cast.vehicles().map(|_| Vec::with_capacity(frames)).collect(),
-            pedestrians: scenario.cast.pedestrians().map(track).collect(),
+            vehicles: scenario.cast.vehicles.iter().map(|_| Vec::with_capacity(frames)).collect(),
+            pedestrians: scenario.cast.pedestrians.iter().map(track).collect(),
             contact: None,
             lights: None,
             on_map: true,
@@ -134,10 +134,6 @@ impl Trace {
     /// The clock of the traffic lights at the start; none where they are switched off, and in a recording from elsewhere.
     pub fn lights(&self) -> Option<LightClock> {
         self.lights
-    }
-
-    pub fn vehicle_count(&self) -> usize {
-        self.vehicles.len()
     }
 
     /// The degree of each requirement of the scenario; empty without requirements, and where the episode is not over or in error.

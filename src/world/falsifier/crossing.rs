@@ -71,7 +71,7 @@ impl Crossing {
         let world = scene.world;
         let (walker, ego) = (&world.pedestrians[pedestrian], world.ego());
         let pose = &ego.state.pose;
-        let (low, high) = scene.scenario.cast.pedestrian(pedestrian).action.speed;
+        let (low, high) = scene.scenario.cast.pedestrians[pedestrian].action.speed;
         let speed = (high * (STROLL + (1.0 - STROLL) * self.goal.pace)).max(low);
         let here = walker.state.pose.position();
         let side = *self.side.get_or_insert(if pose.to_local(here).y > 0.0 { 1.0 } else { -1.0 });
@@ -101,7 +101,7 @@ impl Crossing {
             return true;
         }
         // A body that needs time to its speed loses half of that time.
-        let delay = match scene.scenario.cast.pedestrian(pedestrian).body.gait {
+        let delay = match scene.scenario.cast.pedestrians[pedestrian].body.gait {
             Gait::Carla { ramp, .. } => ramp / 2.0,
             Gait::Inertial { acceleration, .. } => wanted.speed / acceleration / 2.0,
         };

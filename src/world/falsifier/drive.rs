@@ -43,7 +43,7 @@ pub fn play(
     walker: &mut dyn WalkPolicy,
     observer: &mut dyn Observer,
 ) -> Option<Outcome> {
-    let mut commands = vec![WalkCommand::default(); simulation.scenario().cast.pedestrian_count()];
+    let mut commands = vec![WalkCommand::default(); simulation.scenario().cast.pedestrians.len()];
     loop {
         match simulation.phase() {
             Phase::Over => return simulation.outcome().copied(),

@@ -86,7 +86,7 @@ impl Slot {
 fn batch(simulation: &dyn Simulation, walker: &dyn WalkPolicy, episodes: usize) -> Vec<Slot> {
     let wanted = simulation.batch_size().min(episodes);
     let scenario = simulation.scenario();
-    let (trace, commands) = (Trace::new(scenario), vec![WalkCommand::default(); scenario.cast.pedestrian_count()]);
+    let (trace, commands) = (Trace::new(scenario), vec![WalkCommand::default(); scenario.cast.pedestrians.len()]);
     let slot = || {
         let (simulation, walker) = (simulation.clone_for_batch()?, walker.clone_for_batch()?);
         Some(Slot { simulation, walker, trace: trace.clone(), commands: commands.clone(), episode: None })

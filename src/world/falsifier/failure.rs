@@ -46,7 +46,7 @@ struct Recorded<'a> {
 
 impl<'a> Recorded<'a> {
     fn new(scenario: &Scenario, commands: &'a [WalkCommand], keeps_last: bool) -> Self {
-        let decisions = commands.chunks_exact(scenario.cast.pedestrian_count());
+        let decisions = commands.chunks_exact(scenario.cast.pedestrians.len());
         Self { decisions, kept: None, keeps_last, fault: None }
     }
 

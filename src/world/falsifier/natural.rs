@@ -168,7 +168,7 @@ impl WalkPolicy for Natural {
                     Some(((speed + faster).max(0.0), turned + turn))
                 }
             };
-            let (low, high) = scene.scenario.cast.pedestrian(pedestrian).action.speed;
+            let (low, high) = scene.scenario.cast.pedestrians[pedestrian].action.speed;
             let (speed, turned) = walk.walking.unwrap_or((low, 0.0));
             *command = WalkCommand { heading: wrap_angle(walk.across + turned), speed: speed.clamp(low, high) };
         }

@@ -146,7 +146,7 @@ impl OpenLoop {
                 }
                 let scene = simulator.scene();
                 let all = 0..scene.world.pedestrians.len();
-                let limited = |pedestrian| !scene.scenario.cast.pedestrian(pedestrian).action.is_any_heading();
+                let limited = |pedestrian: usize| !scene.scenario.cast.pedestrians[pedestrian].action.is_any_heading();
                 let line = |pedestrian| match limited(pedestrian) {
                     true => scene.action_origin(pedestrian, 0.0),
                     false => scene.homing(pedestrian).heading,

@@ -69,7 +69,7 @@ pub struct SearchOutcome {
 impl<'a> Simulator<'a> {
     /// Makes a simulator with a budget in ticks. Start *k* depends only on the seed and on *k*. `stop` is queried before every episode.
     pub fn new(scenario: Arc<Scenario>, seed: Seed, budget: u64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
-        let chosen = vec![WalkCommand::default(); scenario.cast.pedestrian_count()];
+        let chosen = vec![WalkCommand::default(); scenario.cast.pedestrians.len()];
         Self {
             simulation: scenario.simulation(),
             scenario,

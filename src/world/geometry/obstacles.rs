@@ -77,18 +77,6 @@ impl Obstacles {
         near.map(|found| self.boxes[found as usize].0.distance_to(point)).fold(reach, f64::min)
     }
 
-    /// Whether a box overlaps with any of them.
-    pub fn overlap(&self, outline: &OrientedBox) -> bool {
-        if self.boxes.is_empty() {
-            return false;
-        }
-        let corners = outline.corners();
-        let low = corners.iter().fold(corners[0], |a, b| a.inf(b));
-        let high = corners.iter().fold(corners[0], |a, b| a.sup(b));
-        let around = bounds(low, high);
-        self.index.intersect_aabb(&around).any(|found| self.boxes[found as usize].0.overlaps(outline))
-    }
-
     /// Whether the middle or an edge of a disc of this radius (m) can be seen from a point.
     pub fn shows(&self, from: Point, middle: Point, radius: f64) -> bool {
         let sight = (middle - from).try_normalize(1e-9).unwrap_or_else(Vector::x);

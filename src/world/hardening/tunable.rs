@@ -88,7 +88,7 @@ impl Tunable {
     /// A scenario whose driver under test has these values.
     pub(crate) fn scenario(&self, scenario: &Arc<Scenario>, values: &[f64]) -> Arc<Scenario> {
         let mut scenario = Scenario::clone(scenario);
-        scenario.cast.ego.policy = (self.make)(values);
+        scenario.cast.vehicles[0].policy = (self.make)(values);
         Arc::new(scenario)
     }
 }

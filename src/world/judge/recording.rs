@@ -41,13 +41,14 @@ impl Sizes {
         };
         let cast = &mut scenario.cast;
         if let Some(length) = within("length", self.length, 0.1, 100.0)? {
-            cast.ego.blueprint.half_length = length / 2.0;
+            cast.vehicles[0].blueprint.half_length = length / 2.0;
         }
         if let Some(width) = within("width", self.width, 0.1, 100.0)? {
-            cast.ego.blueprint.half_width = width / 2.0;
+            cast.vehicles[0].blueprint.half_width = width / 2.0;
         }
         if let Some(radius) = within("radius", self.radius, 0.01, 5.0)? {
-            (cast.pedestrian.body.radius, cast.pedestrian.body.target_box) = (radius, None);
+            let body = &mut cast.pedestrians[0].body;
+            (body.radius, body.target_box) = (radius, None);
         }
         Ok(())
     }
@@ -212,7 +213,7 @@ impl Recording {
 
     /// The tracks up to the first touch.
     fn trace(&self, scenario: &Scenario) -> Trace {
-        let (blueprint, body) = (&scenario.cast.ego.blueprint, &scenario.cast.pedestrian.body);
+        let (blueprint, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
         let steps = self.ego.windows(2).zip(self.pedestrian.windows(2)).enumerate();
         let touch = steps.map(|(step, (cars, walkers))| {
             let contact = Contact::of_ego_in_step([&cars[0], &cars[1]], blueprint, [&walkers[0], &walkers[1]], body);

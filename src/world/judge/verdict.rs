@@ -133,11 +133,6 @@ impl Verdict {
         if self.is_fault() { severity::severe_injury_risk(self.impact_speed) } else { 0.0 }
     }
 
-    /// Whether it is preventable, but one of the two careful humans has less than [`CLEAR`] to spare.
-    pub fn is_narrow(&self) -> bool {
-        self.is_preventable() && Label::humans().into_iter().any(|human| self.margin(human) < CLEAR)
-    }
-
     /// Whether the car was at most 0.1 m/s fast when it was touched.
     pub fn is_bump(&self) -> bool {
         self.label == Label::Bump

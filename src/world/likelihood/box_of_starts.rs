@@ -48,7 +48,7 @@ impl BoxOfStarts {
         let rule = self.spawn.fixed(&values);
         let scenario = self.env.scenario();
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
-        let first = scenario.cast.pedestrian.first_heading;
+        let first = scenario.cast.pedestrian().first_heading;
         let drawn = &mut self.seed.child("place").index(number).stream();
         let rule = rule.settled(town, obstacles, first, drawn)?;
         let target = rule.target_walk.as_ref().map(|walk| stated(walk.command(), &values));

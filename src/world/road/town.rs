@@ -1,3 +1,4 @@
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::crosswalk;
@@ -39,28 +40,21 @@ pub struct TownParts {
 /// The parts are read-only; to change one, build a new town.
 #[derive(Debug)]
 pub struct Town {
-    pub name: String,
-    pub roads: Vec<Road>,
-    pub junctions: Vec<Junction>,
-    /// Signs that set a speed limit.
-    pub speed_signs: Vec<SpeedSign>,
-    pub traffic_lights: Vec<TrafficLight>,
-    /// Stop and yield signs, one for each lane that has one.
-    pub give_way_signs: Vec<GiveWaySign>,
-    /// Crosswalks: their corners in order.
-    pub crosswalks: Vec<Vec<Point>>,
-    /// Buildings, walls, trees: everything that blocks pedestrians and sight.
-    pub obstacles: Vec<OrientedBox>,
-    /// What the reader of a file skipped or guessed.
-    pub warnings: Vec<OpenDriveWarning>,
-    /// The text of the map that the town was read from; none for a town that was designed.
-    pub map: Option<Arc<str>>,
+    parts: TownParts,
     has_limits: bool,
     has_ends: bool,
     pub(super) network: LaneNetwork,
     pub(super) index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
     route_planners: Mutex<Vec<Arc<RoutePlanner>>>,
+}
+
+impl Deref for Town {
+    type Target = TownParts;
+
+    fn deref(&self) -> &TownParts {
+        &self.parts
+    }
 }
 
 impl Town {
@@ -76,29 +70,8 @@ impl Town {
         let has_ends =
             network.lanes().iter().any(|lane| lane.kind == LaneKind::Driving && network.next(lane).is_empty());
         let has_limits = parts.roads.iter().flat_map(|road| &road.sections).any(LaneSection::has_limits);
-        let TownParts {
-            name,
-            roads,
-            junctions,
-            speed_signs,
-            traffic_lights,
-            give_way_signs,
-            crosswalks,
-            obstacles,
-            warnings,
-            map,
-        } = parts;
         Self {
-            name,
-            roads,
-            junctions,
-            speed_signs,
-            traffic_lights,
-            give_way_signs,
-            crosswalks,
-            obstacles,
-            warnings,
-            map,
+            parts,
             has_limits,
             has_ends,
             network,
@@ -121,6 +94,11 @@ impl Town {
     /// The height of the road at a waypoint (m), for its whole width; 0 for a road that does not exist.
     pub fn elevation(&self, waypoint: Waypoint) -> f64 {
         self.roads.get(waypoint.road.0 as usize).map_or(0.0, |road| road.plan_view.elevation().value(waypoint.s))
+    }
+
+    /// Adds crosswalks, each by its corners in order.
+    pub fn add_crosswalks(&mut self, crosswalks: Vec<Vec<Point>>) {
+        self.parts.crosswalks.extend(crosswalks);
     }
 
     /// Whether a place lies on a crosswalk.

@@ -133,7 +133,7 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
             Box::new(External::new(program.clone(), settings, opener.clone())) as Box<dyn world::av::DrivingPolicy>
         };
         let mut scenario = ground.clone();
-        scenario.cast.ego.policy = Arc::new(maker);
+        scenario.cast.vehicles[0].policy = Arc::new(maker);
         let scenario = Arc::new(scenario);
         let seed = Seed::root(1);
         let began = Instant::now();
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn an_empty_road_tells_drivers_that_follow_it_from_others() {
         let [_, road] = proving_grounds();
-        let mut follower = (road.cast.ego.policy)();
+        let mut follower = (road.cast.ego().policy)();
         assert_eq!(empty_road::follow(&road, &mut *follower, &Seed::root(1)), Ok(()));
         let drive = |throttle: f64, steer: f64| {
             let control = Control { throttle, brake: 0.0, steer };

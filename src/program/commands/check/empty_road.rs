@@ -44,7 +44,7 @@ pub fn follow(scenario: &Scenario, driver: &mut dyn DrivingPolicy, seed: &Seed) 
     let start = town.nearest_lane(Point::new(START.0, START.1), LaneFilter::Driving).expect("the town has lanes");
     let route = lane_route(town, start, &[RoadOption::Left]).expect("the road ends at a junction");
     let end = *route.last().expect("a route has its start");
-    let blueprint = scenario.cast.ego.blueprint.clone();
+    let blueprint = scenario.cast.ego().blueprint.clone();
     let mut world =
         World::new(town.clone(), scenario.obstacles.clone(), vec![blueprint], vec![], None, scenario.episode.tick);
     let vehicles = [ActorStart::standing(town.pose(start))];

@@ -107,15 +107,15 @@ pub(super) fn new_role<'a>(
 ) -> Option<&'a VehicleRole> {
     let of_driver = campaigns.iter().flat_map(places).filter(|place| place.policy == policy);
     let unlike = |place: &Place<'_>| (place.town != town, place.vehicle != vehicle);
-    of_driver.min_by_key(unlike).map(|place| &place.scenario.cast.ego)
+    of_driver.min_by_key(unlike).map(|place| place.scenario.cast.ego())
 }
 
 /// The old scenario with the car and the driver of another. The grip of the road stays.
 pub(super) fn with_driver(scenario: &Arc<Scenario>, role: &VehicleRole) -> Arc<Scenario> {
     let mut scenario = Scenario::clone(scenario);
-    let grip = scenario.cast.ego.blueprint.grip;
-    scenario.cast.ego = role.clone();
-    scenario.cast.ego.blueprint.grip = grip;
+    let grip = scenario.cast.ego().blueprint.grip;
+    scenario.cast.vehicles[0] = role.clone();
+    scenario.cast.vehicles[0].blueprint.grip = grip;
     Arc::new(scenario)
 }
 

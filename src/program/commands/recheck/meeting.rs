@@ -292,9 +292,9 @@ impl Sides {
 
 /// Whether encounters in two scenarios of a town are the same.
 fn is_alike(one: &Scenario, other: &Scenario) -> bool {
-    let pedestrians = |scenario: &Scenario| -> Vec<_> { scenario.cast.pedestrians().cloned().collect() };
+    let pedestrians = |scenario: &Scenario| -> Vec<_> { scenario.cast.pedestrians.iter().cloned().collect() };
     one.spawn == other.spawn
         && one.episode == other.episode
         && pedestrians(one) == pedestrians(other)
-        && one.cast.ego.blueprint == other.cast.ego.blueprint
+        && one.cast.ego().blueprint == other.cast.ego().blueprint
 }

@@ -96,7 +96,7 @@ impl<'a> CellModes<'a> {
         Self {
             key: runs[0].key.cell.clone(),
             evaluation,
-            car: Vector::new(scenario.cast.ego.blueprint.half_length, scenario.cast.ego.blueprint.half_width),
+            car: Vector::new(scenario.cast.ego().blueprint.half_length, scenario.cast.ego().blueprint.half_width),
             all: (sum(|run| run.all.0), sum(|run| run.all.1)),
             sampled: (sum(|run| run.episodes), failures.len() as u64),
             repeated: failures.iter().filter(|failure| failure.approach.is_some()).count() as u64,

@@ -32,7 +32,7 @@ impl PedestrianEnv {
     pub(super) fn place_drawn(&mut self, Draw { number, start: mut stream, drivers: seed }: Draw) {
         self.drivers.seed = seed;
         let scenario = &self.scenario;
-        let first = scenario.cast.pedestrian.first_heading;
+        let first = scenario.cast.pedestrian().first_heading;
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let (script, stated) = Script::draw(scenario, number, &mut stream);
         let spawn = stated.unwrap_or_else(|| {
@@ -71,7 +71,7 @@ impl PedestrianEnv {
     fn place_before(&mut self, goal: &Pose, mut stream: Stream) {
         let scenario = &self.scenario;
         let town = &scenario.town;
-        self.run_up.plan(town, *goal, &scenario.cast.ego.blueprint, &mut stream);
+        self.run_up.plan(town, *goal, &scenario.cast.ego().blueprint, &mut stream);
         self.run_up.lead_on(town, goal, &scenario.spawn.ego_route);
         let start = ActorStart::standing(self.run_up.start(town));
         let test_speed = scenario.spawn.test_speed(self.next_episode - 1);

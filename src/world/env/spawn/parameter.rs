@@ -68,7 +68,7 @@ impl Scenario {
     /// that the pedestrian can choose belong to it. Positions on the road, the phase of traffic lights and all that drivers draw are chance.
     pub fn start_parameters(&self) -> Vec<DrawnParameter> {
         let spawn = &self.spawn;
-        let action = &self.cast.pedestrian.action;
+        let action = &self.cast.pedestrian().action;
         let range = |(low, high): (f64, f64)| Distribution::Uniform(low, high);
         let sector = spawn.target_walk.is_none() && spawn.given_path.is_none();
         let speed = match &spawn.ego_speed {

@@ -68,7 +68,7 @@ fn stop_and_yield_signs_have_a_line_on_each_lane_that_they_apply_to() {
     let map =
         |signs: &str| BEND.replace("</objects>\n</road>", &format!("</objects><signals>{signs}</signals></road>"));
     let lines = |map: &str| {
-        let signs = town(map).give_way_signs;
+        let signs = &town(map).give_way_signs;
         let each = signs.iter().map(|sign| (sign.kind.name(), sign.line.road.0, sign.line.lane, sign.line.s.round()));
         each.collect::<Vec<_>>()
     };
