@@ -31,7 +31,7 @@
 //! // Parse and check.
 //! let checked = session.check(&input)?;
 //! assert!(checked.compiled.diagnostics.is_empty());
-//! assert_eq!(checked.plan()?.campaigns[0].evaluations.len(), 2);
+//! assert_eq!(checked.plan()?.campaigns[0].all::<compile::Evaluation>().count(), 2);
 //!
 //! // Run, and write a report.
 //! let folder = tempfile::tempdir()?;

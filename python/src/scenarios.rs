@@ -79,15 +79,15 @@ fn choices(plan: &Plan) -> Vec<Choice> {
                 starts: Arc::new(move |seed| episodes_seed(seed, &place)),
             }
         };
-        all.extend(campaign.trainings.iter().map(|training| {
+        all.extend(campaign.all::<compile::Training>().map(|training| {
             let key = &training.key;
             choice("train", 0, &key.town, &key.policy, &key.reward, &training.scenario)
         }));
-        all.extend(campaign.evaluations.iter().map(|evaluation| {
+        all.extend(campaign.all::<compile::Evaluation>().map(|evaluation| {
             let reward = &evaluation.trained.reward;
             choice("evaluate", evaluation.block, &evaluation.town, &evaluation.policy, reward, &evaluation.scenario)
         }));
-        all.extend(campaign.searches.iter().map(|search| {
+        all.extend(campaign.all::<Search>().map(|search| {
             let key = &search.key;
             let first = Search { key: SearchKey { run: 0, ..key.clone() }, ..search.clone() };
             let starts: Starts = Arc::new(move |seed| first.starts(seed));

@@ -31,9 +31,7 @@ mod published;
 mod controller;
 mod campaign;
 mod plan;
-mod cover;
-mod harden;
-mod chunks;
+mod jobs;
 mod noting;
 mod lowering;
 mod fingerprint;
@@ -48,16 +46,15 @@ mod grid;
 
 pub use campaign::UNTRAINED;
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
-pub use chunks::CHUNK;
-pub use cover::{Cover, CoverKey};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
-pub use harden::{Harden, HardenKey, VariedKey, WrittenPolicy};
+pub use jobs::{
+    CHUNK, ControllerKind, Cover, CoverKey, Estimation, EstimationKey, Evaluation, Harden, HardenKey, Job, NO_REWARD,
+    Planned, Search, SearchKey, Training, TrainingKey, VariedKey, WrittenPolicy, episodes_seed,
+};
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, ControllerKind, Documented, Driver, Estimation, EstimationKey, Evaluation, NO_REWARD, NamedTown,
-    OutsideSetting, Plan, Published, PublishedCell, PublishedFigure, Search, SearchKey, Training, TrainingKey,
-    episodes_seed,
+    Campaign, Documented, Driver, NamedTown, OutsideSetting, Plan, Published, PublishedCell, PublishedFigure,
 };
 pub use policy_kind::PolicyKind;
 pub use programs::{ExternalProgram, Programs, changed_files};

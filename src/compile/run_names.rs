@@ -1,11 +1,11 @@
-//! Names the runs and searches of a campaign, each with a unique name.
+//! Gives the jobs of a campaign short names, each another one.
 
 use std::collections::BTreeMap;
 
 #[cfg(doc)]
 use super::Fingerprint;
-use super::plan::{Campaign, Training};
 use super::run_id::RunId;
+use super::{Campaign, Job};
 
 /// The number of bytes that the names of most runs take together.
 const TYPICAL: usize = 256;
@@ -40,63 +40,25 @@ impl Names {
         self.0.push('\0');
         self
     }
-
-    /// What a training depends on. A smoke run takes fewer steps than the files say.
-    fn and_training(self, training: &Training) -> Self {
-        self.and(&training.fingerprint.to_string()).and(&training.config.total_steps.to_string())
-    }
 }
 
 impl Campaign {
-    /// Names the evaluations and the searches for a user's seed.
+    /// Names the jobs for a user's seed.
     ///
-    /// A name depends on the campaign's name, the keys of the run, the seed, and what the files and settings say about the run
+    /// A name depends on the campaign's name, the keys of the job, the seed, and what the files and settings say about the job
     /// ([`Fingerprint`]), for a trained pedestrian also about its training. It does not depend on the number of episodes, since the
     /// first ones are the same. So a changed driver, place or seed gives other names, and an equal name is the same run. A compiled plan
     /// has the names for seed 1.
     pub fn name_runs(&mut self, seed: u64) {
         let mut register = Register::default();
         let campaign = Names::new(&self.name).and(&seed.to_string());
-        for evaluation in &mut self.evaluations {
-            let key = &evaluation.trained;
-            let names = campaign.clone().and(&evaluation.block.to_string()).and(evaluation.controller.name());
-            let names = names.and(&key.reward).and(&key.town).and(&key.policy).and(&key.run.to_string());
-            let names = names.and(&evaluation.town).and(&evaluation.policy);
-            let names =
-                names.and(&evaluation.vehicle).and(&evaluation.adversary).and(&evaluation.fingerprint.to_string());
-            let training = evaluation.training().map(|training| &self.trainings[training]);
-            evaluation.id = register.name(match training.or(evaluation.first.as_deref()) {
-                Some(training) => names.and_training(training),
-                None => names,
-            });
-        }
-        for search in &mut self.searches {
-            let key = &search.key;
-            let names = campaign.clone().and("search").and(&key.block.to_string()).and(&key.falsifier);
-            let names = names.and(&key.town).and(&key.policy).and(&key.run.to_string());
-            let names = names.and(&search.fingerprint.to_string());
-            search.key.id = register.name(names.and(&search.budget.to_string()));
-        }
-        for estimation in &mut self.estimations {
-            let key = &estimation.key;
-            let names = campaign.clone().and("estimate").and(&key.block.to_string());
-            let names = names.and(&key.walker).and(&key.requirement).and(&key.town).and(&key.policy);
-            let names = names.and(&key.run.to_string()).and(&estimation.fingerprint.to_string());
-            estimation.key.id = register.name(names.and(&estimation.budget.to_string()));
-        }
-        for cover in &mut self.covers {
-            let key = &cover.key;
-            let names = campaign.clone().and("cover").and(&key.block.to_string()).and(&key.pedestrian);
-            let names = names.and(&key.town).and(&key.policy).and(&cover.fingerprint.to_string());
-            let names = names.and(cover.failure_name()).and(&format!("{:?}", cover.epsilon));
-            cover.key.id = register.name(names.and(&cover.budget.to_string()));
-        }
-        for harden in &mut self.hardenings {
-            let key = &harden.key;
-            let names = campaign.clone().and("harden").and(&key.block.to_string()).and(&key.policy);
-            let names = names.and(&key.run.to_string()).and(&harden.fingerprint.to_string());
-            harden.key.id = register.name(names.and(&harden.settings()));
-        }
+        let name = |job: &Job| {
+            let names = job.planned().names(&self.jobs)?;
+            Some(register.name(names.iter().fold(campaign.clone(), |all, name| all.and(name))))
+        };
+        let names: Vec<Option<RunId>> = self.jobs.iter().map(name).collect();
+        let mut names = names.into_iter();
+        self.rename(|_| names.next().flatten());
     }
 }
 

@@ -10,7 +10,7 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use crate::cli;
 use base::diagnostic::{Colour, Sources, render};
 use base::seed::Seed;
-use compile::{Catalog, compile};
+use compile::{Catalog, Evaluation, compile};
 use learn::{ActorCritic, Trained};
 use results::record;
 use results::report::Gate;
@@ -163,7 +163,7 @@ campaign fuzz {
     let catalog = Catalog::builtin().with_opener(Arc::new(Answering));
     let compiled = compile(&["fuzz.scn".into()], &catalog, &read, &mut Sources::default()).expect("it is read");
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    plan.campaigns[0].evaluations[0].scenario.clone()
+    plan.campaigns[0].nth::<Evaluation>(0).scenario.clone()
 }
 
 /// What a function returns, or none if it panics; libFuzzer's hook would end the process before the panic can be caught.
@@ -183,7 +183,8 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use results::store::{Header, State};
+    use results::campaign::State;
+    use results::store::Header;
 
     /// Runs a target with a seed and with a hundred damaged ones.
     fn damage(target: fn(&[u8]), seed: &[u8]) {

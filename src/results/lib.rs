@@ -2,6 +2,7 @@
 
 pub mod record;
 pub mod campaign;
+pub mod jobs;
 pub mod analysis;
 pub mod report;
 pub mod store;

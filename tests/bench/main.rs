@@ -13,7 +13,7 @@ use divan::counter::ItemsCount;
 use falsify::session::{Input, Session};
 use learn::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
 use rand::RngExt;
-use results::campaign::watch;
+use results::jobs::watch;
 use world::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
 use world::falsifier::{Random, evaluate, train};
 use world::judge::{NearMiss, judge};
@@ -80,7 +80,7 @@ fn plan_of(text: &str) -> Plan {
 
 fn scenario(policy: &str) -> Arc<Scenario> {
     let plan = plan();
-    let found = plan.campaigns[0].evaluations.iter().find(|evaluation| *evaluation.policy == *policy);
+    let found = plan.campaigns[0].all::<compile::Evaluation>().find(|evaluation| *evaluation.policy == *policy);
     found.expect("the policy is in the scenario").scenario.clone()
 }
 
@@ -104,7 +104,7 @@ fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
 #[divan::bench(args = ["nothing", "verdicts", "near_misses", "both"], sample_count = 20)]
 fn judging(bencher: Bencher<'_, '_>, noted: &str) {
     let plan = plan();
-    let evaluation = &plan.campaigns[0].evaluations[0];
+    let evaluation = &plan.campaigns[0].nth::<compile::Evaluation>(0);
     let (judged, measured) = (noted == "verdicts" || noted == "both", noted == "near_misses" || noted == "both");
     let run = || {
         let mut note = |outcome: &Outcome, trace: &Trace| {
@@ -123,7 +123,7 @@ fn judging(bencher: Bencher<'_, '_>, noted: &str) {
 #[divan::bench(sample_count = 10)]
 fn training(bencher: Bencher<'_, '_>) {
     let plan = plan();
-    let training = &plan.campaigns[0].trainings[0];
+    let training = &plan.campaigns[0].nth::<compile::Training>(0);
     let mut config = training.config.clone();
     config.total_steps = 3_000;
     bencher.counter(ItemsCount::new(3_000_u32)).bench_local(|| {
@@ -136,7 +136,7 @@ fn training(bencher: Bencher<'_, '_>) {
 #[divan::bench(sample_count = 50)]
 fn rollout(bencher: Bencher<'_, '_>) {
     let plan = plan();
-    let training = &plan.campaigns[0].trainings[0];
+    let training = &plan.campaigns[0].nth::<compile::Training>(0);
     let mut envs = [PedestrianEnv::new(training.scenario.clone(), Seed::root(1))];
     let mut trainer = Trainer::new(&mut envs, &training.config, &Seed::root(1)).expect("states are finite");
     bencher.counter(ItemsCount::new(training.config.rollout_steps)).bench_local(|| {
@@ -223,8 +223,11 @@ campaign bench {
 fn scenes(bencher: Bencher<'_, '_>, spelling: &str) {
     let plan = plan_of(SPAWNS);
     let campaign = &plan.campaigns[0];
-    let scenario =
-        if spelling == "direct" { &campaign.trainings[0].scenario } else { &campaign.evaluations[0].scenario };
+    let scenario = if spelling == "direct" {
+        &campaign.nth::<compile::Training>(0).scenario
+    } else {
+        &campaign.nth::<compile::Evaluation>(0).scenario
+    };
     let mut stream = Seed::root(1).stream();
     bencher.counter(ItemsCount::new(1000_u32)).bench_local(|| {
         for _ in 0..1000 {

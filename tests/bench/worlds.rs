@@ -45,7 +45,7 @@ fn main() {
     let read = |path: &Path| std::fs::read_to_string(path);
     let compiled = compile(&[scenario.into()], &Catalog::builtin(), &read, &mut Default::default()).expect("a file");
     let plan = compiled.plan.expect("a scenario without errors");
-    let training = &plan.campaigns[0].trainings[0];
+    let training = &plan.campaigns[0].nth::<compile::Training>(0);
     let scenario = &training.scenario;
     let (states, width) = (scenario.cast.obs_dim(), scenario.cast.action_bounds().len());
     let bytes = std::fs::read(actions).expect("a file of actions");

@@ -75,7 +75,7 @@ fn a_tick_allocates_nothing_with_any_driver() {
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap();
-    for evaluation in &plan.campaigns[0].evaluations {
+    for evaluation in plan.campaigns[0].all::<compile::Evaluation>() {
         let mut env = PedestrianEnv::new(Arc::clone(&evaluation.scenario), Seed::root(1));
         let mut trace = Trace::new(&evaluation.scenario);
         let mut walk = |episode| {

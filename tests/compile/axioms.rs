@@ -155,7 +155,7 @@ campaign judged {{
     let root = crate::repository().join("scenarios/judged.scn");
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
-    compiled.plan.expect("it is valid").campaigns[0].evaluations[0].scenario.clone()
+    compiled.plan.expect("it is valid").campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 #[test]

@@ -233,7 +233,7 @@ campaign judged {
     let root = crate::repository().join("scenarios/judged.scn");
     let read = |path: &Path| if path == root { Ok(TEXT.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
-    compiled.plan.unwrap().campaigns[0].evaluations[0].scenario.clone()
+    compiled.plan.unwrap().campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 fn book() -> Vec<Family> {

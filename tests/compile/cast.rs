@@ -54,7 +54,7 @@ fn scenario(town: &str, policy: &str) -> Scenario {
         compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
     });
     let of = |each: &&compile::Evaluation| *each.town == *town && *each.policy == *policy;
-    Scenario::clone(&PLAN.campaigns[0].evaluations.iter().find(of).unwrap().scenario)
+    Scenario::clone(&PLAN.campaigns[0].all::<compile::Evaluation>().find(of).unwrap().scenario)
 }
 
 fn vehicle(policy: &str) -> VehicleRole {

@@ -32,7 +32,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
         let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default());
         compiled.unwrap().plan.unwrap()
     });
-    PLAN.campaigns[0].evaluations.iter().find(|each| *each.policy == *policy).unwrap().scenario.clone()
+    PLAN.campaigns[0].all::<compile::Evaluation>().find(|each| *each.policy == *policy).unwrap().scenario.clone()
 }
 
 /// The result of a drive from (x, −1.75 m) to the east.

@@ -42,9 +42,9 @@ fn compiled(text: &str) -> Result<Plan, Vec<String>> {
 fn a_kind_in_place_of_a_name_is_a_declaration_with_a_derived_name() {
     let plan = compiled(SCENARIO).unwrap_or_else(|said| panic!("{said:?}"));
     let campaign = &plan.campaigns[0];
-    assert_eq!(campaign.trainings[0].config.total_steps, 1000);
-    assert_eq!(campaign.trainings[0].key.policy, "idm_time_headway_0_8_s");
-    let policies: Vec<&str> = campaign.evaluations.iter().map(|each| &*each.policy).collect();
+    assert_eq!(campaign.nth::<compile::Training>(0).config.total_steps, 1000);
+    assert_eq!(campaign.nth::<compile::Training>(0).key.policy, "idm_time_headway_0_8_s");
+    let policies: Vec<&str> = campaign.all::<compile::Evaluation>().map(|each| &*each.policy).collect();
     let [same, plain, named, of_param, long] = policies.as_slice() else { panic!("{policies:?}") };
     assert_eq!(
         (*same, *plain, *named, *of_param),
@@ -57,7 +57,8 @@ fn a_kind_in_place_of_a_name_is_a_declaration_with_a_derived_name() {
     // The names do not depend on what else the file declares.
     let more = SCENARIO.replace("spawn ahead {}", "spawn ahead {}\npolicy first = idm(margin: 2 m)");
     let again = compiled(&more).unwrap_or_else(|said| panic!("{said:?}"));
-    let names: Vec<String> = again.campaigns[0].evaluations.iter().map(|each| each.policy.to_string()).collect();
+    let names: Vec<String> =
+        again.campaigns[0].all::<compile::Evaluation>().map(|each| each.policy.to_string()).collect();
     assert_eq!(names, policies);
 }
 
@@ -98,15 +99,15 @@ fn a_matrix_takes_kinds_in_place_of_names() {
     };
     let plan =
         with("[late_oracle, idm(margin: 2 m), idm(margin: 1 m), cruise()]").unwrap_or_else(|said| panic!("{said:?}"));
-    let driver = |campaign: &Campaign| campaign.evaluations[1].policy.to_string();
+    let driver = |campaign: &Campaign| campaign.nth::<compile::Evaluation>(1).policy.to_string();
     let drivers: Vec<String> = plan.campaigns.iter().map(driver).collect();
     assert_eq!(drivers, ["late_oracle", "idm_margin_2_m", "idm_margin_1_m", "cruise"]);
     let names: Vec<&str> = plan.campaigns.iter().map(|campaign| campaign.name.as_str()).collect();
     assert_eq!(names, ["c-base=late_oracle", "c-base=idm_margin_2m_", "c-base=idm_margin_1m_", "c-base=cruise__"]);
     // Each is what it is under a name of its own.
     let own = compiled(&SCENARIO.replace("idm(margin: 1 m)", "cruise()")).unwrap_or_else(|said| panic!("{said:?}"));
-    let alone = own.campaigns[0].evaluations.iter().find(|each| &*each.policy == "cruise").unwrap();
-    assert_eq!(plan.campaigns[3].evaluations[1].fingerprint, alone.fingerprint);
+    let alone = own.campaigns[0].all::<compile::Evaluation>().find(|each| &*each.policy == "cruise").unwrap();
+    assert_eq!(plan.campaigns[3].nth::<compile::Evaluation>(1).fingerprint, alone.fingerprint);
     for (values, expected) in [
         ("[aeb(), idm(margn: 1 m)]", "unknown-key"),
         ("[aeb(), ppo(steps: 10)]", "wrong-type"),

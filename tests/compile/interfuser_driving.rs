@@ -30,7 +30,7 @@ fn scenarios() -> Vec<Arc<Scenario>> {
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let plan = compiled.plan.expect("the scenario is sound");
-    plan.campaigns[0].evaluations.iter().map(|evaluation| Arc::clone(&evaluation.scenario)).collect()
+    plan.campaigns[0].all::<compile::Evaluation>().map(|evaluation| Arc::clone(&evaluation.scenario)).collect()
 }
 
 /// A world with the ego at the start of a lane. The pedestrian is at these distances ahead of it and to its right (m).

@@ -33,7 +33,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
     let plan = compiled.plan.unwrap();
-    let evaluation = plan.campaigns[0].evaluations.iter().find(|each| *each.policy == *policy).unwrap();
+    let evaluation = plan.campaigns[0].all::<compile::Evaluation>().find(|each| *each.policy == *policy).unwrap();
     evaluation.scenario.clone()
 }
 

@@ -28,7 +28,8 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap();
-    let (training, evaluation) = (&plan.campaigns[0].trainings[0], &plan.campaigns[0].evaluations[0]);
+    let (training, evaluation) =
+        (&plan.campaigns[0].nth::<compile::Training>(0), &plan.campaigns[0].nth::<compile::Evaluation>(0));
     assert_eq!(evaluation.controller, ControllerKind::Trained(0));
     let go_on = |_: &_| ControlFlow::Continue(());
     let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
@@ -41,7 +42,7 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, obs_dim, ActionMode::Deterministic));
     let random = rate(&mut Random::default());
     assert!(learnt > 120 && random < 40, "{learnt} and {random} of 200");
-    let first = plan.campaigns[0].evaluations[1].first.as_deref().unwrap();
+    let first = plan.campaigns[0].nth::<compile::Evaluation>(1).first.as_deref().unwrap();
     let networks = first_networks(&evaluation.scenario.cast, &first.config, &Seed::root(3));
     let begun = TrainingRun::begin(&training.scenarios(), 1, &training.config, &Seed::root(3)).unwrap();
     assert_eq!(

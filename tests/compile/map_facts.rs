@@ -44,7 +44,7 @@ fn compiled(map: &str, driver: &str, spawn: &str) -> Compiled {
 fn scenario(map: &str, driver: &str, spawn: &str) -> Arc<Scenario> {
     let compiled = compiled(map, driver, spawn);
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    plan.campaigns[0].evaluations[0].scenario.clone()
+    plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 /// The places of the front of the car (m) and its speeds (m/s), tick by tick up to a place (m) or 100 s.

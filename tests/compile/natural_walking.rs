@@ -27,7 +27,7 @@ fn scenario(spawn: &str) -> Arc<Scenario> {
     let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    plan.campaigns[0].evaluations[0].scenario.clone()
+    plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 const BESIDE: &str = "bearing: 10 deg .. 45 deg distance: 20 m .. 40 m";

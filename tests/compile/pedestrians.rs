@@ -34,7 +34,7 @@ fn plan() -> Plan {
 }
 
 fn scenario(plan: &Plan, adversary: &str) -> Arc<Scenario> {
-    let mut evaluations = plan.campaigns[0].evaluations.iter();
+    let mut evaluations = plan.campaigns[0].all::<compile::Evaluation>();
     let found = evaluations.find(|each| *each.adversary == *adversary).unwrap();
     assert_eq!(found.controller.name(), "random");
     found.scenario.clone()

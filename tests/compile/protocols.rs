@@ -47,7 +47,7 @@ fn scenario(spawn: &str, policy: &str) -> Arc<Scenario> {
          campaign c {{ vehicle: model3 adversary: adult_target spawn: {spawn} episode: protocol_test\n\
          evaluate {{ towns: [{town}] policies: [{policy}] pedestrians: [scripted] episodes: 1 }} }}"
     );
-    compiled(&text).unwrap_or_else(|said| panic!("{said}")).campaigns[0].evaluations[0].scenario.clone()
+    compiled(&text).unwrap_or_else(|said| panic!("{said}")).campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 /// The outcome and the trace of each case of a test.

@@ -54,7 +54,7 @@ fn plan() -> Plan {
 #[test]
 fn a_real_training_continues_bit_for_bit_after_any_update() {
     let (seed, none) = (Seed::root(3), BTreeMap::new());
-    for training in plan().campaigns.iter().flat_map(|campaign| &campaign.trainings) {
+    for training in plan().campaigns.iter().flat_map(|campaign| campaign.all::<compile::Training>()) {
         let (scenario, envs, config) = (&training.scenario, training.environments, &training.config);
         // The state before the first update and after each update.
         let run = TrainingRun::begin(from_ref(scenario), envs, config, &seed).unwrap();
@@ -85,14 +85,14 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
 #[test]
 fn a_state_is_refused_where_its_episodes_lead_elsewhere() {
     let plan = plan();
-    let behavior = &plan.campaigns[0].trainings[0];
+    let behavior = &plan.campaigns[0].nth::<compile::Training>(0);
     let mut run = TrainingRun::begin(from_ref(&behavior.scenario), 3, &behavior.config, &Seed::root(3)).unwrap();
     run.update().unwrap();
     let state = run.state(&BTreeMap::new());
     let other_seed =
         TrainingRun::resume(&state, from_ref(&behavior.scenario), None, 3, &behavior.config, &Seed::root(4));
     assert!(matches!(other_seed, Err(CheckpointError::Env { env: 0 })), "{other_seed:?}");
-    let rich = &plan.campaigns[1].trainings[0].config;
+    let rich = &plan.campaigns[1].nth::<compile::Training>(0).config;
     let other_settings = TrainingRun::resume(&state, from_ref(&behavior.scenario), None, 3, rich, &Seed::root(3));
     assert!(matches!(&other_settings, Err(CheckpointError::Settings { .. })), "{other_settings:?}");
 }
@@ -107,7 +107,7 @@ fn state(env: &PedestrianEnv) -> [f64; ObservationSpec::DIM] {
 #[test]
 fn an_environment_goes_back_to_any_decision_of_an_episode() {
     let plan = plan();
-    let trainings = &plan.campaigns[0].trainings;
+    let trainings: Vec<&compile::Training> = plan.campaigns[0].all().collect();
     for (training, other_driver) in [(&trainings[0], &trainings[1]), (&trainings[1], &trainings[0])] {
         let make = || PedestrianEnv::new(Arc::clone(&training.scenario), Seed::root(9));
         let mut elsewhere = PedestrianEnv::new(Arc::clone(&other_driver.scenario), Seed::root(9));
@@ -140,7 +140,7 @@ fn an_environment_goes_back_to_any_decision_of_an_episode() {
 fn threads_within_a_training_change_nothing() {
     let plan = plan();
     for campaign in &plan.campaigns {
-        let training = &campaign.trainings[0];
+        let training = &campaign.nth::<compile::Training>(0);
         let at = |workers: usize, threads: Option<usize>| -> Trained {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build().unwrap();
             let config = learn::PpoConfig { threads, ..training.config.clone() };
@@ -157,7 +157,7 @@ fn threads_within_a_training_change_nothing() {
 #[test]
 fn a_trained_walker_sees_stacked_and_normalised_states() {
     let plan = plan();
-    let training = &plan.campaigns[1].trainings[0];
+    let training = &plan.campaigns[1].nth::<compile::Training>(0);
     let mut go_on = |_: &_| ControlFlow::Continue(());
     let trained = train(&training.scenario, 3, &training.config, &Seed::root(2), &mut go_on).unwrap();
     assert_eq!(trained.actor_critic.obs_dim(), 3 * ObservationSpec::DIM);

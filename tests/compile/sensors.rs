@@ -77,7 +77,7 @@ fn car(x: f64, y: f64, yaw: f64) -> Actor {
 /// What a driver at the origin that faces east receives, over this number of ticks of 0.05 s, from actors that keep their velocity.
 fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Actor], ticks: u32, seed: u64) -> Seen {
     static SCENARIO: LazyLock<Arc<Scenario>> =
-        LazyLock::new(|| campaign("", "blind").campaigns[0].evaluations[0].scenario.clone());
+        LazyLock::new(|| campaign("", "blind").campaigns[0].nth::<compile::Evaluation>(0).scenario.clone());
     let scenario = &*SCENARIO;
     let obstacles = Obstacles::new(walls);
     let seen = Arc::new(Mutex::new(Seen::default()));
@@ -145,7 +145,7 @@ fn exact_sensors_change_no_bit_of_an_episode() {
             .collect()
     };
     let of = |name: &str| {
-        let found = plan.campaigns[0].evaluations.iter().find(|each| *each.policy == *name).unwrap();
+        let found = plan.campaigns[0].all::<compile::Evaluation>().find(|each| *each.policy == *name).unwrap();
         digests(&found.scenario)
     };
     for (bare, sensed) in names.iter().zip(["a", "b", "c", "d"]) {
@@ -345,7 +345,7 @@ fn what_a_user_calls_perfect_is_nobodys_default() {
             }}
             "#
         ));
-        plan.campaigns[0].trainings[0].fingerprint
+        plan.campaigns[0].nth::<compile::Training>(0).fingerprint
     };
     assert_eq!(tried("perfect"), tried("nice"));
 }
@@ -374,7 +374,7 @@ impl DrivingPolicy for Growing {
 
 #[test]
 fn commands_take_effect_after_the_actuation_delay() {
-    let scenario = campaign("", "blind").campaigns[0].evaluations[0].scenario.clone();
+    let scenario = campaign("", "blind").campaigns[0].nth::<compile::Evaluation>(0).scenario.clone();
     let obstacles = Obstacles::new(&[]);
     let perception = Perception {
         town: &scenario.town,

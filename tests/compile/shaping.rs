@@ -44,7 +44,7 @@ fn trainings() -> Vec<Training> {
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    plan.campaigns.into_iter().next().unwrap().trainings
+    plan.campaigns[0].all::<compile::Training>().cloned().collect()
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn scenario_in(town: &str, declared: &str, spawn: &str) -> Arc<Scenario> {
     let compiled =
         compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).expect("readable");
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    plan.campaigns[0].trainings[0].scenario.clone()
+    plan.campaigns[0].nth::<compile::Training>(0).scenario.clone()
 }
 
 fn draw(scenario: &Scenario, count: u32) -> Vec<Spawn> {

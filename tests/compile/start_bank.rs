@@ -32,7 +32,7 @@ fn training(spawn: &str, driver: &str, keys: &str) -> Training {
     let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
     let compiled = compile(from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).expect("readable");
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    plan.campaigns[0].trainings[0].clone()
+    plan.campaigns[0].nth::<Training>(0).clone()
 }
 
 fn bank(scenario: &Arc<Scenario>, size: usize) -> Option<Arc<StartBank>> {

@@ -55,7 +55,7 @@ fn plan(town: &str, spawn: &str, drivers: &[&str]) -> Plan {
 }
 
 fn scenario(town: &str, spawn: &str, driver: &str) -> Arc<Scenario> {
-    plan(town, spawn, &[driver]).campaigns[0].evaluations[0].scenario.clone()
+    plan(town, spawn, &[driver]).campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 fn outcomes(scenario: &Arc<Scenario>, walker: &mut dyn WalkPolicy, episodes: u32) -> Vec<Outcome> {
@@ -66,7 +66,7 @@ fn outcomes(scenario: &Arc<Scenario>, walker: &mut dyn WalkPolicy, episodes: u32
 #[test]
 fn all_drivers_arrive_at_the_same_starts() {
     let all = plan("harbour", "", &DRIVERS);
-    let evaluations = &all.campaigns[0].evaluations;
+    let evaluations: Vec<&compile::Evaluation> = all.campaigns[0].all().collect();
     assert_eq!(evaluations.len(), DRIVERS.len());
     let found: Vec<_> = evaluations.iter().map(|each| outcomes(&each.scenario, &mut Intercept, 12)).collect();
     for (driver, outcomes) in DRIVERS.iter().zip(&found) {

@@ -164,7 +164,7 @@ fn compiled(text: &str) -> Option<Arc<Scenario>> {
         false => Err(std::io::ErrorKind::NotFound.into()),
     };
     let compiled = compile(&["s.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
-    Some(Arc::clone(&compiled.plan?.campaigns[0].trainings[0].scenario))
+    Some(Arc::clone(&compiled.plan?.campaigns[0].nth::<compile::Training>(0).scenario))
 }
 
 fn step(text: &str) {

@@ -37,7 +37,7 @@ const STANDING: &str = "evaluate { towns: [here]  policies: [blind]  pedestrians
 fn a_row_holds_as_many_cars_as_there_is_room_for() {
     let row = "parked_row { from: (10 m, -4.75 m)  to: (10 m, -40.9 m)  gap: 1.5 m }";
     let off_lane = row.replace("(10 m, -4.75 m)", "(10 m, -6 m)");
-    let town = &in_street(&off_lane, STANDING).evaluations[0].scenario.town;
+    let town = in_street(&off_lane, STANDING).nth::<compile::Evaluation>(0).scenario.town.clone();
     // (34.9 m + 1.5 m) / 6 m: the sixth car ends 34.5 m from the start of the row.
     assert_eq!(town.obstacles.len(), 6);
     let ends = |car: &OrientedBox| {
@@ -51,12 +51,17 @@ fn a_row_holds_as_many_cars_as_there_is_room_for() {
         assert!((2.0 * car.half.y - 1.9).abs() < 1e-12);
     }
     let full = row.replace("-4.75", "-6").replace("-40.9", "-40.5");
-    assert_eq!(in_street(&full, STANDING).evaluations[0].scenario.town.obstacles.len(), 6, "the last car just fits");
+    assert_eq!(
+        in_street(&full, STANDING).nth::<compile::Evaluation>(0).scenario.town.obstacles.len(),
+        6,
+        "the last car just fits"
+    );
 }
 
 #[test]
 fn a_bus_is_an_obstacle_of_its_size() {
-    let town = &in_street("bus { at: (30 m, -5 m, 0 deg) }", STANDING).evaluations[0].scenario.town;
+    let town =
+        in_street("bus { at: (30 m, -5 m, 0 deg) }", STANDING).nth::<compile::Evaluation>(0).scenario.town.clone();
     let [bus] = town.obstacles.as_slice() else { panic!("{:?}", town.obstacles) };
     assert_eq!((bus.pose.x, bus.pose.y, bus.half.x, bus.half.y), (30.0, -5.0, 6.0, 1.275));
 }
@@ -68,7 +73,7 @@ fn walking(spawn: &str, policy: &str) -> Arc<Scenario> {
          campaign c {{ vehicle: model3  adversary: adult_target  episode: protocol_test  spawn: path\n\
          evaluate {{ towns: [test_track]  policies: [{policy}]  pedestrians: [scripted]  episodes: 4 }} }}"
     );
-    campaign(&text).evaluations[0].scenario.clone()
+    campaign(&text).nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 /// Outcomes and traces of the first episodes with the scripted pedestrian.
@@ -140,7 +145,7 @@ fn protocol(test: &str, adversary: &str, policy: &str, keys: &str) -> Arc<Scenar
          campaign c {{ vehicle: model3  adversary: {adversary}  episode: here  spawn: {test}\n\
          evaluate {{ towns: [{town}]  policies: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
     );
-    campaign(&text).evaluations[0].scenario.clone()
+    campaign(&text).nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 /// The box of a target meets the front of a car that does not brake with its impact point at the stated share of the width.
@@ -198,7 +203,7 @@ fn a_car_on_ice_slides_out_of_a_bend() {
              campaign c {{ vehicle: model3  adversary: adult_target  episode: here  spawn: path\n\
              evaluate {{ towns: [bend]  policies: [blind]  pedestrians: [scripted]  episodes: 1 }} }}"
         );
-        let scenario = campaign(&text).evaluations[0].scenario.clone();
+        let scenario = campaign(&text).nth::<compile::Evaluation>(0).scenario.clone();
         let (_, trace) = scripted(&scenario, 1).swap_remove(0);
         trace.vehicle(0).iter().map(|frame| frame.state.pose.x).fold(f64::MIN, f64::max)
     };
@@ -219,7 +224,7 @@ fn in_town(town: &str, spawn: &str, episode: &str, policy: &str) -> Arc<Scenario
          campaign c {{ vehicle: model3  adversary: adult_target  episode: here  spawn: path\n\
          evaluate {{ towns: [here]  policies: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
     );
-    campaign(&text).evaluations[0].scenario.clone()
+    campaign(&text).nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 const LONG_STREET: &str =
@@ -227,7 +232,7 @@ const LONG_STREET: &str =
 
 #[test]
 fn a_crosswalk_spans_the_carriageway() {
-    let town = &in_street("crosswalk { at: (10 m, 2 m) }", STANDING).evaluations[0].scenario.town;
+    let town = in_street("crosswalk { at: (10 m, 2 m) }", STANDING).nth::<compile::Evaluation>(0).scenario.town.clone();
     let [corners] = town.crosswalks.as_slice() else { panic!("{:?}", town.crosswalks) };
     let wanted = [(8.0, -6.0), (12.0, -6.0), (12.0, 6.0), (8.0, 6.0)];
     for (corner, (x, y)) in corners.iter().zip(wanted) {

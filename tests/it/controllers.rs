@@ -73,7 +73,7 @@ fn outcomes(scenario: &Arc<Scenario>, walker: &mut dyn WalkPolicy) -> Vec<Outcom
 
 /// The outcomes of the controller `mine` of a campaign.
 fn own(campaign: &Campaign) -> Vec<Outcome> {
-    let evaluation = &campaign.evaluations[0];
+    let evaluation = &campaign.nth::<compile::Evaluation>(0);
     let ControllerKind::Untrained(controller) = &evaluation.controller else { panic!("{:?}", evaluation.controller) };
     assert_eq!(controller.name(), "mine");
     outcomes(&evaluation.scenario, controller.walk_policy().as_mut())
@@ -87,7 +87,7 @@ fn a_program_walks_as_the_controller_that_it_repeats() {
     let campaign = campaign(&program("homing", "timeout: 60 s"), DRIVER);
     let outcomes_of = own(&campaign);
     assert!(outcomes_of.iter().any(Outcome::is_collision), "{outcomes_of:?}");
-    assert_eq!(outcomes_of, outcomes(&campaign.evaluations[0].scenario, &mut Homing));
+    assert_eq!(outcomes_of, outcomes(&campaign.nth::<compile::Evaluation>(0).scenario, &mut Homing));
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn a_program_that_never_walks_is_given_up_after_ten_episodes() {
         let campaign = campaign(&program(mode, "timeout: 60 s"), DRIVER);
         let faults: Vec<_> = own(&campaign).iter().map(Outcome::fault).collect();
         assert_eq!(faults, [Some(fault); 10], "{mode}");
-        let search = &campaign.searches[0];
+        let search = &campaign.nth::<compile::Search>(0);
         let mut simulator = Simulator::new(search.scenario.clone(), Seed::root(1), search.budget, &|| false);
         let ended = search.falsifier.search(&mut simulator, &Seed::root(2)).map(|_| ());
         assert_eq!(ended, Err(TrainError::Controller { fault }), "{mode}");
@@ -148,7 +148,7 @@ fn a_network_walks_as_the_policy_that_it_was_written_from() {
     let policy = ActorCritic::new(4, 2, &[8], 0.0, &mut Seed::root(9).stream());
     std::fs::write(&file, policy.to_onnx(&bounds, &Default::default())).unwrap();
     let campaign = campaign(&format!("onnx(model: \"{}\")", file.display()), DRIVER);
-    let scenario = &campaign.evaluations[0].scenario;
+    let scenario = &campaign.nth::<compile::Evaluation>(0).scenario;
     let mut written = TrainedWalker::new(policy, 4, ActionMode::Deterministic);
     for (network, policy) in own(&campaign).iter().zip(&outcomes(scenario, &mut written)) {
         let same = std::mem::discriminant(&network.ending) == std::mem::discriminant(&policy.ending);

@@ -76,7 +76,8 @@ fn a_long_chaotic_run_has_the_digest_it_always_had() {
     let digests: Vec<u64> = ["behavior", "blind"]
         .into_iter()
         .map(|policy| {
-            let evaluation = plan.campaigns[0].evaluations.iter().find(|each| *each.policy == *policy).unwrap();
+            let evaluation =
+                plan.campaigns[0].all::<compile::Evaluation>().find(|each| *each.policy == *policy).unwrap();
             let (seed, go_on) = (Seed::root(11), &mut |_| ControlFlow::Continue(()));
             let outcomes = evaluate(&mut Random::default(), &evaluation.scenario, 50, &seed, &seed.child("w"), go_on);
             outcomes.iter().fold(0, |sum: u64, outcome| sum.rotate_left(7) ^ outcome.digest)

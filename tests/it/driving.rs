@@ -93,7 +93,7 @@ fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64;
 #[test]
 fn a_network_sees_and_does_in_its_file_what_it_saw_and_did_in_its_training() {
     let plan = plan("hold: 1  cars: 0  demonstrations: 15_000");
-    let training = &plan.campaigns[0].trainings[0];
+    let training = &plan.campaigns[0].nth::<Training>(0);
     let networks = trained(training, 1).actor_critic;
     let [learner, driver] = ways(&networks, training, 120);
     let far = learner[0].iter().zip(learner[learner.len() - 1]).map(|(a, b)| (a - b).abs()).sum::<f64>();
@@ -107,7 +107,7 @@ fn a_network_sees_and_does_in_its_file_what_it_saw_and_did_in_its_training() {
 #[test]
 fn threads_and_interruptions_change_no_bit() {
     let plan = plan("hold: 2  cars: 2  demonstrations: 2_000");
-    let training = &plan.campaigns[0].trainings[0];
+    let training = &plan.campaigns[0].nth::<Training>(0);
     let one = trained(training, 1);
     assert_eq!(trained(training, 2).to_safetensors(), one.to_safetensors());
     let mut run = begin(training);
@@ -123,7 +123,7 @@ fn threads_and_interruptions_change_no_bit() {
 #[test]
 fn who_imitates_drives_better_than_who_does_not() {
     let first = |keys: &str| {
-        let curve = trained(&plan(keys).campaigns[0].trainings[0], 1).learning_curve;
+        let curve = trained(&plan(keys).campaigns[0].nth::<Training>(0), 1).learning_curve;
         curve.last().unwrap().mean_reward.unwrap()
     };
     let (without, with) = (first("demonstrations: 0"), first("demonstrations: 15_000"));
@@ -156,7 +156,8 @@ fn demonstrations_count_as_decisions_and_ticks() {
 
 #[test]
 fn an_imitation_can_be_stopped() {
-    let training = &plan("demonstrations: 4_000").campaigns[0].trainings[0];
+    let plan = plan("demonstrations: 4_000");
+    let training = plan.campaigns[0].nth::<Training>(0);
     let (rule, environments) = (training.drive.as_ref().unwrap(), training.environments);
     let begin = |watch: &(dyn Fn(f64) -> bool + Sync)| {
         TrainingRun::begin_driving(&training.scenarios(), rule, environments, &training.config, &Seed::root(4), watch)

@@ -9,6 +9,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
@@ -16,16 +17,18 @@ use base::diagnostic::{Diagnostic, Severity, Sources};
 use base::seed::Seed;
 use base::signature::{Form, Param, Signature, Type};
 use base::units::Dimension;
-use compile::{Campaign, Catalog, Plan, compile};
+use compile::{Campaign, Catalog, Evaluation, Job, Plan, Planned, compile};
 use falsify::session::{Input, RunOptions, Session};
 use lang::Reader;
 use learn::ActorCritic;
-use results::campaign::{self, InMemory, Silent};
+use results::campaign::{self, NoStore, Silent, Task};
+use results::jobs::{CoverResult, EstimateResult, HardenResult, SearchResult, TrainingResult, watch};
+use results::record::{EpisodeRow, RunKey};
 use serde::Deserialize;
 use world::av::Fault;
 use world::av::external::{Link, Opener, Program};
-use world::env::{Ending, Outcome};
-use world::judge::Verdict;
+use world::env::{Ending, Outcome, Trace};
+use world::judge::{Judged, Verdict};
 
 /// What the scenarios are made of: `tests/suite/keys.toml`.
 #[derive(Debug, Deserialize)]
@@ -345,11 +348,13 @@ fn shown(outcome: &Outcome, verdict: Option<&Verdict>) -> String {
 
 /// The results of a campaign as a report shows them, without names.
 fn results(campaign: &Campaign) -> String {
-    let (store, seed) = (InMemory::default(), Seed::root(3));
-    let finished = campaign::run(campaign, &seed, &store, &Silent);
+    let seed = Seed::root(3);
+    let is_of_episodes = |task: &Task| matches!(campaign.jobs[task.job], Job::Evaluation(_));
+    let tasks: Vec<Task> = campaign::tasks(campaign).filter(|task| !is_of_episodes(task)).collect();
+    let finished = campaign::run_tasks(campaign, &tasks, &seed, &NoStore, &Silent);
     // A report records the versions of programs.
     let mut text: String = campaign.programs().iter().filter_map(|program| program.version.clone()).collect();
-    for training in &finished.trainings {
+    for training in finished.all::<TrainingResult>() {
         match &training.result {
             Ok(trained) => {
                 for log in &trained.learning_curve {
@@ -362,11 +367,21 @@ fn results(campaign: &Campaign) -> String {
             }
         }
     }
-    for row in store.into_rows() {
-        text.push_str(&shown(&row.judged.outcome, row.judged.verdict.as_ref()));
-        row.judged.degrees.iter().for_each(|degree| text.push_str(&format!("{degree:?}\n")));
+    for evaluation in campaign.all::<Evaluation>() {
+        let trained = results::jobs::networks(evaluation, finished.all());
+        if evaluation.needs().is_some() && trained.is_none() {
+            continue;
+        }
+        let key = Arc::new(RunKey::of(evaluation));
+        let note = &mut |outcome: &Outcome, trace: &Trace| {
+            let pair = trace.main_pair(&evaluation.scenario);
+            let row = EpisodeRow::new(&key, 0, Judged::new(outcome, &pair), &pair);
+            text.push_str(&shown(&row.judged.outcome, row.judged.verdict.as_ref()));
+            row.judged.degrees.iter().for_each(|degree| text.push_str(&format!("{degree:?}\n")));
+        };
+        watch(evaluation, trained, 0..evaluation.episodes, &seed, note, &mut |_| ControlFlow::Continue(()));
     }
-    for search in &finished.searches {
+    for search in finished.all::<SearchResult>() {
         let _ = writeln!(text, "{} episodes from {} starts", search.spent.episodes, search.spent.starts);
         for find in search.finds() {
             let shown = shown(&find.failure.outcome, find.verdict().as_ref());
@@ -376,13 +391,13 @@ fn results(campaign: &Campaign) -> String {
             text.push_str(&shown(&evaluated.outcome, evaluated.verdict.as_ref()));
         }
     }
-    for each in &finished.estimates {
+    for each in finished.all::<EstimateResult>() {
         let _ = writeln!(text, "{} {:?} {:?}", each.key, each.exposure, each.estimate);
     }
-    for each in &finished.covers {
+    for each in finished.all::<CoverResult>() {
         let _ = writeln!(text, "{:?} {:?} {:?}", each.key, each.picture, each.found);
     }
-    for each in &finished.hardened {
+    for each in finished.all::<HardenResult>() {
         let _ = writeln!(text, "{:?} {:?}", each.key, each.found);
     }
     text

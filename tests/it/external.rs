@@ -58,7 +58,7 @@ fn plan_of(scenario: String) -> Plan {
 }
 
 fn scenario(command: &str, settings: &str) -> Arc<Scenario> {
-    plan(command, settings).campaigns[0].evaluations[0].scenario.clone()
+    plan(command, settings).campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
 }
 
 /// The outcomes of the episodes against a driver of `tests/external/driver.py`.
@@ -185,9 +185,9 @@ fn a_training_survives_some_faults_and_ends_with_the_cause_of_too_many() {
     }
     let training = |mode: &str| {
         let plan = plan(&format!("python3 driver.py {mode}"), "timeout: 60 s");
-        let mut config = plan.campaigns[0].trainings[0].config.clone();
+        let mut config = plan.campaigns[0].nth::<compile::Training>(0).config.clone();
         config.total_steps = 150;
-        let against = &plan.campaigns[0].evaluations[0].scenario;
+        let against = &plan.campaigns[0].nth::<compile::Evaluation>(0).scenario;
         train(against, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
     };
     assert!(training("crash").is_ok());

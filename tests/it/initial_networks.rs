@@ -50,7 +50,7 @@ fn compiled(keys: &str, networks: &[u8]) -> Result<Plan, Vec<String>> {
 }
 
 fn training(keys: &str, networks: &[u8]) -> Training {
-    compiled(keys, networks).unwrap().campaigns.remove(0).trainings.remove(0)
+    compiled(keys, networks).unwrap().campaigns[0].nth::<compile::Training>(0).clone()
 }
 
 fn networks(inputs: usize, outputs: usize, hidden: &[usize], seed: u64) -> ActorCritic {

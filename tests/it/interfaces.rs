@@ -38,7 +38,7 @@ fn a_trace_has_the_states_and_actions_of_the_episode_in_every_frame() {
         let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default());
         let compiled = compiled.unwrap();
         let plan = compiled.plan.unwrap_or_else(|| panic!("{frames}: {:?}", compiled.diagnostics));
-        let scenario = plan.campaigns[0].evaluations[0].scenario.clone();
+        let scenario = plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone();
         let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
         let (mut state, mut trace) = ([0.0; 4], Trace::new(&scenario));
         env.reset(&mut state);

@@ -27,7 +27,7 @@ fn outcomes(worlds: u32) -> Vec<Outcome> {
     let catalog = Catalog::builtin();
     let compiled = compile(&["test.scn".into()], &catalog, &With(text(worlds)), &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
-    let (scenario, seed) = (&plan.campaigns[0].evaluations[0].scenario, Seed::root(2));
+    let (scenario, seed) = (&plan.campaigns[0].nth::<compile::Evaluation>(0).scenario, Seed::root(2));
     evaluate(&mut Random::default(), scenario, 10, &seed, &seed.child("walker"), &mut |_| ControlFlow::Continue(()))
 }
 

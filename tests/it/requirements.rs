@@ -9,7 +9,8 @@ use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
 use falsify::session::{FailuresArgs, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
 use learn::Env;
-use results::campaign::{self, InMemory, Repeatable, Silent, watch};
+use results::campaign::{self, NoStore, Silent};
+use results::jobs::{Repeatable, watch};
 use results::report::{Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
 use world::env::{Outcome, PedestrianEnv, Simulation, Trace as EpisodeTrace};
 use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
@@ -77,7 +78,7 @@ fn signals_agree_with_what_is_known_of_an_episode() {
     let names = "no_collision, near, soon, encroached, keeps_lane, on_road, braked, closer, walked, seen";
     let plan = plan(declared, names, "behavior, blind");
     let (mut collisions, mut met, mut left, mut hidden) = (0, 0, 0, 0);
-    for evaluation in &plan.campaigns[0].evaluations {
+    for evaluation in plan.campaigns[0].all::<compile::Evaluation>() {
         let scenario = &evaluation.scenario;
         let mut note = |outcome: &Outcome, trace: &EpisodeTrace| {
             let pair = trace.main_pair(scenario);
@@ -127,7 +128,7 @@ fn signals_agree_with_what_is_known_of_an_episode() {
 #[test]
 fn requirements_change_no_episode() {
     let with = plan("", "no_collision, safe_passing, comfort, yields_at_crosswalk, stops_at_red", "idm");
-    let mut without = with.campaigns[0].evaluations[0].clone();
+    let mut without = with.campaigns[0].nth::<compile::Evaluation>(0).clone();
     without.scenario = std::sync::Arc::new(world::env::Scenario {
         requirements: [].into(),
         ..world::env::Scenario::clone(&without.scenario)
@@ -136,7 +137,7 @@ fn requirements_change_no_episode() {
         let mut note = |outcome: &Outcome, _: &EpisodeTrace| (outcome.digest, outcome.reward.to_bits());
         watch(evaluation, None, 0..40, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()))
     };
-    assert_eq!(digests(&with.campaigns[0].evaluations[0]), digests(&without));
+    assert_eq!(digests(&with.campaigns[0].nth::<compile::Evaluation>(0)), digests(&without));
 }
 
 /// A campaign whose searches look for violations.
@@ -167,15 +168,18 @@ fn searches(goal: &str) -> Plan {
 fn every_method_searches_for_violations_of_its_goal() {
     let seed = Seed::root(5);
     let plan = searches("goal: slow_pass");
-    let finished = campaign::run(&plan.campaigns[0], &seed, &InMemory::default(), &Silent);
-    assert_eq!(finished.searches.len(), 6);
+    let finished = campaign::run(&plan.campaigns[0], &seed, &NoStore, &Silent);
+    assert_eq!(finished.all::<results::jobs::SearchResult>().len(), 6);
     let mut without_touch = 0;
-    for (search, result) in plan.campaigns[0].searches.iter().zip(&finished.searches) {
+    for (search, result) in
+        plan.campaigns[0].all::<compile::Search>().zip(finished.all::<results::jobs::SearchResult>())
+    {
         let name = &search.key.falsifier;
         assert!(!result.spent.failures.is_empty(), "{name} finds one in {} episodes", result.spent.episodes);
         for failure in result.spent.failures.iter().take(5) {
             let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
-            let campaign::Repeated { judged: Judged { outcome, .. }, trace, .. } = repeatable.repeat(&seed).unwrap();
+            let results::jobs::Repeated { judged: Judged { outcome, .. }, trace, .. } =
+                repeatable.repeat(&seed).unwrap();
             assert_eq!(outcome.digest, failure.outcome.digest, "{name}");
             let degree = trace.degrees()[search.scenario.criterion.requirement().unwrap()];
             assert!(degree.is_violated() && outcome.reward >= 1.0, "{name}: {degree:?} earns {}", outcome.reward);
@@ -187,19 +191,35 @@ fn every_method_searches_for_violations_of_its_goal() {
         assert!(!cells.is_empty());
     }
     assert!(without_touch > 0, "a violation needs no touch");
-    for result in finished.searches.iter().filter(|it| ["plans", "evolved", "grown"].contains(&&*it.key.falsifier)) {
+    for result in finished
+        .all::<results::jobs::SearchResult>()
+        .iter()
+        .filter(|it| ["plans", "evolved", "grown"].contains(&&*it.key.falsifier))
+    {
         let failures = &result.spent.failures;
         let starts: std::collections::BTreeSet<u64> = failures.iter().map(|failure| failure.start).collect();
         assert_eq!(starts.len(), failures.len(), "{} leaves a start after a violation", result.key.falsifier);
     }
-    let of_driver = driver_results(&plan.campaigns[0].drivers, &[], &Failures::default(), &finished.searches);
+    let of_driver = driver_results(
+        &plan.campaigns[0].drivers,
+        &[],
+        &Failures::default(),
+        finished.all::<results::jobs::SearchResult>(),
+    );
     let counted = of_driver[0].searched.unwrap();
-    let count = |blame| finished.searches.iter().flat_map(|it| it.finds()).filter(|find| find.is(blame)).count();
+    let count = |blame| {
+        finished
+            .all::<results::jobs::SearchResult>()
+            .iter()
+            .flat_map(|it| it.finds())
+            .filter(|find| find.is(blame))
+            .count()
+    };
     let wanted = (count(Blame::Preventable), count(Blame::Fault));
     assert_eq!((counted.preventable, counted.fault), wanted, "by the goal in every table");
     let others = searches("");
     let same = |a: &compile::Search, b: &compile::Search| a.fingerprint == b.fingerprint;
-    let pairs = plan.campaigns[0].searches.iter().zip(&others.campaigns[0].searches);
+    let pairs = plan.campaigns[0].all::<compile::Search>().zip(others.campaigns[0].all::<compile::Search>());
     assert!(pairs.into_iter().all(|(a, b)| !same(a, b)), "a goal makes another search");
 }
 
@@ -354,7 +374,7 @@ fn violations(text: &str, episodes: u32) -> Vec<(String, Vec<(String, u32)>)> {
         watch(evaluation, None, 0..episodes, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()));
         (evaluation.policy.to_string(), found)
     };
-    plan.campaigns[0].evaluations.iter().map(count).collect()
+    plan.campaigns[0].all::<compile::Evaluation>().map(count).collect()
 }
 
 #[test]
@@ -416,7 +436,7 @@ fn careful_humans_are_asked_whose_fault_a_violation_is() {
     let plan =
         plan(declared, "no_collision, slow_pass, impossible, safe_passing, comfort, keeps_lane", "behavior, blind");
     let (mut collisions, mut same, mut preventable, mut faults, mut slow) = (0, 0, 0, 0, [0; 3]);
-    for evaluation in &plan.campaigns[0].evaluations {
+    for evaluation in plan.campaigns[0].all::<compile::Evaluation>() {
         let scenario = &evaluation.scenario;
         let of = |name: &str| scenario.requirements.iter().position(|each| &*each.name == name).unwrap();
         let why = |name: &str| NoVerdict::of(&scenario.requirements[of(name)].requirement);
@@ -480,7 +500,7 @@ fn a_reward_pays_for_violations_and_robustness() {
     };
     let found = compiled(text);
     let plan = found.plan.unwrap_or_else(|| panic!("{:?}", found.diagnostics));
-    let scenario = &plan.campaigns[0].searches[0].scenario;
+    let scenario = &plan.campaigns[0].nth::<compile::Search>(0).scenario;
     let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(4));
     let (mut violations, mut ends) = (0, 0);
     for episode in 0..60 {
@@ -513,7 +533,7 @@ fn a_reward_pays_for_violations_and_robustness() {
     assert!(violations > 2 && ends > 10, "{violations} {ends}");
     // Another requirement of the same name is another task.
     let changed = compiled(&text.replace("gap < 1.5 m", "gap < 1.6 m")).plan.unwrap();
-    let fingerprint = |plan: &Plan| plan.campaigns[0].searches[0].fingerprint;
+    let fingerprint = |plan: &Plan| plan.campaigns[0].nth::<compile::Search>(0).fingerprint;
     assert_ne!(fingerprint(&plan), fingerprint(&changed));
     let apart = compiled(&text.replace("requirements: [slow_pass, other]\n", "")).plan.unwrap();
     let other = compiled(&text.replace("requirements: [slow_pass, other]\n", "").replace("gap < 1.5 m", "gap < 1.6 m"));

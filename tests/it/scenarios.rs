@@ -75,7 +75,7 @@ fn a_matrix_over_the_eyes_of_a_driver_changes_how_it_drives() {
     use base::diagnostic::Sources;
     use base::seed::Seed;
     use compile::{Catalog, compile};
-    use results::campaign::watch;
+    use results::jobs::watch;
     const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -100,11 +100,14 @@ campaign looks {
             outcome.impact_speed().is_some_and(|speed| speed > 0.1)
         };
         let go_on = &mut |_| std::ops::ControlFlow::Continue(());
-        let evaluation = &campaigns[campaign].evaluations[0];
+        let evaluation = &campaigns[campaign].nth::<compile::Evaluation>(0);
         let hits = watch(evaluation, None, 0..60, &Seed::root(1), note, go_on);
         hits.into_iter().filter(|hit| *hit).count()
     };
     assert_eq!(campaigns.len(), 2);
-    assert_ne!(campaigns[0].evaluations[0].fingerprint, campaigns[1].evaluations[0].fingerprint);
+    assert_ne!(
+        campaigns[0].nth::<compile::Evaluation>(0).fingerprint,
+        campaigns[1].nth::<compile::Evaluation>(0).fingerprint
+    );
     assert!(moving(0) + 10 < moving(1), "{} with good eyes, {} without", moving(0), moving(1));
 }

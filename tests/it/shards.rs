@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use compile::{Campaign, Catalog, compile};
+use compile::{Campaign, Catalog, Job, compile};
 use results::campaign::{self, Shard, Task, tasks};
 
 use crate::program::{error, falsify, report, said};
@@ -125,9 +125,14 @@ fn planned(path: &str) -> Campaign {
 #[test]
 fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
     let mut campaign = planned("scenarios/first_look.scn");
-    campaign.evaluations.iter_mut().for_each(|evaluation| evaluation.episodes = 25_000);
     // A search is a task of its own size, so the numbers of tasks would differ.
-    campaign.searches.clear();
+    campaign.jobs.retain(|job| !matches!(job, Job::Search(_)));
+    for job in &mut campaign.jobs {
+        if let Job::Evaluation(evaluation) = job {
+            evaluation.episodes = 25_000;
+        }
+    }
+    let is_training = |task: &Task| matches!(campaign.jobs[task.job], Job::Training(_));
     for count in [1, 2, 3, 7, 16, 1000] {
         let dealt: BTreeMap<Task, u32> = campaign::deal(&campaign, count).into_iter().collect();
         assert_eq!(dealt.len(), tasks(&campaign).count());
@@ -135,17 +140,18 @@ fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
             (0..count).map(|index| campaign::shard(&campaign, Shard { index, count })).collect();
         for (index, shard) in shards.iter().enumerate() {
             for task in shard {
-                assert!(dealt[task] == index as u32 || matches!(task, Task::Training(_)), "{task:?}");
-                if let Task::Chunk { evaluation, .. } = task
-                    && let Some(training) = campaign.evaluations[*evaluation].training()
-                {
-                    assert!(shard.contains(&Task::Training(training)));
+                assert!(dealt[task] == index as u32 || is_training(task), "{task:?}");
+                if let Some(job) = campaign.jobs[task.job].planned().needs() {
+                    assert!(shard.contains(&Task { job, part: 0 }));
                 }
             }
         }
         // Only neighbouring shards repeat a training.
-        let trained: usize = shards.iter().flatten().filter(|task| matches!(task, Task::Training(_))).count();
-        assert!(trained < campaign.trainings.len() + count as usize, "{trained} trainings in {count} shards");
+        let trained: usize = shards.iter().flatten().filter(|task| is_training(task)).count();
+        assert!(
+            trained < campaign.all::<compile::Training>().count() + count as usize,
+            "{trained} trainings in {count} shards"
+        );
         let most = shards.iter().map(Vec::len).max().unwrap();
         assert!(most <= dealt.len() / count as usize * 2 + 8, "{most} of {} tasks in one of {count}", dealt.len());
     }

@@ -35,7 +35,7 @@ fn plan(together: &str) -> Plan {
 fn a_training_is_of_each_pair_or_of_all_that_are_trained_together() {
     let keys = |together: &str| -> Vec<(String, String, usize)> {
         let plan = plan(together);
-        let trainings = plan.campaigns[0].trainings.iter();
+        let trainings = plan.campaigns[0].all::<compile::Training>();
         trainings.map(|each| (each.key.town.clone(), each.key.policy.clone(), each.scenarios().len())).collect()
     };
     let key = |town: &str, policy: &str, places| (town.to_string(), policy.to_string(), places);
@@ -43,7 +43,7 @@ fn a_training_is_of_each_pair_or_of_all_that_are_trained_together() {
     assert_eq!(keys("together: policies"), [key("harbour", "idm+blind", 2), key("village", "idm+blind", 2)]);
     assert_eq!(keys("together: towns"), [key("harbour+village", "idm", 2), key("harbour+village", "blind", 2)]);
     assert_eq!(keys("together: all"), [key("harbour+village", "idm+blind", 4)]);
-    let fingerprint = |together: &str| plan(together).campaigns[0].trainings[0].fingerprint;
+    let fingerprint = |together: &str| plan(together).campaigns[0].nth::<compile::Training>(0).fingerprint;
     let all: BTreeSet<_> = ["", "together: policies", "together: towns", "together: all"].map(fingerprint).into();
     assert_eq!(all.len(), 4);
 }
@@ -51,7 +51,7 @@ fn a_training_is_of_each_pair_or_of_all_that_are_trained_together() {
 #[test]
 fn a_training_in_several_scenarios_continues_bit_for_bit() {
     let plan = plan("together: all");
-    let training = &plan.campaigns[0].trainings[0];
+    let training = &plan.campaigns[0].nth::<compile::Training>(0);
     let (scenarios, seed, none) = (training.scenarios(), Seed::root(4), Default::default());
     let begin = || TrainingRun::begin(&scenarios, training.environments, &training.config, &seed).unwrap();
     let (mut whole, mut states) = (begin(), Vec::new());

@@ -23,7 +23,7 @@ fn scenario() -> Scenario {
     let root = crate::repository().join("scenarios/approached.scn");
     let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
-    Scenario::clone(&compiled.plan.unwrap().campaigns[0].evaluations[0].scenario)
+    Scenario::clone(&compiled.plan.unwrap().campaigns[0].nth::<compile::Evaluation>(0).scenario)
 }
 
 #[test]

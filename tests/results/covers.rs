@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
-use results::campaign::{CoverResult, InMemory, Silent, run};
+use results::campaign::{NoStore, Silent, run};
+use results::jobs::CoverResult;
 
 fn compiled(block: &str) -> Result<Campaign, String> {
     let text = format!(
@@ -27,7 +28,7 @@ fn compiled(block: &str) -> Result<Campaign, String> {
 fn covers(block: &str, threads: usize) -> Vec<CoverResult> {
     let campaign = compiled(block).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| run(&campaign, &Seed::root(1), &InMemory::default(), &Silent)).covers
+    pool.install(|| run(&campaign, &Seed::root(1), &NoStore, &Silent)).all().to_vec()
 }
 
 #[test]

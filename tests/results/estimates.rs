@@ -6,7 +6,8 @@ use std::slice::from_ref;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
-use results::campaign::{self, EstimateResult, InMemory, Silent};
+use results::campaign::{self, NoStore, Silent};
+use results::jobs::EstimateResult;
 use world::env::Criterion;
 use world::judge::Blame;
 use world::likelihood::Encounters;
@@ -27,13 +28,13 @@ fn campaign(block: &str) -> Campaign {
 }
 
 fn estimates(block: &str) -> Vec<EstimateResult> {
-    campaign::run(&campaign(block), &Seed::root(5), &InMemory::default(), &Silent).estimates
+    campaign::run(&campaign(block), &Seed::root(5), &NoStore, &Silent).all().to_vec()
 }
 
 #[test]
 fn what_has_a_default_may_be_left_out() {
     let plan = campaign("estimate { towns: [harbour]  policies: [idm] }\ncover { towns: [harbour]  policies: [idm] }");
-    assert_eq!((plan.estimations.len(), plan.covers.len()), (1, 1));
+    assert_eq!((plan.all::<compile::Estimation>().count(), plan.all::<compile::Cover>().count()), (1, 1));
 }
 
 #[test]
@@ -49,7 +50,7 @@ fn the_unbiased_probability_is_that_of_the_counted_encounters() {
     );
     // Encounters do not depend on those before them.
     let plan = campaign(block);
-    let estimation = &plan.estimations[0];
+    let estimation = plan.nth::<compile::Estimation>(0);
     let seed = estimation.drawn(&Seed::root(5));
     let new = || Encounters::new(&estimation.scenario, estimation.walker.walk_policy(), Criterion::Collision);
     let mut bed = new();

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
-use results::campaign::{HardenResult, InMemory, Silent, run};
+use results::campaign::{NoStore, Silent, run};
+use results::jobs::HardenResult;
 use world::hardening::Hardened;
 
 fn compiled(block: &str) -> Result<Campaign, String> {
@@ -31,8 +32,8 @@ const SMALL: &str = "towns: [harbour] test_towns: [village] falsifiers: [crossin
 fn harden(keys: &str, threads: usize) -> HardenResult {
     let campaign = compiled(&format!("harden {{ {SMALL} policy: late {keys} }}")).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let finished = pool.install(|| run(&campaign, &Seed::root(1), &InMemory::default(), &Silent));
-    finished.hardened.into_iter().next().unwrap()
+    let finished = pool.install(|| run(&campaign, &Seed::root(1), &NoStore, &Silent));
+    finished.all::<HardenResult>()[0].clone()
 }
 
 fn found(result: &HardenResult) -> &Hardened {

@@ -7,7 +7,7 @@ use std::path::Path;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, Evaluation, compile};
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
-use results::campaign::watch;
+use results::jobs::watch;
 use results::record::{EpisodeRow, RunKey, episodes};
 use results::report::{FailureModes, ReportFolder, write_failure_modes};
 use world::judge::{Judged, NearMiss, judge};
@@ -95,7 +95,7 @@ fn table(text: &str) -> Vec<BTreeMap<String, String>> {
 #[test]
 fn kinds_add_up_and_their_examples_can_be_repeated() {
     let (campaign, seed) = (campaign(), Seed::root(7));
-    let rows: Vec<Vec<EpisodeRow>> = campaign.evaluations.iter().map(|each| rows(each, &seed)).collect();
+    let rows: Vec<Vec<EpisodeRow>> = campaign.all::<Evaluation>().map(|each| rows(each, &seed)).collect();
     let frames: Vec<DataFrame> = rows.iter().map(|rows| episodes(rows)).collect();
     let files = report(&campaign, &seed, &frames);
     let backwards: Vec<DataFrame> = frames.iter().rev().cloned().collect();
@@ -120,7 +120,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
         for row in here {
             let (run, episode) = (number(row, "example_run") as u32, number(row, "example_episode") as u32);
             let is_it = |each: &&Evaluation| each.controller.name() == pedestrian && each.trained.run == run;
-            let evaluation = campaign.evaluations.iter().find(is_it).unwrap();
+            let evaluation = campaign.all::<Evaluation>().find(is_it).unwrap();
             let again = watch(
                 evaluation,
                 None,
@@ -149,7 +149,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
 #[test]
 fn what_does_not_repeat_is_counted_and_not_clustered() {
     let (campaign, seed) = (campaign(), Seed::root(7));
-    let evaluation = campaign.evaluations.iter().find(|each| each.controller.name() == "intercept").unwrap();
+    let evaluation = campaign.all::<Evaluation>().find(|each| each.controller.name() == "intercept").unwrap();
     let mut run = episodes(&rows(evaluation, &seed));
     let wrong = vec!["0123456789abcdef"; run.height()];
     run.with_column(Column::from(Series::new("digest".into(), wrong))).unwrap();

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
-use results::campaign::{self, SearchResult, Silent};
+use results::campaign::{self, Silent};
+use results::jobs::SearchResult;
 use results::report;
 use world::judge::Blame;
 
@@ -49,14 +50,14 @@ fn obvious(falsifiers: &str, budget: u64, runs: u32) -> Campaign {
 }
 
 fn run(campaign: &Campaign) -> Vec<SearchResult> {
-    campaign::run(campaign, &Seed::root(5), &campaign::InMemory::default(), &Silent).searches
+    campaign::run(campaign, &Seed::root(5), &campaign::NoStore, &Silent).all().to_vec()
 }
 
 #[test]
 fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
     let (budget, hold) = (20_001, 20);
     let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair, kinds, narrow, grid", budget, 1);
-    for (search, result) in plan.searches.iter().zip(run(&plan)) {
+    for (search, result) in plan.all::<compile::Search>().zip(run(&plan)) {
         let (name, spent) = (&search.key.falsifier, &result.spent);
         assert!(spent.ticks <= budget, "{name}: {} ticks", spent.ticks);
         // Two environments have half of the budget each. The first that uses up its half ends the training.

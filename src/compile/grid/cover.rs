@@ -2,11 +2,9 @@ use std::sync::Arc;
 
 use super::axis::Usual;
 use super::ground::note_towns;
-use crate::RunId;
 use crate::campaign::{COLLISION, CoverKeys, FAULT};
-use crate::cover::{Cover, CoverKey};
 use crate::lowering::Lowering;
-use crate::plan::Campaign;
+use crate::{Campaign, Cover, CoverKey, Job, RunId};
 use base::signature::{DeclarationId, Value};
 use lang::diagnostics;
 use lang::hir::Block;
@@ -15,8 +13,8 @@ use world::falsifier::Controller;
 use world::judge::Blame;
 use world::requirement::NamedRequirement;
 
-/// The most parameters of a box: with more, no number of episodes shows where it fails.
-const MOST_PARAMETERS: usize = 6;
+/// Maximum number of parameters of a box: with more, no number of episodes shows where it fails.
+const MAX_PARAMETERS: usize = 6;
 
 /// What a `cover` block counts.
 struct Counted {
@@ -65,7 +63,7 @@ impl Lowering<'_> {
             let parts =
                 [place.declarations(&usual.car, adversary, &usual.rule).as_slice(), &usual.requirements.ids, &declared]
                     .concat();
-            campaign.covers.push(Cover {
+            campaign.jobs.push(Job::from(Cover {
                 key: CoverKey {
                     id: RunId::default(),
                     pedestrian: walker.name().to_string(),
@@ -83,7 +81,7 @@ impl Lowering<'_> {
                 picture,
                 fingerprint: self.fingerprint(&parts),
                 programs: self.programs(&parts),
-            });
+            }));
         }
     }
 
@@ -145,9 +143,9 @@ impl Lowering<'_> {
             self.said.push(diagnostics::contradiction(block.head, message).help(help));
             return None;
         }
-        if known.len() > MOST_PARAMETERS {
+        if known.len() > MAX_PARAMETERS {
             let message = format!(
-                "the box has {} parameters ({}); at most {MOST_PARAMETERS} can be covered",
+                "the box has {} parameters ({}); at most {MAX_PARAMETERS} can be covered",
                 known.len(),
                 words.join(", ")
             );

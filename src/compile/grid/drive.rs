@@ -5,7 +5,7 @@ use super::ground::note_towns;
 use super::train::joined;
 use crate::campaign::{DRIVE, DriveKeys, PlaceKeys};
 use crate::lowering::Lowering;
-use crate::plan::{Campaign, Training, TrainingKey};
+use crate::{Campaign, Job, Training, TrainingKey};
 use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::Block;
@@ -70,21 +70,23 @@ impl Lowering<'_> {
             .collect();
         let fingerprint = self.fingerprint_with(&[declared.as_slice(), &[training.id]].concat(), &format!("{rule:?}"));
         let programs = self.programs(&declared);
-        campaign.trainings.extend((0..keys.runs).map(|run| Training {
-            key: TrainingKey {
-                town: joined(all.iter().map(|place| &*place.town.name)),
-                policy: first.policy.name.to_string(),
-                reward: DRIVE.to_string(),
-                run,
-            },
-            scenario: scenarios[0].1.clone(),
-            together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
-            drive: Some(rule.clone()),
-            config: config.clone(),
-            environments: *environments,
-            fingerprint,
-            programs: programs.clone(),
-            lineage: None,
+        campaign.jobs.extend((0..keys.runs).map(|run| {
+            Job::from(Training {
+                key: TrainingKey {
+                    town: joined(all.iter().map(|place| &*place.town.name)),
+                    policy: first.policy.name.to_string(),
+                    reward: DRIVE.to_string(),
+                    run,
+                },
+                scenario: scenarios[0].1.clone(),
+                together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
+                drive: Some(rule.clone()),
+                config: config.clone(),
+                environments: *environments,
+                fingerprint,
+                programs: programs.clone(),
+                lineage: None,
+            })
         }));
     }
 }

@@ -2,10 +2,9 @@ use std::sync::Arc;
 
 use super::axis::Usual;
 use super::ground::note_towns;
-use crate::RunId;
 use crate::campaign::EstimateKeys;
 use crate::lowering::Lowering;
-use crate::plan::{Campaign, Estimation, EstimationKey};
+use crate::{Campaign, Estimation, EstimationKey, Job, RunId};
 use base::signature::{DeclarationId, Value};
 use lang::hir::Block;
 use world::env::{Criterion, RewardRule};
@@ -49,25 +48,27 @@ impl Lowering<'_> {
                 let parts = [ground.as_slice(), &usual.requirements.ids, &asked, &walked].concat();
                 let (fingerprint, programs) = (self.fingerprint(&parts), self.programs(&parts));
                 let scenario = place.scenario(car, body, &usual.rule.value, &RewardRule::default(), &requirements);
-                campaign.estimations.extend((0..keys.runs).map(|run| Estimation {
-                    key: EstimationKey {
-                        id: RunId::default(),
-                        walker: walker.0.name().to_string(),
-                        requirement: requirement.clone(),
-                        town: place.town.name.to_string(),
-                        policy: place.policy.name.to_string(),
-                        block: number,
-                        run,
-                    },
-                    scenario: scenario.clone(),
-                    walker: walker.0.clone(),
-                    criterion,
-                    event: keys.event,
-                    relative_error: keys.relative_error,
-                    budget: keys.budget,
-                    exposure: [keys.encounters_per_hour, keys.encounters_per_1000_km],
-                    fingerprint,
-                    programs: programs.clone(),
+                campaign.jobs.extend((0..keys.runs).map(|run| {
+                    Job::from(Estimation {
+                        key: EstimationKey {
+                            id: RunId::default(),
+                            walker: walker.0.name().to_string(),
+                            requirement: requirement.clone(),
+                            town: place.town.name.to_string(),
+                            policy: place.policy.name.to_string(),
+                            block: number,
+                            run,
+                        },
+                        scenario: scenario.clone(),
+                        walker: walker.0.clone(),
+                        criterion,
+                        event: keys.event,
+                        relative_error: keys.relative_error,
+                        budget: keys.budget,
+                        exposure: [keys.encounters_per_hour, keys.encounters_per_1000_km],
+                        fingerprint,
+                        programs: programs.clone(),
+                    })
                 }));
             }
         }

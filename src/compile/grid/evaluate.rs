@@ -3,11 +3,10 @@ use std::sync::Arc;
 
 use super::axis::{Axis, Usual};
 use super::ground::note_towns;
-use crate::RunId;
 use crate::campaign::{EvaluateKeys, STOCHASTIC, TRAINED, UNTRAINED};
 use crate::lowering::Lowering;
-use crate::plan::{Campaign, ControllerKind, Evaluation, NO_REWARD, Training, TrainingKey};
 use crate::walker::WalkerKind;
+use crate::{Campaign, ControllerKind, Evaluation, Job, NO_REWARD, RunId, Training, TrainingKey};
 use base::signature::{DeclarationId, Value};
 use lang::diagnostics;
 use lang::hir::Block;
@@ -49,8 +48,7 @@ impl Lowering<'_> {
             return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
         }
         let Some(chosen) = self.chosen(&pedestrians) else { return };
-        let controllers =
-            if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &campaign.trainings) };
+        let controllers = if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &campaign.jobs) };
         let each = controllers.len().max(rewards.len());
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), all.len(), each]) {
             return;
@@ -79,13 +77,13 @@ impl Lowering<'_> {
                 let declared = chosen.iter().find(|each| each.is(controller)).and_then(Chosen::declared);
                 scenarios[&(trained.reward.as_str(), declared)].clone()
             };
-            campaign.evaluations.extend(controllers.iter().map(|(controller, trained)| {
+            let evaluations = controllers.iter().map(|(controller, trained)| {
                 let (scenario, fingerprint, programs) = of(controller, trained);
-                Evaluation {
+                Job::from(Evaluation {
                     id: RunId::default(),
                     controller: controller.clone(),
                     trained: trained.clone(),
-                    first: (*controller == ControllerKind::First).then(|| first_of(&campaign.trainings, trained)),
+                    first: (*controller == ControllerKind::First).then(|| first_of(campaign, trained)),
                     town: place.town.name.clone(),
                     policy: place.policy.name.clone(),
                     vehicle: car.name.clone(),
@@ -95,8 +93,10 @@ impl Lowering<'_> {
                     episodes,
                     fingerprint,
                     programs,
-                }
-            }));
+                })
+            });
+            let evaluations: Vec<Job> = evaluations.collect();
+            campaign.jobs.extend(evaluations);
         }
     }
 }
@@ -164,18 +164,19 @@ fn without_place(key: &TrainingKey, run: u32) -> TrainingKey {
 }
 
 /// The first training for the reward of a key with its run: its first networks stand for those of all such trainings.
-fn first_of(trainings: &[Training], key: &TrainingKey) -> Arc<Training> {
-    let found = trainings.iter().find(|each| (&each.key.reward, each.key.run) == (&key.reward, key.run));
+fn first_of(campaign: &Campaign, key: &TrainingKey) -> Arc<Training> {
+    let found = campaign.all::<Training>().find(|each| (&each.key.reward, each.key.run) == (&key.reward, key.run));
     Arc::new(found.expect("the key is made of a training").clone())
 }
 
 /// The controllers of a campaign with trainings: every trained one, and for every run of a reward one that draws, with draws of its own, and
 /// the networks with which a training begins. One that draws nothing is evaluated once for each reward; so is a declared one.
-fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
+fn controllers(chosen: &[Chosen], jobs: &[Job]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let mut all = Vec::new();
     for each in chosen {
         let mut seen = BTreeSet::new();
-        for (index, Training { key, .. }) in trainings.iter().enumerate().filter(|(_, each)| each.drive.is_none()) {
+        let trainings = jobs.iter().enumerate().filter_map(|(place, job)| Some((place, job.of::<Training>()?)));
+        for (index, Training { key, .. }) in trainings.filter(|(_, each)| each.drive.is_none()) {
             let (controller, key) = match each {
                 Chosen::Trained => (ControllerKind::Trained(index), key.clone()),
                 Chosen::Stochastic => (ControllerKind::Stochastic(index), key.clone()),

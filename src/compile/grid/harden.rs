@@ -4,11 +4,10 @@ use super::axis::{Axis, Usual};
 use super::ground::{Ground, note_towns};
 use super::search::Rival;
 use crate::campaign::{HardenKeys, PlaceKeys};
-use crate::harden::{Harden, HardenKey, PARAMETERS, VariedKey, WrittenPolicy};
+use crate::jobs::PARAMETERS;
 use crate::lowering::Lowering;
-use crate::plan::Campaign;
 use crate::policy;
-use crate::{Catalog, RunId};
+use crate::{Campaign, Catalog, Harden, HardenKey, Job, RunId, VariedKey, WrittenPolicy};
 use base::signature::{Arguments, DeclarationId, Type, Value};
 use base::units::Dimension;
 use lang::diagnostics;
@@ -102,12 +101,14 @@ impl Lowering<'_> {
         parts.extend(walkers.iter().filter_map(|(_, declared)| *declared));
         let (fingerprint, programs) = (self.fingerprint(&parts), self.programs(&parts));
         let written = Arc::new(written);
-        campaign.hardenings.extend((0..keys.runs).map(|run| Harden {
-            key: HardenKey { id: RunId::default(), policy: written.name.clone(), block: number, run },
-            hardening: hardening.clone(),
-            written: written.clone(),
-            fingerprint,
-            programs: programs.clone(),
+        campaign.jobs.extend((0..keys.runs).map(|run| {
+            Job::from(Harden {
+                key: HardenKey { id: RunId::default(), policy: written.name.clone(), block: number, run },
+                hardening: hardening.clone(),
+                written: written.clone(),
+                fingerprint,
+                programs: programs.clone(),
+            })
         }));
     }
 

@@ -24,8 +24,8 @@ use lang::hir::{Block, Declaration};
 /// The blocks of a campaign that run episodes against several drivers.
 const BLOCKS: [&str; 5] = ["train", "evaluate", "search", "estimate", "cover"];
 
-/// The greatest number of trainings, evaluations or searches of one block.
-const MOST_CELLS: usize = 200_000;
+/// Maximum number of jobs of a block.
+const MAX_JOBS: usize = 200_000;
 
 impl Lowering<'_> {
     /// Lays out the grid of a campaign.
@@ -46,12 +46,7 @@ impl Lowering<'_> {
             requirements: usual.requirements.all.clone(),
             towns: Vec::new(),
             drivers: self.drivers(block),
-            trainings: Vec::new(),
-            evaluations: Vec::new(),
-            searches: Vec::new(),
-            estimations: Vec::new(),
-            covers: Vec::new(),
-            hardenings: Vec::new(),
+            jobs: Vec::new(),
             published: self.published(keys.beside),
         };
         let mut rewards = BTreeMap::new();
@@ -66,9 +61,7 @@ impl Lowering<'_> {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
         if BLOCKS.iter().chain(&["drive", "harden"]).all(|word| block.nested(word).next().is_none()) {
-            let message =
-                "this campaign trains no pedestrian, evaluates no controller, searches for nothing, estimates nothing, covers nothing and hardens nothing"
-                    .to_string();
+            let message = "the campaign has no jobs".to_string();
             let help = "give it a block: `train { … }`, `evaluate { … }`, `search { … }`, `estimate { … }`, `cover { … }` or `harden { … }`";
             self.said.push(diagnostics::contradiction(block.head, message).help(help));
         }
@@ -93,10 +86,10 @@ impl Lowering<'_> {
     /// Whether the axes of a block give no more combinations than can be run; reports it otherwise.
     fn fits(&mut self, block: &Block, axes: [usize; 4]) -> bool {
         let cells = axes.into_iter().fold(1, usize::saturating_mul);
-        if cells > MOST_CELLS {
-            self.said.push(diagnostics::too_many_combinations(block.head, cells, MOST_CELLS));
+        if cells > MAX_JOBS {
+            self.said.push(diagnostics::too_many_combinations(block.head, cells, MAX_JOBS));
         }
-        cells <= MOST_CELLS
+        cells <= MAX_JOBS
     }
 
     /// The drivers that a campaign names, each once, in order.

@@ -4,8 +4,7 @@ use super::axis::{Axis, Usual};
 use super::ground::note_towns;
 use crate::campaign::SearchKeys;
 use crate::lowering::Lowering;
-use crate::plan::{Campaign, Search, SearchKey};
-use crate::{RunId, falsifier};
+use crate::{Campaign, Job, RunId, Search, SearchKey, falsifier};
 use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::Block;
@@ -69,23 +68,25 @@ impl Lowering<'_> {
             let ground = place.declarations(&usual.car, adversary, &usual.rule);
             let parts = [ground.as_slice(), &usual.requirements.ids, &goal.declared, &rival.declarations].concat();
             let (fingerprint, programs) = (self.fingerprint(&parts), self.programs(&parts));
-            campaign.searches.extend((0..keys.runs).map(|run| Search {
-                key: SearchKey {
-                    id: RunId::default(),
-                    falsifier: rival.name.clone(),
-                    method: rival.method,
-                    reward: rival.reward.0.clone(),
-                    town: place.town.name.to_string(),
-                    policy: place.policy.name.to_string(),
-                    block: number,
-                    run,
-                },
-                scenario: scenario.clone(),
-                falsifier: rival.falsifier.clone(),
-                budget: keys.budget,
-                tries: keys.episodes,
-                fingerprint,
-                programs: programs.clone(),
+            campaign.jobs.extend((0..keys.runs).map(|run| {
+                Job::from(Search {
+                    key: SearchKey {
+                        id: RunId::default(),
+                        falsifier: rival.name.clone(),
+                        method: rival.method,
+                        reward: rival.reward.0.clone(),
+                        town: place.town.name.to_string(),
+                        policy: place.policy.name.to_string(),
+                        block: number,
+                        run,
+                    },
+                    scenario: scenario.clone(),
+                    falsifier: rival.falsifier.clone(),
+                    budget: keys.budget,
+                    tries: keys.episodes,
+                    fingerprint,
+                    programs: programs.clone(),
+                })
             }));
         }
     }

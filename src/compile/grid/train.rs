@@ -4,7 +4,7 @@ use super::axis::{Axis, Usual};
 use super::ground::{Place, note_towns};
 use crate::campaign::{Together, TrainKeys};
 use crate::lowering::Lowering;
-use crate::plan::{Campaign, Training, TrainingKey};
+use crate::{Campaign, Job, Training, TrainingKey};
 use base::signature::{DeclarationId, Formula, VariableId};
 use lang::diagnostics;
 use lang::hir::{Block, Clause};
@@ -48,21 +48,23 @@ impl Lowering<'_> {
                 let programs = self.programs(&ground);
                 let lineage = (!config.depends_on_total_steps())
                     .then(|| self.lineage(&[ground.as_slice(), &[reward.id]].concat(), training.id));
-                campaign.trainings.extend((0..runs).map(|run| Training {
-                    key: TrainingKey {
-                        town: joined(places.iter().map(|place| &*place.town.name)),
-                        policy: joined(places.iter().map(|place| &*place.policy.name)),
-                        reward: reward.name.to_string(),
-                        run,
-                    },
-                    scenario: scenarios[0].1.clone(),
-                    together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
-                    drive: None,
-                    config: config.clone(),
-                    environments: *environments,
-                    fingerprint,
-                    programs: programs.clone(),
-                    lineage,
+                campaign.jobs.extend((0..runs).map(|run| {
+                    Job::from(Training {
+                        key: TrainingKey {
+                            town: joined(places.iter().map(|place| &*place.town.name)),
+                            policy: joined(places.iter().map(|place| &*place.policy.name)),
+                            reward: reward.name.to_string(),
+                            run,
+                        },
+                        scenario: scenarios[0].1.clone(),
+                        together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
+                        drive: None,
+                        config: config.clone(),
+                        environments: *environments,
+                        fingerprint,
+                        programs: programs.clone(),
+                        lineage,
+                    })
                 }));
             }
         }
@@ -90,7 +92,7 @@ impl Lowering<'_> {
 
     pub(super) fn forbid_repeated_trainings(&mut self, block: &Block, campaign: &Campaign) {
         let mut seen = BTreeSet::new();
-        for training in &campaign.trainings {
+        for training in campaign.all::<Training>() {
             if !seen.insert(&training.key) {
                 let TrainingKey { town, policy, reward, run } = &training.key;
                 let message = format!("{town} × {policy} × {reward}, run {run}, is trained twice");

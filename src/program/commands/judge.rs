@@ -93,7 +93,7 @@ fn paper() -> Result<Scenario, Error> {
         _ => Err(std::io::Error::from(std::io::ErrorKind::NotFound)),
     });
     let checked = session.check(&Input::file(PAPER_FILE))?;
-    Ok(Scenario::clone(&checked.plan()?.campaigns[0].evaluations[0].scenario))
+    Ok(Scenario::clone(&checked.plan()?.campaigns[0].nth::<compile::Evaluation>(0).scenario))
 }
 
 /// Prints the result for people.

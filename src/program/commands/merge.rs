@@ -9,7 +9,7 @@ use crate::cli::input::session;
 use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{self, Event, Incomplete, Notice, Observer};
-use results::campaign::Task;
+use results::jobs::work;
 use results::store::Taken;
 
 /// The most tasks that are named one by one.
@@ -86,7 +86,9 @@ fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
         format!("{} of the {all} tasks of `{}` are not there as they should be:", tasks.len(), campaign.name);
     for missing in tasks.iter().take(SHOWN) {
         let why = match &missing.found {
-            Taken::Part(done) => format!("unfinished, {done} {}", unit(missing.task)),
+            Taken::Part(done) => {
+                format!("unfinished, {done} {}", work(&incomplete.campaign.jobs[missing.task.job]).kind().unit)
+            }
             Taken::Damaged(path) => format!("`{}` is damaged", path.display()),
             Taken::Differ(one, other) => {
                 format!("`{}` and `{}` differ, so one is not what it says; remove it", one.display(), other.display())
@@ -107,14 +109,6 @@ fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
             .push_str("\n  `falsify run` with the same files does only these; give --shards to see which shards would"),
     }
     text
-}
-
-fn unit(task: Task) -> &'static str {
-    match task {
-        Task::Training(_) => "updates",
-        Task::Chunk { .. } | Task::Search(_) | Task::Cover(_) => "episodes",
-        Task::Estimate(_) | Task::Harden(_) => "ticks",
-    }
 }
 
 /// Numbers in the form that job arrays take: `2,7-9`.

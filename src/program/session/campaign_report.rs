@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
 use super::OverviewFiles;
-use results::campaign::{EstimateResult, HardenResult, Shard};
+use results::campaign::Shard;
+use results::jobs::{EstimateResult, HardenResult};
 use results::report::{
     Cell, CellRequirement, CoverRow, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell,
     SearchComparison,

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::{Input, Planned, RunOptions, Session};
-use compile::Campaign;
-use results::campaign::{Finished, TrainingResult};
+use compile::{Campaign, Job, Training};
+use results::campaign::Finished;
+use results::jobs::{SearchResult, TrainingResult};
 use results::report::{
     Call, FileRecord, Findings, Gathered, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
     TrainingRecord, WriteError, held_places, pedestrian_file,
@@ -13,29 +14,20 @@ use results::store::{CODE, vector_instructions};
 
 /// Wall times of a run (s).
 pub struct Times {
-    /// Of each training of the plan, also of earlier runs.
-    pub trainings: Vec<f64>,
+    /// Of each job of the plan, also of earlier runs.
+    pub jobs: Vec<f64>,
     /// Of the whole run.
     pub run: f64,
 }
 
-/// Whether the report is complete. It has all trainings, and all episodes of the plan, each with a reward
-/// that is a number. Each driver reached the end of an episode in each town. All searches used their budgets.
-fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> bool {
-    let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();
-    trained == campaign.trainings.len()
+/// Whether the report is complete. It has the whole results of all jobs, and all episodes of the plan, each with a reward
+/// that is a number. Each driver reached the end of an episode in each town.
+fn is_complete(finished: &Finished, gathered: &Gathered) -> bool {
+    finished.is_whole
         && gathered.all_tried
         && gathered.untried == 0
         && gathered.unpaid == 0
         && gathered.every_driver_drove
-        && finished.searches.len() == campaign.searches.len()
-        && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
-        && finished.estimates.len() == campaign.estimations.len()
-        && finished.estimates.iter().all(|estimate| estimate.error.is_none())
-        && finished.covers.len() == campaign.covers.len()
-        && finished.covers.iter().all(|cover| cover.error.is_none() && !cover.found.coverage.stopped)
-        && finished.hardened.len() == campaign.hardenings.len()
-        && finished.hardened.iter().all(|result| result.error.is_none())
 }
 
 impl Session {
@@ -56,17 +48,21 @@ impl Session {
             call: self.call(&options.input),
             settings: campaign.settings.clone(),
             smoke: options.smoke,
-            complete: is_complete(campaign, finished, gathered),
+            complete: is_complete(finished, gathered),
             stopped: finished.interrupted,
             threads: rayon::current_num_threads(),
             evaluation_ticks: gathered.ticks,
-            search_ticks: finished.searches.iter().map(|search| search.spent.ticks).sum(),
+            search_ticks: finished.all::<SearchResult>().iter().map(|search| search.spent.ticks).sum(),
             errors: gathered.errors,
             wall_time_s: times.run,
             files,
             vector_instructions: vector_instructions().into(),
-            trainings: finished.trainings.iter().map(|training| record(training, campaign, times)).collect(),
-            runs: runs(campaign),
+            trainings: finished
+                .all::<TrainingResult>()
+                .iter()
+                .map(|training| record(training, campaign, times))
+                .collect(),
+            runs: campaign.jobs.iter().filter_map(RunRecord::of).collect(),
             programs: campaign.programs().into_iter().map(|program| ProgramRecord::new(program)).collect(),
             // They are not written yet.
             report_files: Vec::new(),
@@ -104,20 +100,11 @@ impl Session {
     }
 }
 
-/// The evaluations, the searches and the covers of a campaign.
-pub fn runs(campaign: &Campaign) -> Vec<RunRecord> {
-    let evaluations = campaign.evaluations.iter().map(RunRecord::of_evaluation);
-    let searches = campaign.searches.iter().map(RunRecord::of_search);
-    let estimations = campaign.estimations.iter().map(RunRecord::of_estimation);
-    let covers = campaign.covers.iter().map(RunRecord::of_cover);
-    let hardenings = campaign.hardenings.iter().map(RunRecord::of_harden);
-    evaluations.chain(searches).chain(estimations).chain(covers).chain(hardenings).collect()
-}
-
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {
-    let place = campaign.trainings.iter().position(|planned| planned.key == training.key).unwrap_or(0);
     let key = &training.key;
-    let fingerprint = campaign.trainings.get(place).map(|planned| planned.fingerprint.to_string());
+    let is_it = |job: &Job| job.of().is_some_and(|planned: &Training| planned.key == *key);
+    let place = campaign.jobs.iter().position(is_it).expect("it was planned");
+    let fingerprint = campaign.jobs[place].planned().fingerprint().to_string();
     let last = training.result.as_ref().ok().and_then(|trained| trained.learning_curve.last());
     TrainingRecord {
         town: key.town.clone(),
@@ -125,12 +112,12 @@ fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> Trai
         reward: key.reward.clone(),
         run: key.run,
         decisions: last.map_or(0, |log| log.steps),
-        wall_time_s: times.trainings[place],
+        wall_time_s: times.jobs[place],
         pedestrian: match training.result {
             Ok(_) => pedestrian_file(key, "safetensors"),
             Err(_) => String::new(),
         },
         error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
-        fingerprint: fingerprint.unwrap_or_default(),
+        fingerprint,
     }
 }

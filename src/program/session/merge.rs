@@ -7,6 +7,7 @@ use super::run::{Work, pool};
 use super::{Error, Event, Incomplete, Missing, Notice, RunOptions, RunReport, Session};
 use compile::Campaign;
 use results::campaign::{Task, tasks};
+use results::jobs::work;
 use results::store::{Ids, Store, Taken, task_name};
 
 /// Options of [`Session::merge`].
@@ -71,10 +72,8 @@ impl Session {
             if self.stop.is_asked() {
                 return Ok((task, Taken::Missing));
             }
-            let amount = match task {
-                Task::Chunk { evaluation, chunk } => Some(campaign.evaluations[evaluation].chunk(chunk).len() as u64),
-                _ => None,
-            };
+            let has_episodes = work(&campaign.jobs[task.job]).kind().has_episodes;
+            let amount = has_episodes.then(|| task.units(campaign));
             store.take(ids.get(task), amount, others).map(|taken| (task, taken))
         };
         let all: Vec<Task> = tasks(campaign).collect();

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use super::error::named;
-use super::manifest::runs;
 use super::{ChangedProgram, Error, RunOptions};
-use compile::Campaign;
-use results::report::{FileRecord, Manifest, ReadError, StoredReport, TrainingRecord};
+use compile::{Campaign, Training};
+use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport, TrainingRecord};
 use results::store::CODE;
 
 /// A finished report that is not replaced, since it has results that the new one would not have.
@@ -97,10 +96,10 @@ pub(super) fn check_place(campaign: &Campaign, options: &RunOptions, files: &[Fi
 }
 
 fn differences(then: &Manifest, campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) -> Vec<OtherInput> {
-    let now = runs(campaign);
+    let now: Vec<RunRecord> = campaign.jobs.iter().filter_map(RunRecord::of).collect();
     let lost_runs = then.runs.iter().filter(|run| !now.iter().any(|new| new.id == run.id && new.amount >= run.amount));
     let is_planned = |fingerprint: &str, run: u32| {
-        campaign.trainings.iter().any(|new| new.key.run == run && new.fingerprint.to_string() == *fingerprint)
+        campaign.all::<Training>().any(|new| new.key.run == run && new.fingerprint.to_string() == *fingerprint)
     };
     let lost_trainings = then.trainings.iter().filter(|training| !is_planned(&training.fingerprint, training.run));
     let named = |training: &TrainingRecord| {

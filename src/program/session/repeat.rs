@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::stored::Source;
 use super::{EpisodeName, Error};
 use compile::{Evaluation, Search};
-use results::campaign::{self, Find, Repeatable};
+use results::jobs::{Find, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
 use world::env::{FailureCell, Outcome, Scenario, Trace};
@@ -34,7 +34,7 @@ impl Repeated {
     fn new(
         name: EpisodeName,
         title: String,
-        campaign::Repeated { scenario, trace, judged }: campaign::Repeated,
+        results::jobs::Repeated { scenario, trace, judged }: results::jobs::Repeated,
     ) -> Self {
         let Judged { outcome, verdict, .. } = judged;
         Self { name, title, scenario, outcome, trace, verdict, differences: Vec::new(), divergence: None }
@@ -47,8 +47,8 @@ impl Source {
     /// # Errors
     /// The report or the campaign does not have it, or a file of the report is damaged.
     pub fn repeat(&self, name: EpisodeName) -> Result<Repeated, Error> {
-        if let Some((place, evaluation)) = self.evaluation(name) {
-            return self.repeat_episode(name, place, evaluation);
+        if let Some(evaluation) = self.evaluation(name) {
+            return self.repeat_episode(name, evaluation);
         }
         match self.search(name) {
             Some(search) => self.repeat_failure(name, search),
@@ -56,8 +56,9 @@ impl Source {
         }
     }
 
-    fn repeat_episode(&self, name: EpisodeName, place: usize, evaluation: &Evaluation) -> Result<Repeated, Error> {
-        let before: usize = self.campaign.evaluations[..place].iter().map(|other| other.episodes as usize).sum();
+    fn repeat_episode(&self, name: EpisodeName, evaluation: &Evaluation) -> Result<Repeated, Error> {
+        let earlier = self.campaign.all::<Evaluation>().take_while(|other| other.id != name.run);
+        let before: usize = earlier.map(|other| other.episodes as usize).sum();
         let guess = before + name.number as usize;
         let stored = self.report.episode(name.run, name.number, guess)?;
         let Some(stored) = stored else { return Err(self.missing(name, "episode")) };

@@ -11,6 +11,7 @@ use super::{
 use base::seed::Seed;
 use compile::{Campaign, ExternalProgram};
 use results::campaign::{self, Finished, Task};
+use results::jobs::{SearchResult, TrainingResult};
 use results::report::{
     self, Episodes, FailureModes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Wanted, WriteError,
 };
@@ -51,7 +52,7 @@ impl Session {
         }
         planned.plan.settings.iter().for_each(|setting| self.notice(&Notice::Setting(setting.clone())));
         if options.smoke {
-            planned.plan.campaigns.iter_mut().for_each(campaign::smoke);
+            planned.plan.campaigns.iter_mut().for_each(Campaign::shorten);
         }
         planned.plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(options.seed));
         Ok(planned)
@@ -122,7 +123,7 @@ impl<'a> CampaignRun<'a> {
         let Some(found) = self.find(&draft, &results, &finished)? else {
             return Ok(CampaignOutcome::Empty { name: self.name.clone(), interrupted: finished.interrupted });
         };
-        let times = Times { trainings: results.training_seconds(), run: began.elapsed().as_secs_f64() };
+        let times = Times { jobs: results.seconds(), run: began.elapsed().as_secs_f64() };
         let manifest = self.write(&draft, &results, &found, &times)?;
         let folder = self.publish(draft, &manifest)?;
         let gates = self.judge_gates(&found);
@@ -135,14 +136,14 @@ impl<'a> CampaignRun<'a> {
             drivers,
             searches,
             search_comparisons,
-            estimates: finished.estimates.clone(),
+            estimates: finished.all().to_vec(),
             covers,
-            hardened: finished.hardened.clone(),
+            hardened: finished.all().to_vec(),
             requirements: gathered.requirements,
             protocol: (gathered.protocol, layers),
             doubts,
             gates,
-            failed: has_failed(&finished),
+            failed: finished.has_failed,
         })))
     }
 
@@ -197,11 +198,11 @@ impl<'a> CampaignRun<'a> {
                 let tasks: Vec<Task> = campaign::tasks(campaign).collect();
                 self.run_tasks(&tasks, results)
             }
-            Work::None => campaign::collect(campaign, results),
+            Work::None => campaign::collect(campaign, &Seed::root(options.seed), results),
         };
         self.check(results)?;
         index.write(store, &self.name, campaign, options.seed).map_err(|error| options.keep(error))?;
-        Ok(if finished.interrupted { campaign::complete(finished, campaign, results) } else { finished })
+        Ok(finished)
     }
 
     /// Checks that nothing failed in the store.
@@ -222,17 +223,12 @@ impl<'a> CampaignRun<'a> {
     {
         let campaign = self.campaign;
         let seed = Seed::root(self.options.seed);
-        let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
+        let mut modes = FailureModes::new(campaign, finished.all::<TrainingResult>(), &seed);
         let episodes = Episodes::new(campaign, results);
-        let gathered = report::gather(draft, &episodes, &mut modes, &finished.searches);
+        let gathered = report::gather(draft, &episodes, &mut modes, finished.all::<SearchResult>());
         let gathered = gathered.map_err(|error| self.options.keep(error))?;
         self.check(results)?;
-        let trained = finished.trainings.iter().any(|training| training.result.is_ok());
-        let nothing = finished.searches.is_empty()
-            && finished.estimates.is_empty()
-            && finished.covers.is_empty()
-            && finished.hardened.is_empty();
-        if gathered.episodes == 0 && nothing && !trained {
+        if gathered.episodes == 0 && finished.is_empty {
             return Ok(None);
         }
         self.notice_errors(&gathered);
@@ -319,12 +315,4 @@ impl RunOptions {
 pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
     pool.map_err(|source| Error::Usage(format!("cannot start {threads} threads: {source}")))
-}
-
-fn has_failed(finished: &Finished) -> bool {
-    finished.trainings.iter().any(|training| training.result.is_err())
-        || finished.searches.iter().any(|search| search.error.is_some())
-        || finished.estimates.iter().any(|estimate| estimate.error.is_some())
-        || finished.covers.iter().any(|cover| cover.error.is_some())
-        || finished.hardened.iter().any(|result| result.error.is_some())
 }

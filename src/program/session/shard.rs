@@ -1,8 +1,8 @@
 use super::run::{CampaignRun, Work, pool};
 use super::{Error, Event, RunOptions, Session, ShardReport};
-use compile::Campaign;
-use results::campaign::{self, Shard, Task};
-use results::store::{Ids, State, Store};
+use compile::{Campaign, Job};
+use results::campaign::{self, Shard, State, Task};
+use results::store::{Ids, Store};
 
 /// Options of [`Session::run_shard`], in addition to those of a run.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +67,8 @@ impl ShardOptions {
         if !self.only_trainings {
             return campaign::shard(campaign, self.shard);
         }
-        let own = |(task, index)| (index == self.shard.index && matches!(task, Task::Training(_))).then_some(task);
+        let is_training = |task: Task| matches!(campaign.jobs[task.job], Job::Training(_));
+        let own = |(task, index)| (index == self.shard.index && is_training(task)).then_some(task);
         let mut tasks: Vec<Task> = campaign::deal(campaign, self.shard.count).into_iter().filter_map(own).collect();
         tasks.sort();
         tasks

@@ -6,17 +6,9 @@ use serde::Serialize;
 use super::growing_curves::NewestUpdate;
 use super::{Error, Session};
 use base::choice;
+use results::jobs::{KINDS, Kind};
 use results::report::StoredReport;
 use results::store::{CampaignStatus, Store, TaskStatus};
-
-/// Kinds of tasks: the first word of what they are, and what to call several of them.
-const KINDS: [(&str, &str); 5] = [
-    ("train", "trainings"),
-    ("evaluate", "evaluations"),
-    ("search", "searches"),
-    ("cover", "covers"),
-    ("harden", "hardenings"),
-];
 
 /// Options of [`Session::status`].
 #[derive(Debug, Clone, Default, Args)]
@@ -82,7 +74,7 @@ choice! {
 /// The progress of the tasks of a kind.
 #[derive(Debug, Serialize)]
 pub struct KindProgress {
-    /// `trainings`, `evaluations`, `searches`, `covers` or `hardenings`.
+    /// Several of them, such as `trainings`.
     pub kind: &'static str,
     /// The number of finished tasks.
     pub finished: usize,
@@ -135,7 +127,7 @@ fn progress(campaign: CampaignStatus, processes: usize, curves: &Path) -> Campai
         Some((task.written?, header.error.clone()))
     };
     let last = tasks.iter().filter_map(failed).max_by_key(|(when, _)| *when);
-    let kinds = KINDS.iter().filter_map(|(word, kind)| count(&tasks, word, kind)).collect();
+    let kinds = KINDS.iter().filter_map(|kind| count(&tasks, kind)).collect();
     let under_way: Vec<TaskStatus> = tasks.into_iter().filter(|task| task.is_in_hand).collect();
     CampaignProgress {
         campaign: name,
@@ -161,19 +153,20 @@ fn of_kind<'a>(tasks: &'a [TaskStatus], word: &str) -> impl Iterator<Item = &'a 
     tasks.iter().filter(move |task| task.what.split(' ').next() == Some(word))
 }
 
-fn count(tasks: &[TaskStatus], word: &str, kind: &'static str) -> Option<KindProgress> {
+fn count(tasks: &[TaskStatus], kind: &Kind) -> Option<KindProgress> {
+    let word = kind.verb;
     let all = of_kind(tasks, word).count();
     let amount: u64 = of_kind(tasks, word).map(|task| task.amount).sum();
     let done: u64 = of_kind(tasks, word).map(TaskStatus::done).sum();
     let finished = of_kind(tasks, word).filter(|task| task.is_finished()).count();
-    (all > 0).then(|| KindProgress { kind, finished, all, share: done as f64 / amount.max(1) as f64 })
+    (all > 0).then(|| KindProgress { kind: kind.plural, finished, all, share: done as f64 / amount.max(1) as f64 })
 }
 
 /// The time of the remaining work on one thread (s), estimated from the finished part, and the kinds without a measurement.
 fn left(tasks: &[TaskStatus]) -> (f64, Vec<&'static str>) {
     let mut seconds = 0.0;
     let mut unmeasured = Vec::new();
-    for (word, kind) in KINDS {
+    for &Kind { verb: word, plural: kind, .. } in KINDS {
         let left: u64 = of_kind(tasks, word).map(|task| task.amount - task.done()).sum();
         if left == 0 {
             continue;

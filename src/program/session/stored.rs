@@ -9,9 +9,8 @@ use super::error::short;
 use super::held_files::HeldFiles;
 use super::{Change, ChangedProgram, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
-use compile::{Campaign, Evaluation, RunId, Search};
+use compile::{Campaign, Evaluation, Job, Planned, RunId, Search};
 use learn::ActorCritic;
-use results::campaign;
 use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
 
 /// Options for repeating a report.
@@ -153,19 +152,7 @@ impl Session {
 fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
     campaign.name_runs(manifest.seed);
     let names: BTreeMap<&str, &str> = manifest.runs.iter().map(|run| (run.what.as_str(), run.id.as_str())).collect();
-    let name = |now: &RunRecord| names.get(now.what.as_str()).and_then(|id| id.parse().ok());
-    for evaluation in &mut campaign.evaluations {
-        evaluation.id = name(&RunRecord::of_evaluation(evaluation)).unwrap_or(evaluation.id);
-    }
-    for search in &mut campaign.searches {
-        search.key.id = name(&RunRecord::of_search(search)).unwrap_or(search.key.id);
-    }
-    for cover in &mut campaign.covers {
-        cover.key.id = name(&RunRecord::of_cover(cover)).unwrap_or(cover.key.id);
-    }
-    for harden in &mut campaign.hardenings {
-        harden.key.id = name(&RunRecord::of_harden(harden)).unwrap_or(harden.key.id);
-    }
+    campaign.rename(|job| names.get(RunRecord::of(job)?.what.as_str())?.parse().ok());
 }
 
 impl RepeatOptions {
@@ -204,7 +191,7 @@ impl Source {
     pub fn new(report: StoredReport, mut campaign: Campaign) -> Self {
         let manifest = report.manifest();
         if manifest.smoke {
-            campaign::smoke(&mut campaign);
+            campaign.shorten();
         }
         name_as_in(manifest, &mut campaign);
         let seed = Seed::root(manifest.seed);
@@ -224,28 +211,31 @@ impl Source {
     /// The program of an external driver, if it is not, or need not be, the one that the report was made with. A report holds no programs,
     /// but the fingerprints of its runs depend on them.
     pub fn other_program(&self, driver: &str) -> Option<ChangedProgram> {
-        let Campaign { drivers, evaluations, searches, .. } = &self.campaign;
+        let Campaign { drivers, jobs, .. } = &self.campaign;
         if !drivers.iter().any(|each| each.name == driver && each.is_external()) {
             return None;
         }
-        let evaluated = evaluations.iter().filter(|each| *each.policy == *driver).map(RunRecord::of_evaluation);
-        let searched = searches.iter().filter(|each| each.key.policy == driver).map(RunRecord::of_search);
+        let drives = |job: &&Job| match job {
+            Job::Evaluation(job) => *job.policy == *driver,
+            Job::Search(job) => job.key.policy == driver,
+            _ => false,
+        };
         let then = &self.report.manifest().runs;
         let differs =
             |now: RunRecord| then.iter().any(|then| then.what == now.what && then.fingerprint != now.fingerprint);
         let known = self.changed_programs().into_iter().find(|program| program.name == driver);
-        let differs = evaluated.chain(searched).any(differs);
+        let differs = jobs.iter().filter(drives).filter_map(RunRecord::of).any(differs);
         let unnamed = || ChangedProgram { name: driver.to_owned(), files: Vec::new(), is_unknown: false };
         known.or_else(|| differs.then(unnamed))
     }
 
-    /// The evaluation of this name, and its place.
-    pub fn evaluation(&self, name: EpisodeName) -> Option<(usize, &Evaluation)> {
-        self.campaign.evaluations.iter().enumerate().find(|(_, evaluation)| evaluation.id == name.run)
+    /// The evaluation of this name.
+    pub fn evaluation(&self, name: EpisodeName) -> Option<&Evaluation> {
+        self.campaign.all::<Evaluation>().find(|evaluation| evaluation.id == name.run)
     }
 
     pub fn search(&self, name: EpisodeName) -> Option<&Search> {
-        self.campaign.searches.iter().find(|search| search.key.id == name.run)
+        self.campaign.all::<Search>().find(|search| search.key.id == name.run)
     }
 
     /// The networks of an evaluation's pedestrian, as the report has them; none for untrained ones.
@@ -253,6 +243,6 @@ impl Source {
     /// # Errors
     /// Their file cannot be read.
     pub fn trained(&self, evaluation: &Evaluation) -> Result<Option<ActorCritic>, ReadError> {
-        evaluation.training().map(|_| self.report.pedestrian(&evaluation.trained)).transpose()
+        evaluation.needs().map(|_| self.report.pedestrian(&evaluation.trained)).transpose()
     }
 }

@@ -1,5 +1,6 @@
 //! Runs tasks of a campaign while others listen: the observer of the session, and the files of growing learning curves.
 
+use std::any::Any;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,7 +9,10 @@ use super::growing_curves::GrowingCurves;
 use super::run::CampaignRun;
 use super::{Event, Observer, Stop};
 use base::seed::Seed;
+use compile::{Campaign, Training};
+use learn::UpdateLog;
 use results::campaign::{self, Finished, Task};
+use results::jobs::TrainingResult;
 use results::store::CampaignStore;
 
 impl CampaignRun<'_> {
@@ -17,6 +21,7 @@ impl CampaignRun<'_> {
         let Self { session, options, campaign, store, name, .. } = self;
         let event_files = |folder: &Path| EventFiles::new(folder.join(name), session.observer.clone());
         let listener = Listener {
+            campaign,
             observer: session.observer.clone(),
             curves: GrowingCurves::new(store.learning(name), session.observer.clone()),
             event_files: options.tensorboard.as_deref().map(event_files),
@@ -30,26 +35,38 @@ impl CampaignRun<'_> {
 }
 
 /// Passes all events to the observer and to the growing learning curves, and stops when the flag is raised.
-struct Listener {
+struct Listener<'a> {
+    campaign: &'a Campaign,
     observer: Arc<dyn Observer>,
     curves: GrowingCurves,
     event_files: Option<EventFiles>,
     stop: Arc<Stop>,
 }
 
-impl campaign::Observer for Listener {
+impl Listener<'_> {
+    /// A training begins with this learning curve.
+    fn begin_curve(&self, plan: &Training, curve: &[UpdateLog]) {
+        if let Some(folder) = self.curves.first_of(plan, curve) {
+            self.observer.event(&Event::CurvesGrow(folder));
+        }
+        self.curves.restart(plan, curve);
+        self.event_files.iter().for_each(|files| files.restart(plan, curve));
+    }
+}
+
+impl campaign::Observer for Listener<'_> {
     fn event(&self, event: &campaign::Event<'_>) {
+        let plan = |task: Task| self.campaign.jobs[task.job].of::<Training>().expect("only trainings have curves");
         match *event {
-            campaign::Event::CurveBefore { plan, curve, .. } => {
-                if let Some(folder) = self.curves.first_of(plan, curve) {
-                    self.observer.event(&Event::CurvesGrow(folder));
-                }
-                self.curves.restart(plan, curve);
-                self.event_files.iter().for_each(|files| files.restart(plan, curve));
+            campaign::Event::Curve { task, curve, has_grown: true } => {
+                self.curves.grow(plan(task), curve);
+                self.event_files.iter().for_each(|files| files.grow(plan(task), curve));
             }
-            campaign::Event::Updated { plan, curve, .. } => {
-                self.curves.grow(plan, curve);
-                self.event_files.iter().for_each(|files| files.grow(plan, curve));
+            campaign::Event::Curve { task, curve, has_grown: false } => self.begin_curve(plan(task), curve),
+            campaign::Event::Reused { task, result } => {
+                if let Some(TrainingResult { result: Ok(trained), .. }) = (result as &dyn Any).downcast_ref() {
+                    self.begin_curve(plan(task), &trained.learning_curve);
+                }
             }
             _ => {}
         }

@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use super::run::training_of;
+use super::task::parts;
 use super::{Task, tasks};
 use compile::Campaign;
 
@@ -13,10 +13,10 @@ pub struct Shard {
     pub count: u32,
 }
 
-/// The tasks of a shard, in the plan's order, with the trainings that its evaluations need.
+/// The tasks of a shard, in the plan's order, with those of the jobs that they need.
 ///
-/// It depends only on the plan, so every machine computes the same shards. The tasks are put in a row, each training before the
-/// evaluations that need it. The row is cut into parts of about equal work, counted in simulator ticks that may be needed. So one shard
+/// It depends only on the plan, so every machine computes the same shards. The tasks are put in a row, each job after the
+/// one that it needs. The row is cut into parts of about equal work, counted in simulator ticks that may be needed. So one shard
 /// needs a training, or a few neighbouring ones do. Each of these takes the training from the store of the others, or repeats it with the
 /// same result.
 pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Task> {
@@ -24,51 +24,26 @@ pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Task> {
         .into_iter()
         .filter_map(|(task, index)| (index == shard.index).then_some(task))
         .collect();
-    let needed: Vec<Task> = wanted.iter().filter_map(|task| training_of(campaign, *task)).map(Task::Training).collect();
-    wanted.extend(needed);
+    let needed: BTreeSet<usize> = wanted.iter().filter_map(|task| campaign.jobs[task.job].planned().needs()).collect();
+    wanted.extend(needed.into_iter().flat_map(|job| parts(job, &campaign.jobs[job])));
     wanted.into_iter().collect()
 }
 
 /// The shard of each task.
 pub fn deal(campaign: &Campaign, count: u32) -> Vec<(Task, u32)> {
     let mut row: Vec<Task> = tasks(campaign).collect();
-    // Trained pedestrians by their training, then all others.
-    row.sort_by_key(|task| match task {
-        Task::Training(index) => (0, *index, *task),
-        Task::Chunk { .. } => training_of(campaign, *task).map_or((1, 0, *task), |training| (0, training, *task)),
-        Task::Search(_) | Task::Estimate(_) | Task::Cover(_) | Task::Harden(_) => (2, 0, *task),
-    });
-    let whole: u128 = row.iter().map(|task| work(campaign, *task)).sum();
+    row.sort_by_key(|task| (campaign.jobs[task.job].planned().needs().unwrap_or(task.job), *task));
+    // Simulator ticks that a task may need; at least one.
+    let work = |task: &Task| u128::from(campaign.jobs[task.job].planned().ticks(task.part).max(1));
+    let whole: u128 = row.iter().map(work).sum();
     let mut before = 0;
     row.into_iter()
         .map(|task| {
-            let work = work(campaign, task);
+            let work = work(&task);
             // A task belongs to the shard that contains its middle.
             let index = (2 * before + work) * u128::from(count) / (2 * whole).max(1);
             before += work;
             (task, index.min(u128::from(count) - 1) as u32)
         })
         .collect()
-}
-
-/// Simulator ticks that a task may need; at least one.
-fn work(campaign: &Campaign, task: Task) -> u128 {
-    let ticks = match task {
-        Task::Training(index) => {
-            let training = &campaign.trainings[index];
-            training.ticks(training.config.total_steps).into()
-        }
-        Task::Chunk { evaluation, chunk } => {
-            let planned = &campaign.evaluations[evaluation];
-            planned.chunk(chunk).len() as u128 * u128::from(planned.scenario.episode.ticks)
-        }
-        Task::Search(index) => u128::from(campaign.searches[index].budget),
-        Task::Estimate(index) => u128::from(campaign.estimations[index].budget),
-        Task::Harden(index) => u128::from(campaign.hardenings[index].budget()),
-        Task::Cover(index) => {
-            let cover = &campaign.covers[index];
-            u128::from(cover.budget) * u128::from(cover.scenario.episode.ticks)
-        }
-    };
-    ticks.max(1)
 }

@@ -1,50 +1,30 @@
-use compile::{Campaign, Evaluation};
+use compile::{Campaign, Job};
 use world::falsifier::TrainError;
 
-/// A task of a campaign, by its place in the plan.
+/// A task of a campaign: a part of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Task {
-    Training(usize),
-    /// Some episodes of an evaluation.
-    Chunk {
-        evaluation: usize,
-        /// Which of its chunks, from 0.
-        chunk: u32,
-    },
-    Search(usize),
-    Estimate(usize),
-    Cover(usize),
-    Harden(usize),
+pub struct Task {
+    /// The place of the job in [`Campaign::jobs`].
+    pub job: usize,
+    /// Which of its parts, from 0.
+    pub part: u32,
 }
 
-/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches, estimates, covers, hardenings.
-pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
-    let chunks = |(evaluation, planned): (usize, &Evaluation)| {
-        (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
-    };
-    (0..campaign.trainings.len())
-        .map(Task::Training)
-        .chain(campaign.evaluations.iter().enumerate().flat_map(chunks))
-        .chain((0..campaign.searches.len()).map(Task::Search))
-        .chain((0..campaign.estimations.len()).map(Task::Estimate))
-        .chain((0..campaign.covers.len()).map(Task::Cover))
-        .chain((0..campaign.hardenings.len()).map(Task::Harden))
-}
-
-/// The size of a task: the decisions of a training with its demonstrations, the episodes of a chunk, the most ticks of a search or an
-/// estimate, the episodes of a cover, the ticks of the searches of a hardening.
-pub fn units(campaign: &Campaign, task: Task) -> u64 {
-    match task {
-        Task::Training(place) => {
-            let training = &campaign.trainings[place];
-            training.demonstrations() + training.config.total_steps
-        }
-        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
-        Task::Search(place) => campaign.searches[place].budget,
-        Task::Estimate(place) => campaign.estimations[place].budget,
-        Task::Cover(place) => campaign.covers[place].budget.into(),
-        Task::Harden(place) => campaign.hardenings[place].budget(),
+impl Task {
+    /// Its size, in units of its kind.
+    pub fn units(self, campaign: &Campaign) -> u64 {
+        campaign.jobs[self.job].planned().units(self.part)
     }
+}
+
+/// All tasks of a campaign, in its order.
+pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
+    campaign.jobs.iter().enumerate().flat_map(|(job, planned)| parts(job, planned))
+}
+
+/// The tasks of a job.
+pub(super) fn parts(place: usize, job: &Job) -> impl Iterator<Item = Task> + use<> {
+    (0..job.planned().parts()).map(move |part| Task { job: place, part })
 }
 
 /// Why a task failed.

@@ -11,6 +11,7 @@ use super::degrees::{self, append};
 use super::episodes::{named, outcome_table, repeated_key};
 use super::parquet_reader::read_parquet;
 use super::{DEGREES, EpisodeRow, RunKey, with_degrees};
+use crate::campaign::Task;
 
 /// Some episodes of a run.
 #[derive(Debug, Clone)]
@@ -46,8 +47,8 @@ impl Chunk {
 
 /// The store of a campaign's episodes.
 pub trait Chunks {
-    /// A chunk of an evaluation, both by their numbers in the plan; none if it is not there.
-    fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk>;
+    /// The episodes of a part of an evaluation; None if it is not there.
+    fn chunk(&self, task: Task) -> Option<Chunk>;
 }
 
 /// Episodes that were not run, for this reason.

@@ -3,7 +3,7 @@ use std::fmt;
 
 use super::aggregate::{Cell, SearchCell};
 use super::lost::{LostDriver, lost};
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use world::judge::Label;
 
 /// Fewer collisions than this say nothing about the starts.

@@ -10,6 +10,7 @@ use super::{
     search_comparisons, search_kinds,
 };
 use crate::campaign::Finished;
+use crate::jobs::{CoverResult, SearchResult};
 use compile::Campaign;
 
 /// What a campaign found. Files, page, summary and gates read it and compute nothing of it again.
@@ -63,7 +64,7 @@ impl<'a> Findings<'a> {
         let metrics = Metrics::of_runs(gathered.runs.clone())?;
         let cells = metrics.cells()?;
         let evidence = &gathered.evidence.cells;
-        let searches = search_cells(&finished.searches);
+        let searches = search_cells(finished.all::<SearchResult>());
         let required = &gathered.requirements;
         let keys: Vec<_> = cells.iter().map(|cell| &cell.key).collect();
         let cell_table = with_rates(evident_cells(&metrics.cells, evidence)?, &keys, required)?;
@@ -71,14 +72,14 @@ impl<'a> Findings<'a> {
             runs: metrics.runs.select(run_columns())?,
             metrics: metric_table(&cell_table, &cells, evidence, required)?,
             cell_table,
-            drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, &finished.searches),
+            drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>()),
             modes: modes.finish(),
             published: beside(&campaign.published, &cells, evidence),
-            layers: layer_cells(campaign, &finished.searches),
-            search_kinds: search_kinds(&finished.searches),
-            covers: cover_rows(&finished.covers),
-            cautions: cautions(&cells, &finished.searches, &searches),
-            search_comparisons: search_comparisons(&finished.searches),
+            layers: layer_cells(campaign, finished.all::<SearchResult>()),
+            search_kinds: search_kinds(finished.all::<SearchResult>()),
+            covers: cover_rows(finished.all::<CoverResult>()),
+            cautions: cautions(&cells, finished.all::<SearchResult>(), &searches),
+            search_comparisons: search_comparisons(finished.all::<SearchResult>()),
             searches,
             doubts: if smoke { Vec::new() } else { doubts(evidence) },
             campaign,

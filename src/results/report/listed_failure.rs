@@ -11,7 +11,7 @@ use super::aggregate::{
     VIOLATION_FAULT, VIOLATION_FORESEEABLE, impact, no_verdict, unit_of,
 };
 use crate::analysis::Impact;
-use crate::campaign::Find;
+use crate::jobs::Find;
 use crate::record::columns::{
     DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, POLICY, REWARD, RUN_ID,
     TOWN, VERDICT,

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use super::aggregate::Cell;
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 
 /// Above this share of episodes in which a driver is lost, its figures say little.
 const MOST: f64 = 0.05;

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::RunKey;
-use compile::{Cover, Estimation, Evaluation, ExternalProgram, Harden, Search};
+use crate::jobs::work;
+use compile::{ExternalProgram, Job};
 
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ pub struct Manifest {
     /// The scenario files and the files that they name, in the order they were read.
     pub files: Vec<ScenarioFile>,
     pub trainings: Vec<TrainingRecord>,
-    /// The evaluations and the searches that were asked for, in the order of the plan. Reports of earlier versions have none.
+    /// The other jobs that were asked for, in the order of the plan. Reports of earlier versions have none.
     #[serde(default)]
     pub runs: Vec<RunRecord>,
     /// The programs of the user that drive or walk. Reports of earlier versions have none.
@@ -86,14 +86,14 @@ pub struct ScenarioFile {
     pub held: String,
 }
 
-/// An evaluation, a search or a cover that was asked for.
+/// A job that was asked for, except a training.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Its short name.
     pub id: String,
     /// Its full key in words, which no other run of the campaign has.
     pub what: String,
-    /// The number of episodes, the greatest one if a rule stops it; for a search its budget of simulator ticks, for a cover that of episodes.
+    /// The number of episodes, or the budget in episodes or simulator ticks.
     pub amount: u64,
     /// Digest of what the files and settings say about it, without its training.
     pub fingerprint: String,
@@ -161,59 +161,19 @@ pub struct TrainingRecord {
 }
 
 impl RunRecord {
-    /// The record of an evaluation.
-    pub fn of_evaluation(evaluation: &Evaluation) -> Self {
-        let key = RunKey::of(evaluation);
-        Self {
-            id: key.id.to_string(),
-            what: format!("{}, run {}", key.cell.in_full(), key.run),
-            amount: evaluation.episodes.into(),
-            fingerprint: evaluation.fingerprint.to_string(),
-        }
-    }
-
-    /// The record of a search.
-    pub fn of_search(search: &Search) -> Self {
-        let key = &search.key;
-        Self {
-            id: key.id.to_string(),
-            what: format!("search {key}, block {}", key.block),
-            amount: search.budget,
-            fingerprint: search.fingerprint.to_string(),
-        }
-    }
-
-    /// The record of an estimate.
-    pub fn of_estimation(estimation: &Estimation) -> Self {
-        let key = &estimation.key;
-        Self {
-            id: key.id.to_string(),
-            what: format!("estimate {key}, block {}", key.block),
-            amount: estimation.budget,
-            fingerprint: estimation.fingerprint.to_string(),
-        }
-    }
-
-    /// The record of a cover.
-    pub fn of_cover(cover: &Cover) -> Self {
-        let key = &cover.key;
-        Self {
-            id: key.id.to_string(),
-            what: format!("cover {key}, block {}", key.block),
-            amount: cover.budget.into(),
-            fingerprint: cover.fingerprint.to_string(),
-        }
-    }
-
-    /// The record of a hardening.
-    pub fn of_harden(harden: &Harden) -> Self {
-        let key = &harden.key;
-        Self {
-            id: key.id.to_string(),
-            what: format!("harden {key}, block {}", key.block),
-            amount: harden.budget(),
-            fingerprint: harden.fingerprint.to_string(),
-        }
+    /// The record of a job; None for a training, which has a record of its own.
+    pub fn of(job: &Job) -> Option<Self> {
+        let (planned, work) = (job.planned(), work(job));
+        let what = match work.kind().has_episodes {
+            true => work.what(),
+            false => format!("{} {}", work.kind().verb, work.what()),
+        };
+        Some(Self {
+            id: planned.id()?.to_string(),
+            what,
+            amount: (0..planned.parts()).map(|part| planned.units(part)).sum(),
+            fingerprint: planned.fingerprint().to_string(),
+        })
     }
 }
 

@@ -1,5 +1,5 @@
 use super::Findings;
-use crate::campaign::{Repeatable, Repeated, networks};
+use crate::jobs::{Repeatable, Repeated, SearchResult, TrainingResult, networks};
 use base::seed::Seed;
 
 /// A failure that was repeated to be shown: its name `RUN:EPISODE`, its town, and the episode.
@@ -13,15 +13,15 @@ pub fn played<'a>(names: &[String], found: &Findings<'a>, seed: &Seed) -> Vec<Pl
 fn played_failure<'a>(name: &str, found: &Findings<'a>, seed: &Seed) -> Option<PlayedFailure<'a>> {
     let Findings { campaign, finished, .. } = found;
     let (run, number) = name.split_once(':')?;
-    if let Some(search) = campaign.searches.iter().find(|planned| planned.key.id.to_string() == run) {
-        let result = finished.searches.iter().find(|result| result.key == search.key)?;
+    if let Some(search) = campaign.all::<compile::Search>().find(|planned| planned.key.id.to_string() == run) {
+        let result = finished.all::<SearchResult>().iter().find(|result| result.key == search.key)?;
         let find = result.finds().nth(number.parse().ok()?)?;
         let mut repeated = find.repeatable(search).repeat(seed)?;
         repeated.judged.verdict = find.verdict();
         return Some((name.to_owned(), &search.key.town, repeated));
     }
-    let evaluation = campaign.evaluations.iter().find(|planned| planned.id.to_string() == run)?;
-    let networks = networks(evaluation, campaign, &finished.trainings);
+    let evaluation = campaign.all::<compile::Evaluation>().find(|planned| planned.id.to_string() == run)?;
+    let networks = networks(evaluation, finished.all::<TrainingResult>());
     let repeated = Repeatable::Episode { evaluation, networks, number: number.parse().ok()? }.repeat(seed)?;
     Some((name.to_owned(), &evaluation.town, repeated))
 }

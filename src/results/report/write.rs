@@ -15,8 +15,9 @@ use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
     search_cell_table, search_comparison_table, search_failures, search_kind_table, searches, town_map,
 };
+use crate::jobs::{CoverResult, EstimateResult, HardenResult, SearchResult, TrainingResult};
 use base::seed::Seed;
-use compile::TrainingKey;
+use compile::{Training, TrainingKey};
 use world::driving::{ACTION_BOUNDS, ACTION_SCALES, inputs};
 
 /// The path of a trained pedestrian in a report, relative to the report's folder; the format is the file's extension.
@@ -42,15 +43,15 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
     folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &infer::transfer_table(&evidence.transfers))?;
     let modes_sections = write_failure_modes(folder, &found.modes)?;
-    folder.table("learning_curve", &learning_curve(&finished.trainings))?;
+    folder.table("learning_curve", &learning_curve(finished.all::<TrainingResult>()))?;
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
         folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
     }
-    for training in &finished.trainings {
+    for training in finished.all::<TrainingResult>() {
         let Ok(trained) = &training.result else { continue };
         let key = &training.key;
-        let planned = campaign.trainings.iter().find(|planned| planned.key == *key).expect("it was planned");
+        let planned = campaign.all::<Training>().find(|planned| planned.key == *key).expect("it was planned");
         if planned.drive.is_some() {
             let metadata = [("falsify", manifest.version.clone()), ("seed", manifest.seed.to_string())]
                 .map(|(name, value)| (name.to_string(), value))
@@ -92,28 +93,28 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
     }
     sections.extend(requirements(&found.cells, &gathered.requirements, &|_, _| None));
     sections.extend(modes_sections);
-    if !finished.searches.is_empty() {
-        folder.table("searches", &searches(&finished.searches))?;
+    if !finished.all::<SearchResult>().is_empty() {
+        folder.table("searches", &searches(finished.all::<SearchResult>()))?;
         folder.table("search_cells", &search_cell_table(&found.searches))?;
         folder.table(SEARCH_COMPARISONS, &search_comparison_table(&found.search_comparisons))?;
-        folder.table("search_failures", &search_failures(&finished.searches))?;
+        folder.table("search_failures", &search_failures(finished.all::<SearchResult>()))?;
         folder.table(SEARCH_KINDS, &search_kind_table(&found.search_kinds))?;
         sections.push(search_section(&found.searches, &found.search_comparisons));
     }
-    if !finished.estimates.is_empty() {
-        folder.table(ESTIMATES, &estimate_table(&finished.estimates))?;
-        sections.extend(estimates(&finished.estimates));
+    if !finished.all::<EstimateResult>().is_empty() {
+        folder.table(ESTIMATES, &estimate_table(finished.all::<EstimateResult>()))?;
+        sections.extend(estimates(finished.all::<EstimateResult>()));
     }
-    if !finished.covers.is_empty() {
+    if !finished.all::<CoverResult>().is_empty() {
         folder.table(COVERS, &cover_table(&found.covers))?;
-        folder.table(COVER_POINTS, &cover_point_table(&finished.covers))?;
+        folder.table(COVER_POINTS, &cover_point_table(finished.all::<CoverResult>()))?;
         sections.push(cover_section(&found.covers));
     }
-    if let Some(section) = hardened_section(&finished.hardened) {
-        folder.table(HARDENED, &hardened_table(&finished.hardened))?;
+    if let Some(section) = hardened_section(finished.all::<HardenResult>()) {
+        folder.table(HARDENED, &hardened_table(finished.all::<HardenResult>()))?;
         sections.push(section);
     }
-    sections.extend(trainings_section(&finished.trainings));
+    sections.extend(trainings_section(finished.all::<TrainingResult>()));
     folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
     let played = played(&page_examples(found), found, &Seed::root(manifest.seed));

@@ -1,23 +1,12 @@
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde::{Deserialize, Serialize};
-
 use super::index::{continues, programs};
-use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
-use crate::campaign::{
-    Claim, CoverResult, EstimateResult, FoundInBox, HardenResult, Progress, ResultStore, SearchResult, Task, TaskError,
-    tasks,
-};
-use crate::record::{self, Chunk, Chunks, EpisodeRow};
+use super::{Found, Header, Id, Ids, Index, Store, StoreError, task_name};
+use crate::campaign::{Claim, ResultStore, State, Stored, Task, TaskError, tasks};
+use crate::record::{self, Chunk, Chunks};
 use compile::Campaign;
-use learn::Trained;
-use world::falsifier::{SearchOutcome, TrainingRun};
-use world::hardening::Hardened;
-use world::judge::Judged;
-use world::likelihood::Estimate;
 
 /// Time beyond its limit, or after the user asked to stop, in which a training may finish an update.
 const GRACE: Duration = Duration::from_millis(800);
@@ -44,11 +33,11 @@ pub struct CampaignStore<'a> {
     unread: Mutex<BTreeSet<Task>>,
     /// The tasks whose stored results are not used, until they are made again.
     renewed: Mutex<BTreeSet<Task>>,
-    /// Wall time of every training (s).
+    /// Wall time of every job (s).
     seconds: Mutex<Vec<f64>>,
     failed: Mutex<Option<StoreError>>,
-    /// The names of finished trainings that trainings of the campaign continue.
-    shorter: BTreeMap<usize, String>,
+    /// The names of finished tasks that tasks of the campaign continue.
+    shorter: BTreeMap<Task, String>,
 }
 
 /// A task that is being worked on.
@@ -59,16 +48,6 @@ struct InHand {
     asked: Option<Instant>,
     /// Time that earlier runs spent on it (s).
     before: f64,
-    /// Episodes that were stored before, as their file has them.
-    bytes: Vec<u8>,
-}
-
-/// A search in the form in which it is stored.
-#[derive(Serialize, Deserialize)]
-struct Record {
-    spent: SearchOutcome,
-    judged: Vec<Option<Judged>>,
-    evaluated: Vec<Judged>,
 }
 
 impl<'a> CampaignStore<'a> {
@@ -82,7 +61,7 @@ impl<'a> CampaignStore<'a> {
             in_hand: Mutex::default(),
             unread: Mutex::default(),
             renewed: Mutex::default(),
-            seconds: Mutex::new(vec![0.0; campaign.trainings.len()]),
+            seconds: Mutex::new(vec![0.0; campaign.jobs.len()]),
             failed: Mutex::default(),
             shorter: BTreeMap::new(),
         }
@@ -102,15 +81,15 @@ impl<'a> CampaignStore<'a> {
         lock(&self.renewed).len()
     }
 
-    /// Lets trainings continue finished ones that differ from them in nothing but fewer steps.
+    /// Lets tasks continue finished ones that differ from them in nothing but fewer units.
     pub fn continuing(mut self, index: &Index, seed: u64) -> Self {
-        let shorter = |training| Some((training, index.shorter(self.campaign, training, seed)?.to_string()));
-        self.shorter = (0..self.campaign.trainings.len()).filter_map(shorter).collect();
+        let shorter = |task| Some((task, index.shorter(self.campaign, task, seed)?.to_string()));
+        self.shorter = tasks(self.campaign).filter_map(shorter).collect();
         self
     }
 
-    /// Wall time of every training (s), also of earlier runs.
-    pub fn training_seconds(&self) -> Vec<f64> {
+    /// Wall time of every job (s), also of earlier runs.
+    pub fn seconds(&self) -> Vec<f64> {
         lock(&self.seconds).clone()
     }
 
@@ -123,33 +102,8 @@ impl<'a> CampaignStore<'a> {
         lock(&self.failed).get_or_insert(error);
     }
 
-    fn path(&self, task: Task) -> PathBuf {
-        self.store.path(self.ids.get(task))
-    }
-
     fn id(&self, task: Task) -> Id {
         self.ids.get(task)
-    }
-
-    /// Whether a checkpoint of a task is due. If so, the clock for the next one restarts.
-    fn is_due(&self, task: Task) -> bool {
-        let mut in_hand = lock(&self.in_hand);
-        let Some(in_hand) = in_hand.get_mut(&task) else { return false };
-        let due = in_hand.saved.elapsed() >= self.limits.checkpoint;
-        if due {
-            in_hand.saved = Instant::now();
-        }
-        due
-    }
-
-    fn seconds(&self, task: Task) -> f64 {
-        lock(&self.in_hand).get(&task).map_or(0.0, |in_hand| in_hand.before + in_hand.begun.elapsed().as_secs_f64())
-    }
-
-    fn take_over(&self, task: Task, seconds: f64, bytes: Vec<u8>) {
-        if let Some(in_hand) = lock(&self.in_hand).get_mut(&task) {
-            (in_hand.before, in_hand.bytes) = (seconds, bytes);
-        }
     }
 
     /// Reads a task. One that cannot be read ends the run, and counts as absent until then.
@@ -164,20 +118,14 @@ impl<'a> CampaignStore<'a> {
         })
     }
 
-    fn write(&self, task: Task, state: State, done: u64, error: String, bytes: &[u8]) {
-        if lock(&self.unread).contains(&task) {
-            return;
+    /// A finished task that is shorter than this one, if this one continues it.
+    fn shorter(&self, task: Task) -> Option<(Header, Vec<u8>)> {
+        let name = self.shorter.get(&task)?;
+        if programs(self.campaign, task).any(|program| program.is_unknown()) {
+            return None;
         }
-        let seconds = self.seconds(task);
-        if let Task::Training(index) = task {
-            lock(&self.seconds)[index] = seconds;
-        }
-        lock(&self.renewed).remove(&task);
-        let what = task_name(self.campaign, task);
-        let header = Header { what, state, done, error, seconds, length: 0 };
-        if let Err(error) = self.store.write(self.id(task), &header, bytes) {
-            self.fail(error);
-        }
+        let Ok(Found::Whole(header, bytes)) = self.store.read_named(name) else { return None };
+        continues(&header, self.campaign, task).then_some((header, bytes))
     }
 }
 
@@ -191,209 +139,57 @@ impl ResultStore for CampaignStore<'_> {
             }
         };
         let now = Instant::now();
-        let in_hand = InHand { begun: now, saved: now, asked: None, before: 0.0, bytes: Vec::new() };
-        lock(&self.in_hand).insert(task, in_hand);
+        lock(&self.in_hand).insert(task, InHand { begun: now, saved: now, asked: None, before: 0.0 });
         Some(claim)
     }
 
-    fn training(&self, training: usize) -> Option<Trained> {
-        let task = Task::Training(training);
-        let Found::Whole(header, bytes) = self.read(task) else { return None };
-        if header.state != State::Finished {
-            return None;
-        }
-        let trained = Trained::from_safetensors(&bytes);
-        if trained.is_err() {
-            self.store.damaged(self.id(task));
-        }
-        lock(&self.seconds)[training] = header.seconds;
-        trained.ok()
-    }
-
-    fn begun(&self, training: usize) -> Option<Vec<u8>> {
-        let task = Task::Training(training);
-        let own = match self.read(task) {
-            Found::Whole(header, bytes) => Some((header, bytes)).filter(|(header, _)| header.state == State::Begun),
-            _ => None,
-        };
-        let shorter = || {
-            let name = self
-                .shorter
-                .get(&training)
-                .filter(|_| programs(self.campaign, task).all(|program| !program.is_unknown()))?;
-            let Ok(Found::Whole(header, bytes)) = self.store.read_named(name) else { return None };
-            continues(&header, self.campaign, task).then_some((header, bytes))
-        };
-        let (header, bytes) = own.or_else(shorter)?;
-        self.take_over(task, header.seconds, Vec::new());
-        Some(bytes)
-    }
-
-    fn checkpoint(&self, training: usize, run: &TrainingRun, last: bool) {
-        let task = Task::Training(training);
-        if last || (!run.is_done() && self.is_due(task)) {
-            let updates = run.learning_curve().len() as u64;
-            self.write(task, State::Begun, updates, String::new(), &run.state(&BTreeMap::new()));
-        }
-    }
-
-    fn keep_training(&self, training: usize, run: &TrainingRun) {
-        let updates = run.learning_curve().len() as u64;
-        // The whole state, from which a training with more steps continues. The networks and the curve are read from it, too.
-        self.write(Task::Training(training), State::Finished, updates, String::new(), &run.state(&BTreeMap::new()));
-    }
-
-    fn episodes(&self, evaluation: usize, chunk: u32) -> u32 {
-        let task = Task::Chunk { evaluation, chunk };
-        let Found::Whole(header, bytes) = self.read(task) else { return 0 };
-        if header.state == State::Failed {
-            return 0;
-        }
-        let planned = &self.campaign.evaluations[evaluation];
-        if header.done >= planned.chunk(chunk).len() as u64 {
-            return header.done as u32;
-        }
-        match record::decode(&bytes) {
-            Ok(episodes) => {
-                self.take_over(task, header.seconds, bytes);
-                episodes.height() as u32
+    fn get(&self, task: Task) -> Option<Stored> {
+        let (header, bytes) = match self.read(task) {
+            Found::Whole(header, bytes) if header.state != State::Failed => (header, bytes),
+            _ => {
+                let (header, bytes) = self.shorter(task)?;
+                (Header { state: State::Begun, ..header }, bytes)
             }
-            Err(_) => {
-                self.store.damaged(self.id(task));
-                0
-            }
+        };
+        if let Some(in_hand) = lock(&self.in_hand).get_mut(&task) {
+            in_hand.before = header.seconds;
         }
+        lock(&self.seconds)[task.job] = header.seconds;
+        let Header { state, done, error, .. } = header;
+        Some(Stored { state, done, error, bytes })
     }
 
-    fn keep_episodes(&self, evaluation: usize, chunk: u32, rows: &[EpisodeRow], end: Progress<'_>) {
-        let task = Task::Chunk { evaluation, chunk };
-        if end == Progress::UnderWay && !self.is_due(task) {
+    fn put(&self, task: Task, stored: &Stored) {
+        if lock(&self.unread).contains(&task) {
             return;
         }
-        let before = match end {
-            Progress::UnderWay => lock(&self.in_hand).get(&task).map(|in_hand| in_hand.bytes.clone()),
-            _ => lock(&self.in_hand).get_mut(&task).map(|in_hand| std::mem::take(&mut in_hand.bytes)),
-        };
-        let before = before.filter(|bytes| !bytes.is_empty());
-        let (bytes, done) = match record::encode(before.as_deref(), rows) {
-            Ok(encoded) => encoded,
-            Err(source) => {
-                let source = std::io::Error::other(source.to_string());
-                return self.fail(StoreError::File { path: self.path(task), source });
-            }
-        };
-        let faulty = rows.iter().any(|row| row.judged.outcome.fault().is_some());
-        let whole = done == self.campaign.evaluations[evaluation].chunk(chunk).len() as u64;
-        let (state, error) = match end {
-            // The limit belongs to this run: a later run may continue the task.
-            Progress::Failed(error @ (TaskError::Time { .. } | TaskError::Ticks { .. })) if !faulty => {
-                (State::Begun, error.to_string())
-            }
-            Progress::Failed(error) => (State::Failed, error.to_string()),
-            // A driver that failed may succeed another time.
-            Progress::Ended if faulty => (State::Failed, String::new()),
-            Progress::Ended if whole => (State::Finished, String::new()),
-            Progress::UnderWay if faulty => return,
-            _ => (State::Begun, String::new()),
-        };
-        self.write(task, state, done, error, &bytes);
-    }
-
-    fn search(&self, search: usize) -> Option<SearchResult> {
-        let task = Task::Search(search);
-        let Found::Whole(header, bytes) = self.read(task) else { return None };
-        if header.state != State::Finished {
-            return None;
-        }
-        let planned = &self.campaign.searches[search];
-        let record: Option<Record> = serde_json::from_slice(&bytes).ok();
-        if record.is_none() {
-            self.store.damaged(self.id(task));
-        }
-        let Record { spent, judged, evaluated } = record?;
-        Some(SearchResult { judged, evaluated, ..SearchResult::new(planned, spent, None) })
-    }
-
-    fn keep_search(&self, search: usize, result: &SearchResult) {
-        let SearchResult { spent, judged, evaluated, .. } = result.clone();
-        let record = Record { spent, judged, evaluated };
-        // An episode in error, or a reward that is not a number, cannot be stored. Such a search is run again.
-        let Ok(bytes) = serde_json::to_vec(&record) else { return };
-        if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {
-            let task = Task::Search(search);
-            self.write(task, State::Finished, record.spent.episodes, String::new(), &bytes);
+        let in_hand = |in_hand: &InHand| in_hand.before + in_hand.begun.elapsed().as_secs_f64();
+        let seconds = lock(&self.in_hand).get(&task).map_or(0.0, in_hand);
+        lock(&self.seconds)[task.job] = seconds;
+        lock(&self.renewed).remove(&task);
+        let Stored { state, done, error, bytes } = stored;
+        let what = task_name(self.campaign, task);
+        let header = Header { what, state: *state, done: *done, error: error.clone(), seconds, length: 0 };
+        if let Err(error) = self.store.write(self.id(task), &header, bytes) {
+            self.fail(error);
         }
     }
 
-    fn estimate(&self, estimation: usize) -> Option<EstimateResult> {
-        let task = Task::Estimate(estimation);
-        let Found::Whole(header, bytes) = self.read(task) else { return None };
-        if header.state != State::Finished {
-            return None;
-        }
-        let estimate = serde_json::from_slice(&bytes).ok();
-        if estimate.is_none() {
-            self.store.damaged(self.id(task));
-        }
-        Some(EstimateResult::new(&self.campaign.estimations[estimation], Ok(estimate?)))
-    }
-
-    fn keep_estimate(&self, estimation: usize, result: &EstimateResult) {
-        let Some(estimate) = &result.estimate else { return };
-        let Ok(bytes) = serde_json::to_vec(estimate) else { return };
-        if serde_json::from_slice::<Estimate>(&bytes).is_ok_and(|read| read == *estimate) {
-            self.write(Task::Estimate(estimation), State::Finished, estimate.ticks, String::new(), &bytes);
+    fn damaged(&self, task: Task) {
+        self.store.damaged(self.id(task));
+        if let Some(in_hand) = lock(&self.in_hand).get_mut(&task) {
+            in_hand.before = 0.0;
         }
     }
 
-    fn cover(&self, cover: usize) -> Option<CoverResult> {
-        let task = Task::Cover(cover);
-        let Found::Whole(header, bytes) = self.read(task) else { return None };
-        if header.state != State::Finished {
-            return None;
+    fn is_due(&self, task: Task) -> bool {
+        let mut in_hand = lock(&self.in_hand);
+        let Some(in_hand) = in_hand.get_mut(&task) else { return false };
+        let due = in_hand.saved.elapsed() >= self.limits.checkpoint;
+        if due {
+            in_hand.saved = Instant::now();
         }
-        let found: Option<FoundInBox> = serde_json::from_slice(&bytes).ok();
-        if found.is_none() {
-            self.store.damaged(self.id(task));
-        }
-        Some(CoverResult::new(&self.campaign.covers[cover], found?, None))
-    }
-
-    fn keep_cover(&self, cover: usize, result: &CoverResult) {
-        // An episode in error may end otherwise another time. Such a cover is run again.
-        if result.found.errors > 0 {
-            return;
-        }
-        let Ok(bytes) = serde_json::to_vec(&result.found) else { return };
-        let episodes = result.found.coverage.points.len() as u64;
-        self.write(Task::Cover(cover), State::Finished, episodes, String::new(), &bytes);
-    }
-
-    fn hardened(&self, harden: usize) -> Option<HardenResult> {
-        let task = Task::Harden(harden);
-        let Found::Whole(header, bytes) = self.read(task) else { return None };
-        if header.state != State::Finished {
-            return None;
-        }
-        let found: Option<Hardened> = serde_json::from_slice(&bytes).ok();
-        if found.is_none() {
-            self.store.damaged(self.id(task));
-        }
-        Some(HardenResult::new(&self.campaign.hardenings[harden], Ok(found?)))
-    }
-
-    fn keep_hardened(&self, harden: usize, result: &HardenResult) {
-        let Some(found) = &result.found else { return };
-        // An episode in error may end otherwise another time. Such a hardening is run again.
-        let errors =
-            found.traffic.iter().map(|traffic| traffic.errors).chain(found.tests.iter().map(|test| test.errors));
-        if errors.sum::<u64>() > 0 {
-            return;
-        }
-        let Ok(bytes) = serde_json::to_vec(found) else { return };
-        if serde_json::from_slice::<Hardened>(&bytes).is_ok_and(|read| read == *found) {
-            self.write(Task::Harden(harden), State::Finished, found.ticks, String::new(), &bytes);
-        }
+        due
     }
 
     fn limit(&self, task: Task, ticks: u64) -> Option<TaskError> {
@@ -422,8 +218,7 @@ impl ResultStore for CampaignStore<'_> {
 }
 
 impl Chunks for CampaignStore<'_> {
-    fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk> {
-        let task = Task::Chunk { evaluation, chunk };
+    fn chunk(&self, task: Task) -> Option<Chunk> {
         let Found::Whole(header, bytes) = self.read(task) else { return None };
         let outcomes = record::decode(&bytes).inspect_err(|_| self.store.damaged(self.id(task))).ok()?;
         Some(Chunk { outcomes, error: header.error })

@@ -8,7 +8,7 @@ use super::place::Place;
 use super::task_file::{self, Found, Header};
 use super::work_folder::{LOCK, WorkFolder};
 use super::{Id, Ids, StoreError};
-use crate::campaign::tasks;
+use crate::campaign::{State, tasks};
 use base::files;
 use compile::Campaign;
 
@@ -166,7 +166,7 @@ impl Store {
     /// The file cannot be written.
     pub fn write(&self, id: Id, header: &Header, bytes: &[u8]) -> Result<(), StoreError> {
         let header = Header { length: bytes.len() as u64, ..header.clone() };
-        let sync = header.state == task_file::State::Finished;
+        let sync = header.state == State::Finished;
         self.put(&self.path(id), &task_file::encode(&header, bytes), sync)
     }
 

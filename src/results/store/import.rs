@@ -4,7 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{Found, Id, State, Store, StoreError};
+use super::{Found, Id, Store, StoreError};
+use crate::campaign::State;
 
 /// What several stores have of a task, after the best version was imported.
 #[derive(Debug, PartialEq)]

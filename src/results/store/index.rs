@@ -3,10 +3,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CODE, Header, Ids, State, Store, StoreError, vector_instructions};
-use crate::campaign::{Task, tasks};
-use crate::record::RunKey;
-use compile::{CHUNK, Campaign, ExternalProgram, changed_files};
+use super::{CODE, Header, Ids, Store, StoreError, vector_instructions};
+use crate::campaign::{State, Task, tasks};
+use crate::jobs::work;
+use compile::{CHUNK, Campaign, ExternalProgram, Planned, changed_files};
 
 /// What the store remembers of a campaign: the tasks that it wanted last, and the inputs from which each of its tasks was last made. It
 /// only explains; a task is there or not there without it.
@@ -14,7 +14,7 @@ use compile::{CHUNK, Campaign, ExternalProgram, changed_files};
 pub struct Index {
     /// The names of all its tasks.
     pub wanted: BTreeSet<String>,
-    /// What each of them is, and its size: updates, episodes, ticks.
+    /// What each of them is, and its size in units of its kind.
     #[serde(default)]
     pub plan: BTreeMap<String, (String, u64)>,
     /// The command that it was last run with.
@@ -75,12 +75,12 @@ impl Index {
     pub fn write(&mut self, store: &Store, name: &str, campaign: &Campaign, seed: u64) -> Result<(), StoreError> {
         let ids = Ids::new(campaign, seed);
         self.wanted = tasks(campaign).map(|task| ids.get(task).to_string()).collect();
-        let planned = |task| (ids.get(task).to_string(), (task_name(campaign, task), amount(campaign, task)));
-        self.plan = tasks(campaign).map(planned).collect();
+        let entry = |task| (ids.get(task).to_string(), (task_name(campaign, task), task.units(campaign)));
+        self.plan = tasks(campaign).map(entry).collect();
         for task in tasks(campaign) {
             let id = ids.get(task);
             if store.head(id).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished)) {
-                let (fingerprint, code) = (fingerprint(campaign, task), CODE.to_string());
+                let (fingerprint, code) = (planned(campaign, task).fingerprint().to_string(), CODE.to_string());
                 self.note_programs(campaign, task, &fingerprint);
                 let made = Made { id: id.to_string(), fingerprint, code, seed, lineage: lineage(campaign, task) };
                 self.done.insert(task_name(campaign, task), made);
@@ -93,13 +93,14 @@ impl Index {
         store.put_campaign_text(name, &text)
     }
 
-    /// The name of the training that was finished last under the names of this one, if this one differs from it only in its steps.
-    pub(super) fn shorter(&self, campaign: &Campaign, training: usize, seed: u64) -> Option<&str> {
-        let task = Task::Training(training);
-        let made = self.done.get(&task_name(campaign, task))?;
+    /// The name of the task that was finished last under the names of this one, if this one differs from it only in its number of units.
+    pub(super) fn shorter(&self, campaign: &Campaign, task: Task, seed: u64) -> Option<&str> {
         let lineage = lineage(campaign, task);
-        let same = !lineage.is_empty() && made.lineage == lineage && made.seed == seed && made.code == CODE;
-        same.then_some(made.id.as_str())
+        if lineage.is_empty() {
+            return None;
+        }
+        let made = self.done.get(&task_name(campaign, task))?;
+        (made.lineage == lineage && made.seed == seed && made.code == CODE).then_some(made.id.as_str())
     }
 
     fn note_programs(&mut self, campaign: &Campaign, task: Task, fingerprint: &str) {
@@ -111,7 +112,7 @@ impl Index {
 
     /// What is known of a task and, if it must be run, why.
     pub fn look(&self, store: &Store, campaign: &Campaign, task: Task, ids: &Ids, seed: u64) -> Known {
-        let (id, wanted) = (ids.get(task), amount(campaign, task));
+        let (id, wanted) = (ids.get(task), task.units(campaign));
         if let Some(program) = programs(campaign, task).find(|program| program.is_unknown())
             && store.head(id).is_some()
         {
@@ -119,7 +120,7 @@ impl Index {
         }
         match store.head(id) {
             Some(Ok(header)) => match header.state {
-                State::Finished if header.done < wanted && is_counted(task) => {
+                State::Finished if header.done < wanted && work(&campaign.jobs[task.job]).kind().has_episodes => {
                     return Known::Begun(header.done, wanted);
                 }
                 State::Finished => return Known::Finished,
@@ -129,9 +130,8 @@ impl Index {
             Some(Err(reason)) => return Known::Missing(reason.into()),
             None => {}
         }
-        if let Task::Training(training) = task
-            && let Some(Ok(header)) =
-                self.shorter(campaign, training, seed).and_then(|name| store.head_of(&store.path_of(name)))
+        if let Some(Ok(header)) =
+            self.shorter(campaign, task, seed).and_then(|name| store.head_of(&store.path_of(name)))
             && continues(&header, campaign, task)
         {
             return Known::Begun(header.done, wanted);
@@ -140,7 +140,7 @@ impl Index {
         let why = match made {
             _ if made.id == id.to_string() => "gone",
             _ if made.seed != seed => "seed changed",
-            _ if made.fingerprint != fingerprint(campaign, task) => {
+            _ if made.fingerprint != planned(campaign, task).fingerprint().to_string() => {
                 let then = self.programs.get(&made.fingerprint);
                 if let Some(files) = then.and_then(|then| changed(then, campaign, task)) {
                     return Known::Edited(files);
@@ -154,19 +154,15 @@ impl Index {
     }
 }
 
-/// The programs of the user that a task depends on, those of its training included.
+fn planned(campaign: &Campaign, task: Task) -> &dyn Planned {
+    campaign.jobs[task.job].planned()
+}
+
+/// The programs of the user that a task depends on, those of the job that it needs included.
 pub(super) fn programs(campaign: &Campaign, task: Task) -> impl Iterator<Item = &Arc<ExternalProgram>> {
-    let (own, training) = match task {
-        Task::Training(index) => (&campaign.trainings[index].programs, None),
-        Task::Chunk { evaluation, .. } => {
-            (&campaign.evaluations[evaluation].programs, campaign.evaluations[evaluation].training())
-        }
-        Task::Search(index) => (&campaign.searches[index].programs, None),
-        Task::Estimate(index) => (&campaign.estimations[index].programs, None),
-        Task::Cover(index) => (&campaign.covers[index].programs, None),
-        Task::Harden(index) => (&campaign.hardenings[index].programs, None),
-    };
-    own.iter().chain(training.into_iter().flat_map(|index| campaign.trainings[index].programs.iter()))
+    let job = planned(campaign, task);
+    let needed = job.needs().map(|place| campaign.jobs[place].planned().programs());
+    job.programs().iter().chain(needed.into_iter().flat_map(|programs| programs.iter()))
 }
 
 /// The digests of the files of a task's programs, by their paths.
@@ -182,77 +178,24 @@ fn changed(then: &BTreeMap<String, String>, campaign: &Campaign, task: Task) -> 
     files.first().map(|first| format!("`{first}`{more}"))
 }
 
-/// Whether the number of episodes of a task is known in advance. A stored task may have been made for fewer.
-fn is_counted(task: Task) -> bool {
-    matches!(task, Task::Chunk { .. })
-}
-
-/// The number of updates or episodes of a finished task.
-fn amount(campaign: &Campaign, task: Task) -> u64 {
-    match task {
-        Task::Training(index) => {
-            let training = &campaign.trainings[index];
-            let update = (training.config.rollout_steps * training.environments) as u64;
-            training.config.total_steps.div_ceil(update)
-        }
-        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
-        Task::Search(index) => campaign.searches[index].budget,
-        Task::Estimate(index) => campaign.estimations[index].budget,
-        Task::Cover(index) => campaign.covers[index].budget.into(),
-        Task::Harden(index) => campaign.hardenings[index].budget(),
-    }
-}
-
-/// Whether a training can continue from a finished one of its lineage: it has at most as many updates.
+/// Whether a task can continue a finished one of its lineage: it has at most as many units.
 pub(super) fn continues(header: &Header, campaign: &Campaign, task: Task) -> bool {
-    header.state == State::Finished && header.done <= amount(campaign, task)
+    header.state == State::Finished && header.done <= task.units(campaign)
 }
 
-/// What a training must share with one that it continues; empty where there is none.
+/// What a task must share with one that it continues; empty where there is none.
 fn lineage(campaign: &Campaign, task: Task) -> String {
-    let Task::Training(index) = task else { return String::new() };
-    let training = &campaign.trainings[index];
-    let bits = if training.config.portable_bits { "portable" } else { vector_instructions() };
-    training.lineage.map_or(String::new(), |lineage| format!("{lineage} {bits}"))
-}
-
-fn fingerprint(campaign: &Campaign, task: Task) -> String {
-    match task {
-        Task::Training(index) => campaign.trainings[index].fingerprint.to_string(),
-        Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].fingerprint.to_string(),
-        Task::Search(index) => campaign.searches[index].fingerprint.to_string(),
-        Task::Estimate(index) => campaign.estimations[index].fingerprint.to_string(),
-        Task::Cover(index) => campaign.covers[index].fingerprint.to_string(),
-        Task::Harden(index) => campaign.hardenings[index].fingerprint.to_string(),
-    }
+    let job = planned(campaign, task);
+    let bits = if job.depends_on_processor() { vector_instructions() } else { "portable" };
+    job.lineage().map_or(String::new(), |lineage| format!("{lineage} {bits}"))
 }
 
 /// What a task is, for people. It distinguishes the tasks of a campaign.
 pub fn task_name(campaign: &Campaign, task: Task) -> String {
-    match task {
-        Task::Training(index) => {
-            format!("train {}", campaign.trainings[index].key)
-        }
-        Task::Chunk { evaluation, chunk } => {
-            let key = RunKey::of(&campaign.evaluations[evaluation]);
-            let first = u64::from(chunk) * u64::from(CHUNK);
-            format!("evaluate {}, run {}, from episode {first}", key.cell.in_full(), key.run)
-        }
-        Task::Search(index) => {
-            let key = &campaign.searches[index].key;
-            format!("search {key}, block {}", key.block)
-        }
-        Task::Estimate(index) => {
-            let key = &campaign.estimations[index].key;
-            format!("estimate {key}, block {}", key.block)
-        }
-        Task::Cover(index) => {
-            let key = &campaign.covers[index].key;
-            format!("cover {key}, block {}", key.block)
-        }
-        Task::Harden(index) => {
-            let key = &campaign.hardenings[index].key;
-            format!("harden {key}, block {}", key.block)
-        }
+    let job = work(&campaign.jobs[task.job]);
+    let (verb, what) = (job.kind().verb, job.what());
+    match job.kind().has_episodes {
+        true => format!("{verb} {what}, from episode {}", u64::from(task.part) * u64::from(CHUNK)),
+        false => format!("{verb} {what}"),
     }
 }

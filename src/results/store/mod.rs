@@ -25,5 +25,5 @@ pub use index::{Index, Known, task_name};
 pub use references::References;
 pub use status::{CampaignStatus, TaskStatus};
 pub use store_error::StoreError;
-pub use task_file::{Found, Header, State};
+pub use task_file::{Found, Header};
 pub use task_file::{decode, encode, head};

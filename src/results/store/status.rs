@@ -4,7 +4,8 @@ use std::fs::{self, File, TryLockError};
 use std::time::SystemTime;
 
 use super::work_folder::processes;
-use super::{Header, Index, State, Store, StoreError};
+use super::{Header, Index, Store, StoreError};
+use crate::campaign::State;
 
 /// The progress of a campaign.
 #[derive(Debug)]

@@ -2,22 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::campaign::State;
+
 /// The first line.
 const MAGIC: &[u8] = b"falsify task 1\n";
 /// Bytes of the checksum.
 const SUM: usize = 32;
-
-/// The progress of a task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum State {
-    /// It is complete.
-    Finished,
-    /// It can be continued.
-    Begun,
-    /// It failed, or a part is missing; it is run again from its start.
-    Failed,
-}
 
 /// The header of a task file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,11 @@
 use std::time::{Duration, Instant};
 
-use super::job::{Job, Kind};
+use super::job::Job;
 use compile::Campaign;
 use results::campaign::Task;
+use results::jobs::{KINDS, Kind};
 
-/// All jobs of a campaign that are done here: trainings, evaluations, searches.
+/// All jobs of a campaign that are done here.
 #[derive(Debug)]
 pub struct Board {
     /// The name of the campaign.
@@ -24,7 +25,7 @@ impl Board {
 
     /// The place of a task's job.
     pub fn place(&self, task: Task) -> usize {
-        let place = self.jobs.binary_search_by_key(&Job::of(task), |job| (job.kind, job.place));
+        let place = self.jobs.binary_search_by_key(&task.job, |job| job.place);
         place.expect("only what is wanted is done")
     }
 
@@ -35,8 +36,8 @@ impl Board {
     }
 
     /// The number of jobs of a kind.
-    pub fn count(&self, kind: Kind) -> usize {
-        self.jobs.iter().filter(|job| job.kind == kind).count()
+    pub fn count(&self, kind: &Kind) -> usize {
+        self.jobs.iter().filter(|job| std::ptr::eq(job.kind, kind)).count()
     }
 
     /// How many jobs have ended.
@@ -48,8 +49,8 @@ impl Board {
     /// measurement.
     pub fn left(&self) -> Option<Duration> {
         let mut seconds = 0.0;
-        for kind in [Kind::Training, Kind::Evaluation, Kind::Search, Kind::Estimate, Kind::Cover, Kind::Harden] {
-            let of_kind = || self.jobs.iter().filter(move |job| job.kind == kind);
+        for kind in KINDS {
+            let of_kind = || self.jobs.iter().filter(move |job| std::ptr::eq(job.kind, kind));
             let units: u64 = of_kind().filter(|job| !job.is_ended()).map(|job| job.total - job.done()).sum();
             if units == 0 {
                 continue;

@@ -1,11 +1,12 @@
 //! Events for programs: one JSON object a line on the output. `reports/README.md` explains them.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
 
 use super::board::Board;
-use super::job::{Job, Kind};
+use super::job::Job;
 use super::learnt::Learnt;
 use crate::cli::console;
 
@@ -13,16 +14,12 @@ use crate::cli::console;
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum EventLine<'a> {
-    /// A campaign starts, with these numbers of jobs.
+    /// A campaign starts.
     CampaignBegun {
         campaign: &'a str,
-        trainings: usize,
-        evaluations: usize,
-        searches: usize,
-        estimates: usize,
-        covers: usize,
-        #[serde(skip_serializing_if = "is_none")]
-        hardenings: usize,
+        /// The number of each kind, such as `trainings`.
+        #[serde(flatten)]
+        jobs: BTreeMap<&'static str, usize>,
     },
     /// Learning curves grow in files of this folder while trainings run.
     LearningCurves { campaign: &'a str, folder: &'a Path },
@@ -73,7 +70,7 @@ pub enum EventLine<'a> {
 #[derive(Debug, Serialize)]
 pub struct About<'a> {
     campaign: &'a str,
-    kind: Kind,
+    kind: &'static str,
     /// Its place among those of its kind, in the order of `falsify run --list`.
     place: usize,
     name: &'a str,
@@ -89,12 +86,12 @@ impl<'a> About<'a> {
     pub fn new(board: &'a Board, job: &'a Job) -> Self {
         Self {
             campaign: &board.campaign,
-            kind: job.kind,
-            place: job.place,
+            kind: job.kind.name,
+            place: job.number,
             name: &job.name,
             done: job.done(),
             total: job.total,
-            unit: job.kind.unit(),
+            unit: job.kind.unit,
             time_s: board.began.elapsed().as_secs_f64(),
         }
     }
@@ -105,9 +102,4 @@ impl EventLine<'_> {
     pub fn tell(&self) {
         console::say_object(self);
     }
-}
-
-/// Campaigns without hardenings are told as before.
-fn is_none(count: &usize) -> bool {
-    *count == 0
 }

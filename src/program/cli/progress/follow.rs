@@ -1,3 +1,4 @@
+use std::any::Any;
 use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Arc;
@@ -8,14 +9,14 @@ use indicatif::HumanCount;
 use super::bars::Bars;
 use super::board::Board;
 use super::event_line::{About, EventLine};
-use super::job::{Job, Kind};
-use super::learnt::Learnt;
+use super::job::Job;
 use super::showing::Showing;
 use crate::cli::console;
 use crate::cli::output::Output;
 use crate::session::Stop;
 use compile::{Campaign, ExternalProgram};
 use results::campaign::{Event, Task};
+use results::jobs::{KINDS, TrainingResult};
 
 /// Least time between two updates of the display.
 const GLANCE: Duration = Duration::from_millis(200);
@@ -55,12 +56,7 @@ impl Progress {
         if events {
             EventLine::CampaignBegun {
                 campaign: &board.campaign,
-                trainings: board.count(Kind::Training),
-                evaluations: board.count(Kind::Evaluation),
-                searches: board.count(Kind::Search),
-                estimates: board.count(Kind::Estimate),
-                covers: board.count(Kind::Cover),
-                hardenings: board.count(Kind::Harden),
+                jobs: KINDS.iter().map(|kind| (kind.plural, board.count(kind))).collect(),
             }
             .tell();
         }
@@ -145,7 +141,7 @@ impl Progress {
         let line = || line(&self.board, job, error.as_deref().unwrap_or(&note));
         match &self.bars {
             // On a terminal the many evaluations would push everything else away.
-            Some(bars) if error.is_some() || (job.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
+            Some(bars) if error.is_some() || (!job.kind.has_episodes && !quiet) => bars.say(&line()),
             None if error.is_some() || (self.lines && !quiet) => console::note(&line()),
             _ => {}
         }
@@ -168,86 +164,30 @@ impl Progress {
     /// Follows what happens in the campaign.
     pub fn follow(&mut self, event: &Event<'_>) {
         match *event {
-            Event::Begun(task) => {
-                self.job(task);
+            Event::Begun { task, units } => self.job(task).found(task.part, units),
+            Event::Progress { task, units } => {
+                self.board.job(task).rise(task.part, units);
+                self.glance();
             }
-            Event::Continued { task, units } => self.board.job(task).found(units),
-            Event::Reused { task, units } => {
+            Event::Curve { task, curve, .. } => {
+                self.board.job(task).learn(curve);
+                self.glance();
+            }
+            Event::Reused { task, result } => {
                 self.reused += 1;
-                self.board.job(task).found(units);
+                let job = self.board.job(task);
+                job.found_all(task.part);
+                if let Some(TrainingResult { result: Ok(trained), .. }) = (result as &dyn Any).downcast_ref() {
+                    job.learn(&trained.learning_curve);
+                }
                 self.end(task, Ok(String::new()));
             }
-            Event::CurveBefore { training, curve, .. } => self.board.job(Task::Training(training)).learn(curve),
-            Event::Deciding { training, decisions } => {
-                let job = self.board.job(Task::Training(training));
-                job.rise(job.before() + decisions);
-                self.glance();
-            }
-            Event::Updated { training, plan, curve } => {
-                let job = self.board.job(Task::Training(training));
-                job.learn(curve);
-                job.rise(plan.demonstrations() + curve.last().map_or(0, |log| log.steps));
-                self.glance();
-            }
-            Event::Trained { training, result } => {
-                let learnt = result.result.as_ref().map(|trained| Learnt::of(&trained.learning_curve).told());
-                let told = learnt.map(|told| told.unwrap_or_else(|| "no episode ended".into()));
-                self.end(Task::Training(training), told.map_err(ToString::to_string));
-            }
-            Event::Tried { evaluation } => {
-                self.board.job(Task::Chunk { evaluation, chunk: 0 }).advance();
-                self.glance();
-            }
-            Event::Evaluated { evaluation, chunk, error } => {
-                let told = error.map_or(Ok(String::new()), |error| Err(error.to_string()));
-                self.end(Task::Chunk { evaluation, chunk }, told);
-            }
-            Event::Searching { search, ticks } => {
-                self.board.job(Task::Search(search)).rise(ticks);
-                self.glance();
-            }
-            Event::Searched { search, result } => {
-                let spent = &result.spent;
-                self.job(Task::Search(search)).reach(spent.ticks);
-                let found = console::count(spent.failures.len(), "failure");
-                let told = format!("{found} in {} episodes", spent.episodes);
-                let error = result.error.as_ref();
-                self.end(Task::Search(search), error.map_or(Ok(told), |error| Err(error.to_string())));
-            }
-            Event::Estimating { estimation, ticks } => {
-                self.board.job(Task::Estimate(estimation)).rise(ticks);
-                self.glance();
-            }
-            Event::Estimated { estimation, result } => {
-                let told = result.estimate.as_ref().map_or_else(String::new, |estimate| {
-                    self.job(Task::Estimate(estimation)).reach(estimate.ticks);
-                    format!("{} encounters", estimate.encounters)
-                });
-                let error = result.error.as_ref();
-                self.end(Task::Estimate(estimation), error.map_or(Ok(told), |error| Err(error.to_string())));
-            }
-            Event::Covering { cover, episodes } => {
-                self.board.job(Task::Cover(cover)).rise(episodes);
-                self.glance();
-            }
-            Event::Covered { cover, result } => {
-                let job = self.job(Task::Cover(cover));
-                // It may end before its budget.
-                job.reach(job.total);
-                let told = results::report::cover_in_words(result);
-                let error = result.error.as_ref();
-                self.end(Task::Cover(cover), error.map_or(Ok(told), |error| Err(error.to_string())));
-            }
-            Event::Hardening { harden, ticks } => {
-                self.board.job(Task::Harden(harden)).rise(ticks);
-                self.glance();
-            }
-            Event::Hardened { harden, result } => {
-                let job = self.job(Task::Harden(harden));
-                job.reach(job.total);
-                let told = results::report::hardened_in_words(result);
-                let error = result.error.as_ref();
-                self.end(Task::Harden(harden), error.map_or(Ok(told), |error| Err(error.to_string())));
+            Event::Ended { task, result } => {
+                let job = self.job(task);
+                job.reach(task.part, result.units());
+                let note = job.learnt().map(|learnt| learnt.told().unwrap_or_else(|| "no episode ended".into()));
+                let note = note.unwrap_or_else(|| result.note());
+                self.end(task, result.error().map_or(Ok(note), |error| Err(error.to_string())));
             }
         }
     }
@@ -286,7 +226,7 @@ fn line(board: &Board, job: &Job, note: &str) -> String {
     let total = board.jobs.len();
     let place = format!("[{:width$}/{total}]", board.ended(), width = total.to_string().len());
     let note = if note.is_empty() { String::new() } else { format!(": {note}") };
-    let verb = if job.error.is_some() { job.kind.doing() } else { job.kind.done() };
+    let verb = job.kind.doing[usize::from(job.error.is_none())];
     format!("{place} {verb} {}{note} ({})", job.name, pace(job))
 }
 
@@ -294,7 +234,7 @@ fn line(board: &Board, job: &Job, note: &str) -> String {
 fn pace(job: &Job) -> String {
     let time = format!("{:.1} s", job.time().as_secs_f64());
     match job.rate() {
-        Some(rate) => format!("{time}, {} {}/s", HumanCount(rate.round() as u64), job.kind.unit()),
+        Some(rate) => format!("{time}, {} {}/s", HumanCount(rate.round() as u64), job.kind.unit),
         None => time,
     }
 }

@@ -1,77 +1,35 @@
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use super::learnt::Learnt;
-use compile::{Campaign, ControllerKind, Evaluation, NO_REWARD};
+use compile::Campaign;
 use learn::UpdateLog;
-use results::campaign::{Task, units};
+use results::campaign::Task;
+use results::jobs::{Kind, work};
 
-/// What a job of work is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// A training.
-    Training,
-    /// An evaluation.
-    Evaluation,
-    /// A search.
-    Search,
-    /// An estimate.
-    Estimate,
-    /// A cover.
-    Cover,
-    /// A hardening.
-    Harden,
+/// Units of a part of a job.
+#[derive(Debug)]
+struct Part {
+    done: u64,
+    total: u64,
 }
 
-impl Kind {
-    /// The verb for a piece under way.
-    pub fn doing(self) -> &'static str {
-        match self {
-            Self::Training => "training",
-            Self::Evaluation => "trying",
-            Self::Search => "searching",
-            Self::Estimate => "estimating",
-            Self::Cover => "covering",
-            Self::Harden => "hardening",
-        }
-    }
-
-    /// The verb for a finished piece.
-    pub fn done(self) -> &'static str {
-        match self {
-            Self::Training => "trained",
-            Self::Evaluation => "tried",
-            Self::Search => "searched",
-            Self::Estimate => "estimated",
-            Self::Cover => "covered",
-            Self::Harden => "hardened",
-        }
-    }
-
-    /// The unit that is counted.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Training => "decisions",
-            Self::Evaluation | Self::Cover => "episodes",
-            Self::Search | Self::Estimate | Self::Harden => "ticks",
-        }
-    }
-}
-
-/// A job of a campaign's work: a training, an evaluation, a search or a cover.
+/// A job of a campaign, and how far it is.
 #[derive(Debug)]
 pub struct Job {
-    /// What it is.
-    pub kind: Kind,
-    /// Its place among those of its kind.
+    /// Its kind.
+    pub kind: &'static Kind,
+    /// Its place in the campaign.
     pub place: usize,
+    /// Its place among those of its kind.
+    pub number: usize,
     /// Controller, town and driver.
     pub name: String,
     /// The amount to do in this run, in units of its kind.
     pub total: u64,
     /// The first error of its tasks.
     pub error: Option<String>,
-    done: u64,
+    parts: BTreeMap<u32, Part>,
     before: u64,
     /// The number of its tasks that have not ended.
     open: usize,
@@ -85,45 +43,29 @@ impl Job {
     pub fn all(campaign: &Campaign, wanted: &[Task]) -> Vec<Self> {
         let mut jobs: Vec<Self> = Vec::new();
         for task in wanted {
-            let (kind, place) = Self::of(*task);
-            if jobs.last().is_none_or(|last| (last.kind, last.place) != (kind, place)) {
-                jobs.push(Self::new(campaign, kind, place));
+            if jobs.last().is_none_or(|last| last.place != task.job) {
+                jobs.push(Self::new(campaign, task.job));
             }
             let job = jobs.last_mut().expect("one was put there");
-            job.total += units(campaign, *task);
+            job.total += task.units(campaign);
+            job.parts.insert(task.part, Part { done: 0, total: task.units(campaign) });
             job.open += 1;
         }
         jobs
     }
 
-    /// The job that a task belongs to.
-    pub fn of(task: Task) -> (Kind, usize) {
-        match task {
-            Task::Training(place) => (Kind::Training, place),
-            Task::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
-            Task::Search(place) => (Kind::Search, place),
-            Task::Estimate(place) => (Kind::Estimate, place),
-            Task::Cover(place) => (Kind::Cover, place),
-            Task::Harden(place) => (Kind::Harden, place),
-        }
-    }
-
-    fn new(campaign: &Campaign, kind: Kind, place: usize) -> Self {
-        let name = match kind {
-            Kind::Training => campaign.trainings[place].key.to_string(),
-            Kind::Evaluation => evaluation(&campaign.evaluations[place]),
-            Kind::Search => campaign.searches[place].key.to_string(),
-            Kind::Estimate => campaign.estimations[place].key.to_string(),
-            Kind::Cover => campaign.covers[place].key.to_string(),
-            Kind::Harden => campaign.hardenings[place].key.to_string(),
-        };
+    fn new(campaign: &Campaign, place: usize) -> Self {
+        let job = work(&campaign.jobs[place]);
+        let kind = job.kind();
+        let is_same = |other: &&compile::Job| std::ptr::eq(work(other).kind(), kind);
         Self {
             kind,
             place,
-            name,
+            number: campaign.jobs[..place].iter().filter(is_same).count(),
+            name: job.title(),
             total: 0,
             error: None,
-            done: 0,
+            parts: BTreeMap::new(),
             before: 0,
             open: 0,
             begun: None,
@@ -139,25 +81,27 @@ impl Job {
         first
     }
 
-    /// Counts units that were done before it started.
-    pub fn found(&mut self, units: u64) {
+    /// Counts units of a part that were done before it started.
+    pub fn found(&mut self, part: u32, units: u64) {
         self.before += units;
-        self.done += units;
+        self.rise(part, units);
     }
 
-    /// Counts a unit.
-    pub fn advance(&mut self) {
-        self.done += 1;
+    /// All of a part was done before it started.
+    pub fn found_all(&mut self, part: u32) {
+        self.found(part, self.parts[&part].total);
     }
 
-    /// Sets the number of units that are done.
-    pub fn reach(&mut self, units: u64) {
-        self.done = units;
+    /// Raises the number of units that are done of a part. Its threads report it in any order.
+    pub fn rise(&mut self, part: u32, units: u64) {
+        self.reach(part, self.parts[&part].done.max(units));
     }
 
-    /// Raises the number of units that are done. Several parts of a search report their ticks in any order.
-    pub fn rise(&mut self, units: u64) {
-        self.done = self.done.max(units);
+    /// Sets the number of units that are done of a part.
+    pub fn reach(&mut self, part: u32, units: u64) {
+        if let Some(part) = self.parts.get_mut(&part) {
+            part.done = units;
+        }
     }
 
     /// Notes the learning curve of a training up to now.
@@ -183,7 +127,7 @@ impl Job {
 
     /// The number of units that are done.
     pub fn done(&self) -> u64 {
-        self.done.min(self.total)
+        self.parts.values().map(|part| part.done).sum::<u64>().min(self.total)
     }
 
     /// The number of units that were done before this run of the program.
@@ -222,18 +166,4 @@ impl Job {
     pub fn left(&self) -> Option<Duration> {
         self.rate().map(|rate| Duration::from_secs_f64((self.total - self.done()) as f64 / rate))
     }
-}
-
-/// Controller, town and driver of an evaluation.
-fn evaluation(evaluation: &Evaluation) -> String {
-    let key = &evaluation.trained;
-    let here = (&*evaluation.town, &*evaluation.policy);
-    let who = match &evaluation.controller {
-        ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
-        ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
-        ControllerKind::Stochastic(_) => format!("stochastic {} of {} and {}", key.reward, key.town, key.policy),
-        other if key.reward == NO_REWARD => other.name().to_string(),
-        other => format!("{} ({})", other.name(), key.reward),
-    };
-    format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
 }

@@ -22,13 +22,6 @@ pub struct Learnt {
 }
 
 impl Learnt {
-    /// The end of a learning curve.
-    pub fn of(curve: &[UpdateLog]) -> Self {
-        let mut learnt = Self::default();
-        learnt.follow(curve);
-        learnt
-    }
-
     /// Follows a learning curve that has grown.
     pub fn follow(&mut self, curve: &[UpdateLog]) {
         let known = curve.iter().position(|log| log.update > self.updates).unwrap_or(curve.len());
@@ -73,15 +66,15 @@ mod tests {
     #[test]
     fn episodes_of_every_update_count_once() {
         let curve = [log(1, 3), log(2, 4), log(3, 1000)];
-        let mut learnt = Learnt::of(&curve[..1]);
+        let mut learnt = Learnt::default();
+        learnt.follow(&curve[..1]);
         learnt.follow(&curve[..2]);
         learnt.follow(&curve[..2]);
         assert_eq!((learnt.updates, learnt.episodes), (2, 7));
         learnt.follow(&curve);
-        assert_eq!(learnt, Learnt::of(&curve));
         assert_eq!(learnt.told().unwrap(), "mean reward 0.500, while exploring 25 % hit, 1,007 episodes");
         let judged = Learnt { fault_rate: Some(0.04), ..learnt };
         assert_eq!(judged.told().unwrap(), "mean reward 0.500, while exploring 25 % hit, 4 % at fault, 1,007 episodes");
-        assert_eq!(Learnt::of(&[]).told(), None);
+        assert_eq!(Learnt::default().told(), None);
     }
 }

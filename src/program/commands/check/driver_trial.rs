@@ -17,7 +17,7 @@ use crate::exit_code::ExitCode;
 use crate::session::seconds;
 use base::diagnostic::Sources;
 use base::seed::Seed;
-use compile::{Catalog, compile};
+use compile::{Catalog, Training, compile};
 use process::ProcessOpener;
 use world::av::Fault;
 use world::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
@@ -204,8 +204,7 @@ fn proving_grounds() -> [Scenario; 2] {
     let files = ["proving_ground.scn".into()];
     let compiled = compile(&files, &Catalog::builtin(), &read, &mut Sources::default());
     let plan = compiled.ok().and_then(|compiled| compiled.plan).expect("the texts above are sound");
-    let trainings = &plan.campaigns[0].trainings;
-    [0, 1].map(|place: usize| (*trainings[place].scenario).clone())
+    [0, 1].map(|number| (*plan.campaigns[0].nth::<Training>(number).scenario).clone())
 }
 
 /// Shows the messages on the links that it opens.

@@ -2,7 +2,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use crate::session::{Error, named};
-use compile::Campaign;
+use compile::{Campaign, Evaluation, Search};
 use results::report::RecheckNote;
 use world::env::{Scenario, VehicleRole};
 
@@ -39,13 +39,13 @@ struct Place<'a> {
 }
 
 fn places(campaign: &Campaign) -> impl Iterator<Item = Place<'_>> {
-    let evaluations = campaign.evaluations.iter().map(|evaluation| Place {
+    let evaluations = campaign.all::<Evaluation>().map(|evaluation| Place {
         policy: &evaluation.policy,
         town: &evaluation.town,
         vehicle: Some(&evaluation.vehicle),
         scenario: &evaluation.scenario,
     });
-    let searches = campaign.searches.iter().map(|search| Place {
+    let searches = campaign.all::<Search>().map(|search| Place {
         policy: &search.key.policy,
         town: &search.key.town,
         vehicle: None,

@@ -10,7 +10,7 @@ use crate::session::{EpisodeName, Error, Source};
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
 use learn::ActorCritic;
-use results::campaign::Repeatable;
+use results::jobs::Repeatable;
 use results::report::{self, Encounter, ListedFailure, Met, WalkedBy};
 use world::env::{Criterion, Outcome, Scenario, Trace, VehicleRole};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_noting, recorded_commands, walk_again};

@@ -8,7 +8,7 @@ use super::RecheckArgs;
 use super::driver_pairs::{DriverPair, driver_pairs, new_role, with_driver};
 use super::encounters::{MetAgain, cross};
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
-use compile::{Campaign, RunId};
+use compile::{Campaign, Evaluation, RunId, Search};
 use results::report::{
     CrossedStarts, Encounter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy,
 };
@@ -195,7 +195,7 @@ impl Sides {
         let run = EpisodeName { run, number: failures.first().map_or(0, |failure| failure.number as u32) };
         let gone = || self.old.run_gone(run.run);
         let is_old_there = self.is_there(&pair.before);
-        if let Some((_, evaluation)) = self.old.evaluation(run) {
+        if let Some(evaluation) = self.old.evaluation(run) {
             let trained = self.old.trained(evaluation)?;
             let role =
                 new_role(&self.new, &pair.after, &evaluation.town, Some(&evaluation.vehicle)).ok_or_else(gone)?;
@@ -273,9 +273,9 @@ impl Sides {
 
     /// The different setups in which the report has a driver, numbered in each town.
     fn setups(&self, driver: &str) -> Vec<Setup<'_>> {
-        let Campaign { evaluations, searches, .. } = &self.old.campaign;
-        let evaluated = evaluations.iter().map(|each| (&*each.policy, &*each.town, &each.scenario));
-        let searched = searches.iter().map(|each| (&*each.key.policy, &*each.key.town, &each.scenario));
+        let evaluated = self.old.campaign.all().map(|each: &Evaluation| (&*each.policy, &*each.town, &each.scenario));
+        let searched =
+            self.old.campaign.all().map(|each: &Search| (&*each.key.policy, &*each.key.town, &each.scenario));
         let mut setups: Vec<Setup<'_>> = Vec::new();
         for (_, town, scenario) in evaluated.chain(searched).filter(|(policy, _, _)| *policy == driver) {
             let of_town = || setups.iter().filter(|other| other.town == town);

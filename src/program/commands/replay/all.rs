@@ -12,8 +12,9 @@ use crate::cli::console;
 use crate::exit_code::ExitCode;
 use crate::session::{ChangedProgram, EpisodeName, Error, Reason, RepeatOptions, Repeated, Session, Source, reasons};
 use base::seed::Seed;
-use compile::{Campaign, Training, TrainingKey};
-use results::campaign::{self, InMemory, Silent};
+use compile::{Campaign, Job, Training, TrainingKey};
+use results::campaign::{self, NoStore, Silent};
+use results::jobs::TrainingResult;
 use results::report::StoredReport;
 
 /// Maximum number of differences that are shown.
@@ -123,26 +124,19 @@ fn differing(source: &Source, names: Vec<EpisodeName>) -> Result<Vec<Repeated>, 
 
 /// Trains all pedestrians of the report again, and compares their networks bit by bit.
 fn retrain(source: &Source) -> Retrained {
-    let of_report = |training: &&Training| source.report.pedestrian(&training.key).is_ok();
-    let trainings: Vec<Training> = source.campaign.trainings.iter().filter(of_report).cloned().collect();
-    let repeated = trainings.len();
-    let alone = Campaign {
-        trainings,
-        evaluations: Vec::new(),
-        searches: Vec::new(),
-        estimations: Vec::new(),
-        covers: Vec::new(),
-        hardenings: Vec::new(),
-        ..source.campaign.clone()
-    };
-    let finished = campaign::run(&alone, &source.seed, &InMemory::default(), &Silent);
+    let of_report = |training: &Training| source.report.pedestrian(&training.key).is_ok();
+    let is_wanted = |job: &Job| job.of().is_some_and(of_report);
+    let jobs: Vec<Job> = source.campaign.jobs.iter().filter(|job| is_wanted(job)).cloned().collect();
+    let repeated = jobs.len();
+    let alone = Campaign { jobs, ..source.campaign.clone() };
+    let finished = campaign::run(&alone, &source.seed, &NoStore, &Silent);
     let mut different = Vec::new();
-    for training in finished.trainings {
-        let again = training.result.ok().map(|trained| trained.actor_critic.to_safetensors(&BTreeMap::new()));
+    for training in finished.all::<TrainingResult>() {
+        let again = training.result.as_ref().ok().map(|trained| trained.actor_critic.to_safetensors(&BTreeMap::new()));
         let stored = source.report.pedestrian(&training.key).ok();
         let stored = stored.map(|stored| stored.to_safetensors(&BTreeMap::new()));
         if again.is_none() || again != stored {
-            different.push(training.key);
+            different.push(training.key.clone());
         }
     }
     Retrained { repeated, different }

@@ -1,48 +1,20 @@
 use crate::cli::console;
 use crate::session::Listing;
 use results::campaign::Task;
-use results::record::RunKey;
+use results::jobs::work;
 use results::store::Known;
 
 /// Prints what a run would do for a campaign and why, and what is stored already.
 pub fn list(listing: &Listing) {
     let Listing { name, campaign, tasks, report } = listing;
-    let known = |task| tasks[&task].clone();
     console::say(&format!("campaign {name}"));
-    for (number, training) in campaign.trainings.iter().enumerate() {
-        let decisions = results::campaign::units(campaign, Task::Training(number));
-        let state = told(&known(Task::Training(number)), "updates");
-        console::say(&format!("  train    {}: {decisions} decisions [{state}]", training.key));
-    }
-    for (number, evaluation) in campaign.evaluations.iter().enumerate() {
-        let chunks = (0..evaluation.chunks()).map(|chunk| known(Task::Chunk { evaluation: number, chunk }));
-        console::say(&format!(
-            "  evaluate {}: {} episodes [{}]",
-            RunKey::of(evaluation),
-            evaluation.episodes,
-            together(&chunks.collect::<Vec<_>>())
-        ));
-    }
-    for (number, search) in campaign.searches.iter().enumerate() {
-        let state = told(&known(Task::Search(number)), "episodes");
-        console::say(&format!("  search   {}: {} ticks [{state}]", search.key, search.budget));
-    }
-    for (number, estimation) in campaign.estimations.iter().enumerate() {
-        let state = told(&known(Task::Estimate(number)), "ticks");
-        console::say(&format!("  estimate {}: at most {} ticks [{state}]", estimation.key, estimation.budget));
-    }
-    for (number, cover) in campaign.covers.iter().enumerate() {
-        let state = told(&known(Task::Cover(number)), "episodes");
-        console::say(&format!("  cover    {}: at most {} episodes [{state}]", cover.key, cover.budget));
-    }
-    for (number, harden) in campaign.hardenings.iter().enumerate() {
-        let state = told(&known(Task::Harden(number)), "ticks");
-        let rounds = harden.hardening.rounds;
-        console::say(&format!(
-            "  harden   {}: {rounds} rounds, {} ticks of searches [{state}]",
-            harden.key,
-            harden.budget()
-        ));
+    for (place, job) in campaign.jobs.iter().enumerate() {
+        let (job, kind) = (work(job), work(job).kind());
+        let parts: Vec<Task> = (0..job.parts()).map(|part| Task { job: place, part }).collect();
+        let units: u64 = parts.iter().map(|task| task.units(campaign)).sum();
+        let known: Vec<&Known> = parts.iter().map(|task| &tasks[task]).collect();
+        let (verb, title, unit) = (kind.verb, job.title(), kind.unit);
+        console::say(&format!("  {verb:<8} {title}: {units} {unit} [{}]", together(&known, unit)));
     }
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();
@@ -65,12 +37,12 @@ fn told(known: &Known, unit: &str) -> String {
     }
 }
 
-/// The chunks of an evaluation in one line: the first chunk that is not stored represents the others.
-fn together(chunks: &[Known]) -> String {
-    let there = chunks.iter().filter(|known| **known == Known::Finished).count();
-    match chunks.iter().find(|known| **known != Known::Finished) {
-        None => told(&Known::Finished, ""),
-        Some(first) if chunks.len() == 1 => told(first, "episodes"),
-        Some(first) => format!("{}; {there} of {} parts are there", told(first, "episodes"), chunks.len()),
+/// The parts of a job in one line: the first part that is not stored represents the others.
+fn together(parts: &[&Known], unit: &str) -> String {
+    let there = parts.iter().filter(|known| ***known == Known::Finished).count();
+    match parts.iter().find(|known| ***known != Known::Finished) {
+        None => told(&Known::Finished, unit),
+        Some(first) if parts.len() == 1 => told(first, unit),
+        Some(first) => format!("{}; {there} of {} parts are there", told(first, unit), parts.len()),
     }
 }

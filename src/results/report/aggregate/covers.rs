@@ -1,6 +1,6 @@
 use polars::prelude::DataFrame;
 
-use crate::campaign::CoverResult;
+use crate::jobs::CoverResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
 use crate::record::{Column, Table};
 use compile::CoverKey;

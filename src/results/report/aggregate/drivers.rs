@@ -2,7 +2,7 @@ use std::cmp::Ordering;
 
 use super::search_figures::Figures;
 use super::{Cell, Failures};
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use crate::report::ListedFailure;
 use base::statistics::mean;
 use compile::Driver;

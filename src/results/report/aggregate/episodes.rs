@@ -1,7 +1,8 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
+use crate::campaign::Task;
 use crate::record::{Chunk, Chunks, RunKey, with_degrees};
-use compile::{Campaign, Evaluation};
+use compile::{Campaign, Evaluation, Job, Planned};
 
 /// All episodes of a campaign, run by run, so that only one run needs to be in memory.
 #[derive(Clone, Copy)]
@@ -19,8 +20,11 @@ impl<'a> Episodes<'a> {
     /// The runs, in the plan's order: each one controller of one training in one town against one policy.
     pub fn runs(&self) -> impl Iterator<Item = Run<'a>> {
         let chunks = self.chunks;
-        let run = move |(index, evaluation)| Run { index, evaluation, key: RunKey::of(evaluation), chunks };
-        self.campaign.evaluations.iter().enumerate().map(run)
+        let run = move |(job, planned): (usize, &'a Job)| {
+            let evaluation = planned.of()?;
+            Some(Run { job, evaluation, key: RunKey::of(evaluation), chunks })
+        };
+        self.campaign.jobs.iter().enumerate().filter_map(run)
     }
 }
 
@@ -28,7 +32,7 @@ impl<'a> Episodes<'a> {
 #[derive(Clone)]
 pub struct Run<'a> {
     /// Its place in the plan.
-    pub index: usize,
+    pub job: usize,
     pub evaluation: &'a Evaluation,
     /// The key of its rows.
     pub key: RunKey,
@@ -41,8 +45,8 @@ impl Run<'_> {
     /// # Errors
     /// Those of polars; none for what [`encode`](crate::record::encode) wrote.
     pub fn parts(&self) -> impl Iterator<Item = PolarsResult<DataFrame>> {
-        (0..self.evaluation.chunks()).filter_map(|number| {
-            let chunk = self.chunks.chunk(self.index, number)?;
+        (0..self.evaluation.parts()).filter_map(|number| {
+            let chunk = self.chunks.chunk(Task { job: self.job, part: number })?;
             let part = chunk.into_episodes(&self.key, self.evaluation.chunk(number));
             let completed = part.and_then(|mut part| {
                 if !self.evaluation.scenario.requirements.is_empty() {

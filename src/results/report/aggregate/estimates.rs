@@ -1,6 +1,6 @@
 use polars::prelude::DataFrame;
 
-use crate::campaign::EstimateResult;
+use crate::jobs::EstimateResult;
 use crate::record::columns::{POLICY, TOWN};
 use crate::record::{Column, Table};
 use world::likelihood::{Estimate, Likelihood};

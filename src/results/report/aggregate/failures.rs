@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::requirements::RequirementRow;
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use crate::record::{CellKey, RunKey};
 use crate::report::listed_failure::{ListedFailure, listed};
 use compile::RunId;

@@ -6,7 +6,7 @@ use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
 use super::run_totals::RunTotals;
 use super::{Episodes, Failures, Run, search_references};
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use crate::record::{self, EPISODES, EpisodeTable, REFERENCE_DRIVERS};
 use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
 use compile::{ControllerKind, Evaluation};

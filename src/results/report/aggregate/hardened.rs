@@ -1,6 +1,6 @@
 use polars::prelude::DataFrame;
 
-use crate::campaign::HardenResult;
+use crate::jobs::HardenResult;
 use crate::record::columns::{POLICY, RUN_ID};
 use crate::record::{Column, Table};
 use compile::HardenKey;

@@ -1,7 +1,7 @@
 use polars::prelude::DataFrame;
 use polars_io::prelude::{CsvWriter, SerWriter};
 
-use crate::campaign::TrainingResult;
+use crate::jobs::TrainingResult;
 use crate::record::columns::{REWARD, RUN, TRAIN_POLICY, TRAIN_TOWN};
 use crate::record::{Column, Table};
 use compile::TrainingKey;

@@ -1,6 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
 use crate::record::{Column, EpisodeTable, Table};
 use base::choice;
@@ -211,7 +211,7 @@ impl<'a> ProtocolRun<'a> {
 pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<ProtocolCell> {
     let mut all: Vec<ProtocolCell> = Vec::new();
     for result in searches {
-        let Some(search) = campaign.searches.iter().find(|search| search.key == result.key) else { continue };
+        let Some(search) = campaign.all::<compile::Search>().find(|search| search.key == result.key) else { continue };
         let spawn = &search.scenario.spawn;
         let Some(walk) = &spawn.target_walk else { continue };
         let names = ("", search.key.town.as_str(), search.key.policy.as_str(), spawn.name.as_str());

@@ -7,7 +7,7 @@ use super::search_figures::{
 };
 use super::searches::{BUDGET, STARTS, search_key};
 use super::survival::{MedianTime, median_time};
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Table};
 use base::statistics::{mean_interval, quantile};

@@ -5,7 +5,7 @@ use polars::prelude::DataFrame;
 #[cfg(test)]
 use super::search_figures::FAILED_STARTS;
 use super::search_figures::Figures;
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use crate::record::columns::TOWN;
 use crate::record::{Column, Interval, Table};
 use base::statistics::{holm, mean_interval_at, mean_p};

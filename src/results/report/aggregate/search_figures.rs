@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::Impact;
-use crate::campaign::SearchResult;
+use crate::jobs::SearchResult;
 use world::env::{Ending, Outcome};
 use world::falsifier::Failure;
 use world::judge::{Blame, Class, Judged, Verdict};

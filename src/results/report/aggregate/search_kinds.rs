@@ -4,7 +4,8 @@ use polars::prelude::DataFrame;
 
 use super::searches::search_key;
 use crate::analysis::{Impact, Kind};
-use crate::campaign::{Find, SearchResult};
+use crate::jobs::Find;
+use crate::jobs::SearchResult;
 use crate::record::columns::{DRIVING_MODE, EPISODE_LENGTH, IMPACT, IMPACT_SPEED, VERDICT};
 use crate::record::{Column, Table};
 use base::statistics::quantile;

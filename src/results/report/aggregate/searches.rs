@@ -9,7 +9,8 @@ use super::search_figures::{
     FIRST_FAULT, FIRST_SIMULATIONS, Figures, INJURY, PREVENTABLE, TOUCH_COUNTS, impact, per_million,
 };
 use crate::analysis::Impact;
-use crate::campaign::{Find, SearchResult};
+use crate::jobs::Find;
+use crate::jobs::SearchResult;
 use crate::record::columns::{
     BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED, POLICY,
     REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::ticks::TICKS;
 use super::{Episodes, ticks};
-use crate::campaign::{self, Finished, networks, repeat_episodes};
+use crate::campaign::Finished;
+use crate::jobs::{SearchResult, TrainingResult, networks, repeat_episodes};
 use crate::record::EpisodeTable;
 use crate::report::parquet::ParquetFile;
 use crate::report::{ReportFolder, WriteError};
@@ -52,16 +53,16 @@ impl<'a> Wanted<'a> {
         let mut wanted = Vec::new();
         for run in episodes.runs() {
             let evaluation = run.evaluation;
-            let trained = networks(evaluation, campaign, &finished.trainings);
+            let trained = networks(evaluation, finished.all::<TrainingResult>());
             let chosen = run.parts().map(|part| chosen(&part?, all)).collect::<PolarsResult<Vec<_>>>();
             let numbers = chosen.map_err(|source| WriteError::Table { name: TICKS.into(), source })?.concat();
             if !numbers.is_empty() {
                 wanted.push(Self { of: Repeatable::Evaluation(evaluation, trained), numbers });
             }
         }
-        for result in &finished.searches {
+        for result in finished.all::<SearchResult>() {
             let failures = result.spent.failures.as_slice();
-            if let Some(search) = campaign.searches.iter().find(|search| search.key == result.key) {
+            if let Some(search) = campaign.all::<Search>().find(|search| search.key == result.key) {
                 let numbers = (0..).zip(failures).map(|(number, _)| number).collect();
                 wanted.push(Self { of: Repeatable::Search(search, failures), numbers });
             }
@@ -81,7 +82,7 @@ impl<'a> Wanted<'a> {
                 let table = |number: &u32| {
                     let failure = &failures[*number as usize];
                     let (start, commands) = (failure.start, &failure.commands);
-                    let again = campaign::Repeatable::Find { search, start, commands }.repeat(seed)?;
+                    let again = crate::jobs::Repeatable::Find { search, start, commands }.repeat(seed)?;
                     Some(ticks(search.key.id, *number, &search.scenario, &again.trace))
                 };
                 numbers.iter().filter_map(table).collect()

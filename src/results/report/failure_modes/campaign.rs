@@ -2,16 +2,16 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::cell::CellModes;
 use super::sample::RunSample;
-use crate::campaign::{TrainingResult, networks};
+use crate::jobs::{TrainingResult, networks};
 use crate::record::RunKey;
 use base::seed::Seed;
-use compile::Campaign;
+use compile::{Campaign, Evaluation};
 use learn::ActorCritic;
 
 /// The failure modes of a campaign, and the starts that lead to failures.
 #[derive(Debug, Clone)]
 pub struct FailureModes<'a> {
-    campaign: &'a Campaign,
+    evaluations: Vec<&'a Evaluation>,
     trainings: &'a [TrainingResult],
     seed: Seed,
     /// The keys of the evaluations, in the plan's order.
@@ -26,8 +26,9 @@ pub struct FailureModes<'a> {
 impl<'a> FailureModes<'a> {
     /// For a campaign that has been run from this seed, before its first episode is added.
     pub fn new(campaign: &'a Campaign, trainings: &'a [TrainingResult], seed: &Seed) -> Self {
-        let keys = campaign.evaluations.iter().map(RunKey::of).collect();
-        Self { campaign, trainings, seed: *seed, keys, last: None, open: Vec::new(), cells: Vec::new() }
+        let evaluations: Vec<&Evaluation> = campaign.all().collect();
+        let keys = evaluations.iter().copied().map(RunKey::of).collect();
+        Self { evaluations, trainings, seed: *seed, keys, last: None, open: Vec::new(), cells: Vec::new() }
     }
 
     /// Adds a table of the episodes of one run or of a part of it, as [`episodes`](crate::record::episodes) makes it. Runs may come in any
@@ -45,7 +46,7 @@ impl<'a> FailureModes<'a> {
         let planned = self.keys.iter().filter(|key| key.cell == wanted.cell).count();
         if !self.last.as_ref().is_some_and(|(last, _)| is_it(&last.key)) {
             self.close();
-            let sample = RunSample::new(&self.campaign.evaluations[place], self.keys[place].clone());
+            let sample = RunSample::new(self.evaluations[place], self.keys[place].clone());
             self.last = Some((sample, planned));
         }
         let (sample, _) = self.last.as_mut().expect("it was opened above");
@@ -70,7 +71,7 @@ impl<'a> FailureModes<'a> {
     fn analyse(&mut self, mut runs: Vec<RunSample<'a>>) {
         runs.sort_by_key(|run| run.evaluation.trained.run);
         let trained: Vec<Option<&ActorCritic>> =
-            runs.iter().map(|run| networks(run.evaluation, self.campaign, self.trainings)).collect();
+            runs.iter().map(|run| networks(run.evaluation, self.trainings)).collect();
         self.cells.push(CellModes::new(runs, &trained, &self.seed));
     }
 

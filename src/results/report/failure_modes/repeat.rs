@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::sample::RunSample;
 use crate::analysis::{Approach, Kind};
-use crate::campaign::repeat_episodes;
+use crate::jobs::repeat_episodes;
 use base::seed::Seed;
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};

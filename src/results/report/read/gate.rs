@@ -10,7 +10,7 @@ use crate::report::aggregate::{
 use crate::report::compare::COMMON_STARTS;
 use crate::report::infer::cell_table;
 use base::statistics::{MIN_RUNS, mcnemar};
-use compile::{Campaign, SearchKey};
+use compile::{Campaign, Evaluation, Search, SearchKey};
 
 /// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about `search_cells`
 /// when it names a column that only that table has.
@@ -186,10 +186,10 @@ impl Gate {
     pub fn check(&self, campaigns: &[Campaign]) -> Result<(), GateError> {
         let keys = if self.about_searches {
             let keys: Vec<&SearchKey> =
-                campaigns.iter().flat_map(|each| &each.searches).map(|each| &each.key).collect();
+                campaigns.iter().flat_map(Campaign::all::<Search>).map(|each| &each.key).collect();
             Table::new("", "").columns(search_key(|key: &&SearchKey| key)).frame(&keys)
         } else {
-            let keys: Vec<CellKey> = campaigns.iter().flat_map(|each| &each.evaluations).map(CellKey::of).collect();
+            let keys: Vec<CellKey> = campaigns.iter().flat_map(Campaign::all::<Evaluation>).map(CellKey::of).collect();
             Table::new("", "").columns(cell_key(|key: &CellKey| key)).frame(&keys)
         };
         self.check_requirements(campaigns)

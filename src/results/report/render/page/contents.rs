@@ -1,7 +1,7 @@
 use polars::prelude::DataFrame;
 
 use super::{ModeCard, Players, Tally};
-use crate::campaign::{CoverResult, EstimateResult, TrainingResult};
+use crate::jobs::{CoverResult, EstimateResult, TrainingResult};
 use crate::report::render::table::Section;
 use crate::report::{Caution, Cell, CoverRow, Doubt, DriverResult, Failures, Manifest, PublishedComparison};
 use compile::Campaign;

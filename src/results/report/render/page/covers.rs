@@ -1,6 +1,6 @@
 use maud::html;
 
-use crate::campaign::CoverResult;
+use crate::jobs::CoverResult;
 use crate::report::CoverRow;
 use crate::report::render::svg::{Figure, Panel, px, short};
 use world::env::DrawnParameter;

@@ -1,4 +1,4 @@
-use crate::campaign::TrainingResult;
+use crate::jobs::TrainingResult;
 use crate::report::render::svg::{Chart, Curve, Figure, short, thousands};
 use learn::UpdateLog;
 

@@ -1,6 +1,6 @@
 use maud::html;
 
-use crate::campaign::EstimateResult;
+use crate::jobs::EstimateResult;
 use crate::report::render::svg::{Figure, Panel, px, thousands};
 use world::judge::Blame;
 use world::likelihood::Likelihood;

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::super::town::Scenery;
 use super::Replay;
-use crate::campaign::Repeated;
+use crate::jobs::Repeated;
 use crate::report::PlayedFailure;
 
 /// The failures that can be played on a page.

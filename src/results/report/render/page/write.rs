@@ -3,6 +3,7 @@ use super::modes::order;
 use super::worst::{listed, worst};
 use super::{Contents, ModeCard, Players, page};
 use crate::analysis::{Impact, Kind};
+use crate::jobs::{CoverResult, EstimateResult, HardenResult, TrainingResult};
 use crate::record::CellKey;
 use crate::report::failure_modes::Mode;
 use crate::report::render::sections::{
@@ -91,9 +92,9 @@ pub fn write_page(
             found.next().and_then(|(_, failure)| players.link(&failure.name()))
         }),
         searches,
-        estimates(&finished.estimates),
+        estimates(finished.all::<EstimateResult>()),
         (!found.covers.is_empty()).then(|| cover_section(&found.covers)),
-        hardened_section(&finished.hardened),
+        hardened_section(finished.all::<HardenResult>()),
         learnt(cells, &gathered.evidence, doubts),
         comparisons(&gathered.evidence),
         transfer(&gathered.evidence),
@@ -110,14 +111,14 @@ pub fn write_page(
         players: &players,
         runs: &gathered.runs,
         tally: &gathered.tally,
-        trainings: &finished.trainings,
+        trainings: finished.all::<TrainingResult>(),
         modes: &cards,
-        covered: &finished.covers,
+        covered: finished.all::<CoverResult>(),
         covers: &found.covers,
         published,
         published_section: published_section(published),
         sections: &sections,
-        estimates: &finished.estimates,
+        estimates: finished.all::<EstimateResult>(),
         cautions: &found.cautions,
         doubts,
         files: &folder.names()?,

@@ -1,4 +1,4 @@
-use crate::campaign::EstimateResult;
+use crate::jobs::EstimateResult;
 use crate::report::estimate_doubts;
 use crate::report::render::table::{Column, Section, Table, Value};
 use world::judge::Blame;

@@ -1,4 +1,4 @@
-use crate::campaign::HardenResult;
+use crate::jobs::HardenResult;
 use crate::report::aggregate::{HardenedTotals, lost_progress};
 use crate::report::render::table::{Column, Section, Table, Value};
 use base::signature::short;

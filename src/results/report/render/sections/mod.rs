@@ -40,7 +40,7 @@ pub use trainings::trainings_section;
 pub use transfer::transfer;
 
 use super::table::{Section, Table};
-use crate::campaign::EstimateResult;
+use crate::jobs::EstimateResult;
 use crate::report::{Cell, CellRequirement, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell, SearchComparison};
 
 /// The rates of a campaign's controllers as text for a terminal of this width (columns); empty without cells.

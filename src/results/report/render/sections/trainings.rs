@@ -1,4 +1,4 @@
-use crate::campaign::TrainingResult;
+use crate::jobs::TrainingResult;
 use crate::report::Spread;
 use crate::report::render::table::{Column, Section, Table, Value};
 use compile::TrainingKey;

@@ -1,9 +1,9 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use super::{TrainingResult, watch};
+use super::watch;
 use base::seed::Seed;
-use compile::{Campaign, Evaluation, Search};
+use compile::{Evaluation, Planned, Search};
 use learn::ActorCritic;
 use world::env::{Outcome, Scenario, Trace};
 use world::falsifier::follow;
@@ -60,7 +60,7 @@ pub fn repeat_episodes<T>(
     note: &mut dyn FnMut(&Outcome, &Trace) -> T,
 ) -> Vec<(u32, T)> {
     let mut noted = Vec::with_capacity(numbers.len());
-    if evaluation.training().is_some() && networks.is_none() {
+    if evaluation.needs().is_some() && networks.is_none() {
         return noted;
     }
     for row in numbers.chunk_by(|one, next| one + 1 == *next) {
@@ -69,15 +69,4 @@ pub fn repeat_episodes<T>(
         noted.extend((*first..).zip(watch(evaluation, networks, *first..*last + 1, seed, note, go_on)));
     }
     noted
-}
-
-/// The networks of an evaluation's pedestrian; `None` if it is untrained, or if its training failed.
-pub fn networks<'a>(
-    evaluation: &Evaluation,
-    campaign: &Campaign,
-    trainings: &'a [TrainingResult],
-) -> Option<&'a ActorCritic> {
-    let key = &campaign.trainings[evaluation.training()?].key;
-    let training = trainings.iter().find(|training| training.key == *key)?;
-    Some(&training.result.as_ref().ok()?.actor_critic)
 }

@@ -1,6 +1,5 @@
 use std::ops::{ControlFlow, Range};
 
-use super::run::training_seed;
 use base::seed::Seed;
 use compile::{ControllerKind, Evaluation, Training, episodes_seed};
 use learn::ActorCritic;
@@ -49,7 +48,7 @@ pub(super) fn watch_numbered<T>(
         ControllerKind::First => {
             let Training { config, key, .. } =
                 evaluation.first.as_deref().expect("first networks come with their training");
-            let first = first_networks(&evaluation.scenario.cast, config, &training_seed(seed, key));
+            let first = first_networks(&evaluation.scenario.cast, config, &key.seed(seed));
             Box::new(TrainedWalker::new(first, evaluation.scenario.cast.obs_dim(), ActionMode::Deterministic))
         }
     };

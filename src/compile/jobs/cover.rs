@@ -1,9 +1,8 @@
-//! Covers in a plan: boxes of starts in which the absence of failures is shown.
-
 use std::fmt;
 use std::sync::Arc;
 
-use super::{Fingerprint, Programs, RunId};
+use super::{Job, Planned};
+use crate::{Fingerprint, Programs, RunId};
 use base::seed::Seed;
 use world::env::{Criterion, Scenario};
 use world::falsifier::Controller;
@@ -58,8 +57,8 @@ impl Cover {
     /// The name of what it counts.
     pub fn failure_name(&self) -> &str {
         match (self.criterion, self.blame) {
-            (Criterion::Collision, Blame::Fault) => super::campaign::FAULT,
-            (Criterion::Collision, _) => super::campaign::COLLISION,
+            (Criterion::Collision, Blame::Fault) => crate::campaign::FAULT,
+            (Criterion::Collision, _) => crate::campaign::COLLISION,
             (Criterion::Violation(place), _) => self.scenario.requirements.get(place).map_or("", |named| &*named.name),
         }
     }
@@ -67,5 +66,53 @@ impl Cover {
     /// The seed of all that it draws: the same for all drivers.
     pub fn seed(&self, seed: &Seed) -> Seed {
         seed.child("cover").child(&self.key.town).index(self.key.block.into())
+    }
+}
+
+impl Planned for Cover {
+    fn places(&self) -> Vec<(&str, &Arc<Scenario>)> {
+        vec![(&self.key.town, &self.scenario)]
+    }
+
+    fn programs(&self) -> &Programs {
+        &self.programs
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    fn units(&self, _: u32) -> u64 {
+        self.budget.into()
+    }
+
+    fn ticks(&self, part: u32) -> u64 {
+        self.units(part) * u64::from(self.scenario.episode.ticks)
+    }
+
+    fn inputs(&self) -> String {
+        let Self { key: CoverKey { pedestrian, town, policy, block, .. }, epsilon, budget, fingerprint, .. } = self;
+        let failure = self.failure_name();
+        format!("cover {pedestrian:?} {town:?} {policy:?} {block} {failure:?} {epsilon:?} {budget} {fingerprint}")
+    }
+
+    fn shorten(&mut self) {
+        self.budget = self.budget.min(30);
+    }
+
+    fn names(&self, _: &[Job]) -> Option<Vec<String>> {
+        let Self { key: CoverKey { block, pedestrian, town, policy, .. }, fingerprint, epsilon, budget, .. } = self;
+        let (failure, epsilon) = (self.failure_name(), format!("{epsilon:?}"));
+        let all: [&dyn ToString; 9] =
+            [&"cover", block, pedestrian, town, policy, fingerprint, &failure, &epsilon, budget];
+        Some(all.map(ToString::to_string).into())
+    }
+
+    fn id(&self) -> Option<RunId> {
+        Some(self.key.id)
+    }
+
+    fn id_mut(&mut self) -> Option<&mut RunId> {
+        Some(&mut self.key.id)
     }
 }

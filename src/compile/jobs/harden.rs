@@ -1,9 +1,8 @@
-//! Drivers in a plan that are to be hardened.
-
 use std::fmt;
 use std::sync::Arc;
 
-use super::{Fingerprint, Programs, RunId};
+use super::{Job, Planned};
+use crate::{Fingerprint, Programs, RunId};
 use base::seed::Seed;
 use base::signature::short;
 use world::env::Scenario;
@@ -76,6 +75,65 @@ impl Harden {
     }
 }
 
+impl Planned for Harden {
+    fn run_number(&self) -> u32 {
+        self.key.run
+    }
+
+    fn places(&self) -> Vec<(&str, &Arc<Scenario>)> {
+        let towns = self.hardening.towns.iter().chain(&self.hardening.test_towns);
+        towns.map(|(town, scenario)| (town.as_str(), scenario)).collect()
+    }
+
+    fn programs(&self) -> &Programs {
+        &self.programs
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    fn units(&self, _: u32) -> u64 {
+        self.budget()
+    }
+
+    fn inputs(&self) -> String {
+        let HardenKey { policy, block, run, .. } = &self.key;
+        format!("harden {policy:?} {block} {run} {} {}", self.fingerprint, self.settings())
+    }
+
+    /// Some falsifiers learn.
+    fn depends_on_processor(&self) -> bool {
+        true
+    }
+
+    fn shorten(&mut self) {
+        let small = Arc::make_mut(&mut self.hardening);
+        let longest = small.towns.iter().map(|(_, town)| u64::from(town.episode.ticks + town.most_run_up())).max();
+        small.budget = small.budget.min(10 * longest.unwrap_or(0));
+        small.rounds = 1;
+        small.candidates = small.candidates.min(3);
+        small.lessons = small.lessons.min(2);
+        small.traffic = small.traffic.min(2);
+        small.episodes = small.episodes.min(5);
+    }
+
+    fn names(&self, _: &[Job]) -> Option<Vec<String>> {
+        let Self { key: HardenKey { block, policy, run, .. }, fingerprint, .. } = self;
+        let settings = self.settings();
+        let all: [&dyn ToString; 6] = [&"harden", block, policy, run, fingerprint, &settings];
+        Some(all.map(ToString::to_string).into())
+    }
+
+    fn id(&self) -> Option<RunId> {
+        Some(self.key.id)
+    }
+
+    fn id_mut(&mut self) -> Option<&mut RunId> {
+        Some(&mut self.key.id)
+    }
+}
+
 /// A policy as the files write it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenPolicy {
@@ -97,11 +155,11 @@ pub enum VariedKey {
 }
 
 /// The key with the parameters of a program.
-pub(super) const PARAMETERS: &str = "parameters";
+pub(crate) const PARAMETERS: &str = "parameters";
 
 impl VariedKey {
     /// Whether it is the value of this key.
-    pub(super) fn is_key(&self, name: &str) -> bool {
+    pub(crate) fn is_key(&self, name: &str) -> bool {
         matches!(self, Self::Key { key, .. } if *key == name)
     }
 
