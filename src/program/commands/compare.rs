@@ -11,7 +11,9 @@ use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, Error};
 use results::record::TableReference;
-use results::report::{self, FailureChange, PlayedPair, ReportComparison, Side, StoredReport};
+use results::report::{
+    self, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, StoredReport,
+};
 
 /// Maximum number of failures in each list for people.
 pub const MAX_SHOWN: usize = 10;
@@ -83,7 +85,8 @@ pub fn compare(options: &CompareArgs) -> Ended {
     let comparison = compared(&reports, drivers.as_ref()).map_err(failed)?;
     match options.format {
         Form::Text => {
-            console::say(report::comparison_for_terminal(&comparison, MAX_SHOWN, console::width()).trim_end())
+            let text = report::change_text(&report::comparison_report(&comparison), MAX_SHOWN, console::width());
+            console::say(text.trim_end());
         }
         Form::Json => console::say(&as_json(&comparison).to_string()),
     }
@@ -97,13 +100,13 @@ pub fn compare(options: &CompareArgs) -> Ended {
 pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
     let cells = Subject {
         judge: &|gate| gate.judge(&report::compared_cells(&comparison.cells)),
-        titles: comparison.cells.iter().map(report::comparison_title).collect(),
+        titles: comparison.cells.iter().map(ComparedCell::title).collect(),
         things: "place, driver and controller",
         is_idle: false,
     };
     let searches = Subject {
         judge: &|gate| gate.judge(&report::compared_search_table(&comparison.searches)),
-        titles: comparison.searches.iter().map(report::compared_search_title).collect(),
+        titles: comparison.searches.iter().map(ComparedSearch::title).collect(),
         things: "search",
         is_idle: false,
     };
@@ -128,9 +131,10 @@ pub fn compared(reports: &[PathBuf; 2], drivers: Option<&[String; 2]>) -> Result
 
 /// Writes a page that plays both episodes of the worst changes side by side.
 fn write_page(comparison: &ReportComparison, path: &Path, options: &RepeatArgs) -> Result<(), ExitCode> {
-    let chosen = report::worst_changes(comparison, MAX_PLAYED);
+    let chosen = FailureChange::worst(&comparison.changes, MAX_PLAYED);
     let pairs = played(comparison, &chosen, options).map_err(failed)?;
-    report::write_file(path, report::comparison_page(comparison, &pairs).as_bytes()).map_err(unwritten)?;
+    let page = report::change_page(&report::comparison_report(comparison), &pairs);
+    report::write_file(path, page.as_bytes()).map_err(unwritten)?;
     console::note(&path.display().to_string());
     Ok(())
 }
@@ -153,7 +157,11 @@ fn played(
             let again = sources[side].repeat(name)?;
             Ok(report::Replay::of_episode(&again.scenario, &again.outcome, &again.trace, again.verdict.as_ref()))
         };
-        Ok(PlayedPair { change: (*change).clone(), replays: [side(0)?, side(1)?] })
+        let command = |side: usize| {
+            format!("falsify replay {}", comparison.folders[side].join(&change.sides[side].name).display())
+        };
+        let (replays, commands) = ([side(0)?, side(1)?], [command(0), command(1)]);
+        Ok(PlayedPair { change: (*change).clone(), replays, commands })
     };
     changes.iter().map(play).collect()
 }
@@ -162,41 +170,8 @@ fn played(
 fn as_json(comparison: &ReportComparison) -> serde_json::Value {
     let [before, after] = comparison.folders.each_ref().map(|folder| folder.display().to_string());
     let notes: Vec<String> = comparison.caveats.iter().map(ToString::to_string).collect();
-    let side = |side: &report::SideEpisode| {
-        let failure = side.failure.as_ref();
-        json!({
-            "name": side.name,
-            "collision": failure.is_some(),
-            "verdict": failure.and_then(|failure| failure.verdict).map(|verdict| verdict.name()),
-            "fault": failure.map(|failure| failure.fault),
-            "kind": failure.map(|failure| failure.kind()),
-            "impact_speed_mps": failure.map(|failure| failure.impact_speed),
-        })
-    };
-    let changes: Vec<_> = comparison
-        .changes
-        .iter()
-        .map(|change| {
-            let [before, after] = change.sides.each_ref().map(side);
-            json!({ "change": change.word(), "cell": change.cell, "before": before, "after": after })
-        })
-        .collect();
     let cells = report::json_rows(&report::compared_cells(&comparison.cells));
     let searches = report::json_rows(&report::compared_search_table(&comparison.searches));
-    let starts: Vec<_> = comparison
-        .searches
-        .iter()
-        .enumerate()
-        .flat_map(|(number, search)| search.changes.iter().map(move |change| (number, change)))
-        .map(|(search, change)| {
-            let [before, after] = change.sides.each_ref().map(|side| {
-                side.as_ref().map(|failure| {
-                    json!({ "name": failure.name(), "fault": failure.fault, "impact_speed_mps": failure.impact_speed })
-                })
-            });
-            json!({ "search": search, "run": change.run, "start": change.start, "before": before, "after": after })
-        })
-        .collect();
     let violations: serde_json::Map<String, serde_json::Value> = comparison
         .violations()
         .into_iter()
@@ -204,8 +179,18 @@ fn as_json(comparison: &ReportComparison) -> serde_json::Value {
             (name.into(), json!({ "new": changed.new, "fixed": changed.fixed, "same": changed.same }))
         })
         .collect();
+    let found = comparison.searches.iter().flat_map(|search| &search.changes);
     json!({
-        "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes, "violations": violations, "searches": searches,
-        "starts": starts,
+        "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes(&comparison.changes),
+        "violations": violations, "searches": searches, "starts": changes(found),
     })
+}
+
+/// Makes a list of changes, for programs.
+pub fn changes<'a>(all: impl IntoIterator<Item = &'a FailureChange>) -> Vec<serde_json::Value> {
+    let one = |change: &FailureChange| {
+        let [before, after] = &change.sides;
+        json!({ "change": change.word(), "where": change.place, "before": before, "after": after })
+    };
+    all.into_iter().map(one).collect()
 }

@@ -8,17 +8,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 use clap::{Args, value_parser};
 use serde_json::json;
 
-use super::compare::Form;
+use super::compare::{Form, changes};
 use super::condition::{self, Condition, Subject};
 use super::episode::RepeatArgs;
 use crate::cli::console;
-use crate::cli::failure::failed;
+use crate::cli::failure::{failed, unwritten};
 use crate::cli::input::{Reporter, session};
 use crate::cli::progress::{Counting, Showing};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Event, Observer, RecheckStage};
 use driver_pairs::DriverPair;
-use results::report::{self, Encounter, Met, Recheck, RecheckNote};
+use results::report::{self, CrossedStarts, FailureChange, Recheck, RecheckNote, RecheckedFailures};
 
 /// Maximum number of encounters in each list for people.
 const MAX_SHOWN: usize = 10;
@@ -60,6 +60,9 @@ pub struct RecheckArgs {
     /// Form of the output; `json` is one object.
     #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
     pub format: Form,
+    /// Also write a page (HTML).
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
     /// Form of the progress on the error stream.
     #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
     pub progress: Showing,
@@ -82,8 +85,16 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     reporter.end();
     let recheck = recheck?;
     match options.format {
-        Form::Text => console::say(report::recheck_for_terminal(&recheck, MAX_SHOWN, console::width()).trim_end()),
+        Form::Text => {
+            let text = report::change_text(&report::recheck_report(&recheck), MAX_SHOWN, console::width());
+            console::say(text.trim_end());
+        }
         Form::Json => console::say(&as_json(&recheck).to_string()),
+    }
+    if let Some(path) = &options.page {
+        let page = report::change_page(&report::recheck_report(&recheck), &[]);
+        report::write_file(path, page.as_bytes()).map_err(unwritten)?;
+        console::note(&path.display().to_string());
     }
     let code = judge(&conditions, &recheck)?;
     let errors = recheck.errors();
@@ -131,14 +142,14 @@ impl Observer for RecheckReporter {
 fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
     let failures = Subject {
         judge: &|gate| gate.judge(&report::rechecked_table(&recheck.failures)),
-        titles: recheck.failures.iter().map(report::rechecked_title).collect(),
+        titles: recheck.failures.iter().map(RecheckedFailures::title).collect(),
         things: "failures",
         // A report without failures has none that could be there still.
         is_idle: recheck.failures.is_empty(),
     };
     let crossings = Subject {
         judge: &|gate| gate.judge(&report::crossed_table(&recheck.crossings)),
-        titles: recheck.crossings.iter().map(report::crossed_title).collect(),
+        titles: recheck.crossings.iter().map(CrossedStarts::title).collect(),
         things: "fixed list",
         is_idle: false,
     };
@@ -157,33 +168,16 @@ fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
 
 /// Makes an object of a recheck, for programs.
 fn as_json(recheck: &Recheck) -> serde_json::Value {
-    let met = |met: Met| json!({ "collision": met.is_collision(), "fault": met.fault, "impact_speed_mps": met.impact_speed, "error": met.error });
-    let encounter = |each: &Encounter| (each.before.map(met), met(each.after));
     let notes: Vec<String> = recheck.notes.iter().map(ToString::to_string).collect();
-    let failures = recheck.failures.iter().enumerate().flat_map(|(set, row)| {
-        row.encounters.iter().map(move |each| {
-            let (before, after) = encounter(each);
-            json!({ "set": set, "name": each.name, "start": each.start, "before": before, "after": after })
-        })
-    });
-    // Encounters that are a fault for no driver are many and say nothing.
-    let crossings = recheck.crossings.iter().enumerate().flat_map(|(set, row)| {
-        let told = row
-            .encounters
-            .iter()
-            .filter(|each| each.is_error() || each.after.fault || each.fault_before() == Some(true));
-        told.map(move |each| {
-            let (before, after) = encounter(each);
-            json!({ "set": set, "start": each.start, "crossing": each.crossing, "before": before, "after": after })
-        })
-    });
+    let failures: Vec<FailureChange> = recheck.failures.iter().flat_map(RecheckedFailures::changes).collect();
+    let crossings: Vec<FailureChange> = recheck.crossings.iter().flat_map(CrossedStarts::changes).collect();
     json!({
         "report": recheck.report.display().to_string(),
         "files": recheck.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "notes": notes,
         "failures": report::json_rows(&report::rechecked_table(&recheck.failures)),
         "crossings": report::json_rows(&report::crossed_table(&recheck.crossings)),
-        "failure_encounters": failures.collect::<Vec<_>>(),
-        "crossing_encounters": crossings.collect::<Vec<_>>(),
+        "failure_changes": changes(&failures),
+        "crossing_changes": changes(&crossings),
     })
 }

@@ -5,6 +5,7 @@
 
 mod aggregate;
 mod infer;
+mod failure_change;
 mod compare;
 mod recheck;
 mod failure_modes;
@@ -38,11 +39,11 @@ pub use aggregate::{
 pub use catalogue::{catalogue, column_reference};
 pub use caution::Caution;
 pub use compare::{
-    Caveat, Changed, ComparedCell, ComparedSearch, FailureChange, Incomparable, ReportComparison, Side, SideEpisode,
-    StartChange, compare_reports, compared_cells, compared_search_reference, compared_search_table,
-    comparison_reference,
+    Caveat, Changed, ComparedCell, ComparedSearch, Incomparable, ReportComparison, Side, compare_reports,
+    compared_cells, compared_search_reference, compared_search_table, comparison_reference,
 };
 pub use draft::draft_in;
+pub use failure_change::{FailureChange, SideCollision, SideEnd};
 pub use failure_modes::FailureModes;
 pub use findings::Findings;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_new_file, write_table};
@@ -64,15 +65,12 @@ pub use recheck::{
     CrossedStarts, Encounter, FoundIn, Met, Recheck, RecheckNote, RecheckedFailures, StartFaults, WalkedBy,
     crossed_reference, crossed_table, rechecked_reference, rechecked_table,
 };
+pub use render::{ChangeReport, PlayedPair, Replay, change_page, change_text, comparison_report, recheck_report};
 pub use render::{
     MapPage, Narrative, StartLayer, Starts, Suite, Tally, TownView, animation, covers_for_terminal,
     drivers_for_terminal, estimates_for_terminal, failures_for_terminal, hardened_for_terminal, junit, map_page,
     narrative, overview_for_terminal, overview_page, protocol_for_terminal, requirements_for_terminal,
     results_for_terminal, searches_for_terminal, shown, spawn_map, strip, town_map,
-};
-pub use render::{
-    PlayedPair, Replay, compared_search_title, comparison_for_terminal, comparison_page, comparison_title,
-    crossed_title, recheck_for_terminal, rechecked_title, worst_changes,
 };
 pub use scenario_files::{MOST_HELD_BYTES, held_places};
 pub use table_stream::TableStream;

@@ -55,7 +55,8 @@ impl GateArgs {
         let against = |report: &CampaignReport| -> Ended {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };
             let comparison = compare::compared(&[before, report.folder.clone()], None).map_err(failed)?;
-            let text = report::comparison_for_terminal(&comparison, compare::MAX_SHOWN, console::width());
+            let text =
+                report::change_text(&report::comparison_report(&comparison), compare::MAX_SHOWN, console::width());
             match output {
                 Output::Human => console::say(text.trim_end()),
                 // The output has events only.

@@ -11,7 +11,7 @@ use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::infer::{Comparison, Figure, adjust, sides};
 use crate::report::listed_failure::listed;
 use crate::report::read::StoredRun;
-use crate::report::{ListedFailure, ReadError};
+use crate::report::{FailureChange, ListedFailure, ReadError, SideCollision, SideEnd};
 use world::judge::Label;
 
 /// Two sides, compared over the starts that they share.
@@ -80,58 +80,6 @@ impl Changed {
     }
 }
 
-/// A common start from which at least one side has a collision.
-#[derive(Debug, Clone)]
-pub struct FailureChange {
-    /// The index of its cell.
-    pub cell: usize,
-    /// The episode on the first side and on the second.
-    pub sides: [SideEpisode; 2],
-}
-
-/// An episode of one side.
-#[derive(Debug, Clone)]
-pub struct SideEpisode {
-    /// Its name in its report, `RUN:EPISODE`.
-    pub name: String,
-    /// Its collision, if it ends in one.
-    pub failure: Option<ListedFailure>,
-}
-
-impl FailureChange {
-    /// The words of changes: those that count against the second side first.
-    ///
-    /// `new` and `fixed` are collisions of one side. `worse` and `better` are collisions of both sides that are a fault on one.
-    pub const WORDS: [&'static str; 5] = ["new", "worse", "fixed", "better", "same"];
-
-    /// One of [`FailureChange::WORDS`].
-    pub fn word(&self) -> &'static str {
-        match [&self.sides[0].failure, &self.sides[1].failure] {
-            [Some(_), None] => "fixed",
-            [None, Some(_)] => "new",
-            [Some(before), Some(after)] if after.fault && !before.fault => "worse",
-            [Some(before), Some(after)] if before.fault && !after.fault => "better",
-            _ => "same",
-        }
-    }
-
-    /// The verdict, or both if they differ: `unpreventable → fault`.
-    pub fn verdict(&self) -> String {
-        match [&self.sides[0].failure, &self.sides[1].failure] {
-            [Some(before), Some(after)] if before.word() != after.word() => {
-                format!("{} → {}", before.word(), after.word())
-            }
-            _ => self.failure().word().to_owned(),
-        }
-    }
-
-    /// The collision that describes it: that of the second side, or of the first where it is fixed.
-    pub fn failure(&self) -> &ListedFailure {
-        let [before, after] = &self.sides;
-        after.failure.as_ref().or(before.failure.as_ref()).expect("one side has a collision")
-    }
-}
-
 impl ReportComparison {
     /// The violations of each requirement that both reports have, over all cells.
     pub fn violations(&self) -> BTreeMap<&str, Changed> {
@@ -142,11 +90,11 @@ impl ReportComparison {
         sums
     }
 
-    /// The number of changes of each word and, for each, whether a collision is of this kind: counted on the side that has it.
-    pub fn counts(&self, of: impl Fn(&ListedFailure) -> String) -> BTreeMap<String, Changed> {
+    /// The collisions of either side by a word about each: those of one side alone, and those of both.
+    pub fn counts(&self, of: impl Fn(&SideCollision) -> String) -> BTreeMap<String, Changed> {
         let mut counts: BTreeMap<String, Changed> = BTreeMap::new();
         for change in &self.changes {
-            let [before, after] = change.sides.each_ref().map(|side| side.failure.as_ref().map(&of));
+            let [before, after] = change.sides.each_ref().map(|side| side.collision.as_ref().map(&of));
             match (before, after) {
                 (Some(before), Some(after)) if before == after => counts.entry(before).or_default().same += 1,
                 (before, after) => {
@@ -181,7 +129,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     }
     let (mut compared, mut changes) = (Vec::new(), Vec::new());
     let (mut unpaired, mut all) = (0, 0);
-    for (number, cell) in cells.iter().enumerate() {
+    for cell in &cells {
         let mut frames = [Vec::new(), Vec::new()];
         let mut found = ComparedCell {
             keys: [cell[0].0.key.cell.clone(), cell[0].1.key.cell.clone()],
@@ -207,13 +155,10 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             let other = listed(&b).map_err(broken(&after))?;
             let names = [episodes(&a).map_err(broken(&before))?, episodes(&b).map_err(broken(&after))?];
             for (row, partner) in &rows {
-                let sides = [(0, *row, &one, first), (1, *partner, &other, second)].map(|(side, row, listed, run)| {
-                    let name = format!("{}:{}", run.key.id, names[side][row]);
-                    SideEpisode { name, failure: listed.get(&row).cloned() }
-                });
-                let is = |what: fn(&ListedFailure) -> bool| {
-                    sides.each_ref().map(|side| side.failure.as_ref().is_some_and(what))
-                };
+                let ends = [(0, *row, &one, first), (1, *partner, &other, second)]
+                    .map(|(side, row, listed, run)| (format!("{}:{}", run.key.id, names[side][row]), listed.get(&row)));
+                let is =
+                    |what: fn(&ListedFailure) -> bool| ends.each_ref().map(|(_, failure)| failure.is_some_and(what));
                 let [before, after] = is(|_| true);
                 found.collisions.count(before, after);
                 let [was, now] = is(|failure| failure.verdict == Some(Label::Preventable));
@@ -221,11 +166,12 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                 let [was, now] = is(|failure| failure.fault);
                 found.fault.count(was, now);
                 for (name, changed) in &mut found.violations {
-                    let [was, now] = [0, 1].map(|side| violated[side][name].contains(&sides[side].name));
+                    let [was, now] = [0, 1].map(|side| violated[side][name].contains(&ends[side].0));
                     changed.count(was, now);
                 }
                 if before || after {
-                    changes.push(FailureChange { cell: number, sides });
+                    let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure));
+                    changes.push(FailureChange { place: found.title(), sides });
                 }
             }
             let kept = |frame: &DataFrame, rows: &mut dyn Iterator<Item = usize>| {
@@ -285,10 +231,23 @@ fn violations(side: Side<'_>) -> Result<BTreeMap<String, BTreeSet<String>>, Read
 }
 
 impl ComparedCell {
+    /// The drivers, the town and the controller.
+    pub fn title(&self) -> String {
+        let before = &self.keys[0];
+        let drivers = drivers(&self.keys.each_ref().map(|key| key.policy.clone()));
+        let who = if before.is_of_reward() { before.who() } else { before.controller.clone() };
+        format!("{drivers} in {}, {who}", before.town)
+    }
+
     /// A figure, if both sides have it.
     pub fn figure(&self, figure: Figure) -> Option<&Comparison> {
         self.figures.iter().find(|each| each.figure == figure)
     }
+}
+
+/// The driver of both sides, or both drivers.
+pub fn drivers([before, after]: &[String; 2]) -> String {
+    if before == after { before.clone() } else { format!("{before} and {after}") }
 }
 
 /// The rows of episodes with the same number and the same start in two runs. Only episodes that count are compared.
@@ -309,33 +268,4 @@ fn common(before: &DataFrame, after: &DataFrame) -> PolarsResult<Vec<(usize, usi
 fn episodes(rows: &DataFrame) -> PolarsResult<Vec<u32>> {
     let table = EpisodeTable::new(rows)?;
     Ok(table.rows().map(|row| table.episode(row)).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::listed_failure::tests::failure;
-
-    fn side(what: Option<(Label, bool)>) -> SideEpisode {
-        let failure = what.map(|(verdict, fault)| failure(Some(verdict), fault, 1.0));
-        SideEpisode { name: "1a2b3c4d:0".into(), failure }
-    }
-
-    #[test]
-    fn a_collision_of_both_sides_that_is_a_fault_on_one_is_not_the_same() {
-        let (fault, spared) = (Some((Label::Preventable, true)), Some((Label::Unpreventable, false)));
-        let narrow = Some((Label::Preventable, false));
-        for (before, after, word, verdict) in [
-            (None, fault, "new", "fault"),
-            (spared, None, "fixed", "unpreventable"),
-            (spared, fault, "worse", "unpreventable → fault"),
-            (fault, narrow, "better", "fault → preventable"),
-            (spared, narrow, "same", "unpreventable → preventable"),
-            (fault, fault, "same", "fault"),
-        ] {
-            let change = FailureChange { cell: 0, sides: [side(before), side(after)] };
-            assert_eq!((change.word(), change.verdict().as_str()), (word, verdict));
-            assert!(FailureChange::WORDS.contains(&word));
-        }
-    }
 }

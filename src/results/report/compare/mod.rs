@@ -10,7 +10,7 @@ mod searches;
 mod table;
 
 pub use caveat::Caveat;
-pub use comparison::{Changed, ComparedCell, FailureChange, ReportComparison, SideEpisode, compare_reports};
+pub use comparison::{Changed, ComparedCell, ReportComparison, compare_reports, drivers};
 pub use matching::{Incomparable, Side};
-pub use searches::{ComparedSearch, StartChange, compared_search_reference, compared_search_table};
+pub use searches::{ComparedSearch, compared_search_reference, compared_search_table};
 pub use table::{COMMON_STARTS, compared_cells, comparison_reference};

@@ -3,13 +3,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use polars::prelude::DataFrame;
 
-use super::comparison::Changed;
+use super::comparison::{Changed, drivers};
 use super::matching::Side;
 use crate::record::columns::{POLICY, TOWN};
 use crate::record::{Column, Entry, Interval, Table, TableReference};
 use crate::report::aggregate::{BUDGET, FALSIFIER, SEARCH_BLOCK};
 use crate::report::read::StoredSearch;
-use crate::report::{FailureOrder, ListedFailure, ReadError};
+use crate::report::{FailureChange, FailureOrder, ListedFailure, ReadError, SideEnd};
 use base::statistics::{disagreement, holm, mcnemar, mean_interval_at, mean_p};
 use world::falsifier::StartSet;
 use world::judge::Label;
@@ -47,31 +47,15 @@ pub struct ComparedSearch {
     /// The same, adjusted by Holm's method for all searches.
     pub holm: Option<f64>,
     /// The common starts from which at least one side found a failure.
-    pub changes: Vec<StartChange>,
-}
-
-/// A common start from which at least one side found a failure.
-#[derive(Debug, Clone)]
-pub struct StartChange {
-    pub run: u64,
-    pub start: u64,
-    /// What counts most against the driver of what either side found.
-    pub sides: [Option<ListedFailure>; 2],
-}
-
-impl StartChange {
-    /// `fixed`, `new` or `same`, by the failures that a test lets through.
-    pub fn word(&self, is: impl Fn(&ListedFailure) -> bool) -> Option<&'static str> {
-        match self.sides.each_ref().map(|side| side.as_ref().is_some_and(&is)) {
-            [true, true] => Some("same"),
-            [true, false] => Some("fixed"),
-            [false, true] => Some("new"),
-            [false, false] => None,
-        }
-    }
+    pub changes: Vec<FailureChange>,
 }
 
 impl ComparedSearch {
+    /// The falsifier, the drivers and the town.
+    pub fn title(&self) -> String {
+        format!("{} against {} in {}", self.falsifier, drivers(&self.policies), self.town)
+    }
+
     /// Second less first.
     pub fn difference(&self) -> f64 {
         self.shares[1] - self.shares[0]
@@ -191,7 +175,12 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
             let [before, after] = is(|failure| failure.fault);
             found.fault.count(before, after);
             here.count(before, after);
-            found.changes.push(StartChange { run: run[0].run, start, sides });
+            let place = found.title();
+            let sides = sides.each_ref().map(|side| match side {
+                Some(failure) => SideEnd::of_report(failure.name(), Some(failure)),
+                None => SideEnd { name: format!("start {start}"), collision: None },
+            });
+            found.changes.push(FailureChange { place, sides });
         }
         if common > 0 {
             let share = |count: u64| count as f64 / common as f64;
@@ -355,9 +344,9 @@ mod tests {
         let (low, high) = found.interval_at(0.05).unwrap();
         let (middle, half) = (1.0 / 6.0, 1.959_964 * libm::sqrt((0.5 - 1.0 / 36.0) / 6.0));
         assert!((low - middle + half).abs() < 1e-6 && (high - middle - half).abs() < 1e-6, "{low}..{high}");
-        let worst = found.changes.iter().find(|change| change.start == 0).unwrap();
-        assert_eq!(worst.sides[1].as_ref().unwrap().impact_speed, 5.0);
-        assert_eq!(worst.word(|failure| failure.fault), Some("same"));
+        let worst = &found.changes[0];
+        assert_eq!(worst.sides[1].collision.as_ref().unwrap().impact_speed, 5.0);
+        assert_eq!(worst.word(), "same");
     }
 
     /// A comparison of two sides that do not differ: 12 searches with these runs of 60 starts. Each start has its own chance of a fault.

@@ -1,6 +1,8 @@
 use std::collections::BTreeMap;
 
 use super::{Encounter, Met};
+use crate::report::FailureChange;
+use crate::report::compare::drivers;
 use base::statistics::mcnemar;
 
 /// The fixed list in a town: every crossing of a grid from the same starts, met by both drivers.
@@ -33,6 +35,18 @@ pub struct StartFaults {
 }
 
 impl CrossedStarts {
+    /// The drivers and the town.
+    pub fn title(&self) -> String {
+        let setup = if self.setup == 0 { String::new() } else { format!(", setup {}", self.setup) };
+        format!("{} in {}{setup}", drivers(&self.policies), self.town)
+    }
+
+    /// The crossings that are a fault of a driver, as they end for both. Empty if the old driver was not run.
+    pub fn changes(&self) -> Vec<FailureChange> {
+        let faults = self.valid().filter(|each| each.after.fault || each.fault_before() == Some(true));
+        faults.filter_map(|encounter| encounter.change(self.title())).collect()
+    }
+
     /// The number of encounters in which a driver failed as a program.
     pub fn errors(&self) -> u64 {
         self.encounters.iter().filter(|encounter| encounter.is_error()).count() as u64

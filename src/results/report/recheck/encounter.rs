@@ -1,4 +1,4 @@
-use crate::report::ListedFailure;
+use crate::report::{FailureChange, FailureClass, ListedFailure, SideCollision, SideEnd};
 use world::env::Criterion;
 use world::judge::{Blame, Judged, severe_injury_risk};
 
@@ -53,6 +53,13 @@ impl Met {
         self.impact_speed.is_some()
     }
 
+    fn collision(&self) -> Option<SideCollision> {
+        let class = if self.fault { FailureClass::Fault } else { FailureClass::Unjudged };
+        let verdict = if self.fault { "fault" } else { "no fault" };
+        let impact_speed = self.impact_speed?;
+        Some(SideCollision { class, verdict, fault: self.fault, kind: String::new(), impact_speed })
+    }
+
     /// The probability of a severe injury; 0 without a collision.
     pub fn injury(&self) -> f64 {
         self.impact_speed.map_or(0.0, severe_injury_risk)
@@ -65,6 +72,16 @@ impl Met {
 }
 
 impl Encounter {
+    /// Its ends for both drivers; `None` if the old driver cannot be run, or neither has a collision.
+    pub fn change(&self, place: String) -> Option<FailureChange> {
+        let name = match self.name.as_str() {
+            "" => format!("start {}, crossing {}", self.start, self.crossing),
+            name => name.to_owned(),
+        };
+        let sides = [self.before?, self.after].map(|met| SideEnd { name: name.clone(), collision: met.collision() });
+        sides.iter().any(|side| side.collision.is_some()).then_some(FailureChange { place, sides })
+    }
+
     /// Whether a driver failed as a program, so that the encounter says nothing.
     pub fn is_error(&self) -> bool {
         self.after.error || self.before.is_some_and(|before| before.error)

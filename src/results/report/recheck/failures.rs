@@ -1,4 +1,6 @@
 use super::{Encounter, Met};
+use crate::report::FailureChange;
+use crate::report::compare::drivers;
 use base::choice;
 
 choice! {
@@ -36,6 +38,18 @@ pub struct RecheckedFailures {
 }
 
 impl RecheckedFailures {
+    /// The drivers, the town and the source of the failures.
+    pub fn title(&self) -> String {
+        let (found_in, walked_by) = (self.found_in.name(), self.walked_by.name());
+        format!("{} in {}, failures of the {found_in}, by {walked_by}", drivers(&self.policies), self.town)
+    }
+
+    /// The failures, as they end for both drivers.
+    pub fn changes(&self) -> Vec<FailureChange> {
+        let known = self.encounters.iter().filter(|encounter| !encounter.is_error());
+        known.filter_map(|encounter| encounter.change(self.title())).collect()
+    }
+
     /// The number of encounters in which a driver failed as a program.
     pub fn errors(&self) -> u64 {
         self.encounters.iter().filter(|encounter| encounter.is_error()).count() as u64

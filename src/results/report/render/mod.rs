@@ -13,20 +13,18 @@ mod summary;
 mod page;
 mod overview;
 mod junit;
-mod comparison_text;
-mod comparison_page;
-mod recheck_text;
+mod change_report;
+mod comparison_sections;
+mod recheck_sections;
 
-pub use comparison_page::{PlayedPair, comparison_page};
-pub use comparison_text::{
-    comparison_for_terminal, search_title as compared_search_title, title as comparison_title, worst_changes,
-};
+pub use change_report::{ChangeReport, PlayedPair, change_page, change_text};
+pub use comparison_sections::comparison_report;
 pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit, shown};
 pub use modes::{file_names, mode_panels, modes_section, rule_bars};
 pub use overview::{overview_for_terminal, overview_page};
 pub use page::{Replay, Tally, page_examples, write_page};
-pub use recheck_text::{crossed_title, recheck_for_terminal, rechecked_title};
+pub use recheck_sections::recheck_report;
 pub use sections::{
     cover_section, covers_for_terminal, drivers_for_terminal, estimates, estimates_for_terminal, failures_for_terminal,
     hardened_for_terminal, hardened_section, protocol, protocol_for_terminal, published_section, requirements,

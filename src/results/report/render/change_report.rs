@@ -1,0 +1,184 @@
+//! What changed between two drivers, as a text for a terminal and as a page: one HTML file with both episodes of a change side by side.
+
+use maud::{Markup, PreEscaped, html};
+
+use super::page::{OWN_SCRIPTS, Replay, badge, head, json};
+use super::table::{Column, Table, Value};
+use crate::report::{FailureChange, SideEnd};
+
+/// What the page adds to the style of reports.
+const CSS: &str = "\
+.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(20rem,100%),1fr));gap:1rem}\
+.pair>div{min-width:0}.wide{overflow-x:auto;max-width:100%}article.card{max-width:100%}";
+/// Maximum number of changes of a word that the page lists.
+const MAX_LISTED: usize = 200;
+
+/// What changed between two drivers.
+#[derive(Debug, Clone, Default)]
+pub struct ChangeReport {
+    /// What the driver before and the driver after come from.
+    pub sides: [String; 2],
+    /// What a reader must know.
+    pub notes: Vec<String>,
+    /// The result in a sentence or two.
+    pub lead: Vec<String>,
+    pub sections: Vec<ChangeSection>,
+}
+
+/// A part of it.
+#[derive(Debug, Clone, Default)]
+pub struct ChangeSection {
+    pub heading: String,
+    pub paragraphs: Vec<String>,
+    pub tables: Vec<Table>,
+    /// The changes that it lists, by their words.
+    pub changes: Vec<FailureChange>,
+}
+
+/// A change with both of its episodes.
+#[derive(Debug, Clone)]
+pub struct PlayedPair {
+    pub change: FailureChange,
+    /// The episode of the driver before and of the driver after.
+    pub replays: [Replay; 2],
+    /// The commands that show them.
+    pub commands: [String; 2],
+}
+
+/// The text for a terminal of this width (columns). `shown` is the maximum number of changes in each list.
+pub fn change_text(report: &ChangeReport, shown: usize, width: u16) -> String {
+    let [before, after] = &report.sides;
+    let mut text = format!("before  {before}\nafter   {after}\n");
+    report.notes.iter().for_each(|note| text.push_str(&format!("note    {note}\n")));
+    if !report.lead.is_empty() {
+        text.push_str(&format!("\n{}\n", report.lead.join("\n")));
+    }
+    for section in &report.sections {
+        text.push_str(&format!("\n{}\n", section.heading));
+        section.tables.iter().for_each(|table| text.push_str(&table.to_terminal(width)));
+        section.paragraphs.iter().for_each(|paragraph| text.push_str(&format!("{paragraph}\n")));
+        for (title, all) in section.lists() {
+            text.push_str(&format!("\n{title}: {}, the worst first\n", all.len()));
+            text.push_str(&list(&all[..all.len().min(shown)]).to_terminal(width));
+        }
+    }
+    text
+}
+
+impl ChangeSection {
+    /// The changes of each word that has some, with the title of the word.
+    fn lists(&self) -> impl Iterator<Item = (&'static str, Vec<&FailureChange>)> {
+        let titles = [
+            "new",
+            "worse, a collision of both that is a fault only after",
+            "fixed",
+            "better, a collision of both that was a fault only before",
+            "same",
+        ];
+        let of_word = |(word, title)| (title, FailureChange::of_word(&self.changes, word));
+        FailureChange::WORDS.into_iter().zip(titles).map(of_word).filter(|(_, all)| !all.is_empty())
+    }
+}
+
+/// Changes with the names of both episodes.
+fn list(changes: &[&FailureChange]) -> Table {
+    let mut head = vec![Column::text("after"), Column::text("before"), Column::text("verdict")];
+    head.extend(["m/s before", "m/s after"].map(Column::number));
+    head.extend(["where", "kind"].map(Column::text));
+    let row = |change: &&FailureChange| {
+        let [before, after] = &change.sides;
+        let speed = |side: &SideEnd| Value::Number(side.collision.as_ref().map(|found| found.impact_speed), 1);
+        vec![
+            Value::Code(after.name.clone()),
+            Value::Code(before.name.clone()),
+            change.verdict().into(),
+            speed(before),
+            speed(after),
+            change.place.clone().into(),
+            change.collision().kind.clone().into(),
+        ]
+    };
+    Table { head, rows: changes.iter().map(row).collect(), ..Table::default() }
+}
+
+/// The page. It needs no other file and no network.
+pub fn change_page(report: &ChangeReport, pairs: &[PlayedPair]) -> String {
+    let [before, after] = &report.sides;
+    let page = html! {
+        (PreEscaped("<!doctype html>"))
+        html lang="en" {
+            (head(&format!("Comparison of {before} and {after}"), None, OWN_SCRIPTS, &[CSS]))
+            body {
+                header.top {
+                    p.kind { "falsify · comparison" }
+                    h1 { "What changed" }
+                    @for line in &report.lead { p.lead { (line) } }
+                    p.meta { "before " code { (before) } " · after " code { (after) } }
+                    @for note in &report.notes { p.warn { (with_code(note)) } }
+                    button #theme type="button" hidden { "Dark" }
+                }
+                main #main {
+                    @if !pairs.is_empty() {
+                        section #played {
+                            h2 { "Side by side" }
+                            @for (number, pair) in pairs.iter().enumerate() { (card(number, pair)) }
+                        }
+                    }
+                    @for section in &report.sections {
+                        section {
+                            h2 { (section.heading) }
+                            @for paragraph in &section.paragraphs { p { (paragraph) } }
+                            @for table in &section.tables { div.wide { (table.to_html()) } }
+                            @for (title, all) in section.lists() {
+                                details.all {
+                                    summary { (title) ": " (all.len()) ", the worst first" }
+                                    div.wide { (list(&all[..all.len().min(MAX_LISTED)]).to_html()) }
+                                }
+                            }
+                        }
+                    }
+                }
+                script { (PreEscaped(include_str!("page/page.js"))) (PreEscaped(include_str!("page/player.js"))) }
+            }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+/// A sentence in which words between backticks are code.
+fn with_code(text: &str) -> Markup {
+    html! {
+        @for (place, part) in text.split('`').enumerate() {
+            @if place % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
+}
+
+fn card(number: usize, pair: &PlayedPair) -> Markup {
+    let (change, collision) = (&pair.change, pair.change.collision());
+    html! {
+        article.card {
+            header {
+                h3 { (change.word()) ": " (collision.kind) }
+                (badge(collision.class, &change.verdict()))
+            }
+            p.where { (change.place) }
+            div.pair {
+                @for (side, word) in ["before", "after"].into_iter().enumerate() {
+                    div {
+                        p {
+                            strong { (word) } ": "
+                            @match &change.sides[side].collision {
+                                Some(found) => { (format!("hit at {:.1} m/s", found.impact_speed)) },
+                                None => { "no collision" },
+                            }
+                        }
+                        div.player data-replay={ "replay-" (number) "-" (side) } {}
+                        p.replay { code { (pair.commands[side]) } }
+                        script type="application/json" id={ "replay-" (number) "-" (side) } { (PreEscaped(json(&pair.replays[side]))) }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! What a recheck found.
+
+use super::change_report::{ChangeReport, ChangeSection};
+use super::comparison_sections::p;
+use super::table::{Column, Table, Value};
+use crate::report::compare::drivers;
+use crate::report::{CrossedStarts, Met, Recheck, RecheckedFailures, StartFaults};
+
+/// The result of a recheck.
+pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
+    let files: Vec<String> = recheck.files.iter().map(|file| file.display().to_string()).collect();
+    let mut met = ChangeSection {
+        heading: "failures of the report, met again by the new driver".into(),
+        changes: recheck.failures.iter().flat_map(RecheckedFailures::changes).collect(),
+        ..ChangeSection::default()
+    };
+    match recheck.failures.as_slice() {
+        [] => met.paragraphs.push("the report has none of these drivers".into()),
+        rows => met.tables.push(failures(rows)),
+    }
+    let crossed = recheck.crossings.iter().map(|row| ChangeSection {
+        heading: format!("{}: {} crossings from each of {} starts", row.title(), row.crossings, row.starts().len()),
+        paragraphs: verdict(row),
+        tables: vec![crossings(row)],
+        changes: row.changes(),
+    });
+    ChangeReport {
+        sides: [
+            recheck.report.display().to_string(),
+            if files.is_empty() { "the same files".into() } else { files.join(" ") },
+        ],
+        notes: recheck.notes.iter().map(ToString::to_string).collect(),
+        lead: Vec::new(),
+        sections: std::iter::once(met).chain(crossed).collect(),
+    }
+}
+
+fn failures(rows: &[RecheckedFailures]) -> Table {
+    let mut head = vec![Column::text("driver"), Column::text("town"), Column::text("found in"), Column::text("by")];
+    head.extend(
+        ["failures", "faults", "still faults", "turned faults", "still collisions", "gone"].map(Column::number),
+    );
+    let row = |row: &RecheckedFailures| {
+        let count = |is: fn(&Met, &Met) -> bool| Value::Count(row.count(is));
+        vec![
+            drivers(&row.policies).into(),
+            row.town.clone().into(),
+            row.found_in.name().to_owned().into(),
+            row.walked_by.name().to_owned().into(),
+            count(|_, _| true),
+            count(|before, _| before.fault),
+            count(|before, after| before.fault && after.fault),
+            count(|before, after| !before.fault && after.fault),
+            count(|_, after| after.is_collision()),
+            count(|_, after| !after.is_collision()),
+        ]
+    };
+    Table { head, rows: rows.iter().map(row).collect(), ..Table::default() }
+}
+
+fn crossings(row: &CrossedStarts) -> Table {
+    let mut head = vec![Column::text("")];
+    head.extend(["before", "after", "new", "fixed", "same", "p"].map(Column::number));
+    let count = |count: Option<u64>| count.map_or(Value::Text("–".into()), Value::Count);
+    let p = |value: Option<f64>| Value::Text(value.map_or("–".into(), p));
+    let none = || Value::Text(String::new());
+    let faults = vec![
+        "faults".to_owned().into(),
+        count(row.count(|before, _| before.fault)),
+        Value::Count(row.valid().filter(|encounter| encounter.after.fault).count() as u64),
+        count(row.count(|before, after| !before.fault && after.fault)),
+        count(row.count(|before, after| before.fault && !after.fault)),
+        count(row.count(|before, after| before.fault && after.fault)),
+        none(),
+    ];
+    let starts = vec![
+        "starts with a fault".to_owned().into(),
+        count(row.count_starts(|faults| faults.before > 0)),
+        Value::Count(row.fault_starts_after()),
+        count(row.count_starts(|faults| faults.is_new())),
+        count(row.count_starts(|faults| faults.is_fixed())),
+        count(row.count_starts(|faults| faults.before > 0 && faults.after > 0)),
+        p(row.holm),
+    ];
+    let injury = |value: Option<f64>| Value::Number(value, 2);
+    let injuries = vec![
+        "avoidable severe injuries in 1,000 crossings".to_owned().into(),
+        injury(row.avoidable_injury_before()),
+        injury(row.avoidable_injury_after()),
+        none(),
+        none(),
+        none(),
+        p(row.p_starts()),
+    ];
+    // All collisions, also those that nobody avoids: the first to show that a driver is worse.
+    let all_injuries = vec![
+        "severe injuries in all collisions, after less before".to_owned().into(),
+        none(),
+        injury(row.injury_difference()),
+        none(),
+        none(),
+        none(),
+        none(),
+    ];
+    Table { head, rows: vec![faults, starts, injuries, all_injuries], ..Table::default() }
+}
+
+/// What the fixed list says, in sentences.
+fn verdict(row: &CrossedStarts) -> Vec<String> {
+    let counts = row.count_starts(StartFaults::is_worse).zip(row.count_starts(StartFaults::is_better));
+    let is_idle = row.count(|before, after| before.fault || after.fault) == Some(0);
+    let said = counts.map(|counts| match counts {
+        (0, 0) if is_idle => {
+            "no crossing is a fault of either driver, so the list says nothing about faults; --starts N looks at more"
+                .into()
+        }
+        (0, 0) => "from every start the new driver's faults weigh as much as those of the old one".into(),
+        (worse, better) => format!("the new driver's faults weigh more from {worse} starts, and less from {better}"),
+    });
+    let errors = Some(row.errors()).filter(|errors| *errors > 0);
+    let errors =
+        errors.map(|errors| format!("a driver failed as a program in {errors} encounters, which are left out"));
+    said.into_iter().chain(errors).collect()
+}
