@@ -328,9 +328,9 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
             repeat: RepeatOptions::default(),
         };
         let replay = session.replay(&options).unwrap();
-        let Repeated { scenario, outcome, trace, verdict, differences, .. } = &replay.episode;
+        let Repeated { scenario, trace, judged, differences, .. } = &replay.episode;
         assert!(differences.is_empty(), "{differences:?}");
-        let told = narrative(scenario, outcome, trace, verdict.as_ref());
+        let told = narrative(scenario, trace, judged);
         assert!(told.short.contains("violates") && told.short.contains("`slow_pass`"), "{}", told.short);
         let (time, text) = told.events.iter().find(|(_, text)| text.contains("violates `slow_pass`")).unwrap();
         assert!((time - failure.length).abs() < 1e-9 && text.contains("decides"), "{time} {text} {failure:?}");

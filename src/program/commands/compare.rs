@@ -155,7 +155,7 @@ fn played(
         let side = |side: usize| -> Result<report::Replay, Error> {
             let name = EpisodeName::of_table(change.sides[side].name.clone())?;
             let again = sources[side].repeat(name)?;
-            Ok(report::Replay::of_episode(&again.scenario, &again.outcome, &again.trace, again.verdict.as_ref()))
+            Ok(report::Replay::of_episode(&again.scenario, &again.trace, &again.judged))
         };
         let command = |side: usize| {
             format!("falsify replay {}", comparison.folders[side].join(&change.sides[side].name).display())

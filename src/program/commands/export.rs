@@ -222,8 +222,8 @@ fn write(repeated: &Repeated, exporter: &dyn Exporter, variant: Variant, out: &P
         title: &repeated.title,
         scenario: &repeated.scenario,
         trace: &repeated.trace,
-        outcome: &repeated.outcome,
-        verdict: repeated.verdict.as_ref(),
+        outcome: &repeated.judged.outcome,
+        verdict: repeated.judged.verdict.as_ref(),
     };
     let files = export::export(exporter, &episode, variant);
     let files = files.map_err(|source| Error::Export { name: repeated.name, source })?;

@@ -13,7 +13,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, reasons};
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::report::{self, Narrative, StoredReport};
-use world::judge::{Judged, JudgedDegree};
+use world::judge::JudgedDegree;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -132,7 +132,7 @@ fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) ->
         let table = report::ticks(which.name.run, which.name.number, &episode.scenario, &episode.trace);
         report::write_table(path, &table).map_err(unwritten)?;
     }
-    let narrative = report::narrative(&episode.scenario, &episode.outcome, &episode.trace, episode.verdict.as_ref());
+    let narrative = report::narrative(&episode.scenario, &episode.trace, &episode.judged);
     if options.json {
         console::say(&as_json(&replay, &narrative).to_string());
     } else {
@@ -158,7 +158,7 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     }
     console::say("");
     if repeated.differences.is_empty() {
-        console::say(&format!("digest {:016x}: as in the report, in every column", repeated.outcome.digest));
+        console::say(&format!("digest {:016x}: as in the report, in every column", repeated.judged.outcome.digest));
         return;
     }
     console::fail(&format!("{} differs from the report", repeated.name));
@@ -178,14 +178,13 @@ fn tell(replay: &Replay, narrative: &Narrative) {
 /// Makes an object of the result, for programs.
 fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     let Replay { report, episode: repeated, .. } = replay;
-    let outcome = &repeated.outcome;
+    let (outcome, verdict) = (&repeated.judged.outcome, repeated.judged.verdict);
     let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
     let differences = repeated.differences.iter().map(
         |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
     );
     let scenario = &repeated.scenario;
-    let judged = Judged::new(outcome, &repeated.trace.main_pair(scenario));
-    let degrees = scenario.requirements.iter().zip(&judged.degrees);
+    let degrees = scenario.requirements.iter().zip(&repeated.judged.degrees);
     let requirements: Vec<_> = degrees
         .map(|(named, JudgedDegree { degree, verdict })| {
             let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
@@ -221,9 +220,9 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
         "episode_length_s": outcome.duration,
         "ticks": outcome.ticks,
         "least_gap_m": outcome.least_gap,
-        "verdict": repeated.verdict.map(|verdict| verdict.label.name()),
-        "fault": repeated.verdict.map(|verdict| verdict.is_fault()),
-        "warning_s": repeated.verdict.map(|verdict| verdict.warning),
+        "verdict": verdict.map(|verdict| verdict.label.name()),
+        "fault": verdict.map(|verdict| verdict.is_fault()),
+        "warning_s": verdict.map(|verdict| verdict.warning),
         "requirements": requirements,
         "digest": format!("{:016x}", outcome.digest),
         "events": events.collect::<Vec<_>>(),

@@ -6,9 +6,9 @@ use compile::{Evaluation, Search};
 use results::jobs::{Find, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
-use world::env::{FailureCell, Outcome, Scenario, Trace};
+use world::env::{FailureCell, Scenario, Trace};
 use world::falsifier::Failure;
-use world::judge::{Judged, Verdict};
+use world::judge::Judged;
 
 /// An episode that was repeated.
 #[derive(Debug, Clone)]
@@ -18,12 +18,10 @@ pub struct Repeated {
     pub title: String,
     /// The scenario it belongs to.
     pub scenario: Arc<Scenario>,
-    /// Its outcome now.
-    pub outcome: Outcome,
     /// Its trace now.
     pub trace: Trace,
-    /// The verdict of the reference drivers; none without a collision.
-    pub verdict: Option<Verdict>,
+    /// Its outcome and its verdicts now.
+    pub judged: Judged,
     /// The values of its row that differ from the report.
     pub differences: Vec<Difference>,
     /// Where it starts to differ from the stored one, in words, when that is known.
@@ -36,8 +34,7 @@ impl Repeated {
         title: String,
         results::jobs::Repeated { scenario, trace, judged }: results::jobs::Repeated,
     ) -> Self {
-        let Judged { outcome, verdict, .. } = judged;
-        Self { name, title, scenario, outcome, trace, verdict, differences: Vec::new(), divergence: None }
+        Self { name, title, scenario, trace, judged, differences: Vec::new(), divergence: None }
     }
 }
 
@@ -114,14 +111,14 @@ impl Source {
             .into_iter();
         repeated.differences = differences.map(|each| each.1).collect();
         let criterion = repeated.scenario.criterion;
-        let fails = criterion.is_met(&repeated.outcome, repeated.trace.degrees());
+        let fails = criterion.is_met(&repeated.judged.outcome, repeated.trace.degrees());
         if !fails && self.search(name).is_some() {
             let failed = if criterion.requirement().is_some() { "violation" } else { "collision" };
             let (column, stored, again) = ("outcome".into(), failed.into(), "none".into());
             repeated.differences.push(Difference { column, stored, again });
         }
         if !repeated.differences.is_empty() {
-            let Repeated { scenario, outcome, trace, .. } = &repeated;
+            let Repeated { scenario, trace, judged: Judged { outcome, .. }, .. } = &repeated;
             let ticks = self.report.ticks(name.run, name.number)?;
             let now = report::ticks(name.run, name.number, scenario, trace);
             let ticks = ticks.as_ref().map(|then| (then, &now));

@@ -40,11 +40,7 @@ impl Repeatable<'_> {
                 (&search.scenario, follow(&search.scenario, search.starts(seed), start, commands)?)
             }
         };
-        let pair = trace.main_pair(scenario);
-        let judged = match self {
-            Self::Episode { .. } => Judged::new(&outcome, &pair),
-            Self::Find { .. } => Judged::by(scenario.criterion, &outcome, &pair),
-        };
+        let judged = Judged::new(&outcome, &trace.main_pair(scenario));
         Some(Repeated { scenario: scenario.clone(), trace, judged })
     }
 }

@@ -1,6 +1,6 @@
 use world::av::DrivingMode;
 use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
-use world::judge::{ContactSide, Label, NoVerdict, Reference, Verdict, ViolationVerdict};
+use world::judge::{ContactSide, Judged, JudgedDegree, Label, NoVerdict, Reference, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 use crate::report::aggregate::unit_of;
@@ -24,7 +24,8 @@ pub struct Narrative {
 }
 
 /// Describes an episode: its start, when the pedestrian is in sight, the driver's actions, the end, and whether it was avoidable.
-pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> Narrative {
+pub fn narrative(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Narrative {
+    let (outcome, verdict) = (&judged.outcome, judged.verdict.as_ref());
     let (pair, dt) = (trace.main_pair(scenario), scenario.episode.tick);
     let frames: Vec<Frame> = pair.frames().collect();
     let time = |tick: usize| tick as f64 * dt;
@@ -59,12 +60,11 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
         };
         events.push((outcome.duration, format!("the episode is in no rate, since {why}")));
     }
-    let violations = violations(scenario, trace);
     let mut insert = |instant: f64, text: String| {
         let place = events.partition_point(|(time, _)| *time <= instant);
         events.insert(place, (instant, text));
     };
-    for Violated { named, degree, verdict } in &violations {
+    for (named, JudgedDegree { degree, verdict }) in violations(scenario, judged) {
         let instant = (f64::from(degree.sample) * dt).min(outcome.duration);
         let text = format!("violates `{}`{}; {}", named.name, violated_part(named, degree), blame(named, *verdict));
         insert(instant, text);
@@ -73,15 +73,24 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
         }
     }
     Narrative {
-        short: [in_short(scenario, outcome, trace, verdict), violated(&violations)].concat(),
+        short: in_short(scenario, trace, judged),
         events,
-        verdict: verdict.map(judged).unwrap_or_default(),
+        verdict: verdict.map(verdict_lines).unwrap_or_default(),
     }
 }
 
 /// An episode in a sentence or two: whether the pedestrian was in sight, whether the driver braked, how fast the car hit, and whether a careful human
-/// avoids it.
-pub fn in_short(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> String {
+/// avoids it; then what it violates, and whose fault that is.
+pub fn in_short(scenario: &Scenario, trace: &Trace, judged: &Judged) -> String {
+    let sentence = |(named, JudgedDegree { verdict, .. }): (&NamedRequirement, &JudgedDegree)| {
+        format!(" The episode violates `{}`: {}.", named.name, blame(named, *verdict))
+    };
+    let violated: String = violations(scenario, judged).map(sentence).collect();
+    how_it_ended(scenario, trace, judged) + &violated
+}
+
+fn how_it_ended(scenario: &Scenario, trace: &Trace, Judged { outcome, verdict, .. }: &Judged) -> String {
+    let verdict = verdict.as_ref();
     let pair = trace.main_pair(scenario);
     let dt = scenario.episode.tick;
     let frames: Vec<Frame> = pair.frames().collect();
@@ -124,21 +133,12 @@ pub fn in_short(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: 
     format!("{sight} The driver {brake}; the car hit{part} at {impact_speed:.1} m/s.{careful}")
 }
 
-/// A violated requirement of an episode, and whose fault that is.
-struct Violated<'a> {
-    named: &'a NamedRequirement,
-    degree: Degree,
-    verdict: Option<ViolationVerdict>,
-}
-
-fn violations<'a>(scenario: &'a Scenario, trace: &Trace) -> Vec<Violated<'a>> {
-    let pair = trace.main_pair(scenario);
-    let all = scenario.requirements.iter().zip(trace.degrees()).filter(|(_, degree)| degree.is_violated());
-    let judged = |(named, degree): (&'a NamedRequirement, &Degree)| {
-        let verdict = ViolationVerdict::new(&pair, &named.requirement, degree);
-        Violated { named, degree: *degree, verdict }
-    };
-    all.map(judged).collect()
+/// The violated requirements of an episode.
+fn violations<'a>(
+    scenario: &'a Scenario,
+    judged: &'a Judged,
+) -> impl Iterator<Item = (&'a NamedRequirement, &'a JudgedDegree)> {
+    scenario.requirements.iter().zip(&judged.degrees).filter(|(_, judged)| judged.degree.is_violated())
 }
 
 /// Whose fault a violation is: a clause without an end.
@@ -157,19 +157,6 @@ fn blame(named: &NamedRequirement, verdict: Option<ViolationVerdict>) -> String 
             None => "no verdict".into(),
         },
     }
-}
-
-/// What an episode violates, and whose fault that is, each in a sentence; empty without a violation.
-pub fn violations_in_words(scenario: &Scenario, trace: &Trace) -> String {
-    violated(&violations(scenario, trace))
-}
-
-/// The violated requirements of an episode, each in a sentence; empty without any.
-fn violated(violations: &[Violated<'_>]) -> String {
-    let sentence = |Violated { named, verdict, .. }: &Violated<'_>| {
-        format!(" The episode violates `{}`: {}.", named.name, blame(named, *verdict))
-    };
-    violations.iter().map(sentence).collect()
 }
 
 /// By how much a requirement is violated, and which comparison decides: ` by 0.31 m/s: `ego_speed < 3 m/s``.
@@ -255,7 +242,7 @@ fn ending(outcome: &Outcome, frames: &[Frame]) -> String {
 }
 
 /// The verdict and its reasons.
-fn judged(verdict: &Verdict) -> Vec<String> {
+fn verdict_lines(verdict: &Verdict) -> Vec<String> {
     let meaning = match verdict.label {
         Label::Preventable => "a careful human would have avoided it",
         Label::Contested => "the reference drivers disagree",

@@ -20,8 +20,7 @@ impl Players {
         let mut all = BTreeMap::new();
         for (name, town, Repeated { scenario, trace, judged }) in played {
             let scenery = scenery.entry(town).or_insert_with(|| Scenery::new(&scenario.town));
-            let replay = Replay::new(scenario, scenery, &judged.outcome, trace, judged.verdict.as_ref());
-            all.insert(name.clone(), replay);
+            all.insert(name.clone(), Replay::new(scenario, scenery, trace, judged));
         }
         Self { all, options }
     }

@@ -1,10 +1,10 @@
 use serde::Serialize;
 
-use super::super::episode::{in_short, violations_in_words};
+use super::super::episode::in_short;
 use super::super::town::{Scenery, Surface};
-use world::env::{Ending, Frame, Outcome, Scenario, Trace};
+use world::env::{Ending, Frame, Scenario, Trace};
 use world::geometry::{Point, Pose};
-use world::judge::{Reference, Verdict};
+use world::judge::{Judged, Reference};
 
 /// Scenery is shown up to this distance from the paths of car and pedestrian (m).
 const AROUND: f64 = 40.0;
@@ -59,13 +59,8 @@ pub struct Replay {
 
 impl Replay {
     /// Converts an episode to the player's format.
-    pub fn new(
-        scenario: &Scenario,
-        scenery: &Scenery,
-        outcome: &Outcome,
-        trace: &Trace,
-        verdict: Option<&Verdict>,
-    ) -> Self {
+    pub fn new(scenario: &Scenario, scenery: &Scenery, trace: &Trace, judged: &Judged) -> Self {
+        let (outcome, verdict) = (&judged.outcome, judged.verdict.as_ref());
         let pair = trace.main_pair(scenario);
         let frames: Vec<Frame> = pair.frames().collect();
         let last = frames.last().map_or_else(Point::origin, |frame| frame.pedestrian.pose.position());
@@ -134,13 +129,13 @@ impl Replay {
                 Reference::ALL.map(fared).into()
             }),
             touch,
-            short: [in_short(scenario, outcome, trace, verdict), violations_in_words(scenario, trace)].concat(),
+            short: in_short(scenario, trace, judged),
         }
     }
 
     /// Converts an episode that is alone on its page, with the scenery around it.
-    pub fn of_episode(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> Self {
-        Self::new(scenario, &Scenery::new(&scenario.town), outcome, trace, verdict)
+    pub fn of_episode(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Self {
+        Self::new(scenario, &Scenery::new(&scenario.town), trace, judged)
     }
 
     /// The last tick.
