@@ -60,8 +60,6 @@ keys! {
         miss_near: f64 as share() = "0",
         /// Rate of misses far away.
         miss_far: f64 as share() = "0",
-        /// Further rate of misses when just `least_visible` can be seen, falling linearly to none.
-        miss_hidden: f64 as share() = "0",
         /// Correlation time of misses: the autocorrelation after t is exp(-t / this), a miss lasts about this long.
         miss_correlation: f64 as non_negative(TIME) = "0 s",
         /// Standard deviation of the position, on either axis.
@@ -165,7 +163,6 @@ pub fn lower(block: &Block) -> SensorModel {
         far: keys.far,
         miss_near: keys.miss_near,
         miss_far: keys.miss_far,
-        miss_hidden: keys.miss_hidden,
         miss_correlation: keys.miss_correlation,
         position_noise: keys.position_noise,
         velocity_noise: keys.velocity_noise,

@@ -37,8 +37,8 @@ pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 const FUNCTIONS: &[(&str, Function, &str)] = &[
-    ("min", Function::Min, "The least of two or more quantities."),
-    ("max", Function::Max, "The greatest of two or more quantities."),
+    ("min", Function::Min, "The minimum of two or more quantities."),
+    ("max", Function::Max, "The maximum of two or more quantities."),
     ("abs", Function::Abs, "The size of a quantity, without its sign."),
     ("exp", Function::Exp, "The exponential of a plain number."),
     ("sqrt", Function::Sqrt, "The square root of a number, which must not be below 0; of an area a length."),
@@ -54,7 +54,7 @@ const ROBUSTNESS: &str = "robustness";
 /// Its bounds there.
 pub(super) const ROBUST: Bounds = (-100.0, 100.0);
 
-/// The declaration of a form with this name; none when there is none, which has been reported.
+/// The declaration of a form with this name; `None` after an error has been reported.
 pub(super) fn named(
     word: &str,
     span: Span,
@@ -74,7 +74,7 @@ pub(super) fn is_function(name: &str) -> bool {
     name == ROBUSTNESS || FUNCTIONS.iter().any(|(known, ..)| *known == name)
 }
 
-/// Checks an expression as a formula; `None` when something was wrong and has been reported.
+/// Checks an expression as a formula; `None` after an error has been reported.
 pub(super) fn formula(
     expression: &Expression,
     scope: &Scope,
@@ -328,7 +328,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Returns a part of a formula. None if it is not a number, or if it must be one and may fail to be (`lost`). A part that may
+    /// Returns a part of a formula. `None` if it is not a number, or if it must be one and may fail to be (`lost`). A part that may
     /// grow without bound is remembered, since the whole may still have a value.
     fn counted(&mut self, part: Part, lost: bool, span: Span) -> Option<Part> {
         let (low, high) = part.bounds;

@@ -9,8 +9,8 @@ use super::{Loaded, Matrix};
 use base::diagnostic::{Sources, Span};
 use base::signature::{Form, Signature, Type};
 
-/// The longest derived name (bytes) that is made of the keys and values themselves.
-const LONGEST: usize = 40;
+/// Maximum length of a derived name (bytes) that is made of the keys and values themselves.
+const MAX_PLAIN_NAME: usize = 40;
 
 /// Makes a declaration of each kind that is written where the name of a declaration is expected. It is appended to its file, and its name is
 /// derived from its text: `idm(time_headway: 1 s)` is `idm_time_headway_1_s`. Equal texts of a file are one declaration.
@@ -201,7 +201,7 @@ impl<'a> Inline<'a> {
         let plain = words.join("_");
         let digest = || format!("{kind}_{}", &blake3::hash(text.as_bytes()).to_hex()[..8]);
         let key = |name: &str| (form.to_string(), name.to_string());
-        let name = if plain.len() <= LONGEST && !self.taken.contains(&key(&plain)) { plain } else { digest() };
+        let name = if plain.len() <= MAX_PLAIN_NAME && !self.taken.contains(&key(&plain)) { plain } else { digest() };
         self.taken.insert(key(&name));
         name
     }

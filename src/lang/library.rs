@@ -81,7 +81,7 @@ pub fn holds(path: &Path) -> bool {
 /// The text of a file of the library.
 ///
 /// # Errors
-/// There is no such file.
+/// The library has no such file.
 pub fn read(path: &Path) -> std::io::Result<&'static str> {
     let name = path.strip_prefix(FOLDER).ok().and_then(Path::to_str);
     let found = FILES.iter().find(|(known, _)| Some(*known) == name);

@@ -69,8 +69,8 @@ pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Resu
     Ok(Loaded { files, roots, diagnostics })
 }
 
-/// The greatest length of a chain of imports (files).
-const LONGEST_CHAIN: usize = 256;
+/// Maximum length of a chain of imports (files).
+const MAX_CHAIN: usize = 256;
 
 struct Loader<'a> {
     read: &'a dyn Reader,
@@ -86,8 +86,8 @@ impl Loader<'_> {
         if let Some(source) = self.known.get(&key) {
             return Ok(*source);
         }
-        if importers.len() > LONGEST_CHAIN {
-            let reason = format!("it stands at the end of {LONGEST_CHAIN} files that import each other in a row");
+        if importers.len() > MAX_CHAIN {
+            let reason = format!("it stands at the end of {MAX_CHAIN} files that import each other in a row");
             return Err(std::io::Error::other(reason));
         }
         let of_library = library::holds(path);
@@ -97,7 +97,7 @@ impl Loader<'_> {
             let text = self.read.text(path)?;
             // Messages quote the files of a scenario. A file that an import names may be anything, such as a list of passwords.
             if !importers.is_empty() && !starts_with_edition(&text) {
-                return Err(std::io::Error::other("it is no scenario, since it does not start with `edition 1`"));
+                return Err(std::io::Error::other("it is not a scenario: it does not start with `edition 1`"));
             }
             self.sources.add_file(path, text)
         };

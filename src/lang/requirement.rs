@@ -216,7 +216,7 @@ impl Checker<'_> {
         Some(Temporal::Part(self.parts.len() - 1))
     }
 
-    /// The greatest scale of the variables with this dimension in a formula; without one 1, in SI.
+    /// The maximum scale of the variables with this dimension in a formula; 1 (SI) without such a variable.
     fn usual_scale(&self, margin: &Formula, dimension: Dimension) -> f64 {
         let named = |index: usize| margin.mentions(&|id| id == VariableId(index));
         let all = self.scope.vocabulary.variables.iter().enumerate();

@@ -1,11 +1,11 @@
 //! "Did you mean".
 
-/// The longest word that is compared with others (bytes): the work grows with the product of both lengths.
-const LONGEST: usize = 64;
+/// Maximum length of a word that is compared with others (bytes): the work grows with the product of both lengths.
+const MAX_LENGTH: usize = 64;
 
 /// The known word most similar to a given one, if any is similar enough.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    if word.len() > LONGEST {
+    if word.len() > MAX_LENGTH {
         return None;
     }
     let lower = word.to_lowercase();
@@ -13,8 +13,8 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     known
         .into_iter()
         .filter_map(|candidate| {
-            let most = 1 + candidate.len().min(word.len()) / 4;
-            if candidate.len() > LONGEST || candidate.len().abs_diff(word.len()) > 4 * most {
+            let max_edits = 1 + candidate.len().min(word.len()) / 4;
+            if candidate.len() > MAX_LENGTH || candidate.len().abs_diff(word.len()) > 4 * max_edits {
                 return None;
             }
             let other = candidate.to_lowercase();
@@ -22,12 +22,12 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
             let differ =
                 |a: &Letters, b: &Letters| a.iter().zip(b).map(|(a, b)| a.saturating_sub(*b) as usize).sum::<usize>();
             let others = self::letters(&other);
-            if differ(&letters, &others).max(differ(&others, &letters)) > most {
+            if differ(&letters, &others).max(differ(&others, &letters)) > max_edits {
                 return None;
             }
             let distance = strsim::damerau_levenshtein(&lower, &other);
             // If no letter is left in common, it is another word. So is a word that differs only in its digits.
-            (!numbered_otherwise(&lower, &other) && distance <= most && distance < lower.len().max(other.len()))
+            (!numbered_otherwise(&lower, &other) && distance <= max_edits && distance < lower.len().max(other.len()))
                 .then_some((candidate, distance))
         })
         .min_by_key(|(_, distance)| *distance)

@@ -187,7 +187,7 @@ fn number(bytes: &[u8]) -> usize {
     length
 }
 
-/// Length of the unit at the start of a text: `m`, `km/h`, `m/s^2`; none when its first word is a keyword.
+/// Length of the unit at the start of a text: `m`, `km/h`, `m/s^2`; `None` if its first word is a keyword.
 fn unit(bytes: &[u8]) -> Option<usize> {
     let part = |bytes: &[u8]| {
         let name = count(bytes, is_word);

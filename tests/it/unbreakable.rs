@@ -163,7 +163,7 @@ fn files_that_are_no_scenarios_are_not_quoted() {
             let all = format!("{}{}", error(&output), said(&output));
             assert_eq!(output.status.code(), Some(3), "{all}");
             assert!(!all.contains("abc123") && !all.contains("root:x"), "{import}: {all}");
-            assert!(all.contains("it is no scenario"), "{all}");
+            assert!(all.contains("it is not a scenario"), "{all}");
         }
     }
 }

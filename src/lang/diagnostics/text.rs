@@ -92,13 +92,13 @@ pub fn import_not_found(span: Span, path: &str, error: &std::io::Error) -> Diagn
 
 /// Files import each other in a cycle; they are listed in order, from the one that is imported here again.
 pub fn import_cycle(span: Span, path: &str, circle: &[String]) -> Diagnostic {
-    const MOST: usize = 8;
+    const MAX_SHOWN: usize = 8;
     let diagnostic = Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"));
     let diagnostic = match circle {
         [] | [_] => diagnostic.here("a file cannot import itself"),
         files => {
-            let mut shown: Vec<&str> = files.iter().take(MOST).map(String::as_str).collect();
-            shown.extend((files.len() > MOST).then_some("…"));
+            let mut shown: Vec<&str> = files.iter().take(MAX_SHOWN).map(String::as_str).collect();
+            shown.extend((files.len() > MAX_SHOWN).then_some("…"));
             shown.push(&files[0]);
             diagnostic.help(format!("the cycle: {}", shown.join(" → ")))
         }

@@ -122,7 +122,7 @@ pub fn rare_starts(span: Span, town: &str, found: &str) -> Diagnostic {
         .help("drawing a start takes long; `falsify check --sample 1000` shows what each constraint leaves")
 }
 
-/// No pedestrian can meet the car within an episode: its greatest speed (m/s), and the time of the episode (s).
+/// No pedestrian can meet the car within an episode: its maximum speed (m/s), and the time of the episode (s).
 pub fn unreachable(span: Span, town: &str, speed: f64, time: f64) -> Diagnostic {
     Diagnostic::warning(
         "unreachable",

@@ -3,7 +3,7 @@
 use super::marks::Marks;
 use crate::tokens::{self, TokenKind};
 
-/// A token that is no blank.
+/// A token that is not a blank.
 #[derive(Debug, Clone, Copy)]
 pub struct Token<'a> {
     pub text: &'a str,

@@ -12,7 +12,7 @@ use crate::formula::is_function;
 use crate::requirement::is_temporal;
 use crate::value::distributions;
 
-/// Greatest number of terms and operators of one expression; later phases walk it recursively.
+/// Maximum number of terms and operators of one expression; later phases walk it recursively.
 const MAX_TERMS: usize = 500;
 
 impl Reader {
@@ -42,9 +42,9 @@ impl Reader {
     }
 
     /// The operations after a term, as long as their operators bind at least this tightly.
-    fn operations(&mut self, first: Expression, pairs: &mut Peekable<Pairs<Rule>>, least: u8) -> Expression {
+    fn operations(&mut self, first: Expression, pairs: &mut Peekable<Pairs<Rule>>, min_tightness: u8) -> Expression {
         let mut left = first;
-        let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= least);
+        let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= min_tightness);
         while let Some((operator, tightness)) = pairs.peek().and_then(binds) {
             pairs.next();
             let right = self.term(pairs);
@@ -151,7 +151,7 @@ const COMPARISON: u8 = 3;
 /// That of `implies`, which groups to the right: `a implies b implies c` is `a implies (b implies c)`.
 const IMPLIES: u8 = 0;
 
-/// An operator and its precedence; none for another pair.
+/// An operator and its precedence; `None` for another pair.
 fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
     if pair.as_rule() != Rule::infix {
         return None;
@@ -168,6 +168,6 @@ fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
         "-" => (Operator::Subtract, 4),
         "*" => (Operator::Multiply, 5),
         "/" => (Operator::Divide, 5),
-        other => unreachable!("`{other}` is no operator"),
+        other => unreachable!("`{other}` is not an operator"),
     })
 }

@@ -54,7 +54,7 @@ const LINES: &[&str] = &[
     "vehicle v = kind(a: not (b) and -1 /* so */ m, c: 3 /* x */)",
 ];
 
-/// The leaves of a parse that are tokens, with their kinds; none when the text holds a mistake of syntax.
+/// The leaves of a parse that are tokens, with their kinds; `None` if the text holds a syntax error.
 fn leaves(text: &str) -> Option<Vec<(TokenKind, usize, usize)>> {
     let (_, said) = read(Sources::default().add("", text), text);
     if said.iter().any(|each| each.code == "syntax") {

@@ -49,8 +49,6 @@ keys! {
         population: usize as whole(2, 100_000) = "20",
         /// The best of them, from which it learns.
         elite: usize as whole(1, 100_000) = "5",
-        /// Weight of the elite's moments against those before.
-        smoothing: f64 as within(RATIO, 0.01, 1.0) = "0.7",
     }
 }
 
@@ -66,11 +64,7 @@ keys! {
 /// The minimiser that searches for the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Method {
-    CrossEntropy {
-        population: usize,
-        elite: usize,
-        smoothing: f64,
-    },
+    CrossEntropy { population: usize, elite: usize },
     /// None for the population that is usual for the dimensions.
     CmaEs {
         population: Option<usize>,
@@ -97,8 +91,8 @@ pub struct OpenLoop {
 impl OpenLoop {
     /// The cross-entropy method.
     pub fn cross_entropy(keys: CrossEntropyKeys) -> Self {
-        let CrossEntropyKeys { plan, population, elite, smoothing } = keys;
-        Self { method: Method::CrossEntropy { population, elite, smoothing }, plan }
+        let CrossEntropyKeys { plan, population, elite } = keys;
+        Self { method: Method::CrossEntropy { population, elite }, plan }
     }
 
     /// CMA-ES.
@@ -110,8 +104,8 @@ impl OpenLoop {
         let dimensions = cast.controlled().count() * ActionSpec::DIM * self.plan.legs;
         let middle = vec![0.0; dimensions];
         match self.method {
-            Method::CrossEntropy { population, elite, smoothing } => {
-                Box::new(CrossEntropy::new(middle, self.plan.spread, population, elite, smoothing))
+            Method::CrossEntropy { population, elite } => {
+                Box::new(CrossEntropy::new(middle, self.plan.spread, population, elite))
             }
             Method::CmaEs { population } => {
                 let population = population.unwrap_or_else(|| CmaEs::usual_population(dimensions));

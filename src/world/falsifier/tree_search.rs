@@ -14,10 +14,8 @@ keys! {
         reward: DeclarationId as Reference("reward"),
         /// Most simulations from one start.
         tries: u64 as whole(1, 1_000_000) = "200",
-        /// The k of the k N^α actions of a node with N visits.
+        /// The k of the k √N actions of a node with N visits.
         widening: f64 as within(RATIO, 0.01, 100.0) = "1",
-        /// The α of them.
-        widening_power: f64 as share() = "0.5",
         /// Weight of the confidence bound, in spans between the least and the greatest return.
         exploration: f64 as within(RATIO, 0.0, 100.0) = "0.15",
         ..on: FailureKeys,
@@ -29,7 +27,7 @@ keys! {
 /// A node represents the actions that lead to it from the start. The simulator is deterministic, so these actions are its state, and
 /// *double* progressive widening reduces to that of actions. Each simulation runs from the start and all of its ticks count, as for a
 /// simulator that cannot be reset to a state. On its way down it adds an action to a node with *N* visits while there are fewer than *k
-/// N^α* of them; otherwise it takes the action with the greatest upper confidence bound. Below the tree it acts at random. The sum of
+/// √N* of them; otherwise it takes the action with the greatest upper confidence bound. Below the tree it acts at random. The sum of
 /// rewards is backed up as a mean. New actions are drawn as the `random` falsifier draws them. Returns are scaled to the least and
 /// greatest of the tree, so the exploration constant does not depend on the reward.
 ///
@@ -122,7 +120,7 @@ impl TreeSearch {
     fn choose(&self, tree: &mut Tree, node: usize, simulator: &Simulator<'_>, stream: &mut Stream) -> (usize, bool) {
         let (next, scale) = (tree.nodes.len(), tree.scale());
         let here = &mut tree.nodes[node];
-        let allowed = self.keys.widening * libm::pow(here.visits, self.keys.widening_power);
+        let allowed = self.keys.widening * libm::pow(here.visits, 0.5);
         if here.branches.is_empty() || (here.branches.len() as f64) < allowed {
             here.branches.push(Branch { visits: 0.0, value: 0.0, node: next });
             let branch = here.branches.len() - 1;

@@ -23,8 +23,6 @@ pub struct SensorModel {
     pub miss_near: f64,
     /// Rate of misses far away.
     pub miss_far: f64,
-    /// Additional rate of misses when only `least_visible` can be seen, falling linearly to 0 when the whole actor can.
-    pub miss_hidden: f64,
     /// Correlation time of misses (s).
     pub miss_correlation: f64,
     /// Standard deviation of the position on either axis (m).
@@ -68,7 +66,6 @@ impl Default for SensorModel {
             far: 0.0,
             miss_near: 0.0,
             miss_far: 0.0,
-            miss_hidden: 0.0,
             miss_correlation: 0.0,
             position_noise: 0.0,
             velocity_noise: 0.0,
@@ -88,19 +85,18 @@ impl Default for SensorModel {
 }
 
 impl SensorModel {
-    /// The rate at which an actor in the field is missed: at a distance (m), with a visible share, in a seam
-    /// of this rate. The three causes are independent.
-    pub fn miss_rate(&self, distance: f64, visible: f64, seam: f64) -> f64 {
+    /// The rate at which an actor in the field is missed: at a distance (m), in a seam of this rate. The two causes are
+    /// independent.
+    pub fn miss_rate(&self, distance: f64, seam: f64) -> f64 {
         let beyond = distance - self.near;
         let share = if beyond <= 0.0 { 0.0 } else { (beyond / (self.far - self.near).max(1e-9)).min(1.0) };
         let plain = self.miss_near + share * (self.miss_far - self.miss_near);
-        let hidden = (1.0 - visible) / (1.0 - self.least_visible).max(1e-9);
-        1.0 - (1.0 - plain) * (1.0 - seam) * (1.0 - self.miss_hidden * hidden.clamp(0.0, 1.0))
+        1.0 - (1.0 - plain) * (1.0 - seam)
     }
 
     /// Whether a setting depends on how much of an actor is visible.
     pub fn looks(&self) -> bool {
-        self.least_visible > 0.0 || self.miss_hidden > 0.0
+        self.least_visible > 0.0
     }
 
     /// Whether measurements have errors.

@@ -126,7 +126,7 @@ fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor
         1.0
     };
     let enough = visible >= model.least_visible && (visible > 0.0 || !model.looks());
-    enough.then(|| model.miss_rate(distance, visible, seam))
+    enough.then(|| model.miss_rate(distance, seam))
 }
 
 /// The track of an actor; a new one, which needs the seed of all tracks, when the actor has none.

@@ -2,6 +2,9 @@ use super::{Optimizer, ranked};
 use base::seed::Stream;
 use learn::standard_normal;
 
+/// Weight of the elite's moments against those before.
+const SMOOTHING: f64 = 0.7;
+
 /// The cross-entropy method with a normal distribution of independent components.
 ///
 /// Each generation is drawn from the distribution. Then mean and standard deviation move towards those of the generation's elite, by the
@@ -16,14 +19,12 @@ pub struct CrossEntropy {
     sd: Vec<f64>,
     population: usize,
     elite: usize,
-    smoothing: f64,
 }
 
 impl CrossEntropy {
-    /// Starts around a point with one standard deviation for all components. `elite` is the number of best points, and
-    /// `smoothing` is the weight of its moments (0 to 1].
-    pub fn new(mean: Vec<f64>, sd: f64, population: usize, elite: usize, smoothing: f64) -> Self {
-        Self { sd: vec![sd; mean.len()], mean, population, elite: elite.clamp(1, population), smoothing }
+    /// Starts around a point with one standard deviation for all components. `elite` is the number of best points.
+    pub fn new(mean: Vec<f64>, sd: f64, population: usize, elite: usize) -> Self {
+        Self { sd: vec![sd; mean.len()], mean, population, elite: elite.clamp(1, population) }
     }
 }
 
@@ -41,8 +42,8 @@ impl Optimizer for CrossEntropy {
             let count = elite.len() as f64;
             let mean = values().sum::<f64>() / count;
             let sd = (values().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt();
-            *middle += self.smoothing * (mean - *middle);
-            *spread += self.smoothing * (sd - *spread);
+            *middle += SMOOTHING * (mean - *middle);
+            *spread += SMOOTHING * (sd - *spread);
         }
     }
 }

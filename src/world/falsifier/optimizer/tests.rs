@@ -81,7 +81,7 @@ fn cma_es_needs_as_many_evaluations_as_pycma() {
 #[test]
 fn cross_entropy_solves_the_sphere_and_is_slower_than_cma_es_on_a_rotated_ellipsoid() {
     let seed = Seed::root(3);
-    let cross_entropy = || CrossEntropy::new(start(&seed), 0.5, 50, 10, 0.7);
+    let cross_entropy = || CrossEntropy::new(start(&seed), 0.5, 50, 10);
     let sphere = evaluations(&mut cross_entropy(), &sphere, 20_000, &seed).expect("the sphere is solved");
     assert!(sphere < 3_000, "{sphere}");
     // Independent components cannot follow a narrow valley that lies across the axes.
