@@ -8,9 +8,26 @@ use lang::keywords::{WORDS, Word};
 use lang::nearest;
 use lang::{DIMENSIONS, functions, library, temporal_operators};
 
+/// Something that can be explained, under the words that lead to it.
+struct Page {
+    /// Such as `policy`, `idm`, `margin`.
+    path: Vec<&'static str>,
+    text: String,
+}
+
+/// Pages about several things.
+const TOPICS: [(&str, fn(&Catalog) -> String); 6] = [
+    ("events", Catalog::events),
+    ("variables", Catalog::variables),
+    ("functions", |_| all_functions()),
+    ("units", |_| units()),
+    ("state", |_| interface_pages::state()),
+    ("action", |_| interface_pages::action()),
+];
+
 impl Catalog {
     /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), a word of the
-    /// language (`matrix`), an event, a variable, or all `events`, `variables`, `units`.
+    /// language (`matrix`), an event, a variable, or all `events`, `variables`, `units`. Words before the last one may be left out.
     ///
     /// # Errors
     /// The name is unknown; the error offers the nearest known one.
@@ -19,111 +36,68 @@ impl Catalog {
         let point = |word: &str| if word.contains('/') { ' ' } else { '.' };
         let parts = words.iter().flat_map(|word| word.split([' ', '\t', point(word)]));
         let words: Vec<&str> = parts.filter(|word| !word.is_empty()).collect();
-        let Some((first, rest)) = words.split_first() else { return Ok(self.topics()) };
-        let mistakes = mistakes();
-        if rest.is_empty() {
-            if let Some(mistake) = mistakes.iter().find(|mistake| mistake.code == *first) {
-                return Ok(explain_mistake(mistake));
+        let Some((last, before)) = words.split_last() else { return Ok(self.topics()) };
+        let pages = self.pages();
+        let leads = |page: &&Page| {
+            let mut path = page.path[..page.path.len() - 1].iter();
+            before.iter().all(|word| path.any(|known| known == word))
+        };
+        let mut found: Vec<String> = Vec::new();
+        if before.is_empty() {
+            if let Some(page) = self.whole_page(last) {
+                return Ok(page);
             }
-            match *first {
-                "events" => return Ok(self.events()),
-                "variables" => return Ok(self.variables()),
-                "units" => return Ok(units()),
-                "state" | "states" => return Ok(interface_pages::state()),
-                "action" | "actions" => return Ok(interface_pages::action()),
-                "functions" => return Ok(all_functions()),
-                "forms" | "form" => return Ok(self.topics()),
-                "types" | "type" => return self.word(&["param"]).ok_or_else(String::new),
-                _ => {}
-            }
+            found.extend(unit(last));
         }
-        if let Some(page) = self.word(&words) {
-            return Ok(page);
-        }
-        if let [word] = words.as_slice() {
-            let pages: Vec<String> = [unit(word), dimension(word), function(word)].into_iter().flatten().collect();
-            if !pages.is_empty() {
-                return Ok(pages.join("\n"));
-            }
-        }
-        if let Some(form) = self.forms.iter().find(|form| form.name == *first) {
-            if rest.is_empty() {
-                return Ok(self.form(form.name));
-            }
-            let heads = form.kinds.iter().map(|kind| (format!("{} name = {}(…)", form.name, kind.name), kind));
-            let plain = form.plain.iter().map(|plain| (format!("{} name {{ … }}", form.name), plain));
-            // The name of a kind selects it; otherwise the words are searched in everything that the form has.
-            for (head, signature) in heads.chain(plain) {
-                let inner = if signature.name == rest[0] { &rest[1..] } else { rest };
-                if let Some(text) = inside(&head, signature, inner)
-                    && (signature.name == rest[0] || !inner.is_empty())
-                {
-                    return Ok(text);
-                }
-            }
-            return Err(unknown(&format!("{first} {}", rest.join(" ")), &self.words_of(form.name), first));
-        }
-        let mut found = self.named(&words);
-        if let [word] = words.as_slice() {
-            found.extend(self.choosing(word));
-            found.extend(in_library(word));
+        found.extend(
+            pages.iter().filter(leads).filter(|page| page.path.last() == Some(last)).map(|page| page.text.clone()),
+        );
+        if before.is_empty() {
+            found.extend(in_library(last));
         }
         if !found.is_empty() {
             return Ok(found.join("\n"));
         }
-        let mut known: Vec<&str> = mistakes.iter().map(|mistake| mistake.code).collect();
-        known.extend(["events", "variables", "functions", "units", "state", "action"]);
-        known.extend(functions().chain(temporal_operators()).map(|(name, _)| name));
-        known.extend(WORDS.iter().map(|word| word.name));
-        known.extend(self.vocabulary.events.iter().map(|event| event.name));
-        known.extend(self.vocabulary.variables.iter().map(|variable| variable.name));
-        let all: Vec<String> = self.forms.iter().flat_map(|form| self.words_of(form.name)).collect();
-        known.extend(self.forms.iter().map(|form| form.name));
-        known.extend(all.iter().map(String::as_str));
-        let known: Vec<String> = known.into_iter().map(str::to_string).collect();
-        Err(unknown(&words.join(" "), &known, ""))
+        let codes = mistakes().into_iter().map(|mistake| mistake.code);
+        let single = codes.chain(TOPICS.map(|(name, _)| name)).filter(|_| before.is_empty());
+        let known = single.chain(pages.iter().filter(leads).filter_map(|page| page.path.last().copied()));
+        let (words, before) = (words.join(" "), before.iter().map(|word| format!("{word} ")).collect::<String>());
+        Err(match nearest(last, known) {
+            Some(near) => format!("nothing is known of `{words}`; did you mean `{before}{near}`?"),
+            None => format!("nothing is known of `{words}`; `falsify explain` lists what there is"),
+        })
     }
 
-    /// Kinds and keys of that name, which may be given without their form.
-    fn named(&self, words: &[&str]) -> Vec<String> {
-        let Some((first, rest)) = words.split_first() else { return Vec::new() };
-        let mut found = Vec::new();
-        for form in &self.forms {
-            for signature in form.kinds.iter().chain(&form.plain) {
-                let head = match form.plain.as_ref().is_some_and(|plain| std::ptr::eq(plain, signature)) {
-                    true => format!("{} name {{ … }}", form.name),
-                    false => format!("{} name = {}(…)", form.name, signature.name),
-                };
-                let inner = if signature.name == *first { rest } else { words };
-                found.extend(inside(&head, signature, inner).filter(|_| signature.name == *first || !inner.is_empty()));
-                let blocks = signature.children.iter();
-                found.extend(
-                    blocks.filter_map(|block| inside(&format!("{head}, inside: {} {{ … }}", block.name), block, words)),
-                );
-            }
+    /// The page of a message, a topic or a form.
+    fn whole_page(&self, word: &str) -> Option<String> {
+        if let Some(mistake) = mistakes().iter().find(|mistake| mistake.code == word) {
+            return Some(explain_mistake(mistake));
         }
-        found
+        if let Some((_, page)) = TOPICS.iter().find(|(name, _)| *name == word) {
+            return Some(page(self));
+        }
+        self.forms.iter().any(|form| form.name == word).then(|| self.form(word))
     }
 
-    /// The keys that accept a word.
-    fn choosing(&self, word: &str) -> Vec<String> {
-        fn gather(head: &str, signature: &Signature, word: &str, found: &mut Vec<String>) {
-            let params = signature.params.iter().filter(|param| param.ty.words().contains(&word));
-            found.extend(params.map(|param| format!("{head}\n\n{}", key(param))));
-            for child in &signature.children {
-                gather(&format!("{head}, inside: {} {{ … }}", child.name), child, word, found);
-            }
-        }
-        let mut found = Vec::new();
+    /// Words of the language, events, variables, functions, types, and all kinds, blocks, keys and words of choices.
+    fn pages(&self) -> Vec<Page> {
+        let mut pages = Vec::new();
+        let mut add = |path: &[&'static str], text| pages.push(Page { path: path.to_vec(), text });
+        WORDS.iter().for_each(|word| add(&[word.name], explain_word(word)));
+        self.vocabulary.events.iter().for_each(|each| add(&["on", each.name], event(each)));
+        self.vocabulary.variables.iter().for_each(|each| add(&[each.name], variable(each)));
+        functions().chain(temporal_operators()).for_each(|(name, doc)| add(&[name], function(name, doc)));
+        DIMENSIONS.iter().for_each(|(name, of)| add(&[name], dimension(name, *of)));
         for form in &self.forms {
             for kind in &form.kinds {
-                gather(&format!("{} name = {}(…)", form.name, kind.name), kind, word, &mut found);
+                let head = format!("{} name = {}(…)", form.name, kind.name);
+                signature_pages(&[form.name, kind.name], &head, kind, &mut pages);
             }
             if let Some(plain) = &form.plain {
-                gather(&format!("{} name {{ … }}", form.name), plain, word, &mut found);
+                signature_pages(&[form.name], &format!("{} name {{ … }}", form.name), plain, &mut pages);
             }
         }
-        found
+        pages
     }
 
     /// Everything that can be explained.
@@ -160,38 +134,6 @@ impl Catalog {
             }
         }
         page
-    }
-
-    /// Names of kinds, blocks and keys of a form.
-    fn words_of(&self, form: &str) -> Vec<String> {
-        fn gather(signature: &Signature, words: &mut Vec<String>) {
-            words.push(signature.name.to_string());
-            words.extend(signature.params.iter().map(|param| param.name.to_string()));
-            signature.children.iter().for_each(|child| gather(child, words));
-        }
-        let mut words = Vec::new();
-        for form in self.forms.iter().filter(|each| each.name == form) {
-            form.kinds.iter().chain(&form.plain).for_each(|signature| gather(signature, &mut words));
-        }
-        words
-    }
-
-    /// A word of the language, an event (`hit`, `on hit`) or a variable; several of these if they share the name.
-    fn word(&self, words: &[&str]) -> Option<String> {
-        let name = match words {
-            ["on", name] | [name] => *name,
-            _ => return None,
-        };
-        let mut pages: Vec<String> = Vec::new();
-        pages.extend(WORDS.iter().filter(|word| word.name == name).map(explain_word));
-        pages.extend(self.vocabulary.events.iter().filter(|each| each.name == name).map(event));
-        let variables = self.vocabulary.variables.iter().filter(|each| each.name == name);
-        pages.extend(variables.map(variable));
-        // A form or key may have the name of an event or variable.
-        if !pages.is_empty() && words.len() == 1 {
-            pages.extend(self.named(words));
-        }
-        (!pages.is_empty()).then(|| pages.join("\n"))
     }
 
     fn events(&self) -> String {
@@ -253,30 +195,24 @@ fn unit(word: &str) -> Option<String> {
 }
 
 /// The values that a type of parameters accepts.
-fn dimension(word: &str) -> Option<String> {
-    let (name, dimension) = DIMENSIONS.iter().find(|(name, _)| *name == word)?;
+fn dimension(name: &str, dimension: Dimension) -> String {
     let units = match dimension.usual_units() {
         [] => "without a unit".to_string(),
         units => format!("in {}", units.join(", ")),
     };
-    Some(format!(
+    format!(
         "param name: {name} = …\n    {}, {units}; a range or a distribution may stand for it as well.\n",
-        if *dimension == Dimension::ANGLE { "An angle".into() } else { format!("A {dimension}") }
-    ))
+        if dimension == Dimension::ANGLE { "An angle".into() } else { format!("A {dimension}") }
+    )
 }
 
-/// The value of a function.
-fn function(word: &str) -> Option<String> {
-    functions()
-        .chain(temporal_operators())
-        .find(|(name, _)| *name == word)
-        .map(|(name, doc)| format!("{name}(…)\n    {doc}\n"))
+fn function(name: &str, doc: &str) -> String {
+    format!("{name}(…)\n    {doc}\n")
 }
 
 fn all_functions() -> String {
-    std::iter::once("Functions of formulas.\n\n".to_string())
-        .chain(functions().chain(temporal_operators()).filter_map(|(name, _)| function(name)))
-        .collect()
+    let all = functions().chain(temporal_operators()).map(|(name, doc)| function(name, doc));
+    std::iter::once("Functions of formulas.\n\n".to_string()).chain(all).collect()
 }
 
 /// The declarations of the standard library under a name.
@@ -285,23 +221,19 @@ fn in_library(word: &str) -> Vec<String> {
     library::statements(word).map(shown).collect()
 }
 
-fn unknown(word: &str, known: &[String], form: &str) -> String {
-    let last = word.rsplit(' ').next().unwrap_or(word);
-    let form = if form.is_empty() { String::new() } else { format!("{form} ") };
-    match nearest(last, known.iter().map(String::as_str)) {
-        Some(near) => format!("nothing is known of `{word}`; did you mean `{form}{near}`?"),
-        None => format!("nothing is known of `{word}`; `falsify explain` lists what there is"),
+/// The pages of a signature, its keys with the words that they accept, and its blocks.
+fn signature_pages(path: &[&'static str], head: &str, signature: &Signature, pages: &mut Vec<Page>) {
+    pages.push(Page { path: path.to_vec(), text: contents(head, signature) });
+    for param in &signature.params {
+        let text = format!("{head}\n\n{}", key(param));
+        let words = param.ty.words().iter().map(|word| [path, &[param.name, *word][..]].concat());
+        let paths = std::iter::once([path, &[param.name][..]].concat()).chain(words);
+        pages.extend(paths.map(|path| Page { path, text: text.clone() }));
     }
-}
-
-/// A signature, or a block or key inside it.
-fn inside(head: &str, signature: &Signature, words: &[&str]) -> Option<String> {
-    let Some((first, rest)) = words.split_first() else { return Some(contents(head, signature)) };
-    if let Some(param) = signature.params.iter().find(|param| param.name == *first).filter(|_| rest.is_empty()) {
-        return Some(format!("{head}\n\n{}", key(param)));
+    for child in &signature.children {
+        let head = format!("{head}, inside: {} {{ … }}", child.name);
+        signature_pages(&[path, &[child.name][..]].concat(), &head, child, pages);
     }
-    let child = signature.children.iter().find(|child| child.name == *first)?;
-    inside(&format!("{head}, inside: {} {{ … }}", child.name), child, rest)
 }
 
 fn contents(head: &str, signature: &Signature) -> String {

@@ -64,7 +64,10 @@ keys! {
 /// The minimiser that searches for the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Method {
-    CrossEntropy { population: usize, elite: usize },
+    CrossEntropy {
+        population: usize,
+        elite: usize,
+    },
     /// None for the population that is usual for the dimensions.
     CmaEs {
         population: Option<usize>,
