@@ -12,10 +12,11 @@ mod quantile;
 mod mcnemar;
 mod adjust;
 mod sample;
-mod weighted;
+mod clustered;
 mod moments;
 
 pub use adjust::holm;
+pub use clustered::ClusteredCount;
 pub use exact::{clopper_pearson, disagreement};
 pub use mcnemar::mcnemar;
 pub use moments::{RunningMean, mean, sample_deviation};
@@ -26,7 +27,6 @@ pub use student::{
     MIN_RUNS, mean_interval, mean_interval_at, mean_p, student_quantile, student_quantile_at, student_tails,
 };
 pub use uncertainty::Uncertainty;
-pub use weighted::Weighted;
 pub use wilson::wilson;
 
 /// The cases of a name that `tests/reference/statistics/record_statistics.py` has recorded, each a list of numbers.

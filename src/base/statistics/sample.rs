@@ -1,4 +1,4 @@
-use super::{MIN_RUNS, Uncertainty, Weighted};
+use super::{ClusteredCount, MIN_RUNS, Uncertainty};
 
 /// The degrees of freedom of a variance that is known.
 const KNOWN: f64 = 1e6;
@@ -20,7 +20,7 @@ pub struct Sample {
     /// Whether the members of each group come from trainings, so that they are independent of each other.
     pub trained: [bool; 2],
     /// The episodes that a figure is estimated from; if they have weights, their effective number counts.
-    pub episodes: Weighted,
+    pub episodes: ClusteredCount,
 }
 
 impl Sample {

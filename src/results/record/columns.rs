@@ -33,12 +33,6 @@ pub const BLOCK: Column<u32> = Column::new("block", "", "number of the `evaluate
 pub const EPISODE: Column<u32> =
     Column::new("episode", "", "number of the episode, from 0; equal numbers of a place have equal starts");
 
-pub const WEIGHT: Column<f64> = Column::new(
-    "weight",
-    "",
-    "how much the episode counts in rates and intervals; 1 unless its start was drawn otherwise than the scenario says",
-);
-
 pub const OUTCOME: Column<String> = Column::new(
     "outcome",
     "",

@@ -6,7 +6,7 @@ use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, LEFT_OUT,
     MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID,
-    RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+    RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
@@ -48,28 +48,12 @@ impl RunKey {
     }
 }
 
-/// The weights of a table of episodes; 1 for all where it has none.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Weights<'a>(Option<&'a Float64Chunked>);
-
-impl<'a> Weights<'a> {
-    pub(super) fn read(table: &'a DataFrame) -> PolarsResult<Self> {
-        let has = table.get_column_index(WEIGHT.name).is_some();
-        Ok(Self(has.then(|| WEIGHT.read(table)).transpose()?))
-    }
-
-    pub(super) fn get(&self, row: usize) -> f64 {
-        self.0.map_or(1.0, |weights| weights.get(row).unwrap_or_default())
-    }
-}
-
 /// A table of episodes, read row by row.
 ///
 /// Missing numbers are `None` if the type allows it, else 0.
 #[derive(Debug, Clone, Copy)]
 pub struct EpisodeTable<'a> {
     table: &'a DataFrame,
-    weights: Weights<'a>,
     episode: &'a UInt32Chunked,
     outcome: &'a StringChunked,
     error: &'a StringChunked,
@@ -109,7 +93,6 @@ impl<'a> EpisodeTable<'a> {
     pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
         Ok(Self {
             table,
-            weights: Weights::read(table)?,
             episode: EPISODE.read(table)?,
             outcome: OUTCOME.read(table)?,
             error: ERROR.read(table)?,
@@ -156,10 +139,6 @@ impl<'a> EpisodeTable<'a> {
 
     pub fn episode(&self, row: usize) -> u32 {
         self.episode.get(row).unwrap_or_default()
-    }
-
-    pub fn weight(&self, row: usize) -> f64 {
-        self.weights.get(row)
     }
 
     /// Its error; none if it has none.

@@ -21,9 +21,6 @@ pub struct EpisodeRow {
     pub lane: Option<LaneDeparture>,
     /// What the pedestrian did with its body.
     pub motion: PedestrianMotion,
-    /// Its weight: the probability of its start in the scenario, divided by the probability with which it was drawn. It is 1 today, since
-    /// starts are drawn from the distribution of the scenario. Tables have no column of it yet.
-    pub weight: f64,
 }
 
 impl EpisodeRow {
@@ -37,7 +34,6 @@ impl EpisodeRow {
             near_miss: NearMiss::new(pair),
             lane: LaneDeparture::new(pair),
             motion: PedestrianMotion::new(pair),
-            weight: 1.0,
         }
     }
 }

@@ -66,7 +66,6 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
         near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
         lane: None,
         motion: Default::default(),
-        weight: 1.0,
     }
 }
 

@@ -4,7 +4,7 @@ use super::aggregate::{Cell, CellRequirement, Counted};
 use super::infer::{CellEvidence, Figure, Learning, QUANTILES, Quantiles, reference_metrics};
 use crate::record::metric::{MEAN, SD};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Metric, Table, TableReference, cell_key, metrics};
-use base::statistics::{Weighted, wilson};
+use base::statistics::{ClusteredCount, wilson};
 use world::judge::Reference;
 
 /// The stem of the files of the table of metrics.
@@ -92,7 +92,7 @@ fn of_metric<'a>(
         let whole = u64::from(rate.whole.read(frame)?.get(place).unwrap_or_default());
         let part = u64::from(rate.part.read(frame)?.get(place).unwrap_or_default());
         // The runs of a cell share their starts.
-        let of_runs = |count: u64| Weighted::from(count).of_clusters(f64::from(cell.runs));
+        let of_runs = |count: u64| ClusteredCount::from(count).of_clusters(f64::from(cell.runs));
         let of = Size(if rate.whole.name() == "collisions" { "collisions" } else { "episodes" }, whole);
         rows.push(Row { sd, ends: Some(wilson(of_runs(part), of_runs(whole))), interval: "wilson", ..row(of, value) });
         if student.is_some() {

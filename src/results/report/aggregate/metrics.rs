@@ -4,7 +4,7 @@ use super::groups::Groups;
 use super::run_totals::to_runs;
 use crate::record::metric;
 use crate::record::{self, CellKey, ColumnReference, Metric, TableReference};
-use base::statistics::{Weighted, wilson};
+use base::statistics::{ClusteredCount, wilson};
 use world::judge::{Label, Reference};
 
 /// The tables of metrics.
@@ -134,7 +134,7 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
 fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
     for metric in metrics {
         let Metric::Rate(rate) = *metric else { continue };
-        let pairs = weighted(rate.part, table)?.into_iter().zip(weighted(rate.whole, table)?);
+        let pairs = clustered(rate.part, table)?.into_iter().zip(clustered(rate.whole, table)?);
         let (low, high): (Vec<f64>, Vec<f64>) = pairs.map(|(hits, trials)| wilson(hits, trials)).unzip();
         table.with_column(Column::new(metric::WILSON_LOW.name(rate.name).into(), low))?;
         table.with_column(Column::new(metric::WILSON_HIGH.name(rate.name).into(), high))?;
@@ -142,10 +142,10 @@ fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> 
     Ok(())
 }
 
-/// A count of cells, in clusters of the episodes from one start. Episodes have no weights in these tables yet, so every weight is 1.
-fn weighted(count: metric::Count, cells: &DataFrame) -> PolarsResult<Vec<Weighted>> {
+/// A count of cells, in clusters of the episodes from one start.
+fn clustered(count: metric::Count, cells: &DataFrame) -> PolarsResult<Vec<ClusteredCount>> {
     let counts = count.read(cells)?.into_no_null_iter().zip(metric::RUNS.read(cells)?.into_no_null_iter());
-    Ok(counts.map(|(count, runs)| Weighted::from(u64::from(count)).of_clusters(f64::from(runs))).collect())
+    Ok(counts.map(|(count, runs)| ClusteredCount::from(u64::from(count)).of_clusters(f64::from(runs))).collect())
 }
 
 /// The reference of the tables of runs and of cells, without the columns that [`infer`](crate::report::infer) adds to the latter.
@@ -353,7 +353,6 @@ mod tests {
             near_miss: world::judge::NearMiss::default(),
             lane: None,
             motion: Default::default(),
-            weight: 1.0,
         }
     }
 
@@ -406,7 +405,10 @@ mod tests {
         assert_eq!(cell.collision, Spread { mean: Some(0.5), sd: None }, "a run of errors alone has no rate");
         assert_eq!(cell.reward_sum.mean, Some(2.5));
         let runs = 2.0;
-        assert_eq!(cell.interval, wilson(Weighted::from(1).of_clusters(runs), Weighted::from(2).of_clusters(runs)));
+        assert_eq!(
+            cell.interval,
+            wilson(ClusteredCount::from(1).of_clusters(runs), ClusteredCount::from(2).of_clusters(runs))
+        );
     }
 
     #[test]

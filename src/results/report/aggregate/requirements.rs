@@ -4,7 +4,7 @@ use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
 use crate::record::columns::{RUN, RUN_ID};
 use crate::record::episodes::named;
 use crate::record::{CellKey, Column, ColumnReference, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
-use base::statistics::{Weighted, wilson};
+use base::statistics::{ClusteredCount, wilson};
 use base::units::Dimension;
 use world::judge::{NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
@@ -237,7 +237,7 @@ impl CellRequirement {
     /// Wilson's 95 % interval over the starts, which all runs share.
     pub fn interval(&self, counted: Counted) -> (f64, f64) {
         let (part, all) = self.sums(counted);
-        let of_runs = |count: u32| Weighted::from(u64::from(count)).of_clusters(self.runs.len() as f64);
+        let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(self.runs.len() as f64);
         wilson(of_runs(part), of_runs(all))
     }
 }

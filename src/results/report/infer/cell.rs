@@ -2,7 +2,7 @@ use super::place::{Measured, Place};
 use super::tried::Tried;
 use super::{Figure, Learning};
 use crate::record::CellKey;
-use base::statistics::{MIN_RUNS, Sample, Uncertainty, Weighted, quantile};
+use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, quantile};
 use world::judge::Reference;
 
 /// The distribution of a figure between trainings.
@@ -37,9 +37,9 @@ impl Quantiles {
 pub struct CellEvidence {
     pub key: CellKey,
     /// Episodes of all runs.
-    pub episodes: Weighted,
+    pub episodes: ClusteredCount,
     /// Collisions of all runs.
-    pub collisions: Weighted,
+    pub collisions: ClusteredCount,
     /// In the order of [`Figure::ALL`].
     pub between: [AcrossRuns; 8],
     /// Median, 90th and 99th percentile of the impact speeds (m/s).
@@ -49,7 +49,7 @@ pub struct CellEvidence {
     /// The same quantiles of post-encroachment times (s).
     pub pet: Quantiles,
     /// The number of collisions that each reference driver avoids, in the order of [`Reference::ALL`].
-    pub avoided: [Weighted; Reference::COUNT],
+    pub avoided: [ClusteredCount; Reference::COUNT],
     /// Whether its trainings learnt; none for an untrained controller.
     pub learning: Option<Learning>,
     /// The samples of [`Figure::COMPARED`] with the numbers of their runs, for transfer gaps.
@@ -62,7 +62,8 @@ impl CellEvidence {
         let runs = place.runs(cell);
         // Its runs share their starts, so a start counts once.
         let size = runs.len() as f64;
-        let sum = |count: &dyn Fn(&Tried) -> Weighted| runs.iter().map(count).sum::<Weighted>().of_clusters(size);
+        let sum =
+            |count: &dyn Fn(&Tried) -> ClusteredCount| runs.iter().map(count).sum::<ClusteredCount>().of_clusters(size);
         let all = |values: fn(&Tried) -> &Vec<f64>| runs.iter().flat_map(values).copied().collect();
         Self {
             key: runs[0].key.clone(),
@@ -108,7 +109,7 @@ impl CellEvidence {
     }
 
     /// The numbers of collisions that a reference driver would have avoided, and that it would not have avoided.
-    pub fn split(&self, reference: Reference) -> (Weighted, Weighted) {
+    pub fn split(&self, reference: Reference) -> (ClusteredCount, ClusteredCount) {
         let avoided = self.avoided[reference as usize];
         (avoided, self.collisions - avoided)
     }

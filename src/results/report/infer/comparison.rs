@@ -37,7 +37,7 @@ pub struct Comparison {
     pub by_run: [Vec<f64>; 2],
     /// The standard error of the difference about further trainings and episodes; none where a side is a single training.
     pub uncertainty: Option<Uncertainty>,
-    /// Of single runs without weights: the number of pairs of episodes with such an event in the first only, and in the second only.
+    /// Of single runs: the number of pairs of episodes with such an event in the first only, and in the second only.
     pub discordant: Option<(u64, u64)>,
     /// The method of p.
     pub test: Test,
@@ -116,11 +116,9 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
         let (values, runs) = ([mean(a), mean(b)], [a.len() as u64, b.len() as u64]);
         (sample, values, runs)
     };
-    let plain = ours.episodes().is_plain() && theirs.episodes().is_plain();
-    // An exact test counts pairs; there is none for pairs of different weights.
     let has_events = values.iter().any(|value| *value != 0.0);
     let single = runs == [1, 1] && [first, second].map(|cell| place.runs(cell).len()) == [1, 1];
-    let discordant = (plain && single).then(|| ours.discordant(theirs, figure));
+    let discordant = single.then(|| ours.discordant(theirs, figure));
     let (test, p) = match (discordant, sample.p()) {
         // Neither could be significant, so it is no test and costs the others nothing.
         _ if !has_events => (Test::None, None),

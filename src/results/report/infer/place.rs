@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use super::Figure;
 use super::tried::Tried;
-use base::statistics::{Sample, Weighted};
+use base::statistics::{ClusteredCount, Sample};
 
 /// All runs with common starts; the runs of a cell are consecutive.
 pub struct Place {
@@ -111,7 +111,7 @@ impl Place {
 }
 
 /// The count with the least effective size.
-pub fn least(counts: impl Iterator<Item = Weighted>) -> Weighted {
+pub fn least(counts: impl Iterator<Item = ClusteredCount>) -> ClusteredCount {
     counts.min_by(|a, b| a.effective_size().total_cmp(&b.effective_size())).unwrap_or_default()
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::record::columns::{EPISODE_REWARD, WEIGHT};
+use crate::record::columns::EPISODE_REWARD;
 use crate::record::{CellKey, EpisodeRow, RunKey, episodes};
 use polars::prelude::{Column, DataFrame};
 use world::av::DrivingMode;
@@ -63,7 +63,6 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
             lane: None,
             motion: Default::default(),
-            weight: 1.0,
         }
     };
     episodes(&word.chars().enumerate().map(row).collect::<Vec<_>>())
@@ -83,7 +82,7 @@ fn every_run_is_listed_and_quantiles_leave_collisions_apart() {
         run("trained", "r1", 2, "a", "....."),
     ]);
     let [cell] = &found.cells[..] else { panic!("{found:?}") };
-    let of_three_runs = |count: u64| base::statistics::Weighted::from(count).of_clusters(3.0);
+    let of_three_runs = |count: u64| base::statistics::ClusteredCount::from(count).of_clusters(3.0);
     assert_eq!((cell.episodes, cell.collisions), (of_three_runs(14), of_three_runs(6)));
     let between = cell.between(Figure::Collision);
     assert_eq!(between.by_run, [Some(0.6), Some(0.75), Some(0.0)]);
@@ -277,27 +276,6 @@ fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
     for (exact, near) in exact.covariance.iter().zip(&near.covariance) {
         assert!((near / exact - 1.0).abs() < 0.02 || (near - exact).abs() < 1e-6, "{near} for {exact}");
     }
-}
-
-#[test]
-fn episodes_count_by_their_weights() {
-    let word = "xx..x.....";
-    let with = |weight: fn(usize) -> f64| {
-        let weights: Vec<f64> = (0..word.len()).map(weight).collect();
-        let mut run = run("trained", "r1", 0, "a", word);
-        run.with_column(Column::new(WEIGHT.name.into(), weights)).unwrap();
-        gather(vec![run]).cells.remove(0)
-    };
-    let plain = gather(vec![run("trained", "r1", 0, "a", word)]).cells.remove(0);
-    let rate = |cell: &CellEvidence| cell.between(Figure::Collision).by_run[0].unwrap();
-    assert_eq!(with(|_| 1.0), plain, "weights of 1 are none");
-    assert!((rate(&with(|_| 0.25)) - rate(&plain)).abs() < 1e-12, "equal weights change no rate");
-    // The first three, of which two collide, have weight 10: 21 of 37.
-    let heavy = with(|episode| if episode < 3 { 10.0 } else { 1.0 });
-    assert!((rate(&heavy) - 21.0 / 37.0).abs() < 1e-12);
-    assert_eq!((heavy.collisions.count(), heavy.collisions.sum()), (3, 21.0));
-    // The mean of a reward is weighted too, and other figures follow.
-    assert_eq!(heavy.between(Figure::Reward).by_run, [Some(0.0)]);
 }
 
 /// A run whose reward is 1 for each collision.

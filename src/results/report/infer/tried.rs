@@ -2,7 +2,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::Figure;
 use crate::record::{CellKey, EpisodeTable, RunKey};
-use base::statistics::Weighted;
+use base::statistics::ClusteredCount;
 use world::judge::{Label, Reference};
 
 /// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count only in
@@ -23,7 +23,7 @@ mod is {
 /// A quantity of episodes.
 #[derive(Debug, Clone)]
 struct Quantity {
-    /// The sum over all episodes, each times its weight.
+    /// The sum over all episodes.
     sum: f64,
     /// The values of the kept episodes; 0 where there is none.
     kept: Vec<f64>,
@@ -41,19 +41,17 @@ pub struct Tried {
     /// Post-encroachment times of the other episodes (s), of those that have one and are kept.
     pub pet: Vec<f64>,
     /// The collisions that each reference driver avoids.
-    pub avoided: [Weighted; Reference::COUNT],
+    pub avoided: [ClusteredCount; Reference::COUNT],
     /// The greatest number of episodes that are kept one by one.
     most: usize,
     /// The number of episodes, errors included.
     size: usize,
     /// The number of episodes with each flag, over all episodes.
-    counts: [Weighted; 6],
+    counts: [ClusteredCount; 6],
     /// Flags of the kept episodes.
     flags: Vec<u8>,
     /// Rewards, lengths and impact speeds of the episodes.
     quantities: [Quantity; 3],
-    /// The weight of each kept episode; empty when all weights are 1.
-    weights: Vec<f64>,
 }
 
 impl Tried {
@@ -81,7 +79,6 @@ impl Tried {
             counts: Default::default(),
             flags: Vec::new(),
             quantities: std::array::from_fn(|_| Quantity { sum: -0.0, kept: Vec::new() }),
-            weights: Vec::new(),
         }
     }
 
@@ -95,9 +92,6 @@ impl Tried {
         let (kept, here) = (tried.most, tried.size.min(tried.most));
         tried.flags.resize(here, 0);
         tried.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(here, 0.0));
-        if !tried.weights.is_empty() {
-            tried.weights.resize(here, 1.0);
-        }
         for row in table.rows().filter(|row| table.counts(*row)) {
             let episode = table.episode(row) as usize;
             let (touch, collision) = (table.is_touch(row), table.is_collision(row));
@@ -111,12 +105,11 @@ impl Tried {
             // In the order of `quantity`.
             let impact_speed = table.impact_speed(row).filter(|_| collision);
             let values = [table.reward(row), table.length(row), impact_speed].map(Option::unwrap_or_default);
-            let weight = table.weight(row);
             for (count, _) in tried.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
-                count.include(weight);
+                *count += 1.into();
             }
             for (quantity, value) in tried.quantities.iter_mut().zip(values) {
-                quantity.sum += weight * value;
+                quantity.sum += value;
                 if let Some(kept) = quantity.kept.get_mut(episode) {
                     *kept = value;
                 }
@@ -125,12 +118,6 @@ impl Tried {
                 continue;
             }
             tried.flags[episode] = known;
-            if weight != 1.0 && tried.weights.is_empty() {
-                tried.weights = vec![1.0; here];
-            }
-            if let Some(kept) = tried.weights.get_mut(episode) {
-                *kept = weight;
-            }
             if collision {
                 tried.impact_speeds.extend(impact_speed);
             } else if !touch {
@@ -139,26 +126,26 @@ impl Tried {
             }
         }
         for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
-            table.avoided(reference).for_each(|row| avoided.include(table.weight(row)));
+            *avoided += (table.avoided(reference).count() as u64).into();
         }
         Ok(())
     }
 
     /// Episodes that the driver drove to their end.
-    pub fn episodes(&self) -> Weighted {
+    pub fn episodes(&self) -> ClusteredCount {
         self.count(is::VALID)
     }
 
-    pub fn collisions(&self) -> Weighted {
+    pub fn collisions(&self) -> ClusteredCount {
         self.count(is::COLLISION)
     }
 
-    fn count(&self, flag: u8) -> Weighted {
+    fn count(&self, flag: u8) -> ClusteredCount {
         is::ALL
             .iter()
             .zip(self.counts)
             .find(|(known, _)| **known == flag)
-            .map_or_else(Weighted::default, |(_, count)| count)
+            .map_or_else(ClusteredCount::default, |(_, count)| count)
     }
 
     /// The factor from kept episodes to all episodes, for quantities that two runs have in common.
@@ -199,8 +186,7 @@ impl Tried {
         let counts = |episode: &usize| self.flags[*episode] & whole != 0;
         let sum = quantity.map_or_else(|| self.count(flag).sum(), |quantity| quantity.sum);
         let mean = sum / count;
-        let weight = |episode: usize| self.weights.get(episode).copied().unwrap_or(1.0);
-        let pull = |episode| if counts(&episode) { weight(episode) * (value(episode) - mean) / count } else { 0.0 };
+        let pull = |episode| if counts(&episode) { (value(episode) - mean) / count } else { 0.0 };
         Some((mean, (0..self.flags.len()).map(pull).collect()))
     }
 }

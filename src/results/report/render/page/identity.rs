@@ -5,7 +5,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::super::sections::{distinct, place, who};
 use crate::record::{CellKey, metric};
 use crate::report::Cell;
-use base::statistics::Weighted;
+use base::statistics::ClusteredCount;
 
 /// A cell with its name on the page.
 #[derive(Debug, Clone)]
@@ -62,9 +62,9 @@ pub const RATES: [metric::Rate; 3] = [metric::COLLISION_RATE, metric::PREVENTABL
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RunRates {
     /// Episodes of all runs.
-    pub episodes: Weighted,
+    pub episodes: ClusteredCount,
     /// Failures of all runs.
-    pub failures: [Weighted; 3],
+    pub failures: [ClusteredCount; 3],
     /// The rate of each run.
     pub rates: [Vec<f64>; 3],
 }

@@ -1,7 +1,7 @@
 use super::names::{head, names};
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellEvidence};
-use base::statistics::{Weighted, wilson};
+use base::statistics::{ClusteredCount, wilson};
 use world::judge::Reference;
 
 /// Collision rates if reference drivers controlled the brake; none without any collision.
@@ -13,7 +13,7 @@ pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) ->
     columns.push(Column::number("collision rate"));
     columns.extend(Reference::ALL.map(|reference| Column::number(reference.name())));
     let row = |(cell, found): &(&Cell, &CellEvidence)| {
-        let rate = |count: Weighted| {
+        let rate = |count: ClusteredCount| {
             let share = count.share_of(&found.episodes).unwrap_or_default();
             let estimate = Value::Estimate(Some(share), Some(wilson(count, found.episodes)), 2);
             Value::or_count(estimate, Some(share), count.count() as u32, found.episodes.count() as u32)
