@@ -138,12 +138,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_oldest_release_brakes_fully() {
-        let brakes = Release::ALL.map(|release| release.traits().emergency_brake);
-        assert_eq!(brakes, [1.0, 0.5, 0.5, 0.5]);
-    }
-
-    #[test]
     fn names_lead_back_to_releases() {
         for release in Release::ALL {
             assert_eq!(Release::named(release.name()), Some(release));
