@@ -159,7 +159,7 @@ campaign judged {{
 }
 
 #[test]
-fn who_brakes_at_least_as_early_and_as_hard_as_the_careful_human_is_never_at_fault() {
+fn drivers_that_brake_as_early_and_hard_as_the_careful_human_are_never_at_fault() {
     let scenario = scenario("harbour", "blind");
     let mut stream = stream("early");
     let mut touches = 0;

@@ -286,7 +286,7 @@ fn a_careful_human_lets_those_pass_who_do_not_come() {
 }
 
 #[test]
-fn who_comes_out_from_behind_a_wall_is_hidden_until_then() {
+fn pedestrians_behind_a_wall_are_hidden_until_they_come_out() {
     let sight = |walls: &[OrientedBox]| {
         let (scenario, trace) = run_out(walls, |_| 1.39);
         judge(&trace.main_pair(&scenario)).unwrap().sight

@@ -17,7 +17,7 @@ fn campaign() -> String {
 }
 
 #[test]
-fn who_is_not_trained_is_tried_without_a_training() {
+fn untrained_controllers_are_evaluated() {
     let folder = tempfile::tempdir().unwrap();
     let text = "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
         campaign naive { vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds\n\

@@ -121,7 +121,7 @@ fn threads_and_interruptions_change_no_bit() {
 }
 
 #[test]
-fn who_imitates_drives_better_than_who_does_not() {
+fn imitating_drivers_drive_better() {
     let first = |keys: &str| {
         let curve = trained(&plan(keys).campaigns[0].nth::<Training>(0), 1).learning_curve;
         curve.last().unwrap().mean_reward.unwrap()

@@ -378,7 +378,7 @@ fn violations(text: &str, episodes: u32) -> Vec<(String, Vec<(String, u32)>)> {
 }
 
 #[test]
-fn who_sees_no_lights_runs_red_ones_and_others_stop() {
+fn drivers_that_see_no_lights_run_red_ones() {
     let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
         import \"std/requirements.scn\"\n\
         requirement no_light = always(light_distance > 99.9 m)\n\
@@ -400,7 +400,7 @@ fn who_sees_no_lights_runs_red_ones_and_others_stop() {
 }
 
 #[test]
-fn who_yields_at_crosswalks_satisfies_the_requirement() {
+fn drivers_that_yield_at_crosswalks_satisfy_the_requirement() {
     let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport model3 from \"std/drivers.scn\"\n\
         import \"std/requirements.scn\"\n\
         town straight { street main { through: [(0 m, 0 m), (300 m, 0 m)]  speed_limit: 40 km/h }  crosswalk { at: (100 m, 0 m) } }\n\

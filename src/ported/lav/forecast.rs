@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_narrow_may_turn() {
+    fn narrow_actors_may_turn() {
         let person = forecast(0.3, 0.0);
         assert_eq!(person.scores, [0.2, 0.2, 0.0, 0.6, 0.0, 0.0]);
         // 20 m of way: a quarter turn of 8 m and the rest straight to the left.

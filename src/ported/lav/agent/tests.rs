@@ -349,7 +349,7 @@ fn it_stops_at_red_and_drives_at_green() {
 }
 
 #[test]
-fn who_is_hidden_or_beyond_the_cameras_is_not_braked_for() {
+fn hidden_pedestrians_are_not_braked_for() {
     let walker = |x: f64, y: f64| {
         let (id, half) = (ActorId::Pedestrian(0), Vector::new(0.187_679, 0.187_679));
         Actor { id, half, height: 0.93, ..car(x, y) }
