@@ -53,7 +53,6 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         false_alarms: None,
         near_miss,
         motion: Default::default(),
-        weight: 1.0,
     };
     (0..).zip(noted).map(row).collect()
 }
