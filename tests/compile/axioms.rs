@@ -10,7 +10,7 @@ use rand::RngExt;
 use rayon::prelude::*;
 use world::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion, Threat};
 use world::env::{Scenario, Trace};
-use world::falsifier::{Homing, Intercept, Natural, Random, WalkPolicy, evaluate_noting};
+use world::falsifier::{Homing, Intercept, Natural, Random, WalkPolicy, evaluate_observed};
 use world::geometry::{Point, Pose, Vector};
 use world::judge::{Encountered, Recording, Verdict, judge};
 use world::sim::{PedestrianState, VehicleState};
@@ -202,7 +202,7 @@ fn the_careful_human_as_a_driver_under_test_has_no_fault() {
             let note = &mut |_: u32, _: &_, trace: &Trace| judge(&trace.main_pair(&scenario));
             let go_on = &mut |_: u32| ControlFlow::Continue(());
             let found =
-                evaluate_noting(walker.as_mut(), &scenario, 0..all as u32, &seed, &seed.child(name), note, go_on);
+                evaluate_observed(walker.as_mut(), &scenario, 0..all as u32, &seed, &seed.child(name), note, go_on);
             for (episode, verdict) in found.into_iter().enumerate() {
                 let Some(verdict) = verdict else { continue };
                 touches += 1;

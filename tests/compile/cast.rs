@@ -13,7 +13,7 @@ use world::env::{
     ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianEnv,
     PedestrianRole, Scenario, Simulation, Trace, VehicleRole, carry_out,
 };
-use world::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate, play};
+use world::falsifier::{BudgetedSimulation, Failure, Intercept, Random, WalkPolicy, evaluate, play};
 use world::geometry::{Obstacles, Pose};
 use world::judge::{NearMiss, judge};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
@@ -302,7 +302,7 @@ fn policies_and_searches_see_an_environment_by_its_dimensions() {
     let found = policies.map(|policy| evaluate(policy, &both, 3, &Seed::root(4), &Seed::root(5), go_on));
     assert!(found.iter().all(|outcomes| outcomes.len() == 3) && found[0] != found[1]);
 
-    let mut simulator = Simulator::new(Arc::clone(&both), Seed::root(6), 5_000, &|| false);
+    let mut simulator = BudgetedSimulation::new(Arc::clone(&both), Seed::root(6), 5_000, &|| false);
     while simulator.begin(0) && play(&mut simulator, &mut Intercept, &mut ()).is_some() {}
     let spent = simulator.into_spent();
     for failure in &spent.failures {

@@ -9,7 +9,7 @@ use base::seed::Seed;
 use compile::{Catalog, compile};
 use world::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
 use world::env::{Actions, Ending, Observer, Outcome, PedestrianEnv, Scenario, Scene, Simulation, Trace, VehicleFrame};
-use world::falsifier::{Intercept, evaluate_noting};
+use world::falsifier::{Intercept, evaluate_observed};
 use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use world::judge::{
     ContactSide, Encounter, FalseAlarms, Inquiry, Label, Recording, Reference, Sight, Trial, judge, share_of_drivers,
@@ -41,7 +41,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Trace)> {
     let seed = Seed::root(5);
     let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-    evaluate_noting(&mut Intercept, scenario, 0..count, &seed, &seed.child("walker"), note, &mut |_| {
+    evaluate_observed(&mut Intercept, scenario, 0..count, &seed, &seed.child("walker"), note, &mut |_| {
         ControlFlow::Continue(())
     })
 }

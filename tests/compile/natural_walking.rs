@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base::seed::Seed;
 use compile::{Catalog, compile};
 use world::env::{Outcome, Scenario, Trace};
-use world::falsifier::{Gaps, Natural, NaturalKeys, RecordedWalking, Recording, evaluate_noting};
+use world::falsifier::{Gaps, Natural, NaturalKeys, RecordedWalking, Recording, evaluate_observed};
 use world::geometry::{Vector, wrap_angle};
 
 use crate::reference;
@@ -36,7 +36,7 @@ fn episodes<T>(walker: Natural, spawn: &str, count: u32, mut note: impl FnMut(&O
     let seed = Seed::root(3);
     let mut note = |_: u32, outcome: &Outcome, trace: &Trace| note(outcome, trace);
     let (mut walker, scenario) = (walker, scenario(spawn));
-    evaluate_noting(&mut walker, &scenario, 0..count, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
+    evaluate_observed(&mut walker, &scenario, 0..count, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Speeds, sizes of changes of speed and sizes of changes of heading, second by second from the first whole second of walking on.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use world::env::{Outcome, Scenario, Trace};
-use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_noting};
+use world::falsifier::{Homing, Intercept, Random, WalkPolicy, evaluate_observed};
 use world::geometry::Obstacles;
 use world::judge::PedestrianMotion;
 use world::sim::Gait;
@@ -45,7 +45,7 @@ fn motions(scenario: &Arc<Scenario>, walker: &mut dyn WalkPolicy, episodes: u32)
     let seed = Seed::root(3);
     let note = &mut |_: u32, _: &Outcome, trace: &Trace| PedestrianMotion::new(&trace.main_pair(scenario));
     let go_on = &mut |_| ControlFlow::Continue(());
-    evaluate_noting(walker, scenario, 0..episodes, &seed, &seed.child("walker"), note, go_on)
+    evaluate_observed(walker, scenario, 0..episodes, &seed, &seed.child("walker"), note, go_on)
 }
 
 #[test]

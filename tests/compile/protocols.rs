@@ -8,7 +8,7 @@ use base::seed::{Seed, Stream};
 use compile::{Catalog, Plan, compile};
 use world::av::{DrivingMode, DrivingPolicy, Perception};
 use world::env::{Ending, Outcome, Scenario, TargetSide, TestCriterion, Trace};
-use world::falsifier::{Scripted, evaluate_noting};
+use world::falsifier::{Scripted, evaluate_observed};
 use world::geometry::Vector;
 use world::sim::{Control, VehicleBlueprint};
 
@@ -55,7 +55,7 @@ fn cases(scenario: &Arc<Scenario>) -> Vec<(Outcome, Trace)> {
     let cases = scenario.spawn.target_walk.as_ref().unwrap().cases.len() as u32;
     let seed = Seed::root(1);
     let mut note = |_, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-    evaluate_noting(&mut Scripted, scenario, 0..cases, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
+    evaluate_observed(&mut Scripted, scenario, 0..cases, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
 }
 
 /// The place of the target's impact point on the car's front, as a share of its width from the right, when the front reaches the target's box.

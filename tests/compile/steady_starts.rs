@@ -10,7 +10,7 @@ use compile::{Catalog, Plan, compile};
 use learn::Env;
 use process::ProcessOpener;
 use world::env::{Outcome, PedestrianEnv, Scenario, Simulation};
-use world::falsifier::{Intercept, Random, Simulator, WalkPolicy, evaluate, play};
+use world::falsifier::{BudgetedSimulation, Intercept, Random, WalkPolicy, evaluate, play};
 
 /// Every kind of route and of memory.
 const DRIVERS: [&str; 12] = [
@@ -153,7 +153,7 @@ fn a_start_that_is_tried_again_at_once_costs_its_run_up_once() {
     let scenario = scenario("harbour", "", "idm");
     let seed = Seed::root(2);
     let once = |starts: &[u64]| {
-        let mut simulator = Simulator::new(scenario.clone(), seed, 1_000_000, &|| false);
+        let mut simulator = BudgetedSimulation::new(scenario.clone(), seed, 1_000_000, &|| false);
         let outcomes: Vec<Outcome> = starts
             .iter()
             .map(|start| {
@@ -187,7 +187,7 @@ fn a_saved_episode_has_its_run_up_again() {
 fn a_search_pays_for_run_ups_and_never_exceeds_its_budget() {
     let scenario = scenario("harbour", "", "idm");
     let budget = 5000;
-    let mut simulator = Simulator::new(Arc::clone(&scenario), Seed::root(1), budget, &|| false);
+    let mut simulator = BudgetedSimulation::new(Arc::clone(&scenario), Seed::root(1), budget, &|| false);
     let (mut played, mut run_up) = (0, 0);
     for start in 0.. {
         if !simulator.begin(start) {

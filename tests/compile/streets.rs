@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
 use world::env::{Outcome, PedestrianEnv, Scenario, Simulation, Trace};
-use world::falsifier::{Scripted, evaluate_noting};
+use world::falsifier::{Scripted, evaluate_observed};
 use world::geometry::{OrientedBox, Point};
 use world::judge::{Reference, judge};
 use world::sim::WalkCommand;
@@ -80,7 +80,7 @@ fn walking(spawn: &str, policy: &str) -> Arc<Scenario> {
 fn scripted(scenario: &Arc<Scenario>, episodes: u32) -> Vec<(Outcome, Trace)> {
     let seed = Seed::root(1);
     let mut note = |_, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-    evaluate_noting(&mut Scripted, scenario, 0..episodes, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
+    evaluate_observed(&mut Scripted, scenario, 0..episodes, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
 }
 
 const PATH: &str = "through: [(60 m, -8 m), (60 m, -5 m), (60 m, -5 m), (66 m, 8 m)],  times: [0 s, 3 s, 5 s, 12 s]";

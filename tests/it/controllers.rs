@@ -12,7 +12,7 @@ use learn::ActorCritic;
 use process::ProcessOpener;
 use world::av::Fault;
 use world::env::{Ending, Outcome, Scenario};
-use world::falsifier::{ActionMode, Homing, Simulator, TrainError, TrainedWalker, WalkPolicy, evaluate};
+use world::falsifier::{ActionMode, BudgetedSimulation, Homing, TrainError, TrainedWalker, WalkPolicy, evaluate};
 
 use crate::beside_files::With;
 use crate::program::{error, falsify, said};
@@ -134,7 +134,7 @@ fn a_program_that_never_walks_is_given_up_after_ten_episodes() {
         let faults: Vec<_> = own(&campaign).iter().map(Outcome::fault).collect();
         assert_eq!(faults, [Some(fault); 10], "{mode}");
         let search = &campaign.nth::<compile::Search>(0);
-        let mut simulator = Simulator::new(search.scenario.clone(), Seed::root(1), search.budget, &|| false);
+        let mut simulator = BudgetedSimulation::new(search.scenario.clone(), Seed::root(1), search.budget, &|| false);
         let ended = search.falsifier.search(&mut simulator, &Seed::root(2)).map(|_| ());
         assert_eq!(ended, Err(TrainError::Controller { fault }), "{mode}");
     }

@@ -4,7 +4,7 @@ use base::seed::Seed;
 use compile::{ControllerKind, Evaluation, Training, episodes_seed};
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};
-use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_noting, first_networks};
+use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_observed, first_networks};
 
 /// Runs the episodes of an evaluation with these numbers, and returns what `note` makes of each.
 ///
@@ -12,7 +12,7 @@ use world::falsifier::{ActionMode, TrainedWalker, WalkPolicy, evaluate_noting, f
 /// of the town and the number: all drivers and controllers meet the same starts. It is the same in every range, and the same
 /// when a failure is replayed. `trained` is the result of the evaluation's training; untrained controllers need none.
 ///
-/// Ends early, with the first episodes up to there, as [`evaluate_noting`] does.
+/// Ends early, with the first episodes up to there, as [`evaluate_observed`] does.
 ///
 /// # Panics
 /// When the evaluation is of a trained pedestrian and there is none.
@@ -55,7 +55,7 @@ pub(super) fn watch_numbered<T>(
     let own = seed.child("walker").child(&evaluation.town).child(&evaluation.policy);
     let own = own.child(evaluation.controller.name()).index(evaluation.trained.run.into());
     let starts = episodes_seed(seed, &evaluation.town);
-    evaluate_noting(walker.as_mut(), &evaluation.scenario, episodes, &starts, &own, note, observer)
+    evaluate_observed(walker.as_mut(), &evaluation.scenario, episodes, &starts, &own, note, observer)
 }
 
 /// Breaks when `stop` is true.

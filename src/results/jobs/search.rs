@@ -8,7 +8,7 @@ use super::{JobResult, Kind, Repeatable, Work, json, result};
 use crate::campaign::{Part, TaskError};
 use compile::{Search, SearchKey, episodes_seed};
 use world::env::{Criterion, Outcome, Scenario, Trace};
-use world::falsifier::{Failure, SearchOutcome, Simulator, StartSet, evaluate_noting};
+use world::falsifier::{BudgetedSimulation, Failure, SearchOutcome, StartSet, evaluate_observed};
 use world::judge::{Blame, Judged, NoVerdict, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
@@ -186,8 +186,8 @@ impl Work for Search {
         part.begin(0);
         let used = AtomicU64::new(0);
         let progress = |ticks: u64| part.progress(used.fetch_add(ticks, Ordering::Relaxed) + ticks);
-        let mut simulator =
-            Simulator::new(self.scenario.clone(), self.starts(part.seed), self.budget, &late).with_progress(&progress);
+        let mut simulator = BudgetedSimulation::new(self.scenario.clone(), self.starts(part.seed), self.budget, &late)
+            .with_progress(&progress);
         let (walker, error) = match self.falsifier.search(&mut simulator, &self.drawn(part.seed)) {
             Ok(walker) => (walker, None),
             Err(error) => (None, Some(TaskError::Training(error))),
@@ -206,7 +206,7 @@ impl Work for Search {
                 Judged::by(scenario.criterion, outcome, &trace.main_pair(scenario))
             };
             let episodes = 0..self.tries;
-            evaluate_noting(walker.as_mut(), scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
+            evaluate_observed(walker.as_mut(), scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
         });
         let repeated = |failure: &Failure| {
             // A failure is repeated outside of the budget.

@@ -46,7 +46,7 @@ const AT_REST: f64 = 0.2;
 /// How far before a crosswalk a car stops, if its gap at rest were 0 (m): there is the line of a stop.
 const STOP_LINE: f64 = 1.0;
 
-/// The distance from the ego's front to the line of a stop (m) before the first crosswalk at which it must yield; none when it may drive on.
+/// The distance from the ego's front to the line of a stop (m) before the first crosswalk at which it must yield; `None` if it may drive on.
 pub(super) fn gap(perception: &Perception<'_>, path: &Path) -> Option<f64> {
     let along = to_yield_at(perception, path)?;
     Some((along - perception.ego.half.x - STOP_LINE).max(0.0))

@@ -57,7 +57,7 @@ pub trait DrivingPolicy: Send {
         None
     }
 
-    /// A copy in its present state, with its memory; none for a driver whose memory is elsewhere, as in another process.
+    /// A copy in its present state, with its memory; `None` for a driver whose memory is elsewhere, as in another process.
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         None
     }

@@ -49,7 +49,7 @@ pub(super) struct GiveWayMemory {
 }
 
 impl GiveWayMemory {
-    /// What the next sign ahead demands; none where there is no sign or the driver has done what it demands.
+    /// What the next sign ahead demands; `None` if there is no sign or the driver has done what it demands.
     pub fn next(&mut self, perception: &Perception<'_>, path: &Path) -> Option<Demand> {
         let ego = &perception.ego;
         let (mut first, mut stopped) = (None, None);
@@ -77,7 +77,7 @@ impl GiveWayMemory {
     }
 }
 
-/// The distance along the path from abeam the middle of the ego to the line of a sign (m); none when the path does not lead over it.
+/// The distance along the path from abeam the middle of the ego to the line of a sign (m); `None` if the path does not lead over it.
 fn along(perception: &Perception<'_>, path: &Path, sign: &GiveWaySign) -> Option<f64> {
     let forward = perception.town.roads.get(sign.line.road.0 as usize)?.is_forward(sign.line.lane);
     let mut along = 0.0;

@@ -132,7 +132,7 @@ impl Idm {
         bodies.chain(lights).chain(crosswalk).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
 
-    /// How far along the path from abeam the ego a place is, and the path's heading there; none if it is more than `beside` (m) from the path.
+    /// How far along the path from abeam the ego a place is, and the path's heading there; `None` if it is more than `beside` (m) from the path.
     fn place(&self, ego: Point, place: Point, beside: f64) -> Option<(f64, f64)> {
         let mut points = self.path.points().map(|point| &point.pose);
         let mut last = points.next()?;

@@ -10,9 +10,9 @@ pub struct Component {
     pub name: String,
     /// The unit; the divisor where the number has none.
     pub unit: String,
-    /// The least value; none without a bound.
+    /// The least value; `None` without a bound.
     pub low: Option<f64>,
-    /// The greatest value; none without a bound.
+    /// The greatest value; `None` without a bound.
     pub high: Option<f64>,
     pub meaning: &'static str,
 }

@@ -99,7 +99,7 @@ impl FailureCell {
         Some(Self::of(met(contact), (&ego.blueprint, ego.state.pose.yaw), walker.velocity, outcome.last_mode))
     }
 
-    /// The cell of the touch that ended a traced episode with this mode of the driver, or of the frame that violates its goal; none when the two did not
+    /// The cell of the touch that ended a traced episode with this mode of the driver, or of the frame that violates its goal; `None` if the two did not
     /// touch, or the goal is not violated.
     pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
         if let Some(goal) = pair.scenario().criterion.requirement() {

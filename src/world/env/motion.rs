@@ -11,7 +11,7 @@ pub(super) struct Motion {
     pedestrian: usize,
     ego_speed: f64,
     velocity: Vector,
-    /// The pedestrian's last direction of motion (rad); none before it has moved.
+    /// The pedestrian's last direction of motion (rad); `None` before it has moved.
     direction: Option<f64>,
     /// Least time to collision of the episode while the ego moved (s), at most [`HORIZON`].
     pub(super) min_ttc: f64,

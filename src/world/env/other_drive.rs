@@ -127,7 +127,7 @@ impl<'a> OtherDrive<'a> {
         }
     }
 
-    /// The turn (rad) and the pace (m/s) of the command that a pedestrian had carried out before a tick; none at the start.
+    /// The turn (rad) and the pace (m/s) of the command that a pedestrian had carried out before a tick; `None` at the start.
     fn command(&self, pedestrian: usize, tick: usize) -> (f64, f64) {
         let trace = self.pair.trace();
         let decisions = trace.decisions(pedestrian);

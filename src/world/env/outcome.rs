@@ -55,7 +55,7 @@ pub struct Outcome {
     pub start: u64,
     /// Ticks of the run-up; 0 without one.
     pub run_up: u32,
-    /// Why it is in no rate; none if it counts.
+    /// Why it is in no rate; `None` if it counts.
     pub left_out: Option<LeftOut>,
     /// Why it ended.
     pub ending: Ending,
@@ -106,7 +106,7 @@ impl Outcome {
         }
     }
 
-    /// Who failed as a program, and why, such as `the driver ended before it answered`; none for other endings.
+    /// Who failed as a program, and why, such as `the driver ended before it answered`; `None` for other endings.
     pub fn error(&self) -> Option<String> {
         match self.ending {
             Ending::Error(fault) => Some(format!("the driver {fault}")),
@@ -115,7 +115,7 @@ impl Outcome {
         }
     }
 
-    /// Speed of the ego at the touch (m/s); none without one.
+    /// Speed of the ego at the touch (m/s); `None` without one.
     pub fn impact_speed(&self) -> Option<f64> {
         match self.ending {
             Ending::Touch { impact_speed, .. } => Some(impact_speed),

@@ -76,7 +76,7 @@ impl<'a> Pair<'a> {
         self.walking
     }
 
-    /// The touch of the two in the last tick; none when they did not touch.
+    /// The touch of the two in the last tick; `None` if they did not touch.
     pub fn contact(&self) -> Option<&'a Contact> {
         self.contact
     }
@@ -117,7 +117,7 @@ impl<'a> Pair<'a> {
         self.decisions
     }
 
-    /// The decision that the pedestrian takes after this number of ticks; none where it keeps its command, and at the end.
+    /// The decision that the pedestrian takes after this number of ticks; `None` if it keeps its command, and at the end.
     pub fn decision(&self, tick: usize) -> Option<WalkCommand> {
         let hold = self.scenario.episode.hold as usize;
         tick.is_multiple_of(hold).then(|| self.decisions.get(tick / hold).copied()).flatten()
@@ -163,7 +163,7 @@ impl<'a> Pair<'a> {
         frame(&self.driving[tick], &self.walking[tick])
     }
 
-    /// Both at the end; none when no episode has started.
+    /// Both at the end; `None` if no episode has started.
     pub fn last(&self) -> Option<Frame> {
         Some(frame(self.driving.last()?, self.walking.last()?))
     }

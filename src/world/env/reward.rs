@@ -30,7 +30,7 @@ impl HitClass {
     /// Their words, in their order; a clause for [`HitClass::Any`] has none.
     pub(super) const WORDS: &[&str] = &["fault", "preventable", "moving", "front", "other"];
 
-    /// Its word in scenarios; none for every hit.
+    /// Its word in scenarios; `None` for every hit.
     pub fn word(self) -> Option<&'static str> {
         Self::WORDS.get(self as usize).copied()
     }

@@ -51,9 +51,9 @@ const ASIDE: f64 = 5.0;
 /// Time for the run-up (s), and the number of turns of traffic lights that are added where they work: a whole cycle of a crossing.
 const PATIENCE: f64 = 60.0;
 const TURNS: f64 = 4.0;
-/// The greatest number of ticks of a run-up.
+/// Maximum number of ticks of a run-up.
 const MAX_TICKS: f64 = 20_000.0;
-/// The greatest number of lanes of the way, a guard against lanes without length.
+/// Maximum number of lanes of the way, a guard against lanes without length.
 const MAX_LANES: usize = 512;
 /// The step back along the lanes (m).
 const STEP: f64 = 2.0;
@@ -158,7 +158,7 @@ impl RunUp {
         self.speed = allowed.sqrt();
     }
 
-    /// The place one step back along the lanes; none where the road begins. A branch is drawn where lanes merge.
+    /// The place one step back along the lanes; `None` if the road begins. A branch is drawn where lanes merge.
     fn step_back(&mut self, town: &Town, from: Waypoint, stream: &mut Stream, record: bool) -> Option<Waypoint> {
         let (mut here, mut left) = (from, STEP);
         for _ in 0..MAX_LANES {
@@ -191,7 +191,7 @@ impl RunUp {
         self.lanes.first().map_or(self.goal, |start| town.pose(*start))
     }
 
-    /// The limit of the last speed sign before the start of the way (m/s); none when the last 500 m of road have no sign.
+    /// The limit of the last speed sign before the start of the way (m/s); `None` if the last 500 m of road have no sign.
     pub fn limit(&self) -> Option<f64> {
         self.limit
     }
@@ -209,7 +209,7 @@ impl RunUp {
     }
 }
 
-/// The greatest number of ticks of this length (s) that a run-up takes, with or without traffic lights.
+/// Maximum number of ticks of this length (s) that a run-up takes, with or without traffic lights.
 pub(super) fn most_ticks(dt: f64, lights: Option<LightCycle>) -> u32 {
     ((PATIENCE + lights.map_or(0.0, |cycle| TURNS * cycle.turn())) / dt).ceil().min(MAX_TICKS) as u32
 }

@@ -22,7 +22,7 @@ impl RunningEpisode {
         words.flat_map(u64::to_le_bytes).collect()
     }
 
-    /// Decodes it; none when the bytes have another form.
+    /// Decodes it; `None` if the bytes have another form.
     pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (words, rest) = bytes.as_chunks::<8>();
         let [next_episode, digest, width, commands @ ..] = words else { return None };

@@ -23,13 +23,13 @@ pub struct EpisodeRule {
     pub front_half_angle: f64,
     /// The ego counts as moving above this speed (m/s).
     pub moving_above: f64,
-    /// The friction of the road, which bounds what the tyres of all cars transmit; none for CARLA's dry road.
+    /// The friction of the road, which bounds what the tyres of all cars transmit; `None` for CARLA's dry road.
     pub friction: Option<f64>,
     /// Whether the town's traffic lights work.
     pub traffic_lights: bool,
     /// The durations of their colours.
     pub light_cycle: LightCycle,
-    /// The time within the cycle when the car sets off, at the start of its run-up (s); none for any time, drawn evenly.
+    /// The time within the cycle when the car sets off, at the start of its run-up (s); `None` for any time, drawn evenly.
     pub light_phase: Option<Distribution>,
     /// Whether episodes count in which the driver was lost before it could see a pedestrian ([`LeftOut`](super::LeftOut)).
     pub count_all: bool,
@@ -65,7 +65,7 @@ impl Scenario {
         Box::new(PedestrianEnv::new(self.clone(), Seed::root(0)))
     }
 
-    /// The greatest number of ticks of an episode's run-up; 0 where episodes have none.
+    /// Maximum number of ticks of an episode's run-up; 0 where episodes have none.
     pub fn most_run_up(&self) -> u32 {
         match self.spawn.ego_speed {
             EgoSpeed::Steady => {

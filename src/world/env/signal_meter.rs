@@ -215,7 +215,7 @@ struct Encroachment {
     dt: f64,
     cars: Vec<OrientedBox>,
     walkers: Vec<Point>,
-    /// The least number of ticks between both at one place.
+    /// Minimum number of ticks between both at one place.
     least: usize,
 }
 

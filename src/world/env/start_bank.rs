@@ -39,7 +39,7 @@ const WIDER: usize = 10;
 const ATTEMPTS: u32 = 100;
 
 impl StartBank {
-    /// A bank of `size` starts; none where it would save nothing or change what episodes are: starts without a run-up, tests whose case depends on the
+    /// A bank of `size` starts; `None` if it would save nothing or change what episodes are: starts without a run-up, tests whose case depends on the
     /// number of the episode, and drivers that cannot be copied.
     pub fn new(scenario: &Arc<Scenario>, size: usize, hard: Option<HardStarts>, seed: Seed) -> Option<Self> {
         let spawn = &scenario.spawn;
@@ -50,7 +50,7 @@ impl StartBank {
         Some(Self { scenario: scenario.clone(), seed, starts, hard })
     }
 
-    /// A copy of the start that this seed draws; none if its driver failed before tick 0.
+    /// A copy of the start that this seed draws; `None` if its driver failed before tick 0.
     pub(super) fn copy(&self, seed: &Seed) -> Option<PedestrianEnv> {
         let mut stream = seed.child("start").stream();
         let usual = if self.hard.is_some() { self.starts.len() / WIDER } else { self.starts.len() };

@@ -3,7 +3,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// The most marks that are stored.
+/// Maximum number of marks that are stored.
 const MAX_MARKS: usize = 32;
 
 /// Hashes of the states of an episode, which show from which decision on two episodes differ. A mark is a byte of the digest after a
@@ -59,7 +59,7 @@ impl StateHashes {
     }
 
     /// The decisions between which two episodes diverge: their marks agree after the first of the two and differ after the second,
-    /// counted from 1. None when all common marks agree.
+    /// counted from 1. `None` if all common marks agree.
     ///
     /// One mark in 256 agrees by chance.
     pub fn divergence(&self, other: &Self) -> Option<(u32, u32)> {

@@ -40,7 +40,7 @@ struct PedestrianTrack {
     decisions: Vec<WalkCommand>,
 }
 
-/// The most ticks for which memory is reserved in advance.
+/// Maximum number of ticks for which memory is reserved in advance.
 const RESERVED: u32 = 20_000;
 
 impl Observer for Trace {
@@ -131,7 +131,7 @@ impl Trace {
         self.on_map
     }
 
-    /// The clock of the traffic lights at the start; none where they are switched off, and in a recording from elsewhere.
+    /// The clock of the traffic lights at the start; `None` if they are switched off, and in a recording from elsewhere.
     pub fn lights(&self) -> Option<LightClock> {
         self.lights
     }
@@ -159,7 +159,7 @@ impl Trace {
         &self.pedestrians[pedestrian].decisions
     }
 
-    /// The touch in the last tick; none when no actors touched.
+    /// The touch in the last tick; `None` if no actors touched.
     pub fn contact(&self) -> Option<&Contact> {
         self.contact.as_ref()
     }

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, VecDeque};
 use rand::RngExt;
 
 use super::crossing::{Crossing, Goal};
-use super::{Falsifier, Homing, Intercept, Simulator, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, Homing, Intercept, TrainError, WalkPolicy, play};
 use crate::env::{FailureCell, Scene, Simulation};
 use crate::sim::WalkCommand;
 use base::keys;
@@ -325,11 +325,11 @@ impl Archive {
         Proposal { goal: goals[best], parent: parents.get(best).copied(), expected: expected[best] }
     }
 
-    /// Tries crossings from one start while they promise more per tick than the search gained lately; none when the budget is used up.
+    /// Tries crossings from one start while they promise more per tick than the search gained lately; `None` if the budget is used up.
     fn search_from(
         &self,
         start: u64,
-        simulator: &mut Simulator<'_>,
+        simulator: &mut BudgetedSimulation<'_>,
         elites: &mut Elites,
         stream: &mut Stream,
     ) -> Option<()> {
@@ -376,7 +376,11 @@ impl Archive {
 }
 
 impl Falsifier for Archive {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        seed: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut stream = seed.child("archive").stream();
         let (budget, mut start) = (simulator.left(), 0);
         let mut elites = Elites { left: budget, ..Elites::default() };
@@ -416,8 +420,8 @@ impl Falsifier for Archive {
     }
 }
 
-/// Runs the episode that has begun to its end and returns its reward; none when the budget is used up before.
-fn run(simulator: &mut Simulator<'_>, walker: &mut dyn WalkPolicy) -> Option<f64> {
+/// Runs the episode that has begun to its end and returns its reward; `None` if the budget is used up before.
+fn run(simulator: &mut BudgetedSimulation<'_>, walker: &mut dyn WalkPolicy) -> Option<f64> {
     // No controller of this search draws random numbers.
     walker.begin(Seed::root(0).stream());
     Some(play(simulator, walker, &mut ())?.reward)

@@ -2,7 +2,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::episodes::MAX_FAULTS;
-use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy, play};
 use base::keys;
 use base::seed::Seed;
 use base::signature::DeclarationId;
@@ -83,7 +83,11 @@ impl Controlled {
 }
 
 impl Falsifier for Controlled {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        seed: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut walker = self.controller.walk_policy();
         let mut faults = 0;
         for start in 0.. {

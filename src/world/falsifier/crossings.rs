@@ -2,7 +2,7 @@ use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 use super::drive::play;
-use super::episodes::{MAX_FAULTS, evaluate_noting};
+use super::episodes::{MAX_FAULTS, evaluate_observed};
 use super::{Crossing, Goal};
 use crate::env::{Draw, Observer, Outcome, Scenario, Simulation, Trace};
 use base::seed::Seed;
@@ -26,7 +26,7 @@ pub fn evaluate_crossings<T>(
         for (place, goal) in goals.iter().enumerate() {
             let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| note(outcome, trace);
             let (mut crossing, go_on) = (Crossing::new(*goal), &mut |_| ControlFlow::Continue(()));
-            let noted = evaluate_noting(&mut crossing, scenario, starts.clone(), &seed, &seed, note, go_on);
+            let noted = evaluate_observed(&mut crossing, scenario, starts.clone(), &seed, &seed, note, go_on);
             let (reached, all) = (noted.len(), starts.len());
             for (start, noted) in noted.into_iter().enumerate() {
                 notes[start * goals.len() + place] = Some(noted);

@@ -29,14 +29,14 @@ pub fn evaluate(
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<Outcome> {
     let note = &mut |_: u32, outcome: &Outcome, _: &Trace| *outcome;
-    evaluate_noting(walker, scenario, 0..episodes, episodes_seed, walker_seed, note, observer)
+    evaluate_observed(walker, scenario, 0..episodes, episodes_seed, walker_seed, note, observer)
 }
 
 /// Evaluates a walk policy as [`evaluate`] does in the episodes with these numbers. `note` gets the number, the outcome and the
 /// trace of each episode that is over; what it returns is collected.
 ///
 /// An episode is the same in every range that contains it.
-pub fn evaluate_noting<T>(
+pub fn evaluate_observed<T>(
     walker: &mut dyn WalkPolicy,
     scenario: &Arc<Scenario>,
     episodes: Range<u32>,

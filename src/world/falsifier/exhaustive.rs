@@ -1,5 +1,5 @@
 use super::crossing::{Crossing, Goal};
-use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy, play};
 use base::keys;
 use base::seed::Seed;
 
@@ -56,7 +56,11 @@ pub fn crossings(levels: u32) -> Vec<Goal> {
 }
 
 impl Falsifier for Exhaustive {
-    fn search(&self, simulator: &mut Simulator<'_>, _: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        _: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let goals = crossings(self.keys.levels);
         for start in 0..self.keys.starts {
             for goal in &goals {

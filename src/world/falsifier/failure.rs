@@ -21,7 +21,7 @@ pub struct Failure {
     /// The commands: one for each pedestrian in every decision.
     pub commands: Vec<WalkCommand>,
     pub outcome: Outcome,
-    /// How the goal of the search is violated; none without a goal.
+    /// How the goal of the search is violated; `None` without a goal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub violation: Option<Degree>,
     /// How the two met. Failures in one cell are the same finding.

@@ -1,4 +1,4 @@
-use super::{ActionMode, Falsifier, Simulator, TrainError, TrainedWalker, WalkPolicy};
+use super::{ActionMode, BudgetedSimulation, Falsifier, TrainError, TrainedWalker, WalkPolicy};
 use crate::env::Simulation;
 use base::keys;
 use base::seed::Seed;
@@ -36,7 +36,7 @@ impl Learning {
 /// A share of the simulator as an environment of the learner. When the budget is used up, it does not move and ends every episode at once.
 /// What is learnt from such episodes is discarded.
 struct Ground<'a> {
-    share: Simulator<'a>,
+    share: BudgetedSimulation<'a>,
     next: u64,
     stride: u64,
 }
@@ -76,7 +76,11 @@ impl Env for Ground<'_> {
 }
 
 impl Falsifier for Learning {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        seed: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let scenario = simulator.scenario();
         let (hold, obs_dim) = (u64::from(scenario.episode.hold), scenario.cast.obs_dim());
         let run_up = u64::from(scenario.most_run_up());

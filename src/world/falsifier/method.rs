@@ -1,9 +1,9 @@
-use super::{Simulator, TrainError, WalkPolicy};
+use super::{BudgetedSimulation, TrainError, WalkPolicy};
 use base::seed::Seed;
 
 /// A method that searches for failures of a driver, with a budget of simulator ticks.
 ///
-/// It starts episodes and takes decisions in a [`Simulator`] until the budget is used up. The simulator stores the failures. Starts 0, 1,
+/// It starts episodes and takes decisions in a [`BudgetedSimulation`] until the budget is used up. The simulator stores the failures. Starts 0, 1,
 /// 2, … are the same for every falsifier of a scenario and run.
 pub trait Falsifier: std::fmt::Debug + Send + Sync {
     /// Searches for failures until the budget is used up; all random numbers come from `seed`.
@@ -12,9 +12,13 @@ pub trait Falsifier: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// A training whose numbers are not finite, or a controller that fails in ten episodes in a row.
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError>;
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        seed: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError>;
 
-    /// The walk policy that it evaluates once from each start *k*, with the stream `seed.index(k)` of its seed; none for a method that
+    /// The walk policy that it evaluates once from each start *k*, with the stream `seed.index(k)` of its seed; `None` for a method that
     /// chooses its commands in another way.
     fn walk_policy(&self) -> Option<Box<dyn WalkPolicy>> {
         None

@@ -1,7 +1,7 @@
 //! Policies of pedestrians that aim at a collision, and methods that search for collisions.
 //!
 //! A [`WalkPolicy`] chooses commands decision by decision; [`evaluate`] evaluates it. A [`Falsifier`] is a method with a budget of
-//! simulator ticks, from random walks to learning by PPO; a [`Simulator`] counts the ticks and stores what the method finds. All of
+//! simulator ticks, from random walks to learning by PPO; a [`BudgetedSimulation`] counts the ticks and stores what the method finds. All of
 //! them know an environment by the dimensions of its states and actions, not by the number of its pedestrians.
 
 mod walk_policy;
@@ -23,7 +23,7 @@ mod episodes;
 
 mod method;
 mod start_set;
-mod simulator;
+mod budgeted_simulation;
 mod failure;
 mod walking;
 pub(crate) mod optimizer;
@@ -36,12 +36,13 @@ mod exhaustive;
 mod learning;
 
 pub use archive::Archive;
+pub use budgeted_simulation::{BudgetedSimulation, SearchOutcome};
 pub use controlled::{Controlled, ControlledKeys, Controller};
 pub use crossing::{Crossing, Goal};
 pub use crossings::evaluate_crossings;
 pub use drive::play;
 pub(crate) use drive::{advance, place};
-pub use episodes::{evaluate, evaluate_noting};
+pub use episodes::{evaluate, evaluate_observed};
 pub use exhaustive::{Exhaustive, crossings};
 pub use failure::{Failure, follow, recorded_commands, walk_again};
 pub use homing::{Homing, HomingKeys};
@@ -54,7 +55,6 @@ pub use outside::{Networked, NetworkedKeys, PROTOCOL, Programmed, ProgrammedKeys
 pub use random::{Random, RandomKeys};
 pub use recorded_walking::RecordedWalking;
 pub use scripted::{Scripted, ScriptedKeys};
-pub use simulator::{SearchOutcome, Simulator};
 pub use start_set::StartSet;
 pub use trained::{ActionMode, TrainedWalker};
 pub use training::{TrainError, train};

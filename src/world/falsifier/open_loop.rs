@@ -1,5 +1,5 @@
 use super::optimizer::{CmaEs, CrossEntropy, Optimizer};
-use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy, play};
 use crate::env::{ActionSpec, Cast, Criterion, Outcome, Scene, Simulation};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
@@ -125,8 +125,8 @@ impl OpenLoop {
         }
     }
 
-    /// Evaluates plans from one start; none when the budget is used up.
-    fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, seed: &Seed) -> Option<()> {
+    /// Evaluates plans from one start; `None` if the budget is used up.
+    fn search_from(&self, start: u64, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Option<()> {
         let mut stream = seed.stream();
         let mut optimizer = self.optimizer(&simulator.scenario().cast);
         let mut tried = 0;
@@ -200,7 +200,11 @@ fn command(spec: &ActionSpec, line: f64, [heading, speed]: [f64; ActionSpec::DIM
 }
 
 impl Falsifier for OpenLoop {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        seed: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         for start in 0.. {
             if self.search_from(start, simulator, &seed.index(start)).is_none() {
                 break;

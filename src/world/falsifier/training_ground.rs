@@ -21,7 +21,7 @@ trait Place: Env + Send {
     /// The pedestrian's side of it.
     fn pedestrian(&self) -> &PedestrianEnv;
 
-    /// The driver that learns; none where a pedestrian does.
+    /// The driver that learns; `None` if a pedestrian does.
     fn driver(&mut self) -> Option<&mut DriveEnv> {
         None
     }

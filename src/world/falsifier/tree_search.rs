@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::open_loop::{AfterFailure, FailureKeys};
-use super::{Falsifier, Simulator, TrainError, WalkPolicy};
+use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy};
 use crate::env::Simulation;
 use base::keys;
 use base::seed::{Seed, Stream};
@@ -80,8 +80,8 @@ impl TreeSearch {
         Self { keys }
     }
 
-    /// Grows a tree from one start; none when the budget is used up.
-    fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
+    /// Grows a tree from one start; `None` if the budget is used up.
+    fn search_from(&self, start: u64, simulator: &mut BudgetedSimulation<'_>, stream: &mut Stream) -> Option<()> {
         let mut tree = Tree::new(simulator.scene().bounds().len());
         for _ in 0..self.keys.tries {
             if !simulator.begin(start) {
@@ -96,7 +96,7 @@ impl TreeSearch {
     }
 
     /// Goes down the tree, adds a node, acts at random below it, and backs the rewards up.
-    fn simulate(&self, tree: &mut Tree, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
+    fn simulate(&self, tree: &mut Tree, simulator: &mut BudgetedSimulation<'_>, stream: &mut Stream) -> Option<()> {
         let mut path = Vec::new();
         let (mut node, mut grown) = (0, false);
         while simulator.outcome().is_none() && !grown {
@@ -117,7 +117,13 @@ impl TreeSearch {
     }
 
     /// The branch to take, and whether it is new.
-    fn choose(&self, tree: &mut Tree, node: usize, simulator: &Simulator<'_>, stream: &mut Stream) -> (usize, bool) {
+    fn choose(
+        &self,
+        tree: &mut Tree,
+        node: usize,
+        simulator: &BudgetedSimulation<'_>,
+        stream: &mut Stream,
+    ) -> (usize, bool) {
         let (next, scale) = (tree.nodes.len(), tree.scale());
         let here = &mut tree.nodes[node];
         let allowed = self.keys.widening * libm::pow(here.visits, 0.5);
@@ -173,12 +179,16 @@ impl Tree {
 }
 
 /// The numbers of an action drawn uniformly from its bounds.
-fn draw<'a>(simulator: &'a Simulator<'_>, stream: &'a mut Stream) -> impl Iterator<Item = f64> + 'a {
+fn draw<'a>(simulator: &'a BudgetedSimulation<'_>, stream: &'a mut Stream) -> impl Iterator<Item = f64> + 'a {
     simulator.scene().bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>())
 }
 
 impl Falsifier for TreeSearch {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        seed: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         for start in 0.. {
             if self.search_from(start, simulator, &mut seed.index(start).stream()).is_none() {
                 break;

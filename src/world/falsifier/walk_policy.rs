@@ -11,13 +11,13 @@ pub trait WalkPolicy: Send {
     /// Chooses the next decision: one command for each pedestrian, in the order of their numbers.
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]);
 
-    /// Why the last choice failed; the commands of that choice mean nothing, and the episode is in error. None for policies of this crate,
+    /// Why the last choice failed; the commands of that choice mean nothing, and the episode is in error. `None` for policies of this crate,
     /// which cannot fail.
     fn fault(&self) -> Option<Fault> {
         None
     }
 
-    /// Another policy that chooses as this one does, for episodes that run at the same time. None when this policy cannot be in two
+    /// Another policy that chooses as this one does, for episodes that run at the same time. `None` if this policy cannot be in two
     /// episodes at once.
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         None

@@ -1,4 +1,4 @@
-use super::{Falsifier, Simulator, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy, play};
 use base::seed::Seed;
 
 /// A walk policy that does not learn, as a falsifier: it runs one episode from every start.
@@ -15,7 +15,11 @@ impl<W> Walking<W> {
 }
 
 impl<W: WalkPolicy + Clone + std::fmt::Debug + Send + Sync + 'static> Falsifier for Walking<W> {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(
+        &self,
+        simulator: &mut BudgetedSimulation<'_>,
+        seed: &Seed,
+    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut walker = self.walker.clone();
         for start in 0.. {
             if !simulator.begin(start) {

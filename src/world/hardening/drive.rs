@@ -4,7 +4,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::env::{Criterion, Outcome, Scenario, Trace};
-use crate::falsifier::{WalkPolicy, evaluate_noting};
+use crate::falsifier::{WalkPolicy, evaluate_observed};
 use crate::judge::{Blame, Judged};
 use base::seed::Seed;
 
@@ -118,5 +118,5 @@ pub(super) fn drives(
     let mut note = |_: u32, outcome: &Outcome, trace: &Trace| Drive::new(scenario, outcome, trace, hard_braking);
     let mut go_on = |_: u32| if stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let (starts, drawn) = (seed.child("starts"), seed.child("walker"));
-    evaluate_noting(walker, scenario, 0..episodes, &starts, &drawn, &mut note, &mut go_on)
+    evaluate_observed(walker, scenario, 0..episodes, &starts, &drawn, &mut note, &mut go_on)
 }

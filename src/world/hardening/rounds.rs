@@ -8,7 +8,7 @@ use super::repair::{Kept, Lessons, Repaired, repair};
 use super::tested::{Tested, test};
 use super::tunable::Tunable;
 use crate::env::{Criterion, Outcome, Scenario, Trace};
-use crate::falsifier::{Controller, Failure, Falsifier, Simulator, TrainError, follow};
+use crate::falsifier::{BudgetedSimulation, Controller, Failure, Falsifier, TrainError, follow};
 use crate::judge::{Blame, Judged};
 use base::seed::Seed;
 
@@ -104,7 +104,8 @@ pub fn harden(
                 let scenario = plan.driver.scenario(scenario, &now);
                 let starts = seed.child("starts").child(town);
                 let drawn = seed.child("attack").child(town).child(name);
-                let mut simulator = Simulator::new(scenario.clone(), starts, plan.budget, stop).with_progress(progress);
+                let mut simulator =
+                    BudgetedSimulation::new(scenario.clone(), starts, plan.budget, stop).with_progress(progress);
                 let walker = falsifier.search(&mut simulator, &drawn)?;
                 let spent = simulator.into_spent();
                 if spent.stopped {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::drive::{Drive, Traffic, drives};
 use super::rounds::{Hardening, faults};
 use crate::env::Scenario;
-use crate::falsifier::{Falsifier, SearchOutcome, Simulator, TrainError};
+use crate::falsifier::{BudgetedSimulation, Falsifier, SearchOutcome, TrainError};
 use base::seed::Seed;
 
 /// The driver before and after at the same starts, which no round has used.
@@ -91,7 +91,7 @@ fn searched(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(SearchOutcome, BTreeSet<u64>), TrainError> {
     let starts = seed.child("starts");
-    let mut simulator = Simulator::new(scenario.clone(), starts, budget, stop);
+    let mut simulator = BudgetedSimulation::new(scenario.clone(), starts, budget, stop);
     falsifier.search(&mut simulator, &seed.child(name))?;
     let spent = simulator.into_spent();
     let found = faults(scenario, starts, &spent.failures).into_iter().map(|failure| failure.start).collect();

@@ -9,7 +9,7 @@ use crate::geometry::{Point, Vector};
 
 /// How far beyond the edge of a lane the centre of a car still counts as inside (m).
 const EDGE: f64 = 0.1;
-/// The greatest number of lanes in a row through a junction, a guard against lanes that lead in circles.
+/// Maximum number of lanes in a row through a junction, a guard against lanes that lead in circles.
 const MAX_LANES: usize = 64;
 
 /// The driving lane whose centre line is nearest to a point.

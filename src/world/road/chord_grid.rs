@@ -6,9 +6,9 @@ use crate::geometry::{Point, Vector};
 
 /// The width of a grid's cell (m).
 const CELL: f64 = 4.0;
-/// The greatest number of cells of a grid; larger towns get wider cells.
+/// Maximum number of cells of a grid; larger towns get wider cells.
 const MAX_CELLS: f64 = 65_536.0;
-/// The greatest number of candidate chords in all cells of a grid together.
+/// Maximum number of candidate chords in all cells of a grid together.
 const MAX_CANDIDATES: usize = 4_000_000;
 /// How far beyond the lanes a grid reaches (m).
 const BEYOND: f64 = 12.0;

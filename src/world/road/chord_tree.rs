@@ -23,7 +23,7 @@ impl ChordTree {
         Self(RTree::bulk_load(chords.iter().zip(0..).map(leaf).collect()))
     }
 
-    /// Opposite corners of the smallest upright rectangle around all of them; none without chords.
+    /// Opposite corners of the smallest upright rectangle around all of them; `None` without chords.
     pub fn around(&self) -> Option<(Point, Point)> {
         (self.0.size() > 0).then(|| {
             let around = self.0.root().envelope();
@@ -31,7 +31,7 @@ impl ChordTree {
         })
     }
 
-    /// How far the nearest of them is (m); none without chords.
+    /// How far the nearest of them is (m); `None` without chords.
     pub fn distance(&self, point: Point) -> Option<f64> {
         let point = [point.x, point.y];
         self.0.nearest_neighbor(point).map(|leaf| leaf.distance_2(&point).sqrt())

@@ -53,7 +53,7 @@ pub struct Lane {
     pub kind: LaneKind,
     /// Its width (m) over the distance from the start of the road (not of the section).
     pub width: Profile,
-    /// Its own speed limits along the road, in order: where each begins (m) and what it is (m/s); none where the map does not say.
+    /// Its own speed limits along the road, in order: where each begins (m) and what it is (m/s); `None` if the map does not say.
     pub limits: Vec<(f64, Option<f64>)>,
     /// The lane of the section (or road) before, if the file says so.
     pub predecessor: Option<LaneId>,

@@ -80,7 +80,7 @@ impl LaneIndex {
         self.filters[filter as usize].grid.get_or_init(|| ChordGrid::new(chords, tree));
     }
 
-    /// The place on the nearest chord; none without lanes of that kind, or for a point that is not finite.
+    /// The place on the nearest chord; `None` without lanes of that kind, or for a point that is not finite.
     pub fn nearest(&self, lanes: Lanes, point: Point, filter: LaneFilter) -> Option<Waypoint> {
         self.nearest_chord(lanes, point, filter).map(|chord| place(chord, lanes, point))
     }

@@ -283,7 +283,7 @@ impl LaneNetwork {
     }
 }
 
-/// The lanes of a connecting road that a lane enters, by the links of the connecting road's lanes; none if those say nothing about the road
+/// The lanes of a connecting road that a lane enters, by the links of the connecting road's lanes; `None` if those say nothing about the road
 /// of the lane, as in a direct junction.
 ///
 /// # Source

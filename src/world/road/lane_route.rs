@@ -3,7 +3,7 @@ use crate::geometry::wrap_angle;
 
 /// Turns below this angle are straight on (rad), as for drivers without a route.
 const STRAIGHT: f64 = 35.0 * std::f64::consts::PI / 180.0;
-/// The greatest number of lanes of a route, a guard against lanes without length.
+/// Maximum number of lanes of a route, a guard against lanes without length.
 const MAX_LANES: usize = 4096;
 
 /// A turn that no branch takes.

@@ -107,7 +107,7 @@ impl RandomWalk {
         self.reached = 0;
     }
 
-    /// The index of the branch on the lanes that it must take; none when it may draw.
+    /// The index of the branch on the lanes that it must take; `None` if it may draw.
     fn given_branch(&mut self) -> Option<usize> {
         let ahead = self.lanes.get(self.reached..)?;
         let on_lane = |branch: &Waypoint| ahead.iter().position(|lane| lane.is_on_lane_of(branch));
@@ -120,7 +120,7 @@ impl RandomWalk {
         Some(branch)
     }
 
-    /// The point `step` (m) further along the reference line; none at the end of the road.
+    /// The point `step` (m) further along the reference line; `None` at the end of the road.
     pub fn next(&mut self, town: &Town, from: &RoutePoint, step: f64, stream: &mut Stream) -> Option<RoutePoint> {
         self.branches.clear();
         town.next(from.waypoint, step, &mut self.branches);

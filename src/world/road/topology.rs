@@ -7,10 +7,10 @@ use super::{LaneKind, RoadIndex, RoadLink, Town, Waypoint};
 /// CARLA's margin at the ends of lanes (m).
 const EPSILON: f64 = 10.0 * f64::EPSILON;
 
-/// The greatest number of lanes that one step may pass through, a guard against lanes without length that lead in circles.
+/// Maximum number of lanes that one step may pass through, a guard against lanes without length that lead in circles.
 const MAX_LANES: u32 = 4096;
 
-/// The greatest number of lanes in a row that one step may pass through.
+/// Maximum number of lanes in a row that one step may pass through.
 const MAX_DEPTH: u32 = 256;
 
 /// The shortest spacing of generated waypoints (m).
@@ -56,7 +56,7 @@ impl Town {
         })
     }
 
-    /// The start of a waypoint's lane in driving direction; none for a lane that does not exist.
+    /// The start of a waypoint's lane in driving direction; `None` for a lane that does not exist.
     pub fn lane_start(&self, waypoint: Waypoint) -> Option<Waypoint> {
         let lane = self.network.lane(self.network.slot(waypoint)?);
         Some(lane.waypoint(entry(lane, Way::Ahead)))
@@ -97,7 +97,7 @@ impl Town {
         next.road != lane.road && matches!(beyond, Some(RoadLink::Junction(_))) && !self.is_junction(next)
     }
 
-    /// Waypoints on all driving lanes, every `step` (m) along each road from its start; none for steps below a millimetre.
+    /// Waypoints on all driving lanes, every `step` (m) along each road from its start; `None` for steps below a millimetre.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GenerateWaypoints`.

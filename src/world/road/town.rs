@@ -31,7 +31,7 @@ pub struct TownParts {
     pub obstacles: Vec<OrientedBox>,
     /// What the reader of a file skipped or guessed.
     pub warnings: Vec<OpenDriveWarning>,
-    /// The text of the map that the town was read from; none for a town that was designed.
+    /// The text of the map that the town was read from; `None` for a town that was designed.
     pub map: Option<Arc<str>>,
 }
 
@@ -106,7 +106,7 @@ impl Town {
         self.crosswalks.iter().any(|corners| crosswalk::contains(corners, place))
     }
 
-    /// The edges of the lane at a waypoint: left and right of its centre along the reference line; none for a lane that does not exist.
+    /// The edges of the lane at a waypoint: left and right of its centre along the reference line; `None` for a lane that does not exist.
     pub fn lane_edges(&self, waypoint: Waypoint) -> Option<[Point; 2]> {
         let lane = self.network.lane(self.network.slot(waypoint)?);
         Some(self.network.edges(&self.roads, lane, waypoint.s))

@@ -19,7 +19,7 @@ impl ActorId {
     /// The car under test.
     pub const EGO: Self = Self::Vehicle(0);
 
-    /// The most vehicles, and the most pedestrians, of a world.
+    /// Maximum number of vehicles, and of pedestrians, in a world.
     pub const MAX_COUNT: usize = 255;
 
     /// The number among the actors of its kind.

@@ -201,7 +201,7 @@ impl VehicleBlueprint {
     }
 }
 
-/// The value at `x` on the broken line through the points, constant beyond both ends; none without points.
+/// The value at `x` on the broken line through the points, constant beyond both ends; `None` without points.
 fn interpolate(points: impl Iterator<Item = (f64, f64)>, x: f64) -> Option<f64> {
     let mut before: Option<(f64, f64)> = None;
     for (at, value) in points {

@@ -27,7 +27,7 @@ impl Contact {
         self.bearing.abs() <= half_angle
     }
 
-    /// The number of the pedestrian that touched the ego; none when other actors touched.
+    /// The number of the pedestrian that touched the ego; `None` if other actors touched.
     pub fn pedestrian_at_ego(&self) -> Option<usize> {
         match self.pair {
             (ActorId::EGO, ActorId::Pedestrian(number)) => Some(number.into()),

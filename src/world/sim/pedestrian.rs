@@ -8,7 +8,7 @@ const AT_REST: f64 = 1e-9;
 pub struct PedestrianBody {
     /// Radius of its disc (m). Obstacles, times to collision and reference drivers take the disc, also of a target that is a box.
     pub radius: f64,
-    /// Half extents (m) of a target that is a box, along its facing direction and across it; none for a disc. Touches and gaps are those of
+    /// Half extents (m) of a target that is a box, along its facing direction and across it; `None` for a disc. Touches and gaps are those of
     /// the box.
     pub target_box: Option<Vector>,
     /// Half of its height (m).

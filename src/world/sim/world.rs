@@ -25,7 +25,7 @@ pub struct World {
     pub run_up: u32,
     /// Length of a tick (s).
     pub dt: f64,
-    /// The cycle of the traffic lights; none where they are switched off.
+    /// The cycle of the traffic lights; `None` if they are switched off.
     pub lights: Option<LightCycle>,
     light_phase: f64,
 }
@@ -88,12 +88,12 @@ impl World {
         f64::from(self.ticks) * self.dt
     }
 
-    /// The clock of the traffic lights; none where they are switched off.
+    /// The clock of the traffic lights; `None` if they are switched off.
     pub fn light_clock(&self) -> Option<LightClock> {
         self.lights.map(|cycle| cycle.clock(self.light_phase + f64::from(self.run_up + self.ticks) * self.dt))
     }
 
-    /// The traffic light in whose trigger box a vehicle stands: its place among the town's lights. None where lights are
+    /// The traffic light in whose trigger box a vehicle stands: its place among the town's lights. `None` if lights are
     /// switched off.
     pub fn affecting_light(&self, vehicle: usize) -> Option<usize> {
         self.lights?;

@@ -22,7 +22,7 @@ use process::ProcessOpener;
 use world::av::Fault;
 use world::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
 use world::env::{Outcome, Scenario, Trace};
-use world::falsifier::{Random, evaluate_noting};
+use world::falsifier::{Random, evaluate_observed};
 
 /// Options of the trial of a driver.
 #[derive(Debug, Args)]
@@ -145,7 +145,8 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
             *outcome
         };
         let go_on = &mut |_| if fell.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let outcomes = evaluate_noting(&mut walker, &scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
+        let outcomes =
+            evaluate_observed(&mut walker, &scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
         let ticks: u32 = outcomes.iter().map(|outcome| outcome.ticks).sum();
         (outcomes, f64::from(ticks) / began.elapsed().as_secs_f64())
     };

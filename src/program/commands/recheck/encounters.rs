@@ -13,7 +13,7 @@ use learn::ActorCritic;
 use results::jobs::Repeatable;
 use results::report::{self, Encounter, ListedFailure, Met, WalkedBy};
 use world::env::{Criterion, Outcome, Scenario, Trace, VehicleRole};
-use world::falsifier::{Goal, evaluate_crossings, evaluate_noting, recorded_commands, walk_again};
+use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
 use world::judge::Judged;
 
 /// What became of a failure.
@@ -80,7 +80,7 @@ impl Source {
             let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
             let drawn = search.drawn(&self.seed);
             let go_on = &mut |_| ControlFlow::Continue(());
-            let played = evaluate_noting(walker.as_mut(), &after, start..start + 1, &seed, &drawn, note, go_on);
+            let played = evaluate_observed(walker.as_mut(), &after, start..start + 1, &seed, &drawn, note, go_on);
             played.into_iter().next()
         });
         let before = old.then(|| follow(&search.scenario)).flatten();

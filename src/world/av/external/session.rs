@@ -17,9 +17,9 @@ pub struct Settings {
     pub start_timeout: f64,
     /// The number of episodes at the same time.
     pub worlds: usize,
-    /// The greatest number of road users in a message.
+    /// Maximum number of road users in a message.
     pub actors: usize,
-    /// The greatest number of points of the route in a message.
+    /// Maximum number of points of the route in a message.
     pub route_points: usize,
 }
 

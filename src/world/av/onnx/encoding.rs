@@ -13,7 +13,7 @@ pub enum Content<'a> {
 /// A field: its number, its content, and its bytes as they stand.
 pub type Field<'a> = (u32, Content<'a>, &'a [u8]);
 
-/// Takes the next field of a message: its number, its content, and its bytes as they stand; none at the end.
+/// Takes the next field of a message: its number, its content, and its bytes as they stand; `None` at the end.
 ///
 /// # Errors
 /// The bytes are no field.

@@ -8,7 +8,7 @@ use crate::av::Fault;
 use crate::av::view::View;
 use base::contained::contained;
 
-/// The greatest number of actors and of points of the route in a network's inputs.
+/// Maximum number of actors and of points of the route in a network's inputs.
 const MAX_ACTORS: usize = 64;
 const MAX_POINTS: usize = 40;
 
@@ -69,7 +69,7 @@ impl Model {
         Ok(Self { network, inputs, output, numbers: 0 })
     }
 
-    /// The greatest number of actors and of points of the route that it receives.
+    /// Maximum number of actors and of points of the route that it receives.
     pub(super) fn room(&self) -> (usize, usize) {
         let mut room = (0, 0);
         for (_, input) in &self.inputs {

@@ -9,7 +9,7 @@ use super::vetting::load;
 use crate::av::Fault;
 use base::contained::contained;
 
-/// The greatest number of numbers that a network takes.
+/// Maximum number of inputs that a network takes.
 const MAX_NUMBERS: usize = 1 << 16;
 
 /// Why a file contains no network of plain numbers.
@@ -90,7 +90,7 @@ impl Network {
     }
 }
 
-/// The length of the rows that an input takes; none if it takes something else.
+/// The length of the rows that an input takes; `None` if it takes something else.
 fn width(network: &rten::Model, id: NodeId) -> Option<usize> {
     let info = network.node_info(id)?;
     let floats = matches!(info.dtype(), None | Some(ValueType::Tensor(DataType::Float)));

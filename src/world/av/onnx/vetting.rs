@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::encoding::{Content, Refusal, fields, text, whole_numbers};
 
-/// The most elements of a constant.
+/// Maximum number of elements of a constant.
 const MAX_ELEMENTS: u64 = 1 << 26;
-/// The most operators of a network.
+/// Maximum number of operators of a network.
 const MAX_OPERATORS: usize = 20_000;
 
 /// Operators that have graphs of their own, or make lists of tensors.
@@ -250,7 +250,7 @@ fn tensor(bytes: &[u8]) -> Result<String, Refusal> {
     Ok(tensor.name)
 }
 
-/// The least number of bytes of an element.
+/// Minimum size of an element in bytes.
 fn element_bytes(kind: u64) -> u64 {
     match kind {
         1 | 6 | 12 => 4,
@@ -278,7 +278,7 @@ fn inner(kind: Kind, field: u32) -> Option<Kind> {
     })
 }
 
-/// The product of sizes; none if one is negative or the product has more than 64 bits.
+/// The product of sizes; `None` if one is negative or the product has more than 64 bits.
 fn product(sizes: &[i64]) -> Option<u64> {
     sizes.iter().try_fold(1_u64, |product, size| product.checked_mul(u64::try_from(*size).ok()?))
 }

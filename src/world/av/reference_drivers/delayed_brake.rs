@@ -85,7 +85,7 @@ impl DelayedBrake {
     }
 
     /// The greatest deceleration (m/s²) within the next `dt` (s), for a driver that notices a pedestrian now or does not, in a car that stands or
-    /// does not; none as long as it does not brake.
+    /// does not; `None` as long as it does not brake.
     pub fn next(&mut self, notices: bool, stands: bool, dt: f64) -> Option<f64> {
         let first = if stands { self.profile.wait } else { 0.0 };
         let time = self.clock.or_else(|| notices.then_some(first))?;

@@ -118,7 +118,7 @@ impl SpawnRule {
         rule
     }
 
-    /// The rule with one pose of the car, drawn among those around which it can place the pedestrian; none when none of two thousand is such a pose.
+    /// The rule with one pose of the car, drawn among those around which it can place the pedestrian; `None` if none of two thousand is such a pose.
     /// A rule with a test or a path stays as it is.
     pub fn settled(
         &self,

@@ -50,7 +50,7 @@ impl SpawnRule {
         none_in_reach(FEW, stream).is_some() && none_in_reach(MANY, stream).is_some_and(|found| found >= ENOUGH)
     }
 
-    /// The highest speed that the rule or a limit of the town gives the car (m/s); none where neither does.
+    /// The highest speed that the rule or a limit of the town gives the car (m/s); `None` if neither does.
     pub fn greatest_limit(&self, town: &Town) -> Option<f64> {
         limits(town).chain(self.greatest_given_speed()).reduce(f64::max)
     }

@@ -38,7 +38,7 @@ pub struct SpawnRule {
     pub road_shape: RoadShape,
     /// Speed of the ego at the start.
     pub ego_speed: EgoSpeed,
-    /// The speed that the driver is to hold before the start (m/s); none where it comes at its own speed.
+    /// The speed that the driver is to hold before the start (m/s); `None` if it comes at its own speed.
     pub test_speed: Option<f64>,
     /// The turns that the driver takes at the next forks, in order; afterwards, and without any, it finds its own way.
     pub ego_route: Vec<RoadOption>,
@@ -166,13 +166,13 @@ impl SpawnRule {
         (tried > DRAWN * FEW_TRIES).then(|| Rarity { accepted, tried, barren: true, ..Rarity::of(survey) })
     }
 
-    /// The first command that leads the pedestrian as the rule's test or path states; none where the rule has neither.
+    /// The first command that leads the pedestrian as the rule's test or path states; `None` if the rule has neither.
     pub fn scripted(&self) -> Option<WalkCommand> {
         let target = self.target_walk.as_ref().map(TargetWalk::command);
         target.or_else(|| self.given_path.as_ref().map(GivenPath::command))
     }
 
-    /// The speed that the driver is to hold before an episode (m/s); none where it comes at its own speed.
+    /// The speed that the driver is to hold before an episode (m/s); `None` if it comes at its own speed.
     pub fn test_speed(&self, episode: u64) -> Option<f64> {
         let case = self.target_walk.as_ref().map(|walk| walk.case(episode).test_speed);
         case.or(self.test_speed)
@@ -217,7 +217,7 @@ impl SpawnRule {
         (start.expect("checked: of ten thousand starts one is accepted"), tried)
     }
 
-    /// Draws a start as [`SpawnRule::sample`]; none if none is found around a few poses of the ego.
+    /// Draws a start as [`SpawnRule::sample`]; `None` if none is found around a few poses of the ego.
     pub fn sample_if_easy(
         &self,
         town: &Town,

@@ -299,7 +299,7 @@ fn find_unused_nodes(design: &TownDesign, faults: &mut Vec<DesignError>) {
     faults.extend(unused.map(|(node, _)| DesignError::UnusedNode { node: node.name.clone() }));
 }
 
-/// The greatest number of reported crossings and overlaps; each pair of streets may have one.
+/// Maximum number of reported crossings and overlaps; each pair of streets may have one.
 pub(super) const MAX_FAULTS: usize = 100;
 
 fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignError>) {
@@ -320,7 +320,7 @@ fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignEr
     }
 }
 
-/// The point that two line segments have in common; none for parallel ones.
+/// The point that two line segments have in common; `None` for parallel ones.
 fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
     let (along, across, between) = (b - a, d - c, c - a);
     let area = along.perp(&across);

@@ -20,7 +20,7 @@ pub(super) struct Network {
     pub edges: Vec<Option<usize>>,
     /// For every road the nodes at its ends.
     pub nodes: Vec<[usize; 2]>,
-    /// For every edge its road; none where there is no room for it.
+    /// For every edge its road; `None` if there is no room for it.
     pub along: Vec<Option<RoadIndex>>,
     /// For every node its junction.
     pub at: Vec<Option<JunctionIndex>>,

@@ -6,7 +6,7 @@ use crate::road::{Geometry, Road, RoadEnd, Shape};
 
 /// Tiles that overlap by less only touch (m).
 const TOUCH: f64 = 1e-6;
-/// The most that one tile of an arc turns (rad).
+/// Maximum angle that one tile of an arc turns (rad).
 const TILE_TURN: f64 = 0.05;
 /// The longest tile of an arc (m).
 const TILE_LENGTH: f64 = 2.0;

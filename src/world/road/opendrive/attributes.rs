@@ -8,7 +8,7 @@ use super::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 
 /// An upper bound of every length, coordinate and coefficient of a town.
 const MAX_NUMBER: f64 = 1e9;
-/// The greatest number of warnings that are stored.
+/// Maximum number of warnings that are stored.
 const MAX_WARNINGS: usize = 10_000;
 
 /// The number of bytes after which line ends are counted anew.

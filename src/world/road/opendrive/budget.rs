@@ -9,17 +9,17 @@ use super::attributes::{child, children};
 
 /// The greatest size of a file (bytes).
 const BYTES: usize = 128 << 20;
-/// The most elements, comments and texts of a file.
+/// Maximum number of elements, comments and texts of a file.
 const NODES: u32 = 4_000_000;
-/// The most attributes of a file.
+/// Maximum number of attributes of a file.
 const ATTRIBUTES: usize = 6_000_000;
-/// The most attributes of an element; the parser compares each with each.
+/// Maximum number of attributes of an element; the parser compares each with each.
 const ATTRIBUTES_OF_ELEMENT: usize = 256;
 /// The greatest length of all lanes together (m).
 const LANES: f64 = 1e7;
-/// The most places in the tables of cubic curves.
+/// Maximum number of places in the tables of cubic curves.
 const PLACES: f64 = 4e6;
-/// The most terms in the sums of widths that lead from a reference line to the centres of lanes.
+/// Maximum number of terms in the sums of widths that lead from a reference line to the centres of lanes.
 const TERMS: f64 = 2e7;
 /// The longest road, and the longest piece of a reference line (m).
 pub(super) const MAX_LENGTH: f64 = 1e6;

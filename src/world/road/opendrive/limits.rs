@@ -15,7 +15,7 @@ const MAX_LIMIT: f64 = 150.0;
 /// A mile per hour (m/s).
 const MPH: f64 = 0.44704;
 
-/// Where each limit begins along the road (m), in order, and what it is (m/s); none where it is undefined.
+/// Where each limit begins along the road (m), in order, and what it is (m/s); `None` if it is undefined.
 pub(super) type Limits = Vec<(f64, Option<f64>)>;
 
 /// Reads the limits of the types of a road; empty where signs alone count.
@@ -58,7 +58,7 @@ fn at(limits: &[(f64, Option<f64>)], s: f64) -> Option<f64> {
     limits.iter().rev().find(|(begin, _)| *begin <= s).and_then(|(_, limit)| *limit)
 }
 
-/// The limit of a `speed` element (m/s); none if it is undefined, and none with a warning if it cannot be used.
+/// The limit of a `speed` element (m/s); `None` if it is undefined, and none with a warning if it cannot be used.
 fn limit(context: &mut Context, speed: Node) -> Option<f64> {
     let text = speed.attribute("max")?;
     match text.trim() {

@@ -6,7 +6,7 @@ use super::budget::MAX_LENGTH;
 use crate::geometry::Pose;
 use crate::road::{Geometry, PlanView, Shape};
 
-/// The most that a spiral may turn (rad). Its places cost as much time as it turns.
+/// Maximum angle that a spiral may turn (rad). Its places cost as much time as it turns.
 const MAX_TURN: f64 = 64.0;
 
 /// Reads the reference line of a road; empty when there is no usable piece.

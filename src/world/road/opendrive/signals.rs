@@ -179,7 +179,7 @@ pub(super) fn speed_signs(
     (found, on_lanes)
 }
 
-/// The limit of a speed sign (km/h); none for other elements.
+/// The limit of a speed sign (km/h); `None` for other elements.
 pub(super) fn limit(node: Node) -> Option<f64> {
     let text = match node.attribute("type") {
         Some(SPEED_LIMIT) => node

@@ -21,7 +21,7 @@ const BEFORE_END: f64 = 3.0;
 const HALF_LENGTH: f64 = 1.5;
 /// Half the width of the trigger box, as a share of the lane's width.
 const HALF_WIDTH: f64 = 0.25;
-/// The greatest number of lanes of a junction between a signal and the approach lane.
+/// Maximum number of lanes of a junction between a signal and the approach lane.
 const MAX_LANES: usize = 64;
 
 /// A signal that applies to an approach lane.

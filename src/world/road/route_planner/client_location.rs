@@ -56,7 +56,7 @@ impl ClientLocation {
     }
 }
 
-/// The place on a line or an arc, and the heading there; none on other curves, which CARLA approximates in its own way.
+/// The place on a line or an arc, and the heading there; `None` on other curves, which CARLA approximates in its own way.
 fn on_piece(piece: &Geometry, ds: f64) -> Option<(ClientLocation, f64)> {
     let ds = ds.clamp(0.0, piece.length.max(0.0));
     let start = ClientLocation::new(piece.start.position(), 0.0);

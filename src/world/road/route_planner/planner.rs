@@ -35,7 +35,7 @@ impl RoutePlanner {
         &self.destinations
     }
 
-    /// The route between the lanes nearest to two places of the town it was made for; none if no way leads there.
+    /// The route between the lanes nearest to two places of the town it was made for; `None` if no way leads there.
     ///
     /// Where segments meet, the end of one and the start of the next are both points of the route. A destination behind
     /// the origin on the same segment gives a single point, as in CARLA. From an origin within a junction the route may

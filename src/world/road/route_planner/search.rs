@@ -42,7 +42,7 @@ struct Known {
     explored: Option<Option<Node>>,
 }
 
-/// A way from one node to another, both included; none if no way leads there.
+/// A way from one node to another, both included; `None` if no way leads there.
 ///
 /// A* with costs in points and the straight line in metres. With a point every two metres the line weighs twice as much as
 /// the way. The search therefore runs towards the goal and stops at the first way it meets, which need not be the shortest.

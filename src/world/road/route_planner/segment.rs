@@ -1,7 +1,7 @@
 use super::client_location::ClientLocation;
 use crate::road::{RoadOption, RoutePoint, Town, Waypoint};
 
-/// The greatest number of points of a segment, a guard against files whose lanes lead past their own end.
+/// Maximum number of points of a segment, a guard against files whose lanes lead past their own end.
 const MAX_POINTS: usize = 100_000;
 
 /// A point of a segment, with the location by which CARLA compares points.
@@ -41,7 +41,7 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    /// Places points between two waypoints; none if they are close and the lane does not continue.
+    /// Places points between two waypoints; `None` if they are close and the lane does not continue.
     pub fn new(town: &Town, entry: Waypoint, exit: Waypoint, sampling: f64) -> Option<Self> {
         let (entry, exit) = (Place::new(town, entry), Place::new(town, exit));
         let step = sampling as f32;
@@ -68,7 +68,7 @@ impl Segment {
         Some(Self { places })
     }
 
-    /// The rest of a lane from a waypoint on, for a lane that starts no segment; none if no point fits.
+    /// The rest of a lane from a waypoint on, for a lane that starts no segment; `None` if no point fits.
     pub fn loose_end(town: &Town, from: Place, sampling: f64) -> Option<Self> {
         let lane = |waypoint: Waypoint| (waypoint.road, waypoint.section, waypoint.lane);
         let mut places = vec![from];

@@ -16,7 +16,7 @@ pub(super) struct Turns {
 }
 
 impl Turns {
-    /// The option of the segment that starts at the `index`-th node of a way; none if the way has no such segment.
+    /// The option of the segment that starts at the `index`-th node of a way; `None` if the way has no such segment.
     pub fn name(&mut self, graph: &RouteGraph, way: &[Node], index: usize) -> Option<RoadOption> {
         let (here, next) = (*way.get(index)?, *way.get(index + 1)?);
         let ahead = graph.edge(here, next)?;

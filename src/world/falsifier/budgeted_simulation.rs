@@ -9,13 +9,13 @@ use crate::sim::WalkCommand;
 use base::seed::Seed;
 use learn::Step;
 
-/// The simulator of a falsifier: it counts ticks against a budget and stores every collision.
+/// The simulation of a falsifier: it counts ticks against a budget and stores every failure.
 ///
 /// A decision is carried out only when the budget has all the ticks that it may take, and an episode starts only when it has those of the
 /// longest run-up. So the budget is never exceeded. Ticks of a run-up count, since they cost as much as others. A start that is tried
 /// again at once continues from a copy of its first tick where the drivers can be copied, so its run-up is driven and counted once. An
 /// episode that is given up, or that the budget cuts off, only costs its ticks.
-pub struct Simulator<'a> {
+pub struct BudgetedSimulation<'a> {
     scenario: Arc<Scenario>,
     seed: Seed,
     simulation: Box<dyn Simulation>,
@@ -32,13 +32,13 @@ pub struct Simulator<'a> {
     episodes: u64,
     left_out: u64,
     starts: BTreeSet<u64>,
-    /// The least number of a start, and the hash of that start.
+    /// The lowest number of a start, and the hash of that start.
     first_start: Option<(u64, u64)>,
     failures: Vec<Failure>,
     spent: bool,
     stop: &'a (dyn Fn() -> bool + Sync),
     stopped: bool,
-    /// Hears the ticks that were used since the last episode began.
+    /// Called with the number of ticks used since the last episode began.
     progress: &'a (dyn Fn(u64) + Sync),
     heard: u64,
     /// Ticks after every decision; only shares record them.
@@ -58,7 +58,7 @@ pub struct SearchOutcome {
     pub left_out: u64,
     /// The starts of these episodes.
     pub starts: StartSet,
-    /// The least number of the starts of all episodes and [`Outcome::start`] of it: searches with equal ones have equal starts.
+    /// The lowest number of the starts of all episodes and [`Outcome::start`] of it: searches with equal ones have equal starts.
     pub first_start: Option<(u64, u64)>,
     /// The failures, in the order in which they were found.
     pub failures: Vec<Failure>,
@@ -66,8 +66,8 @@ pub struct SearchOutcome {
     pub stopped: bool,
 }
 
-impl<'a> Simulator<'a> {
-    /// Makes a simulator with a budget in ticks. Start *k* depends only on the seed and on *k*. `stop` is queried before every episode.
+impl<'a> BudgetedSimulation<'a> {
+    /// Makes one with a budget in ticks. Start *k* depends only on the seed and on *k*. `stop` is queried before every episode.
     pub fn new(scenario: Arc<Scenario>, seed: Seed, budget: u64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
         let chosen = vec![WalkCommand::default(); scenario.cast.pedestrians.len()];
         Self {
@@ -201,7 +201,7 @@ impl<'a> Simulator<'a> {
 const NO_STEP: Step = Step { reward: 0.0, terminated: true, truncated: false };
 
 /// When the budget is used up, no episode starts and the running one is over without an outcome.
-impl Simulation for Simulator<'_> {
+impl Simulation for BudgetedSimulation<'_> {
     fn scenario(&self) -> &Arc<Scenario> {
         &self.scenario
     }
