@@ -82,7 +82,7 @@ impl<T: Real> ActorCritic<T> {
     }
 
     /// Returns all parameters: actor, critic, logarithms of the standard deviations.
-    pub(super) fn parameters(&self) -> &[T] {
+    pub fn parameters(&self) -> &[T] {
         &self.parameters
     }
 

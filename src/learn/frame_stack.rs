@@ -41,21 +41,3 @@ impl FrameStack {
         self.stacked.copy_from_slice(stacked);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_oldest_comes_first_and_an_episode_begins_with_zeros() {
-        let mut stack = FrameStack::new(2, 3);
-        stack.begin(&[1.0, 2.0]);
-        assert_eq!(stack.as_slice(), [0.0, 0.0, 0.0, 0.0, 1.0, 2.0]);
-        stack.push(&[3.0, 4.0]);
-        stack.push(&[5.0, 6.0]);
-        stack.push(&[7.0, 8.0]);
-        assert_eq!(stack.as_slice(), [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
-        stack.begin(&[9.0, 9.5]);
-        assert_eq!(stack.as_slice(), [0.0, 0.0, 0.0, 0.0, 9.0, 9.5]);
-    }
-}

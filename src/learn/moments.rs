@@ -60,39 +60,3 @@ impl RunningMoments {
         (value / (self.variance[i] + EPSILON).sqrt()).clamp(-LIMIT, LIMIT)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn batches_of_any_size_give_the_moments_of_all_samples() {
-        let samples: Vec<[f64; 2]> = (0..60).map(|i| [libm::sin(f64::from(i)), 5.0 + f64::from(i)]).collect();
-        for size in [1, 7, 60] {
-            let mut moments = RunningMoments::new(2);
-            for batch in samples.chunks(size) {
-                moments.update(batch.iter().map(|sample| &sample[..]));
-            }
-            for i in 0..2 {
-                let mean = samples.iter().map(|x| x[i]).sum::<f64>() / 60.0;
-                let variance = samples.iter().map(|x| (x[i] - mean).powi(2)).sum::<f64>() / 60.0;
-                // The initial estimate weighs a ten-thousandth of a sample.
-                assert!((moments.mean[i] - mean).abs() < 1e-4);
-                assert!((moments.variance[i] / variance - 1.0).abs() < 1e-4);
-            }
-            assert!((moments.count - 60.0001).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn normalising_shifts_scales_and_clips() {
-        let moments = RunningMoments { mean: vec![2.0], variance: vec![4.0], count: 10.0 };
-        assert!((moments.normalised(0, 5.0) - 1.5).abs() < 1e-8);
-        assert!((moments.scaled(0, 5.0) - 2.5).abs() < 1e-8);
-        assert_eq!((moments.normalised(0, -90.0), moments.scaled(0, 90.0)), (-10.0, 10.0));
-        // At zero variance the epsilon keeps the quotient finite.
-        let still = RunningMoments { variance: vec![0.0], ..moments };
-        assert_eq!(still.normalised(0, 2.0), 0.0);
-        assert!((still.normalised(0, 2.0 + 1e-4) - 1.0).abs() < 1e-6);
-    }
-}

@@ -75,6 +75,3 @@ pub fn train<E: Env + Send>(
     }
     Ok(trainer.finish())
 }
-
-#[cfg(test)]
-mod tests;

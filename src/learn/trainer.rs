@@ -242,6 +242,3 @@ pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> (usize, usiz
     );
     (obs_dim * config.frame_stack, action_dim)
 }
-
-#[cfg(test)]
-mod tests;

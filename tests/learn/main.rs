@@ -11,6 +11,10 @@ mod repository;
 #[path = "../common/samples.rs"]
 mod samples;
 
+mod imitation;
+mod observations;
+mod ppo;
+mod trainer;
 mod ped_world;
 mod ped_world_reference;
 mod policies_elsewhere;

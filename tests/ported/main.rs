@@ -1,4 +1,4 @@
-//! The rebuilt drivers, compared with recordings of the originals.
+//! The rebuilt drivers, compared with the originals.
 #![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
 #[macro_use]
@@ -13,6 +13,7 @@ mod repository;
 
 mod behavior_agent_reference;
 mod interfuser_reference;
+mod lav;
 mod lav_reference;
 
 use repository::repository;

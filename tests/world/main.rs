@@ -1,4 +1,4 @@
-//! Roads and routes, compared with recordings of independent programs.
+//! The simulated world: closed forms, properties, and recordings of independent programs.
 #![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
 #[macro_use]
@@ -10,7 +10,19 @@ mod gzip;
 mod reference;
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/streets.rs"]
+mod streets;
 
+mod geometry;
+mod reference_lines;
+mod lanes_around;
+mod random_walks;
+mod route_planner;
+mod opendrive;
+mod town_design;
+mod sensor_noise;
+mod reference_drivers;
+mod verdicts;
 mod road_reference;
 mod routes_reference;
 

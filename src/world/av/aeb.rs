@@ -1,10 +1,11 @@
 use super::crosswalks::CrosswalkKeys;
 use super::emergency_brake::{BrakeKeys, EmergencyBrake};
-use super::lane_follower::{LaneFollower, LaneKeys};
-use super::{DrivingMode, DrivingPolicy, Perception};
+use super::guarded::{Guarded, LaneGuard};
+use super::lane_follower::{Intent, LaneKeys};
+use super::route_trace::RouteTrace;
+use super::{DrivingMode, Perception};
 use crate::sim::Control;
 use base::keys;
-use base::seed::Stream;
 
 keys! {
     /// A driver that sees no actors, with automatic emergency braking by time to collision. It trusts the positions that it is
@@ -21,45 +22,23 @@ keys! {
 #[derive(Debug, Clone)]
 pub struct Aeb {
     brake: EmergencyBrake,
-    driver: LaneFollower,
-    mode: DrivingMode,
 }
 
 impl Aeb {
-    pub fn new(keys: AebKeys) -> Self {
-        let driver = LaneFollower::new(keys.lane, keys.at_crosswalks);
-        Self { brake: EmergencyBrake::new(keys.brake), driver, mode: DrivingMode::Cruise }
+    pub fn new(keys: AebKeys) -> Guarded<Self> {
+        Guarded::new(Self { brake: EmergencyBrake::new(keys.brake) }, keys.lane, keys.at_crosswalks)
     }
 }
 
-impl DrivingPolicy for Aeb {
-    fn speed_limit_for(&self, speed: f64) -> f64 {
-        self.driver.speed_limit_for(speed)
-    }
-
-    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
-        self.driver.reset(perception, stream);
+impl LaneGuard for Aeb {
+    fn reset(&mut self) {
         self.brake.release();
-        self.mode = DrivingMode::Cruise;
     }
 
-    fn drive(&mut self, perception: &Perception<'_>) -> Control {
-        let intent = self.driver.intend(perception);
-        let demand = self.brake.watch(&self.driver.trace, perception);
-        self.mode = demand.map_or(intent.mode, |demand| demand.mode);
+    fn drive(&mut self, intent: &Intent, trace: &RouteTrace, perception: &Perception<'_>) -> (Control, DrivingMode) {
+        let demand = self.brake.watch(trace, perception);
+        let mode = demand.map_or(intent.mode, |demand| demand.mode);
         let allowed = demand.map_or(f64::INFINITY, |demand| demand.allowed);
-        intent.control(intent.acceleration.min(allowed), perception)
-    }
-
-    fn mode(&self) -> DrivingMode {
-        self.mode
-    }
-
-    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
-        Some(Box::new(self.clone()))
-    }
-
-    fn reseed(&mut self, stream: Stream) {
-        self.driver.reseed(stream);
+        (intent.control(intent.acceleration.min(allowed), perception), mode)
     }
 }

@@ -1,10 +1,11 @@
 use super::crosswalks::CrosswalkKeys;
-use super::lane_follower::{LaneFollower, LaneKeys};
+use super::guarded::{Guarded, LaneGuard};
+use super::lane_follower::{Intent, LaneKeys};
 use super::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion, ReferenceDriver, Threat};
-use super::{Actor, DrivingMode, DrivingPolicy, Perception};
+use super::route_trace::RouteTrace;
+use super::{Actor, DrivingMode, Perception};
 use crate::sim::Control;
 use base::keys;
-use base::seed::Stream;
 
 keys! {
     /// UN R157's careful human, who decides in a verdict what was preventable, as a driver. Weaken it to see what the verdict
@@ -38,8 +39,6 @@ pub struct CarefulHuman {
     brake: DelayedBrake,
     /// How far ahead of the bumper it sees a pedestrian (m).
     range: f64,
-    driver: LaneFollower,
-    mode: DrivingMode,
 }
 
 /// How much farther to the side (m) and ahead in time (s) than the reference it looks.
@@ -53,21 +52,23 @@ const PUSHES: [f64; 5] = [0.0, 0.5, 1.0, 1.5, 2.0];
 const PATIENCE: f64 = 5.0;
 
 impl CarefulHuman {
-    pub fn new(keys: CarefulHumanKeys) -> Self {
+    pub fn new(keys: CarefulHumanKeys) -> Guarded<Self> {
         let wait = keys.evaluation + keys.reaction;
         let profile = BrakeProfile { wait, ramp: keys.ramp, full: keys.full_braking };
-        Self {
-            brake: DelayedBrake::new(Some(Gate::CAREFUL), profile),
-            range: keys.range,
-            driver: LaneFollower::new(keys.lane, keys.at_crosswalks),
-            mode: DrivingMode::Cruise,
-        }
+        let human = Self { brake: DelayedBrake::new(Some(Gate::CAREFUL), profile), range: keys.range };
+        Guarded::new(human, keys.lane, keys.at_crosswalks)
     }
 
     /// A pedestrian in the frame of its lane, which goes straight on after some length (m), after this time (s).
-    fn threat(&self, perception: &Perception<'_>, actor: &Actor, straight: f64, after: f64) -> Option<Threat> {
+    fn threat(
+        &self,
+        (trace, perception): (&RouteTrace, &Perception<'_>),
+        actor: &Actor,
+        straight: f64,
+        after: f64,
+    ) -> Option<Threat> {
         let ego = &perception.ego;
-        let actor = self.driver.trace.locate_straight_after(straight, actor)?;
+        let actor = trace.locate_straight_after(straight, actor)?;
         let place = actor.place + actor.velocity * after;
         let gap = place.x - ego.speed() * after - ego.half.x - actor.reach.x;
         let side = if place.y > 0.0 { 1.0 } else { -1.0 };
@@ -83,7 +84,7 @@ impl CarefulHuman {
     }
 
     /// Whether it notices a pedestrian in this tick.
-    fn notices(&self, perception: &Perception<'_>) -> bool {
+    fn notices(&self, trace: &RouteTrace, perception: &Perception<'_>) -> bool {
         let length = 2.0 * perception.ego.half.x;
         let speed = perception.ego.speed();
         let wants_more = speed < perception.speed_limit;
@@ -93,7 +94,8 @@ impl CarefulHuman {
             let seen = perception.in_sight_of_eye(actor);
             let times = || [0.0, perception.dt, EARLIER].into_iter();
             let views = STRAIGHT.into_iter().flat_map(|straight| times().map(move |after| (straight, after)));
-            let mut threats = views.filter_map(|(straight, after)| self.threat(perception, actor, straight, after));
+            let mut threats =
+                views.filter_map(|(straight, after)| self.threat((trace, perception), actor, straight, after));
             seen && threats.any(|threat| {
                 owns.iter().any(|own| {
                     let near = own.stands() && threat.time_to_collision(own) <= PATIENCE && threat.is_on_course(own);
@@ -104,46 +106,24 @@ impl CarefulHuman {
     }
 }
 
-impl DrivingPolicy for CarefulHuman {
-    fn speed_limit_for(&self, speed: f64) -> f64 {
-        self.driver.speed_limit_for(speed)
-    }
-
-    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
-        self.driver.reset(perception, stream);
+impl LaneGuard for CarefulHuman {
+    fn reset(&mut self) {
         self.brake.begin();
-        self.mode = DrivingMode::Cruise;
     }
 
-    fn drive(&mut self, perception: &Perception<'_>) -> Control {
-        let intent = self.driver.intend(perception);
-        let speed = perception.ego.speed();
-        let stands = speed <= OwnMotion::STANDING;
-        let notices = self.notices(perception);
+    fn drive(&mut self, intent: &Intent, trace: &RouteTrace, perception: &Perception<'_>) -> (Control, DrivingMode) {
+        let stands = perception.ego.speed() <= OwnMotion::STANDING;
+        let notices = self.notices(trace, perception);
         if stands && !notices {
             self.brake.begin();
         }
-        let braking = self.brake.next(notices, stands, perception.dt);
-        let Some(braking) = braking else {
-            self.mode = intent.mode;
-            return intent.control(intent.acceleration, perception);
+        let Some(braking) = self.brake.next(notices, stands, perception.dt) else {
+            return (intent.control(intent.acceleration, perception), intent.mode);
         };
-        self.mode = DrivingMode::EmergencyStop;
-        if stands {
-            return Control { steer: intent.steer, ..Control::FULL_BRAKE };
-        }
-        intent.control(intent.acceleration.min(-braking), perception)
-    }
-
-    fn mode(&self) -> DrivingMode {
-        self.mode
-    }
-
-    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
-        Some(Box::new(self.clone()))
-    }
-
-    fn reseed(&mut self, stream: Stream) {
-        self.driver.reseed(stream);
+        let control = match stands {
+            true => Control { steer: intent.steer, ..Control::FULL_BRAKE },
+            false => intent.control(intent.acceleration.min(-braking), perception),
+        };
+        (control, DrivingMode::EmergencyStop)
     }
 }

@@ -17,6 +17,7 @@ mod give_way;
 mod idm;
 mod route_trace;
 mod lane_follower;
+mod guarded;
 mod emergency_brake;
 mod aeb;
 mod careful_human;

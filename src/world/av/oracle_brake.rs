@@ -1,9 +1,9 @@
 use super::crosswalks::CrosswalkKeys;
-use super::lane_follower::{LaneFollower, LaneKeys};
-use super::route_trace::distance_to_box;
-use super::{Actor, DrivingMode, DrivingPolicy, Perception};
+use super::guarded::{Guarded, LaneGuard};
+use super::lane_follower::{Intent, LaneKeys};
+use super::route_trace::{RouteTrace, distance_to_box};
+use super::{Actor, DrivingMode, Perception};
 use crate::sim::Control;
-use base::seed::Stream;
 use base::{choice, keys};
 
 choice! {
@@ -45,8 +45,6 @@ keys! {
 pub struct OracleBrake {
     any_motion: bool,
     running: f64,
-    driver: LaneFollower,
-    mode: DrivingMode,
 }
 
 /// How far ahead the oracle looks for a touch without braking (s).
@@ -55,17 +53,19 @@ const HORIZON: f64 = 6.0;
 const SLACK: f64 = 0.15;
 
 impl OracleBrake {
-    pub fn new(keys: OracleBrakeKeys) -> Self {
-        Self {
-            any_motion: keys.assumes == Assumption::AnyMotion,
-            running: keys.running_speed,
-            driver: LaneFollower::new(keys.lane, keys.at_crosswalks),
-            mode: DrivingMode::Cruise,
-        }
+    pub fn new(keys: OracleBrakeKeys) -> Guarded<Self> {
+        let oracle = Self { any_motion: keys.assumes == Assumption::AnyMotion, running: keys.running_speed };
+        Guarded::new(oracle, keys.lane, keys.at_crosswalks)
     }
 
     /// Whether it may touch an actor before it stands, with this acceleration (m/s²) for some ticks and full braking after them.
-    fn touches(&self, perception: &Perception<'_>, actor: &Actor, acceleration: f64, ticks: u32) -> bool {
+    fn touches(
+        &self,
+        (trace, perception): (&RouteTrace, &Perception<'_>),
+        actor: &Actor,
+        acceleration: f64,
+        ticks: u32,
+    ) -> bool {
         let (ego, dt) = (&perception.ego, perception.dt);
         let size = actor.half.x.max(actor.half.y) + SLACK;
         let (place, velocity) = (actor.pose.position(), actor.velocity);
@@ -77,7 +77,7 @@ impl OracleBrake {
             along += speed * dt;
             time += dt;
             speed = (speed + gain * dt).max(0.0);
-            let Some((middle, ahead)) = self.driver.trace.at(along) else { return false };
+            let Some((middle, ahead)) = trace.at(along) else { return false };
             let (then, grown) =
                 if self.any_motion { (place, size + self.running * time) } else { (place + velocity * time, size) };
             if distance_to_box(then, middle, &ahead, &ego.half) < grown {
@@ -90,44 +90,21 @@ impl OracleBrake {
         false
     }
 
-    fn must_brake(&self, perception: &Perception<'_>, acceleration: f64) -> bool {
+    fn must_brake(&self, trace: &RouteTrace, perception: &Perception<'_>, acceleration: f64) -> bool {
+        let seen = (trace, perception);
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         actors.into_iter().any(|actor| {
-            let would_meet = self.any_motion || self.touches(perception, actor, acceleration, u32::MAX);
-            would_meet && self.touches(perception, actor, acceleration, 1)
+            let would_meet = self.any_motion || self.touches(seen, actor, acceleration, u32::MAX);
+            would_meet && self.touches(seen, actor, acceleration, 1)
         })
     }
 }
 
-impl DrivingPolicy for OracleBrake {
-    fn speed_limit_for(&self, speed: f64) -> f64 {
-        self.driver.speed_limit_for(speed)
-    }
-
-    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
-        self.driver.reset(perception, stream);
-        self.mode = DrivingMode::Cruise;
-    }
-
-    fn drive(&mut self, perception: &Perception<'_>) -> Control {
-        let intent = self.driver.intend(perception);
-        if self.must_brake(perception, intent.acceleration) {
-            self.mode = DrivingMode::EmergencyStop;
-            return Control { steer: intent.steer, ..Control::FULL_BRAKE };
+impl LaneGuard for OracleBrake {
+    fn drive(&mut self, intent: &Intent, trace: &RouteTrace, perception: &Perception<'_>) -> (Control, DrivingMode) {
+        if self.must_brake(trace, perception, intent.acceleration) {
+            return (Control { steer: intent.steer, ..Control::FULL_BRAKE }, DrivingMode::EmergencyStop);
         }
-        self.mode = intent.mode;
-        intent.control(intent.acceleration, perception)
-    }
-
-    fn mode(&self) -> DrivingMode {
-        self.mode
-    }
-
-    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
-        Some(Box::new(self.clone()))
-    }
-
-    fn reseed(&mut self, stream: Stream) {
-        self.driver.reseed(stream);
+        (intent.control(intent.acceleration, perception), intent.mode)
     }
 }

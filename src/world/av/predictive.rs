@@ -1,10 +1,10 @@
 use super::crosswalks::CrosswalkKeys;
-use super::lane_follower::{LaneFollower, LaneKeys};
-use super::route_trace::distance_to_box;
-use super::{Actor, DrivingMode, DrivingPolicy, Perception};
+use super::guarded::{Guarded, LaneGuard};
+use super::lane_follower::{Intent, LaneKeys};
+use super::route_trace::{RouteTrace, distance_to_box};
+use super::{Actor, DrivingMode, Perception};
 use crate::sim::Control;
 use base::keys;
-use base::seed::Stream;
 
 keys! {
     /// Forecasts every actor at constant velocity and takes the greatest acceleration along its lane that hits none.
@@ -32,8 +32,6 @@ keys! {
 #[derive(Debug, Clone)]
 pub struct Predictive {
     keys: PredictiveKeys,
-    driver: LaneFollower,
-    mode: DrivingMode,
 }
 
 /// Steps of a forecast (s).
@@ -42,18 +40,24 @@ const STEP: f64 = 0.1;
 const LADDER: [f64; 9] = [1.5, 0.75, 0.0, -0.75, -1.5, -2.5, -3.5, -4.5, -6.0];
 
 impl Predictive {
-    pub fn new(keys: PredictiveKeys) -> Self {
-        let driver = LaneFollower::new(keys.lane, keys.at_crosswalks);
-        Self { keys, driver, mode: DrivingMode::Cruise }
+    pub fn new(keys: PredictiveKeys) -> Guarded<Self> {
+        let (lane, at_crosswalks) = (keys.lane, keys.at_crosswalks);
+        Guarded::new(Self { keys }, lane, at_crosswalks)
     }
 
     /// Whether the car meets a forecast actor at this acceleration (m/s²), up to a speed (m/s).
-    fn meets(&self, perception: &Perception<'_>, acceleration: f64, top: f64) -> bool {
-        let actors = perception.pedestrians.iter().chain(perception.vehicles);
-        actors.into_iter().any(|actor| self.meets_one(perception, actor, acceleration, top))
+    fn meets(&self, seen: (&RouteTrace, &Perception<'_>), acceleration: f64, top: f64) -> bool {
+        let actors = seen.1.pedestrians.iter().chain(seen.1.vehicles);
+        actors.into_iter().any(|actor| self.meets_one(seen, actor, acceleration, top))
     }
 
-    fn meets_one(&self, perception: &Perception<'_>, actor: &Actor, acceleration: f64, top: f64) -> bool {
+    fn meets_one(
+        &self,
+        (trace, perception): (&RouteTrace, &Perception<'_>),
+        actor: &Actor,
+        acceleration: f64,
+        top: f64,
+    ) -> bool {
         let ego = &perception.ego;
         let mut speed = ego.speed();
         let size = self.keys.margin + actor.half.x.max(actor.half.y);
@@ -74,7 +78,7 @@ impl Predictive {
             along += (speed + next) / 2.0 * STEP;
             speed = next;
             time += STEP;
-            let Some((middle, ahead)) = self.driver.trace.at(along) else { return false };
+            let Some((middle, ahead)) = trace.at(along) else { return false };
             let place = actor.pose.position() + actor.velocity * time;
             if (place - middle).norm_squared() < reach * reach
                 && distance_to_box(place, middle, &ahead, &ego.half) < size
@@ -86,39 +90,17 @@ impl Predictive {
     }
 }
 
-impl DrivingPolicy for Predictive {
-    fn speed_limit_for(&self, speed: f64) -> f64 {
-        self.driver.speed_limit_for(speed)
-    }
-
-    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
-        self.driver.reset(perception, stream);
-        self.mode = DrivingMode::Cruise;
-    }
-
-    fn drive(&mut self, perception: &Perception<'_>) -> Control {
-        let intent = self.driver.intend(perception);
+impl LaneGuard for Predictive {
+    fn drive(&mut self, intent: &Intent, trace: &RouteTrace, perception: &Perception<'_>) -> (Control, DrivingMode) {
         let milder = LADDER.into_iter().filter(|acceleration| *acceleration < intent.acceleration);
         let mut plans = std::iter::once(intent.acceleration).chain(milder);
-        let free = plans.find(|acceleration| !self.meets(perception, *acceleration, intent.wanted));
+        let free = plans.find(|acceleration| !self.meets((trace, perception), *acceleration, intent.wanted));
         let chosen = free.unwrap_or(-self.keys.hardest_braking).max(-self.keys.hardest_braking);
-        self.mode = match chosen {
+        let mode = match chosen {
             chosen if chosen >= intent.acceleration => intent.mode,
             chosen if chosen > -4.0 => DrivingMode::Yield,
             _ => DrivingMode::EmergencyStop,
         };
-        intent.control(chosen, perception)
-    }
-
-    fn mode(&self) -> DrivingMode {
-        self.mode
-    }
-
-    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
-        Some(Box::new(self.clone()))
-    }
-
-    fn reseed(&mut self, stream: Stream) {
-        self.driver.reseed(stream);
+        (intent.control(chosen, perception), mode)
     }
 }

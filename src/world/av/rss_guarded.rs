@@ -1,10 +1,10 @@
 use super::crosswalks::CrosswalkKeys;
-use super::lane_follower::{LaneFollower, LaneKeys};
+use super::guarded::{Guarded, LaneGuard};
+use super::lane_follower::{Intent, LaneKeys};
 use super::reference_drivers::{OwnMotion, Rss, RssLimits, Threat, lateral_distance, longitudinal_distance};
-use super::route_trace::OnTrace;
-use super::{DrivingMode, DrivingPolicy, Perception};
+use super::route_trace::{OnTrace, RouteTrace};
+use super::{DrivingMode, Perception};
 use crate::sim::Control;
-use base::seed::Stream;
 use base::{choice, keys};
 
 choice! {
@@ -41,25 +41,19 @@ keys! {
 #[derive(Debug, Clone)]
 pub struct RssGuarded {
     rule: Rss,
-    driver: LaneFollower,
-    mode: DrivingMode,
 }
 
 /// For vehicles beside it: response (s), acceleration and braking (m/s²), margin (m) of ad-rss-lib.
 const SIDEWAYS: (f64, f64, f64, f64) = (1.0, 0.2, 0.8, 0.1);
 
 impl RssGuarded {
-    pub fn new(keys: RssGuardedKeys) -> Self {
+    pub fn new(keys: RssGuardedKeys) -> Guarded<Self> {
         let car = match keys.figures {
             Figures::AdRss => RssLimits::car(),
             Figures::Jrc => RssLimits::jrc(),
             Figures::Bare => RssLimits::bare(),
         };
-        Self {
-            rule: Rss::new(car, RssLimits::pedestrian()),
-            driver: LaneFollower::new(keys.lane, keys.at_crosswalks),
-            mode: DrivingMode::Cruise,
-        }
+        Guarded::new(Self { rule: Rss::new(car, RssLimits::pedestrian()) }, keys.lane, keys.at_crosswalks)
     }
 
     /// Whether an actor and the car could no longer both stop apart.
@@ -86,36 +80,14 @@ impl RssGuarded {
     }
 }
 
-impl DrivingPolicy for RssGuarded {
-    fn speed_limit_for(&self, speed: f64) -> f64 {
-        self.driver.speed_limit_for(speed)
-    }
-
-    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
-        self.driver.reset(perception, stream);
-        self.mode = DrivingMode::Cruise;
-    }
-
-    fn drive(&mut self, perception: &Perception<'_>) -> Control {
-        let intent = self.driver.intend(perception);
+impl LaneGuard for RssGuarded {
+    fn drive(&mut self, intent: &Intent, trace: &RouteTrace, perception: &Perception<'_>) -> (Control, DrivingMode) {
         let people = perception.pedestrians.iter().map(|actor| (actor, true));
         let all = people.chain(perception.vehicles.iter().map(|actor| (actor, false)));
-        let mut located = all.filter_map(|(actor, walks)| Some((self.driver.trace.locate(actor)?, walks)));
+        let mut located = all.filter_map(|(actor, walks)| Some((trace.locate(actor)?, walks)));
         let danger = located.any(|(actor, walks)| self.is_dangerous(perception, &actor, walks));
-        self.mode = if danger { DrivingMode::EmergencyStop } else { intent.mode };
+        let mode = if danger { DrivingMode::EmergencyStop } else { intent.mode };
         let allowed = if danger { -self.rule.car.braking } else { f64::INFINITY };
-        intent.control(intent.acceleration.min(allowed), perception)
-    }
-
-    fn mode(&self) -> DrivingMode {
-        self.mode
-    }
-
-    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
-        Some(Box::new(self.clone()))
-    }
-
-    fn reseed(&mut self, stream: Stream) {
-        self.driver.reseed(stream);
+        (intent.control(intent.acceleration.min(allowed), perception), mode)
     }
 }

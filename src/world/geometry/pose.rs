@@ -66,22 +66,3 @@ impl Pose {
         libm::atan2(local.y, local.x)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::FRAC_PI_2;
-
-    #[test]
-    fn local_and_world_frames_are_inverse() {
-        let pose = Pose::new(3.0, -2.0, 0.7);
-        let local = Vector::new(1.5, -0.25);
-        assert!((pose.to_local(pose.to_world(local)) - local).norm() < 1e-12);
-    }
-
-    #[test]
-    fn bearings_are_positive_to_the_left() {
-        let north = Pose::new(0.0, 0.0, FRAC_PI_2);
-        assert!((north.bearing_to(Point::new(-1.0, 0.0)) - FRAC_PI_2).abs() < 1e-12);
-    }
-}

@@ -33,24 +33,3 @@ const KMH: f64 = 3.6;
 fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + libm::exp(-x))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_risk_of_death_grows_with_the_speed_as_published() {
-        let risk = |kmh: f64| fatality_risk(kmh / 3.6);
-        // "more than twice as high as the risk at 40 km/h and more than five times higher than the risk at 30 km/h"
-        assert!(risk(50.0) > 2.0 * risk(40.0) && risk(50.0) > 5.0 * risk(30.0));
-        assert!((risk(50.0) - 0.083).abs() < 1e-3, "{}", risk(50.0));
-    }
-
-    #[test]
-    fn the_risk_of_severe_injury_is_that_of_the_published_speeds() {
-        for (mph, wanted) in [(17.1, 0.10), (24.9, 0.25), (33.0, 0.50), (40.8, 0.75), (48.1, 0.90)] {
-            let found = severe_injury_risk(mph * 0.447_04);
-            assert!((found - wanted).abs() < 0.02, "{mph} mph: {found}");
-        }
-    }
-}

@@ -75,19 +75,3 @@ pub fn distance(corners: &[Point], point: Point) -> f64 {
 fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> {
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distances_from_a_square_and_from_a_dart() {
-        let ring = |corners: &[(f64, f64)]| corners.iter().map(|(x, y)| Point::new(*x, *y)).collect::<Vec<_>>();
-        let square = ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)]);
-        for (x, y, wanted) in [(2.0, 1.0, 0.0), (5.0, 1.0, 1.0), (7.0, 6.0, 5.0), (-1.0, 2.0, 1.0), (2.0, -0.5, 0.5)] {
-            assert!((distance(&square, Point::new(x, y)) - wanted).abs() < 1e-12, "({x}, {y})");
-        }
-        let dart = ring(&[(0.0, 0.0), (4.0, 0.0), (1.0, 1.0), (0.0, 4.0)]);
-        assert!(contains(&dart, Point::new(0.5, 0.5)) && !contains(&dart, Point::new(2.0, 2.0)));
-    }
-}

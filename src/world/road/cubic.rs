@@ -123,35 +123,3 @@ impl Profile {
         Self(begins.into_iter().map(at).collect())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_cubic_is_valid_from_its_start() {
-        let profile = Profile::new(vec![
-            Cubic { start: 10.0, a: 5.0, b: 1.0, c: 0.5, d: 0.25 },
-            Cubic { start: 0.0, a: 3.0, ..Cubic::default() },
-        ]);
-        assert_eq!((profile.value(-1.0), profile.value(9.0)), (3.0, 3.0));
-        assert_eq!(profile.value(12.0), 5.0 + 2.0 + 2.0 + 2.0);
-        assert_eq!(profile.slope(12.0), 1.0 + 2.0 + 3.0);
-        assert_eq!(Profile::default().value(1.0), 0.0);
-    }
-
-    #[test]
-    fn a_sum_has_the_values_and_slopes_of_its_terms_together() {
-        let one = Profile::new(vec![
-            Cubic { start: 0.0, a: 1.0, b: 0.1, c: 0.02, d: -0.003 },
-            Cubic { start: 7.0, a: 2.0, b: -0.2, ..Cubic::default() },
-        ]);
-        let two = Profile::new(vec![Cubic { start: -3.0, a: 0.5, b: 0.3, c: -0.01, d: 0.002 }]);
-        let sum = Profile::sum(&[(&one, 1.0), (&two, -0.5)], 2.0, 10.0);
-        assert_eq!(sum.cubics().len(), 2);
-        for s in [2.0, 4.5, 6.999, 7.0, 9.5] {
-            assert!((sum.value(s) - (one.value(s) - 0.5 * two.value(s))).abs() < 1e-12);
-            assert!((sum.slope(s) - (one.slope(s) - 0.5 * two.slope(s))).abs() < 1e-12);
-        }
-    }
-}

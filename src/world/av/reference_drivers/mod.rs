@@ -29,8 +29,6 @@ mod delayed_brake;
 mod fuzzy_safety;
 mod rss_limits;
 mod rss;
-#[cfg(test)]
-mod tests;
 
 pub use brake_profile::BrakeProfile;
 pub use delayed_brake::{DelayedBrake, Gate};

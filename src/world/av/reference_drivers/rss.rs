@@ -110,31 +110,3 @@ impl ReferenceDriver for Rss {
         Some(self.car.braking)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn it_brakes_for_a_person_in_the_way_from_the_start() {
-        let own = OwnMotion { speed: 5.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
-        let standing = |gap| Threat { gap, length: 0.4, offset: 0.0, reach: 1.25, along: 0.0, towards: 0.0 };
-        let mut rss = Rss::default();
-        // 15.78 m of the car and 0.5 m of the pedestrian, which may start towards it.
-        assert_eq!(rss.brake(&own, Some(&standing(16.3)), 0.05), None);
-        assert_eq!(rss.brake(&own, Some(&standing(16.2)), 0.05), Some(4.0));
-        assert_eq!(rss.brake(&own, Some(&standing(16.3)), 0.05), Some(0.0), "safe again, it keeps its speed");
-    }
-
-    #[test]
-    fn it_goes_on_when_the_pedestrian_was_to_stop() {
-        let own = OwnMotion { speed: 8.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
-        let walking =
-            |aside, towards| Threat { gap: 8.0, length: 0.4, offset: 1.25 + aside, reach: 1.25, along: 0.0, towards };
-        let mut rss = Rss::default();
-        assert_eq!(rss.brake(&own, Some(&walking(3.0, 1.39)), 0.05), None, "it can stop within 2.37 m");
-        assert_eq!(rss.brake(&own, Some(&walking(2.0, 1.39)), 0.05), None);
-        rss.begin();
-        assert_eq!(rss.brake(&own, Some(&walking(2.0, 1.39)), 0.05), Some(4.0), "a danger from the start");
-    }
-}

@@ -20,6 +20,3 @@ pub use building_row::BuildingRow;
 pub use carriageway::Carriageway;
 pub use error::DesignError;
 pub use town_design::{FastBend, Node, Street, StreetProfile, TownDesign};
-
-#[cfg(test)]
-mod tests;

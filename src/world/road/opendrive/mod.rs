@@ -29,6 +29,3 @@ pub use file::read;
 pub use insertion::{Addition, insert};
 pub use limits::add_speed_sign;
 pub use obstacles::{OBSTACLE, TRIGGER};
-
-#[cfg(test)]
-mod tests;

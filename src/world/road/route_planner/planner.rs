@@ -73,6 +73,3 @@ impl RoutePlanner {
             || (lane(place.point.waypoint) == lane(goal.point.waypoint) && first > nearest(goal.location, places))
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,10 +1,9 @@
-use rand::Rng;
+//! Trainings of small tasks.
 
-use super::*;
-use crate::env::Step;
-use crate::schedule::Schedule;
-use crate::train_error::Quantity;
-use base::seed::Stream;
+use base::seed::{Seed, Stream};
+use learn::{ActorCritic, Env, PpoConfig, Quantity, Schedule, Step, TrainError, Trained, Trainer, UpdateLog, train};
+use rand::Rng;
+use std::ops::ControlFlow;
 
 /// Rewards the action that equals the observation, a number in [−1, 1]; an episode is one decision.
 struct Identity {

@@ -1,25 +1,14 @@
+//! Routes to a destination.
+
 use std::sync::Arc;
 
-use super::*;
-use crate::road::RoadOption;
-use crate::road::design::{Carriageway, Node, Street, TownDesign};
+use world::geometry::Point;
+use world::road::{LaneFilter, RoadOption, RoutePlanner, RoutePoint, Town};
 
 /// Two blocks with a street between them, which continues to a dead end in the north.
 fn town() -> Town {
-    let node = |(x, y): (f64, f64)| Node { name: String::new(), position: Point::new(x, y), lights: false };
-    let street = |nodes: Vec<usize>| Street {
-        name: String::new(),
-        nodes,
-        speed_limit: None,
-        carriageway: Carriageway::default(),
-    };
     let nodes = [(0.0, 0.0), (100.0, 0.0), (200.0, 0.0), (200.0, 80.0), (100.0, 80.0), (0.0, 80.0), (100.0, 150.0)];
-    let design = TownDesign {
-        nodes: nodes.into_iter().map(node).collect(),
-        streets: vec![street(vec![0, 1, 2, 3, 4, 5, 0]), street(vec![1, 4, 6])],
-        ..TownDesign::default()
-    };
-    Town::new(design.build().unwrap())
+    crate::streets::town(&nodes, &[&[0, 1, 2, 3, 4, 5, 0], &[1, 4, 6]])
 }
 
 fn heading(town: &Town, near: Point, towards: Point) -> Point {

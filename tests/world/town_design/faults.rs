@@ -1,6 +1,8 @@
 //! Designs that cannot be built.
 
-use super::*;
+use super::{faults, name, node, street, t_junction};
+use world::geometry::{OrientedBox, Pose};
+use world::road::design::{BuildingRow, DesignError, TownDesign};
 
 #[test]
 fn streets_without_two_nodes_or_with_odd_ones_are_faults() {

@@ -1,13 +1,13 @@
-mod carriageways;
-mod faults;
-
-use std::f64::consts::TAU;
+//! Towns that a scenario describes.
 
 use proptest::prelude::*;
+use std::f64::consts::TAU;
+use world::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
+use world::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, TownDesign};
+use world::road::{Lane, LaneKind, Road, RoadEnd, RoadIndex, RoadLink, TownParts};
 
-use super::*;
-use crate::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
-use crate::road::{Connection, Lane, LaneFilter, LaneKind, Road, RoadEnd, RoadIndex, RoadLink, Town, TownParts};
+mod carriageways;
+mod faults;
 
 fn node(name: &str, x: f64, y: f64) -> Node {
     Node { name: name.to_owned(), position: Point::new(x, y), lights: false }

@@ -1,7 +1,9 @@
-use super::*;
-use crate::geometry::{Point, wrap_angle};
-use crate::road::{Geometry, LaneFilter, LaneKind, RoadIndex, Shape, Town, Waypoint};
+//! Maps in OpenDRIVE.
+
 use proptest::prelude::*;
+use world::geometry::{Point, wrap_angle};
+use world::road::opendrive::read;
+use world::road::{Geometry, LaneFilter, LaneKind, OpenDriveError, OpenDriveProblem, RoadIndex, Shape, Town, Waypoint};
 
 mod limits_and_signs;
 
@@ -135,7 +137,7 @@ fn borders_stand_in_for_widths() {
     assert_ne!(borders, right);
     let (ours, original) = (read(&right, "bend").unwrap(), read(BEND, "bend").unwrap());
     for lane in 0..4 {
-        let width = |parts: &crate::road::TownParts| parts.roads[0].sections[0].lanes[lane].width.value(20.0);
+        let width = |parts: &world::road::TownParts| parts.roads[0].sections[0].lanes[lane].width.value(20.0);
         assert_eq!(width(&ours), width(&original));
     }
 }
@@ -400,10 +402,10 @@ fn crosswalks_are_polygons_in_the_world() {
          hdg='1.5707963267948966'>{corners}</object><object id='2' name='Crosswalk_2' s='0' t='0'>{along}</object>\
          <object id='3' type='crosswalk' s='0'/></objects></road></OpenDRIVE>"
     );
-    let parts = super::read(&xml, "x").unwrap();
+    let parts = world::road::opendrive::read(&xml, "x").unwrap();
     assert_eq!(parts.crosswalks.len(), 2);
     let near =
-        |corner: &crate::geometry::Point, x: f64, y: f64| (corner - crate::geometry::Point::new(x, y)).norm() < 1e-9;
+        |corner: &world::geometry::Point, x: f64, y: f64| (corner - world::geometry::Point::new(x, y)).norm() < 1e-9;
     assert!(near(&parts.crosswalks[0][0], 26.0, -1.0) && near(&parts.crosswalks[0][1], 26.0, 3.0));
     assert!(near(&parts.crosswalks[1][2], 17.0, 3.0));
 }

@@ -1,7 +1,8 @@
 //! Speed limits, stop and yield signs, and lanes that are too wide.
 
-use super::*;
-use crate::road::AssumedLimit;
+use super::{BEND, eastbound, town};
+use world::road::AssumedLimit;
+use world::road::opendrive::read;
 
 /// A straight road of 100 m with one lane to the east, these types of the road and these parts of the lane.
 fn straight(types: &str, lane: &str, signals: &str) -> String {

@@ -2,7 +2,10 @@
 
 use proptest::prelude::*;
 
-use super::*;
+use super::{bend, check_links, crossing, design, faults, name, node, street, t_junction};
+use world::geometry::Point;
+use world::road::design::{Carriageway, DesignError, Street, TownDesign};
+use world::road::{Connection, LaneFilter, LaneKind, Road, RoadLink, Town, TownParts};
 
 /// Checks that every driving lane that ends at a junction has a way through it.
 fn check_ways(town: &TownParts) {
