@@ -10,10 +10,14 @@ mod gzip;
 mod reference;
 #[path = "../common/repository.rs"]
 mod repository;
+#[path = "../common/streets.rs"]
+mod streets;
 
 mod behavior_agent_reference;
+mod interfuser;
 mod interfuser_reference;
 mod lav;
+mod lav_driving;
 mod lav_reference;
 
 use repository::repository;

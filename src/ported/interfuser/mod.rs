@@ -35,6 +35,3 @@ pub use tracker::Tracker;
 
 /// A place or a displacement in the ego's frame: metres to the right and to the back.
 pub type EgoVector = world::geometry::Vector;
-
-#[cfg(test)]
-mod tests;

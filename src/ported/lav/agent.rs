@@ -109,6 +109,16 @@ impl Lav {
         }
     }
 
+    /// The way that it follows.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The turn that it was told in the last tick.
+    pub fn command(&self) -> Command {
+        self.command
+    }
+
     /// Its controller's decision in the last tick, with the reason; `None` after the empty first one.
     pub fn verdict(&self) -> Option<&Verdict> {
         self.verdict.as_ref()
@@ -204,6 +214,3 @@ impl DrivingPolicy for Lav {
         self.path.reseed(stream);
     }
 }
-
-#[cfg(test)]
-mod tests;

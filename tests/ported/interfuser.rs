@@ -1,6 +1,9 @@
-//! The behaviour that follows from the published code, in numbers.
+//! InterFuser's behaviour that follows from its published code, in numbers.
 
-use super::*;
+use ported::interfuser::{
+    Cell, Controller, Decision, EgoVector, Forecast, Inputs, ObjectMap, Reason, Settings, Sighting, Tracker, WAYPOINTS,
+    find_detections,
+};
 use world::geometry::Point;
 
 const ADULT: [f64; 2] = [0.187_68, 0.187_68];
@@ -176,6 +179,7 @@ fn a_red_light_holds_it_for_fifty_seconds() {
 fn a_plan_of_thousands_of_kilometres_has_a_path_of_some_points() {
     let mut waypoints = straight();
     waypoints[9] = EgoVector::new(4e9, 0.0);
-    let points = corridor::Corridor::new([0.0, 0.0], 0.0).follow(&waypoints);
+    let inputs = Inputs { waypoints, ..inputs(0.0) };
+    let points = Controller::new(&Settings::default()).step(&inputs, &Forecast::new()).path_points;
     assert!((10..100_000).contains(&points), "{points}");
 }

@@ -1,27 +1,17 @@
-use std::sync::Arc;
+//! LAV in closed loop.
 
-use super::*;
 use base::seed::Seed;
-use world::av::{Actor, Light, PerfectSensors};
+use ported::lav::{Command, Lav, Version};
+use std::sync::Arc;
+use world::av::{Actor, DrivingMode, DrivingPolicy, Light, Perception, PerfectSensors};
 use world::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
-use world::road::design::{Carriageway, Node, Street, TownDesign};
 use world::road::{LaneFilter, Town};
-use world::sim::{ActorId, ActorStart, LightColour, PedestrianBody, Start, VehicleBlueprint, WalkCommand, World};
+use world::sim::{
+    ActorId, ActorStart, Control, LightColour, PedestrianBody, Start, VehicleBlueprint, WalkCommand, World,
+};
 
 fn town(nodes: &[(f64, f64)], streets: &[&[usize]]) -> Arc<Town> {
-    let node = |&(x, y): &(f64, f64)| Node { name: String::new(), position: Point::new(x, y), lights: false };
-    let street = |nodes: &&[usize]| Street {
-        name: String::new(),
-        nodes: nodes.to_vec(),
-        speed_limit: None,
-        carriageway: Carriageway::default(),
-    };
-    let design = TownDesign {
-        nodes: nodes.iter().map(node).collect(),
-        streets: streets.iter().map(street).collect(),
-        ..TownDesign::default()
-    };
-    Arc::new(Town::new(design.build().unwrap()))
+    Arc::new(crate::streets::town(nodes, streets))
 }
 
 fn ring() -> Arc<Town> {
@@ -80,7 +70,7 @@ impl Drive {
 
     /// How far the car is beside its route (m), positive to the left.
     fn beside_route(&self) -> f64 {
-        let nearest = self.lav.path.points().next().expect("a route has a point");
+        let nearest = self.lav.path().points().next().expect("a route has a point");
         nearest.pose.to_local(self.world.ego().state.pose.position()).y
     }
 }
@@ -191,7 +181,7 @@ fn it_keeps_its_lane_and_its_speed() {
                 aside = aside.max(drive.beside_route().abs());
                 let speed = drive.world.ego().state.speed;
                 fastest = fastest.max(speed);
-                if drive.lav.command == Command::LaneFollow {
+                if drive.lav.command() == Command::LaneFollow {
                     speeds.push(speed);
                 }
             }
