@@ -13,6 +13,7 @@ mod repository;
 #[path = "../common/streets.rs"]
 mod streets;
 
+mod behavior_agent;
 mod behavior_agent_reference;
 mod interfuser;
 mod interfuser_reference;

@@ -217,6 +217,3 @@ impl DrivingPolicy for BehaviorAgent {
         self.planner.reseed(stream);
     }
 }
-
-#[cfg(test)]
-mod tests;

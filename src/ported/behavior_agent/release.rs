@@ -132,17 +132,3 @@ impl Release {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_lead_back_to_releases() {
-        for release in Release::ALL {
-            assert_eq!(Release::named(release.name()), Some(release));
-        }
-        assert_eq!(Release::named("0.9.14"), Some(Release::V0_9_15));
-        assert_eq!(Release::named("0.9.16"), None);
-    }
-}

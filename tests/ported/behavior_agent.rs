@@ -1,12 +1,14 @@
-use super::*;
+//! The behaviour agent, tick by tick, in its four releases.
+
 use base::seed::Seed;
-use world::av::{Actor, Light};
+use ported::behavior_agent::{AgentConfig, BehaviorAgent, Decision, Profile, Release};
+use world::av::{Actor, DrivingMode, DrivingPolicy, Light, Perception};
 use world::geometry::{Obstacles, Pose, Vector};
 use world::road::{
     Geometry, Junction, JunctionIndex, Lane, LaneId, LaneKind, LaneSection, PlanView, Profile as Width, Road, Town,
     TownParts,
 };
-use world::sim::{ActorId, LightColour, VehicleBlueprint};
+use world::sim::{ActorId, Control, LightColour, VehicleBlueprint};
 
 /// A road of 200 m along +x as in CARLA's towns: lanes of 4 m, a shoulder of 0.3 m and a sidewalk of 4 m on each side.
 /// The right driving lane's centre is at y = −2.
@@ -93,7 +95,8 @@ impl Scene {
     /// The second tick of a fresh agent, so that its planner has run.
     fn decide(&self, release: Release) -> (Control, Decision) {
         let mut agent = self.agent(release);
-        agent.follow_route(&self.perception(), &EgoBody::new(&self.ego), 27.0, 27.0);
+        let (pedestrians, vehicles, lights, affecting_light) = (&[][..], &[][..], &[][..], None);
+        agent.drive(&Perception { pedestrians, vehicles, lights, affecting_light, ..self.perception() });
         let control = agent.drive(&self.perception());
         (control, *agent.decision())
     }
@@ -263,4 +266,13 @@ fn profiles_keep_below_the_limit() {
         (agent.decision().target_speed * 3.6).round()
     });
     assert_eq!(targets, [24.0, 27.0, 29.0]);
+}
+
+#[test]
+fn names_lead_back_to_releases() {
+    for release in Release::ALL {
+        assert_eq!(Release::named(release.name()), Some(release));
+    }
+    assert_eq!(Release::named("0.9.14"), Some(Release::V0_9_15));
+    assert_eq!(Release::named("0.9.16"), None);
 }
