@@ -13,7 +13,7 @@ use world::env::{
     ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianEnv,
     PedestrianRole, Scenario, Simulation, Trace, VehicleRole, carry_out,
 };
-use world::falsifier::{BudgetedSimulation, Failure, Intercept, Random, WalkPolicy, evaluate, play};
+use world::falsifier::{BudgetedSimulation, Failure, Intercept, Random, WalkPolicy, evaluate, follow, play};
 use world::geometry::{Obstacles, Pose};
 use world::judge::{NearMiss, judge};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
@@ -306,9 +306,10 @@ fn policies_and_searches_see_an_environment_by_its_dimensions() {
     while simulator.begin(0) && play(&mut simulator, &mut Intercept, &mut ()).is_some() {}
     let spent = simulator.into_spent();
     for failure in &spent.failures {
-        let Failure { commands, outcome, .. } = failure;
+        let Failure { start, commands, outcome, .. } = failure;
         assert!(commands.len().is_multiple_of(2));
-        assert_eq!(failure.replay(&both, Seed::root(6)), Some(*outcome));
+        let again = follow(&both, Seed::root(6), *start, commands);
+        assert_eq!(again.map(|(again, _)| again), Some(*outcome));
     }
     assert!(spent.episodes > 0, "{spent:?}");
 }

@@ -69,9 +69,9 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
         assert!(spent.failures.len() as u64 <= spent.episodes && spent.starts.count() <= spent.episodes, "{name}");
         let walks = ["chance", "home", "meet", "learner", "pair", "kinds", "narrow"].contains(&name.as_str());
         assert_eq!(result.evaluated.len(), if walks { 20 } else { 0 }, "{name}");
-        for failure in &spent.failures {
-            let again = failure.replay(&search.scenario, search.starts(&Seed::root(5)));
-            assert_eq!(again, Some(failure.outcome), "{name}: a failure does not repeat");
+        for find in result.finds() {
+            let again = find.repeatable(search).repeat(&Seed::root(5)).map(|repeated| repeated.judged.outcome);
+            assert_eq!(again, Some(find.failure.outcome), "{name}: a failure does not repeat");
         }
     }
 }

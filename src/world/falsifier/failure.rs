@@ -28,13 +28,6 @@ pub struct Failure {
     pub cell: FailureCell,
 }
 
-impl Failure {
-    /// Simulates it again under the seed of the search; `None` if the commands do not end the episode.
-    pub fn replay(&self, scenario: &Arc<Scenario>, seed: Seed) -> Option<Outcome> {
-        follow(scenario, seed, self.start, &self.commands).map(|(outcome, _)| outcome)
-    }
-}
-
 /// Gives recorded commands, one for each pedestrian in every decision.
 struct Recorded<'a> {
     decisions: ChunksExact<'a, WalkCommand>,
