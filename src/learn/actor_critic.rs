@@ -87,7 +87,7 @@ impl<T: Real> ActorCritic<T> {
     }
 
     /// Gives access to all parameters, in the order of [`ActorCritic::parameters`].
-    pub(super) fn parameters_mut(&mut self) -> &mut [T] {
+    pub fn parameters_mut(&mut self) -> &mut [T] {
         &mut self.parameters
     }
 
@@ -128,7 +128,7 @@ impl<T: Real> ActorCritic<T> {
     }
 
     /// Gives access to the moments that observations are normalised with.
-    pub(super) fn observation_moments_mut(&mut self) -> &mut Option<RunningMoments> {
+    pub fn observation_moments_mut(&mut self) -> &mut Option<RunningMoments> {
         &mut self.observation_moments
     }
 
@@ -205,30 +205,4 @@ pub struct Scratch<T: Real = f32> {
     pub(super) input: Vec<T>,
     pub(super) actor: MlpScratch<T>,
     pub(super) critic: MlpScratch<T>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use base::seed::Seed;
-
-    #[test]
-    fn the_paper_size_has_9155_weights_and_two_deviations() {
-        let policy = ActorCritic::<f32>::new(4, 2, &[64, 64], -0.5, &mut Seed::root(0).stream());
-        // 4·64 + 64 + 64·64 + 64 twice, heads 2·64 + 2 and 64 + 1, two standard deviations.
-        assert_eq!(policy.parameters().len(), 2 * (320 + 4160) + 130 + 65 + 2);
-        assert_eq!(policy.log_std(), [-0.5, -0.5]);
-    }
-
-    #[test]
-    fn first_actions_are_small_and_depend_on_the_observation() {
-        let policy = ActorCritic::<f32>::new(4, 2, &[64, 64], 0.0, &mut Seed::root(0).stream());
-        let mut scratch = policy.scratch(1);
-        let (mut a, mut b) = ([0.0; 2], [0.0; 2]);
-        policy.act(&[0.1, -0.2, 0.3, 0.4], &mut a, &mut scratch);
-        policy.act(&[0.1, -0.2, -0.3, 0.4], &mut b, &mut scratch);
-        assert!(a.iter().chain(&b).all(|x| x.abs() < 0.1));
-        assert_ne!(a, b);
-        assert_ne!(policy.value(&[0.1; 4], &mut scratch), policy.value(&[0.2; 4], &mut scratch));
-    }
 }

@@ -11,6 +11,7 @@ mod repository;
 #[path = "../common/samples.rs"]
 mod samples;
 
+mod checkpoints;
 mod imitation;
 mod observations;
 mod ppo;

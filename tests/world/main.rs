@@ -22,6 +22,7 @@ mod opendrive;
 mod town_design;
 mod sensor_noise;
 mod reference_drivers;
+mod driven_path;
 mod verdicts;
 mod road_reference;
 mod routes_reference;

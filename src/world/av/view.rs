@@ -137,6 +137,24 @@ impl View {
     }
 }
 
+#[cfg(test)]
+impl View {
+    /// A pedestrian, a light, a sign, and a point of the route in a junction.
+    pub fn example() -> Self {
+        let (pose, velocity) = (Pose::new(12.0, 1.5, -1.5), Vector::new(0.0, -1.25));
+        Self {
+            ego: Pose::new(1.0, 2.0, 0.5),
+            speed: 8.0,
+            speed_limit: 10.0,
+            light: Some(LightAhead { colour: LightColour::Red, distance: 30.0 }),
+            sign: Some(SignAhead { kind: GiveWay::Stop, distance: 12.5 }),
+            actors: vec![Seen { id: 3, kind: Kind::Pedestrian, pose, velocity, half: Vector::new(0.25, 0.25) }],
+            route: vec![Pose::new(3.0, 4.0, 0.25)],
+            lanes: vec![LaneAhead { width: 3.5, left: 1, right: 0, is_junction: true, speed_limit: 8.5 }],
+        }
+    }
+}
+
 impl LaneAhead {
     fn new(town: &Town, point: &RoutePoint, speed_limit: f64) -> Self {
         let lanes = |beside: fn(&Town, Waypoint) -> Option<Waypoint>| {

@@ -342,38 +342,18 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::av::view::{LightAhead, SignAhead};
-    use crate::geometry::{Pose, Vector};
-    use crate::road::GiveWay;
 
     /// A change of this text is a change of the protocol and needs a new version or description.
     #[test]
     fn a_world_is_written_as_the_protocol_says() {
-        let seen = Seen {
-            id: 3,
-            kind: Kind::Pedestrian,
-            pose: Pose::new(12.0, 1.5, -1.5),
-            velocity: Vector::new(0.0, -1.25),
-            half: Vector::new(0.25, 0.25),
-        };
-        let view = View {
-            ego: Pose::new(1.0, 2.0, 0.5),
-            speed: 8.0,
-            speed_limit: 10.0,
-            light: Some(LightAhead { colour: LightColour::Red, distance: 30.0 }),
-            sign: Some(SignAhead { kind: GiveWay::Stop, distance: 12.5 }),
-            actors: vec![seen],
-            route: vec![Pose::new(3.0, 4.0, 0.25)],
-            lanes: vec![LaneAhead { width: 3.5, left: 1, right: 0, is_junction: false, speed_limit: 8.5 }],
-        };
         let text = |revision| {
             let mut text = Vec::new();
-            write_world(&mut text, 7, 0, Some(99), &view, revision);
+            write_world(&mut text, 7, 0, Some(99), &View::example(), revision);
             String::from_utf8(text).unwrap()
         };
         let second = text(Revision::Second);
         assert!(second.contains(r#""actors":[{"id":3,"kind":"pedestrian","x":12.0"#), "{second}");
-        let lanes = r#""lanes":[{"width":3.5,"left":1,"right":0,"junction":false,"speed_limit":8.5}]}"#;
+        let lanes = r#""lanes":[{"width":3.5,"left":1,"right":0,"junction":true,"speed_limit":8.5}]}"#;
         assert!(second.ends_with(lanes), "{second}");
         assert_eq!(
             text(Revision::First),
