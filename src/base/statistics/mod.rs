@@ -23,9 +23,7 @@ pub use moments::{RunningMean, mean, sample_deviation};
 pub use normal::{normal_below, normal_quantile};
 pub use quantile::quantile;
 pub use sample::Sample;
-pub use student::{
-    MIN_RUNS, mean_interval, mean_interval_at, mean_p, student_quantile, student_quantile_at, student_tails,
-};
+pub use student::{MIN_RUNS, mean_interval, mean_interval_at, mean_p, student_quantile_at, student_tails};
 pub use uncertainty::Uncertainty;
 pub use wilson::wilson;
 

@@ -51,11 +51,6 @@ pub fn student_tails(t: f64, degrees: f64) -> f64 {
     incomplete_beta(degrees / 2.0, 0.5, x).clamp(0.0, 1.0)
 }
 
-/// The two-sided 95 % quantile of Student's t: [`student_tails`] of it is 0.05.
-pub fn student_quantile(degrees: f64) -> f64 {
-    student_quantile_at(degrees, 0.05)
-}
-
 /// The value whose [`student_tails`] are `alpha`, above 0 and at most 0.4.
 pub fn student_quantile_at(degrees: f64, alpha: f64) -> f64 {
     let (mut low, mut high) = (0.5, 2.0);
@@ -148,7 +143,7 @@ mod tests {
         }
         for case in recorded("student_quantile") {
             let [degrees, quantile] = case[..] else { panic!("{case:?}") };
-            let found = student_quantile(degrees);
+            let found = student_quantile_at(degrees, 0.05);
             assert!((found - quantile).abs() < 1e-9 * quantile, "{case:?}: {found}");
         }
     }

@@ -76,15 +76,6 @@ impl ViolationVerdict {
         let fault = preventable && foreseeable && touch.as_ref().is_none_or(counts);
         Some(Self { preventable, foreseeable, fault, danger: danger as u32 })
     }
-
-    /// What it is called in lists.
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self { fault: true, .. } => "fault",
-            Self { preventable: true, .. } => "preventable",
-            _ => "not preventable",
-        }
-    }
 }
 
 /// Both careful humans in the place of the driver.

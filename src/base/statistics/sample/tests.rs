@@ -2,7 +2,7 @@ use rand::Rng;
 
 use super::*;
 use crate::seed::{Seed, Stream};
-use crate::statistics::{mean_interval, normal_quantile, recorded, student_quantile, student_tails};
+use crate::statistics::{mean_interval, normal_quantile, recorded, student_quantile_at, student_tails};
 
 /// A number between 0 and 1, never at an end.
 fn uniform(stream: &mut Stream) -> f64 {
@@ -38,7 +38,7 @@ fn a_single_training_says_nothing_about_others_and_an_untrained_pedestrian_does(
     sample.covariance[24] = 0.0025 / 3.0;
     let (low, high) = sample.interval().unwrap();
     // By hand: variances 0.01 / 3 / 4 between trainings and as much of the episodes: 2² · 3 degrees of freedom.
-    let half = student_quantile(12.0) * (0.005_f64 / 3.0).sqrt();
+    let half = student_quantile_at(12.0, 0.05) * (0.005_f64 / 3.0).sqrt();
     assert!((low - 0.35 + half).abs() < 1e-12 && (high - 0.35 - half).abs() < 1e-12, "{low}..{high}");
 }
 
