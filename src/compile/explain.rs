@@ -15,8 +15,11 @@ struct Page {
     text: String,
 }
 
+/// A word, and the text that explains it.
+type Topic = (&'static str, fn(&Catalog) -> String);
+
 /// Pages about several things.
-const TOPICS: [(&str, fn(&Catalog) -> String); 6] = [
+const TOPICS: [Topic; 6] = [
     ("events", Catalog::events),
     ("variables", Catalog::variables),
     ("functions", |_| all_functions()),
