@@ -92,7 +92,7 @@ impl<'a> Episode<'a> {
     /// The pedestrian that the verdict is about: the one that the ego touched, or the first: its place among [`Episode::actors`].
     pub(super) fn main_pedestrian(&self) -> usize {
         let struck = self.trace.contact().and_then(|contact| contact.pedestrian_at_ego()).unwrap_or(0);
-        self.scenario.cast.vehicles.iter().count() + struck
+        self.scenario.cast.vehicles.len() + struck
     }
 
     /// The traffic lights that work.
@@ -211,7 +211,7 @@ impl<'a> Episode<'a> {
     /// For a disc it is the square around it, whose corners touch at most 0.21 diameters before the disc does. A pedestrian that passes the
     /// car closely may graze it with a corner much earlier; then it is the largest square that does not.
     pub(super) fn box_of_pedestrian(&self) -> Vector {
-        let pedestrian = self.main_pedestrian() - self.scenario.cast.vehicles.iter().count();
+        let pedestrian = self.main_pedestrian() - self.scenario.cast.vehicles.len();
         let body = self.scenario.cast.pedestrians[pedestrian].body;
         let hit = self.outcome.is_collision();
         let too_early =

@@ -75,7 +75,7 @@ impl Exporter for Foxglove {
         };
         let actors = episode.actors();
         write(town, 0, &update(town_entities(&episode.scenario.town)));
-        let pedestrian = episode.main_pedestrian() - episode.scenario.cast.vehicles.iter().count();
+        let pedestrian = episode.main_pedestrian() - episode.scenario.cast.vehicles.len();
         let pair = episode.trace.pair(episode.scenario, 0, pedestrian);
         for (tick, frame) in pair.frames().enumerate() {
             let time = episode.nanos(tick);

@@ -1,5 +1,4 @@
 //! Tests of scenarios that are compiled and simulated. They need no tables and no program.
-#![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
 #[macro_use]
 #[path = "../common/loud.rs"]

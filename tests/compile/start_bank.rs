@@ -103,7 +103,7 @@ fn copies_share_their_start_and_only_what_is_random_differs_after_it() {
         // From some starts the driver does the same whatever its sensors miss.
         for seed in (15..19).map(Seed::root) {
             let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7))
-                .with_bank(StartBank::new(&scenario, 1, None, seed.clone()).map(Arc::new));
+                .with_bank(StartBank::new(&scenario, 1, None, seed).map(Arc::new));
             let copies = outcomes(&mut env, 12);
             let first = copies[0];
             assert!(copies.iter().all(|copy| (copy.start, copy.spawn) == (first.start, first.spawn)), "{driver}");

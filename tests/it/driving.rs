@@ -123,7 +123,7 @@ fn threads_and_interruptions_change_no_bit() {
 #[test]
 fn imitating_drivers_drive_better() {
     let first = |keys: &str| {
-        let curve = trained(&plan(keys).campaigns[0].nth::<Training>(0), 1).learning_curve;
+        let curve = trained(plan(keys).campaigns[0].nth::<Training>(0), 1).learning_curve;
         curve.last().unwrap().mean_reward.unwrap()
     };
     let (without, with) = (first("demonstrations: 0"), first("demonstrations: 15_000"));

@@ -137,7 +137,7 @@ fn requirements_change_no_episode() {
         let mut note = |outcome: &Outcome, _: &EpisodeTrace| (outcome.digest, outcome.reward.to_bits());
         watch(evaluation, None, 0..40, &Seed::root(3), &mut note, &mut |_| ControlFlow::Continue(()))
     };
-    assert_eq!(digests(&with.campaigns[0].nth::<compile::Evaluation>(0)), digests(&without));
+    assert_eq!(digests(with.campaigns[0].nth::<compile::Evaluation>(0)), digests(&without));
 }
 
 /// A campaign whose searches look for violations.

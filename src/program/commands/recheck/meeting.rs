@@ -292,7 +292,7 @@ impl Sides {
 
 /// Whether encounters in two scenarios of a town are the same.
 fn is_alike(one: &Scenario, other: &Scenario) -> bool {
-    let pedestrians = |scenario: &Scenario| -> Vec<_> { scenario.cast.pedestrians.iter().cloned().collect() };
+    let pedestrians = |scenario: &Scenario| -> Vec<_> { scenario.cast.pedestrians.to_vec() };
     one.spawn == other.spawn
         && one.episode == other.episode
         && pedestrians(one) == pedestrians(other)

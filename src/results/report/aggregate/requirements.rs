@@ -163,7 +163,7 @@ pub fn requirement_rows(
                 at_collision: outcomes.get(row) == Some(named::COLLISION) && degree.sample == last,
                 verdict,
                 danger: verdict.map(|verdict| f64::from(verdict.danger) * tick),
-                no_verdict: *reason,
+                no_verdict: reason,
             });
         }
     }
