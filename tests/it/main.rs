@@ -2,7 +2,6 @@
 //!
 //! Tests whose names contain `reference` compare with recordings of independent programs. The environment variable
 //! `FALSIFY_REFERENCE_DIR` names their folder (default `../shared`). Without recordings a test passes and reports that it was skipped.
-#![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
 #[macro_use]
 #[path = "../common/loud.rs"]

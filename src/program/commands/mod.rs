@@ -148,6 +148,9 @@ pub enum Command {
 
 impl Command {
     /// Runs the command.
+    ///
+    /// # Errors
+    /// The exit code of a failure whose message is printed.
     pub fn run(self) -> Ended {
         // These may have started programs, which must not outlive them. Others with programs have handlers of their own.
         if let Self::Replay(_) | Self::Export(_) | Self::Compare(_) | Self::Recheck(_) = self {
