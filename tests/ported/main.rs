@@ -1,5 +1,4 @@
 //! The rebuilt drivers, compared with the originals.
-#![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
 #[macro_use]
 #[path = "../common/loud.rs"]

@@ -2,11 +2,11 @@ use super::lane_network::heading;
 use super::{Lane, LaneId, LaneKind, PlanView, Profile};
 use crate::geometry::Pose;
 
-/// The index of a road in [`Town::roads`](super::Town::roads).
+/// The index of a road in [`TownParts::roads`](super::TownParts::roads).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct RoadIndex(pub u32);
 
-/// The index of a junction in [`Town::junctions`](super::Town::junctions).
+/// The index of a junction in [`TownParts::junctions`](super::TownParts::junctions).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct JunctionIndex(pub u32);
 
