@@ -5,5 +5,3 @@ pub mod session;
 pub mod lsp;
 pub mod commands;
 pub mod cli;
-#[cfg(any(fuzzing, test))]
-pub mod fuzzing;

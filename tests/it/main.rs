@@ -60,6 +60,8 @@ mod stale;
 mod tables_elsewhere;
 mod together;
 mod tools;
+#[path = "../fuzz/targets.rs"]
+mod targets;
 mod unbreakable;
 mod watching;
 

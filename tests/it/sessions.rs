@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use falsify::session::{
-    CampaignOutcome, CampaignState, EpisodeName, Error, Event, Input, MergeOptions, Observer, RepeatOptions,
-    ReplayAllOptions, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop,
+    CampaignOutcome, EpisodeName, Error, Event, Input, Observer, RepeatOptions,
+    ReplayAllOptions, ReplayOptions, RunOptions, Session, Stop,
 };
 
 const SCENARIO: &str = r#"
@@ -64,7 +64,7 @@ impl Observer for Heard {
 }
 
 #[test]
-fn a_campaign_is_run_repeated_and_merged_without_a_process() {
+fn a_campaign_is_run_and_repeated_without_a_process() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("whole");
     let heard = Arc::new(Heard::default());
@@ -83,25 +83,6 @@ fn a_campaign_is_run_repeated_and_merged_without_a_process() {
     let stored = replay.report.clone();
     let verified = session.replay_all(stored, &options_of_all, &RepeatOptions::default()).unwrap();
     assert!(verified.is_equal() && verified.repeated == 7);
-
-    let status = session.status(&StatusOptions { out: out.clone(), cache: None }).unwrap();
-    assert_eq!((status.len(), status[0].state), (1, CampaignState::Finished));
-    let listing = session.list(&options(&out)).unwrap();
-    assert_eq!(listing[0].tasks.len(), 2);
-
-    let merged = folder.path().join("merged");
-    let parts: Vec<PathBuf> = ["a", "b"].map(|name| folder.path().join(name)).to_vec();
-    for (index, part) in (0..).zip(&parts) {
-        let shard = falsify::results::Shard { index, count: 2 };
-        let done = session.run_shard(&options(part), &ShardOptions { shard, only_trainings: false }).unwrap();
-        assert_eq!((done[0].finished, done[0].all), (1, 1));
-    }
-    let half = MergeOptions { run: options(&merged), from: parts[..1].to_vec(), partial: false };
-    assert!(session.merge(&half).unwrap().is_none());
-    let merge = MergeOptions { run: options(&merged), from: parts, partial: false };
-    let together = session.merge(&merge).unwrap().unwrap();
-    let episodes = |folder: &Path| std::fs::read(folder.join("episodes.csv")).unwrap();
-    assert_eq!(episodes(&together.reports().next().unwrap().folder), episodes(&report.folder));
 }
 
 #[test]
@@ -119,8 +100,6 @@ fn errors_are_facts_with_their_data() {
     let maps = vec![("atlantis".to_string(), PathBuf::from("town.xodr"))];
     let mapped = session.plan(&Input { maps, ..Input::file("crossing.scn") });
     assert!(matches!(mapped, Err(Error::UnusedMap { town }) if town == "atlantis"));
-    let status = session.status(&StatusOptions { out: folder.path().join("none"), cache: None });
-    assert!(matches!(status, Err(Error::Usage(_))));
     let name = "1a2b3c4d:17".parse().unwrap();
     let which = ReplayOptions { name, report: folder.path().join("none"), repeat: RepeatOptions::default() };
     assert!(matches!(session.replay(&which), Err(Error::NoReport { .. })));

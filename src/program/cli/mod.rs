@@ -13,7 +13,6 @@ mod welcome;
 pub(crate) mod network_trial;
 
 pub use crate::exit_code::ExitCode;
-#[cfg(any(fuzzing, test))]
 pub use settings::is_read as settings_are_read;
 
 use std::ffi::OsString;

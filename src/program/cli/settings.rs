@@ -122,7 +122,6 @@ fn read(path: &Path, text: &str, source: SourceId) -> Result<Settings, Vec<Diagn
 }
 
 /// Whether a text is one of settings.
-#[cfg(any(fuzzing, test))]
 pub fn is_read(text: &str) -> bool {
     let mut sources = Sources::default();
     let source = sources.add(FILE, text);

@@ -1,19 +1,23 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::Args;
+use clap::{Args, value_parser};
+use rayon::prelude::*;
 
-use super::run::{RunArgs, RunReporter, ended, finished};
+use super::run::{RunArgs, ended, finished};
 use crate::cli::failure::{failed, misused};
 use crate::cli::input::session;
 use crate::cli::{console, interrupt};
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{self, Event, Incomplete, Notice, Observer};
+use crate::session::{Error, Event, Notice, RunOptions, RunReport, Session, Work, pool};
+use compile::Campaign;
+use results::campaign::{Task, deal, tasks};
 use results::jobs::work;
-use results::store::Taken;
+use results::store::{Ids, Store, Taken, task_name};
 
-/// The most tasks that are named one by one.
-const SHOWN: usize = 10;
+/// Maximum number of tasks that are named one by one.
+const MAX_SHOWN: usize = 10;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -36,11 +40,15 @@ pub struct MergeArgs {
     /// The options of the run.
     #[command(flatten)]
     pub run: RunArgs,
-    /// Where the tasks are.
-    #[command(flatten)]
-    pub merge: session::MergeOptions,
+    /// Folders with the tasks of shards (their --out or their --cache), in addition to those that are in the folder for the reports
+    /// already.
+    #[arg(long, num_args = 1.., value_name = "DIR")]
+    pub from: Vec<PathBuf>,
+    /// Write the finished part as NAME-partial when something is missing.
+    #[arg(long, display_order = 100)]
+    pub partial: bool,
     /// The number of shards, to list those that must be run again.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
     pub shards: Option<u32>,
 }
 
@@ -54,60 +62,93 @@ fn put_together(options: &MergeArgs) -> Ended {
     if run.shard.is_some() || run.list || run.run.fresh {
         return Err(misused("a merge runs nothing; --shard, --list and --fresh are options of `falsify run`"));
     }
-    let wanted = session::MergeOptions { run: run.wanted()?, ..options.merge.clone() };
-    let reporter = MergeReporter { inner: run.reporter(), shards: options.shards };
-    let session = session(run.given.allow_external).with_observer(Arc::new(reporter));
-    match session.merge(&wanted).map_err(failed)? {
+    let session = session(run.given.allow_external).with_observer(Arc::new(run.reporter()));
+    match merged(&session, &run.wanted()?, options).map_err(failed)? {
         Some(report) => finished(run, &report),
         None if interrupt::stop().is_asked() => Ok(ExitCode::Interrupted),
         None => Ok(ExitCode::Incomplete),
     }
 }
 
-/// Reports as a run does, and the shards that contain the missing tasks.
-struct MergeReporter {
-    inner: RunReporter,
-    shards: Option<u32>,
-}
-
-impl Observer for MergeReporter {
-    fn event(&self, event: &Event<'_>) {
-        match event {
-            Event::Notice(Notice::Incomplete(incomplete)) => console::fail(&lack(incomplete, self.shards)),
-            other => self.inner.event(other),
+/// Imports the tasks of shards, and writes the reports when all are there. `None` if tasks are missing, which are named, or the session was
+/// stopped.
+fn merged(session: &Session, run: &RunOptions, options: &MergeArgs) -> Result<Option<RunReport>, Error> {
+    let planned = session.campaigns(run)?;
+    if let Some(missing) = options.from.iter().find(|folder| !folder.is_dir()) {
+        return Err(Error::Usage(format!("there is no folder `{}`", missing.display())));
+    }
+    // A damaged task is reported together with a remedy.
+    let store = Store::open(&run.out, run.cache.as_deref(), Box::new(|_| {}))?;
+    let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
+    for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
+        session.notice(&Notice::NoTasks { folder: folder.clone() });
+    }
+    let pool = pool(run.threads)?;
+    session.tell(Event::Begun);
+    let mut whole = true;
+    for campaign in &planned.plan.campaigns {
+        let missing = pool.install(|| imported(session, campaign, run, &store, &others))?;
+        if session.stop.is_asked() {
+            return Ok(None);
+        }
+        if !missing.is_empty() {
+            whole = false;
+            console::fail(&lack(campaign, &missing, options.shards));
         }
     }
+    drop((store, pool));
+    if whole || options.partial { session.run_plan(run, &planned, Work::None).map(Some) } else { Ok(None) }
+}
+
+/// Imports all tasks of a campaign; returns those that are missing, with what the stores have of them.
+fn imported(
+    session: &Session,
+    campaign: &Campaign,
+    run: &RunOptions,
+    store: &Store,
+    others: &[Store],
+) -> Result<Vec<(Task, Taken)>, Error> {
+    let ids = Ids::new(campaign, run.seed);
+    let take = |task: Task| {
+        if session.stop.is_asked() {
+            return Ok((task, Taken::Missing));
+        }
+        let has_episodes = work(&campaign.jobs[task.job]).kind().has_episodes;
+        let amount = has_episodes.then(|| task.units(campaign));
+        store.take(ids.get(task), amount, others).map(|taken| (task, taken))
+    };
+    let all: Vec<Task> = tasks(campaign).collect();
+    let taken = all.par_iter().map(|task| take(*task)).collect::<Result<Vec<_>, _>>();
+    let missing = taken.map_err(|error| run.keep(error))?.into_iter();
+    Ok(missing.filter(|(_, found)| !matches!(found, Taken::Whole | Taken::Failed(_))).collect())
 }
 
 /// The missing tasks, and the shards that contain them.
-fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
-    let Incomplete { campaign, tasks, all } = incomplete;
-    let mut text =
-        format!("{} of the {all} tasks of `{}` are not there as they should be:", tasks.len(), campaign.name);
-    for missing in tasks.iter().take(SHOWN) {
-        let why = match &missing.found {
-            Taken::Part(done) => {
-                format!("unfinished, {done} {}", work(&incomplete.campaign.jobs[missing.task.job]).kind().unit)
-            }
+fn lack(campaign: &Campaign, missing: &[(Task, Taken)], shards: Option<u32>) -> String {
+    let (count, all, name) = (missing.len(), tasks(campaign).count(), &campaign.name);
+    let mut text = format!("{count} of the {all} tasks of `{name}` are missing or damaged:");
+    for (task, found) in missing.iter().take(MAX_SHOWN) {
+        let why = match found {
+            Taken::Part(done) => format!("unfinished, {done} {}", work(&campaign.jobs[task.job]).kind().unit),
             Taken::Damaged(path) => format!("`{}` is damaged", path.display()),
             Taken::Differ(one, other) => {
                 format!("`{}` and `{}` differ, so one is not what it says; remove it", one.display(), other.display())
             }
             _ => "missing".into(),
         };
-        text.push_str(&format!("\n  {}: {why}", missing.name));
+        text.push_str(&format!("\n  {}: {why}", task_name(campaign, *task)));
     }
-    if tasks.len() > SHOWN {
-        text.push_str(&format!("\n  … and {} more", tasks.len() - SHOWN));
+    if count > MAX_SHOWN {
+        text.push_str(&format!("\n  … and {} more", count - MAX_SHOWN));
     }
-    match shards {
-        Some(count) => {
-            let shards = ranges(&incomplete.shards(count));
-            text.push_str(&format!("\n  do again, of {count} shards: {shards}"));
+    text.push_str(&match shards {
+        Some(shards) => {
+            let deal: BTreeMap<Task, u32> = deal(campaign, shards).into_iter().collect();
+            let numbers = missing.iter().map(|(task, _)| deal[task]).collect();
+            format!("\n  do again, of {shards} shards: {}", ranges(&numbers))
         }
-        None => text
-            .push_str("\n  `falsify run` with the same files does only these; give --shards to see which shards would"),
-    }
+        None => "\n  `falsify run` with the same files does only these; give --shards to see which shards would".into(),
+    });
     text
 }
 

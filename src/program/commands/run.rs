@@ -15,12 +15,11 @@ use crate::cli::progress::{EventLine, Progress, Showing};
 use crate::cli::{console, failure, interrupt};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{
-    self, CampaignOutcome, CampaignReport, Error, Event, Notice, Observer, RunReport, Session, ShardOptions,
-    ShardReport,
+    self, CampaignOutcome, CampaignReport, Error, Event, Notice, Observer, RunReport, Session, ShardReport,
 };
 use gate::GateArgs;
 use results::campaign::Shard;
-use shard::NamedShard;
+use shard::{NamedShard, ShardOptions};
 use summary::quoted;
 
 /// Shown after the help.
@@ -131,7 +130,7 @@ fn run_or_list(options: &RunArgs) -> Ended {
     let wanted = options.wanted()?;
     let session = session(options.given.allow_external).with_observer(Arc::new(options.reporter()));
     if options.list {
-        session.list(&wanted).map_err(failed)?.iter().for_each(list::list);
+        list::list(&session, &wanted).map_err(failed)?;
         return Ok(ExitCode::Done);
     }
     let Some(shard) = options.shard else {

@@ -29,7 +29,7 @@ pub struct Planned {
     /// A record of each file that was read.
     pub records: Vec<FileRecord>,
     /// The contents of the files that a report holds, by their paths.
-    pub(super) contents: BTreeMap<String, Vec<u8>>,
+    pub(crate) contents: BTreeMap<String, Vec<u8>>,
 }
 
 impl Checked {
@@ -69,7 +69,7 @@ impl Session {
     }
 
     /// [`Session::plan`] with the files of a reader.
-    pub(super) fn plan_from(&self, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
+    pub(crate) fn plan_from(&self, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
         let checked = self.compile(reader, input, input.overrides())?;
         self.tell(Event::Diagnostics(&checked.compiled.diagnostics, &checked.sources));
         checked.plan()?;

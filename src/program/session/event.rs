@@ -1,7 +1,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{CampaignOutcome, Change, ChangedProgram, Incomplete, Session, ShardReport};
+use super::{CampaignOutcome, Change, ChangedProgram, Session, ShardReport};
 use base::diagnostic::{Diagnostic, Sources};
 use compile::{Campaign, OutsideSetting};
 use results::campaign::{self, Task};
@@ -126,9 +126,6 @@ pub enum Notice {
     /// A folder to merge from holds no tasks.
     #[error("there are no tasks in `{folder}`; where a shard was given --cache, name that folder", folder = folder.display())]
     NoTasks { folder: PathBuf },
-    /// Tasks of a campaign are missing.
-    #[error("{} of the {} tasks of `{}` are not there as they should be", .0.tasks.len(), .0.all, .0.campaign.name)]
-    Incomplete(Box<Incomplete>),
     /// One of several reports cannot be read.
     #[error(transparent)]
     UnreadableReport(ReadError),
@@ -174,7 +171,7 @@ impl Notice {
     /// How much it matters.
     pub fn level(&self) -> Level {
         match self {
-            Self::Unpaid { .. } | Self::EpisodesInError { .. } | Self::Incomplete(_) => Level::Error,
+            Self::Unpaid { .. } | Self::EpisodesInError { .. } => Level::Error,
             Self::UnfinishedReports { .. } | Self::Setting(_) => Level::Note,
             _ => Level::Warning,
         }

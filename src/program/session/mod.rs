@@ -1,5 +1,4 @@
-//! The program as a library: `check`, `run`, `merge`, `replay`, `status`, `failures`, `judge`, `compare`, `recheck`,
-//! `export`.
+//! The program as a library: it checks scenarios, runs their campaigns, lists failures and repeats episodes.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
 //! takes a struct of plain options, returns a value or an [`Error`], and the observer hears each [`Event`] meanwhile. No call prints, reads
@@ -22,11 +21,6 @@ mod event_files;
 mod tasks;
 mod run;
 mod overview;
-mod shard;
-mod list;
-mod incomplete;
-mod merge;
-mod status;
 mod episode_name;
 mod held_files;
 mod changed_program;
@@ -46,19 +40,15 @@ pub(crate) use error::named;
 pub use error::{Change, Error, KeepError};
 pub use event::{Event, Level, Notice, Observer, RecheckStage, Silent};
 pub use growing_curves::NewestUpdate;
-pub use incomplete::{Incomplete, Missing};
 pub use input::Input;
-pub use list::Listing;
-pub use merge::MergeOptions;
 pub(crate) use options::seconds;
 pub use options::{RunOptions, TableFormat, Ticks};
 pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
 pub use reasons::{Reason, reasons};
 pub use repeat::Repeated;
+pub(crate) use run::{CampaignRun, Work, pool};
 pub use setup::Session;
-pub use shard::ShardOptions;
-pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
 pub use stop::Stop;
 pub use stored::RepeatOptions;
 pub(crate) use stored::Source;

@@ -90,12 +90,12 @@ impl Default for RunOptions {
 }
 
 impl RunOptions {
-    pub(super) fn formats(&self) -> Formats {
+    pub(crate) fn formats(&self) -> Formats {
         let named = |format| self.formats.contains(&format);
         Formats { csv: named(TableFormat::Csv), parquet: named(TableFormat::Parquet) }
     }
 
-    pub(super) fn limits(&self) -> Limits {
+    pub(crate) fn limits(&self) -> Limits {
         let checkpoint = Duration::try_from_secs_f64(self.checkpoint).unwrap_or_default();
         Limits { checkpoint, seconds: self.task_time, ticks: self.max_ticks }
     }

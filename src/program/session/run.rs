@@ -19,7 +19,7 @@ use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
 /// Which tasks are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Work {
+pub(crate) enum Work {
     /// All tasks that the store lacks.
     All,
     /// No task: reports are made from stored tasks.
@@ -38,7 +38,7 @@ impl Session {
     }
 
     /// The plan of a run, which has at least one campaign.
-    pub(super) fn campaigns(&self, options: &RunOptions) -> Result<Planned, Error> {
+    pub(crate) fn campaigns(&self, options: &RunOptions) -> Result<Planned, Error> {
         let mut planned = self.plan(&options.input)?;
         if planned.plan.campaigns.is_empty() {
             return Err(Error::NoCampaign { advice: planned.plan.without_campaigns() });
@@ -59,12 +59,12 @@ impl Session {
     }
 
     /// Passes notes of the store to the observer.
-    pub(super) fn note(&self) -> Note {
+    pub(crate) fn note(&self) -> Note {
         let observer = self.observer.clone();
         Box::new(move |text| observer.event(&Event::Notice(&Notice::Store { text: text.to_string() })))
     }
 
-    pub(super) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
+    pub(crate) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
         for gate in &options.gates {
             gate.check(&planned.plan.campaigns)?;
         }
@@ -101,7 +101,7 @@ impl Session {
 }
 
 /// The run of one campaign.
-pub(super) struct CampaignRun<'a> {
+pub(crate) struct CampaignRun<'a> {
     pub session: &'a Session,
     pub options: &'a RunOptions,
     pub planned: &'a Planned,
@@ -301,18 +301,18 @@ impl<'a> CampaignRun<'a> {
 
 impl RunOptions {
     /// The name of a campaign's report. A smoke run never replaces results.
-    pub(super) fn report_name(&self, campaign: &Campaign) -> String {
+    pub(crate) fn report_name(&self, campaign: &Campaign) -> String {
         if self.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() }
     }
 
     /// The error for something that could not be written during a run.
-    pub(super) fn keep(&self, source: impl Into<KeepError>) -> Error {
+    pub(crate) fn keep(&self, source: impl Into<KeepError>) -> Error {
         Error::Keep { out: self.out.clone(), source: source.into() }
     }
 }
 
 /// Starts this number of threads; 0 means one for each core.
-pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
+pub(crate) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
     pool.map_err(|source| Error::Usage(format!("cannot start {threads} threads: {source}")))
 }

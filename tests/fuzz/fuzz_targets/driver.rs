@@ -1,5 +1,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let _ = program::fuzzing::driver(bytes);
+    let _ = targets::driver(bytes);
 });

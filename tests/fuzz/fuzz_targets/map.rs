@@ -1,5 +1,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    program::fuzzing::map(bytes);
+    targets::map(bytes);
 });

@@ -1,12 +1,34 @@
-use crate::cli::console;
-use crate::session::Listing;
-use results::campaign::Task;
-use results::jobs::work;
-use results::store::Known;
+//! `falsify run --list`
 
-/// Prints what a run would do for a campaign and why, and what is stored already.
-pub fn list(listing: &Listing) {
-    let Listing { name, campaign, tasks, report } = listing;
+use std::collections::BTreeMap;
+
+use crate::cli::console;
+use crate::session::{Error, RunOptions, Session};
+use compile::Campaign;
+use results::campaign::{Task, tasks};
+use results::jobs::work;
+use results::report::StoredReport;
+use results::store::{Ids, Index, Known, Store};
+
+/// Prints what a run would do and why, and what is stored already. It changes nothing.
+///
+/// # Errors
+/// Files that cannot be read or have errors, and a cache folder with other contents.
+pub fn list(session: &Session, options: &RunOptions) -> Result<(), Error> {
+    let planned = session.campaigns(options)?;
+    let store = Store::look(&options.out, options.cache.as_deref(), session.note())?;
+    planned.plan.campaigns.iter().try_for_each(|campaign| list_campaign(campaign, options, &store))
+}
+
+fn list_campaign(campaign: &Campaign, options: &RunOptions, store: &Store) -> Result<(), Error> {
+    let name = options.report_name(campaign);
+    let ids = Ids::new(campaign, options.seed);
+    let index = Index::read(store, &name)?;
+    let known = |task| match options.fresh {
+        true => Known::Missing("--fresh".into()),
+        false => index.look(store, campaign, task, &ids, options.seed),
+    };
+    let tasks: BTreeMap<Task, Known> = tasks(campaign).map(|task| (task, known(task))).collect();
     console::say(&format!("campaign {name}"));
     for (place, job) in campaign.jobs.iter().enumerate() {
         let (job, kind) = (work(job), work(job).kind());
@@ -20,12 +42,14 @@ pub fn list(listing: &Listing) {
     let there = tasks.values().filter(|known| **known == Known::Finished).count();
     console::say(&format!("  {} of {all} tasks to run, {there} to reuse", all - there));
     let edited = tasks.values().any(|known| matches!(known, Known::Edited(_)));
-    if let Some(report) = report.as_ref().filter(|_| edited) {
+    let report = options.out.join(&name);
+    if edited && StoredReport::open(&report).is_ok() {
         console::say(&format!(
             "  `falsify recheck --allow-external {}` lets the new program meet the same starts",
             report.display()
         ));
     }
+    Ok(())
 }
 
 fn told(known: &Known, unit: &str) -> String {

@@ -8,14 +8,13 @@ use results::store::{References, Store, StoreError};
 
 /// `falsify status --stored` and `--prune` of a folder for reports and its cache.
 pub fn stored(options: &StatusArgs) -> Ended {
-    let of = &options.of;
-    let cache = of.cache.as_deref();
+    let cache = options.cache.as_deref();
     if let Some(missing) = cache.filter(|cache| !cache.exists()) {
         return Err(misused(format!("the cache `{}` does not exist", missing.display())));
     }
     let note = Box::new(|text: &str| console::warn(text));
     let open = if options.prune { Store::open } else { Store::look };
-    let told = open(&of.out, cache, note).and_then(|store| tell(&store, options));
+    let told = open(&options.out, cache, note).and_then(|store| tell(&store, options));
     told.map_err(|error| failed(error.into()))?;
     Ok(ExitCode::Done)
 }

@@ -1,5 +1,4 @@
-//! What the fuzz targets of `tests/fuzz` call: each reader of bytes from outside, as a function of any bytes. Only there with
-//! `--cfg fuzzing`, and in tests so that it is compiled.
+//! What the fuzz targets call: each reader of bytes from outside, as a function of any bytes. The tests compile it, too, and run it on damaged seeds.
 
 use std::io;
 use std::ops::ControlFlow;
@@ -7,7 +6,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use crate::cli;
 use base::diagnostic::{Colour, Sources, render};
 use base::seed::Seed;
 use compile::{Catalog, Evaluation, compile};
@@ -81,7 +79,7 @@ pub fn network(bytes: &[u8]) {
 /// The settings of a folder (`falsify.toml`), and each line as a condition of `--fail-if`.
 pub fn settings(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
-    cli::settings_are_read(&text);
+    program::cli::settings_are_read(&text);
     for line in text.lines().take(100) {
         let _ = Gate::parse(line);
     }
@@ -203,21 +201,21 @@ mod tests {
 
     #[test]
     fn seeds_and_damaged_seeds_are_read_or_refused() {
-        damage(map, include_bytes!("../../tests/suite/files/odd.xodr"));
-        let pedestrian = include_bytes!("../../tests/reference/sb3_update/before.safetensors");
+        damage(map, include_bytes!("../suite/files/odd.xodr"));
+        let pedestrian = include_bytes!("../reference/sb3_update/before.safetensors");
         assert!(ActorCritic::from_safetensors(pedestrian).is_ok());
         damage(policy, pedestrian);
         damage(front_end, b"edition 1\nreward r { on hit => max(3, 1.5 * v_c) }\n");
-        let model = include_bytes!("../../tests/reference/onnx/follow.onnx");
+        let model = include_bytes!("../reference/onnx/follow.onnx");
         assert!(onnx::Model::read(model.to_vec()).is_ok());
         damage(network, model);
-        let settings_of_a_folder = include_bytes!("../../tests/fuzz/seeds/settings/falsify.toml");
-        assert!(cli::settings_are_read(std::str::from_utf8(settings_of_a_folder).unwrap()));
+        let settings_of_a_folder = include_bytes!("seeds/settings/falsify.toml");
+        assert!(program::cli::settings_are_read(std::str::from_utf8(settings_of_a_folder).unwrap()));
         damage(settings, settings_of_a_folder);
-        let gates = include_bytes!("../../tests/fuzz/seeds/settings/gates");
+        let gates = include_bytes!("seeds/settings/gates");
         assert!(std::str::from_utf8(gates).unwrap().lines().all(|line| Gate::parse(line).is_ok()));
         damage(settings, gates);
-        for seed in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/fuzz/seeds/map")).unwrap() {
+        for seed in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fuzz/seeds/map")).unwrap() {
             damage(map, &std::fs::read(seed.unwrap().path()).unwrap());
         }
         let (episodes, count) = record::encode(None, &[]).unwrap();
@@ -229,7 +227,7 @@ mod tests {
 
     #[test]
     fn the_seeds_of_a_driver_drive_and_other_bytes_are_a_fault() {
-        let seeds = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/fuzz/seeds/driver");
+        let seeds = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fuzz/seeds/driver");
         for seed in std::fs::read_dir(seeds).unwrap() {
             let path = seed.unwrap().path();
             let bytes = std::fs::read(&path).unwrap();
