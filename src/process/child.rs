@@ -15,7 +15,7 @@ use nix::unistd::Pid;
 use super::descendants;
 use super::messages::Messages;
 use super::opener::Notes;
-use super::patience::{self, GLANCE};
+use super::stopping::{self, GLANCE};
 use world::av::Fault;
 use world::av::external::{Link, Program};
 
@@ -106,7 +106,7 @@ impl Child {
             if left.is_zero() {
                 return Err(self.late());
             }
-            if patience::is_over() {
+            if stopping::is_over() {
                 return Err(Fault::Stopped);
             }
             // Rounded up, so that the last wait does not spin.

@@ -16,7 +16,7 @@ mod limits;
 mod messages;
 mod opener;
 #[cfg(unix)]
-mod patience;
+mod stopping;
 mod trial;
 
 #[cfg(unix)]
@@ -25,7 +25,7 @@ pub use child::end_all;
 pub use limits::refusal;
 pub use opener::ProcessOpener;
 #[cfg(unix)]
-pub use patience::{allow_to_stop, stop_waiting};
+pub use stopping::{allow_to_stop, stop_waiting};
 pub use trial::{limit_trial, trial};
 
 #[cfg(not(unix))]

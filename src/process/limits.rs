@@ -5,9 +5,9 @@ use nix::sys::resource::{Resource, getrlimit};
 /// The fewest open files with which a campaign can be run: libraries panic below about ten.
 const FEWEST_FILES: u64 = 32;
 /// The least address space with which a campaign can be run, and that of each further thread (bytes).
-const LEAST_MEMORY: (u64, u64) = (256 << 20, 16 << 20);
+const MIN_MEMORY: (u64, u64) = (256 << 20, 16 << 20);
 
-/// Why a limit of the system does not allow a run with this number of threads, and what to do; none if all do.
+/// Why a limit of the system does not allow a run with this number of threads, and what to do; `None` if all do.
 pub fn refusal(threads: usize) -> Option<String> {
     let limit = |resource| getrlimit(resource).map_or(u64::MAX, |(soft, _)| soft);
     let files = limit(Resource::RLIMIT_NOFILE);
@@ -16,7 +16,7 @@ pub fn refusal(threads: usize) -> Option<String> {
             "at most {files} files may be open at once, and {FEWEST_FILES} are needed; raise the limit with `ulimit -n {FEWEST_FILES}`"
         ));
     }
-    let wanted = LEAST_MEMORY.0 + LEAST_MEMORY.1 * threads as u64;
+    let wanted = MIN_MEMORY.0 + MIN_MEMORY.1 * threads as u64;
     let memory = limit(Resource::RLIMIT_AS);
     (memory < wanted).then(|| {
         format!(

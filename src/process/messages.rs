@@ -3,8 +3,8 @@ use std::process::ChildStderr;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// The most bytes of a driver's messages that are passed on.
-const MOST: usize = 1 << 20;
+/// Maximum number of bytes of a driver's messages that are passed on.
+const MAX_BYTES: usize = 1 << 20;
 /// Time for the last messages to arrive after the driver has ended.
 const LAST: Duration = Duration::from_millis(200);
 
@@ -16,7 +16,7 @@ impl Messages {
     /// Starts to pass on.
     pub fn pass_on(mut from: ChildStderr) -> io::Result<Self> {
         let work = move || {
-            let (mut left, mut bytes) = (MOST, [0; 1 << 13]);
+            let (mut left, mut bytes) = (MAX_BYTES, [0; 1 << 13]);
             loop {
                 let count = match from.read(&mut bytes) {
                     Ok(0) => return,
@@ -27,7 +27,7 @@ impl Messages {
                 let shown = count.min(left);
                 let _ = io::stderr().write_all(&bytes[..shown]);
                 if shown < count && left > 0 {
-                    anstream::eprintln!("\nfurther messages of this driver are left out, after {} KiB", MOST >> 10);
+                    anstream::eprintln!("\nfurther messages of this driver are left out, after {} KiB", MAX_BYTES >> 10);
                 }
                 left -= shown;
             }

@@ -7,11 +7,11 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The most memory that a trial may address (MiB): twice of what the largest network file needs, which is 900. The smallest one needs 100.
-const MOST_MEMORY: u64 = 2048;
-/// The most time of the processor (s); the largest network file needs 1.5 s. Other work of the machine does not count.
-const MOST_SECONDS: u64 = 10;
-/// The most time of the clock, for a child that waits, and for systems without the other limits.
+/// Maximum memory that a trial may address (MiB): twice of what the largest network file needs, which is 900. The smallest one needs 100.
+const MAX_MEMORY: u64 = 2048;
+/// Maximum time of the processor (s); the largest network file needs 1.5 s. Other work of the machine does not count.
+const MAX_SECONDS: u64 = 10;
+/// Maximum time of the clock, for a child that waits, and for systems without the other limits.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Time between two looks at the child.
 const PAUSE: Duration = Duration::from_millis(1);
@@ -49,10 +49,10 @@ fn started(words: &[&str], bytes: &[u8]) -> Result<(), String> {
     match status.map_err(|error| not_tried(&error))? {
         Some(status) if status.success() => Ok(()),
         Some(_) if said.contains("memory allocation") => {
-            Err(format!("loading and running it once needs more than {} MiB of memory", most_memory()))
+            Err(format!("loading and running it once needs more than {} MiB of memory", max_memory()))
         }
         Some(status) if !is_late(status) => Err(format!("loading or running it ends the program ({status})")),
-        _ => Err(format!("loading and running it once takes more than {MOST_SECONDS} s")),
+        _ => Err(format!("loading and running it once takes more than {MAX_SECONDS} s")),
     }
 }
 
@@ -66,7 +66,7 @@ fn this_program() -> std::io::Result<PathBuf> {
     if own.exists() { Ok(own) } else { std::env::current_exe() }
 }
 
-/// Waits for the end of a child; none if it had to be ended.
+/// Waits for the end of a child; `None` if it had to be ended.
 fn wait(child: &mut Child) -> std::io::Result<Option<ExitStatus>> {
     let deadline = Instant::now() + PATIENCE;
     loop {
@@ -92,16 +92,16 @@ fn is_late(_: ExitStatus) -> bool {
     false
 }
 
-/// The most memory of a trial (MiB): at most half of what this process may have, since it loads afterwards what has passed.
+/// Maximum memory of a trial (MiB): at most half of what this process may have, since it loads afterwards what has passed.
 #[cfg(unix)]
-fn most_memory() -> u64 {
+fn max_memory() -> u64 {
     use nix::sys::resource::{Resource, getrlimit};
-    getrlimit(Resource::RLIMIT_AS).map_or(MOST_MEMORY, |(soft, _)| MOST_MEMORY.min(soft >> 21))
+    getrlimit(Resource::RLIMIT_AS).map_or(MAX_MEMORY, |(soft, _)| MAX_MEMORY.min(soft >> 21))
 }
 
 #[cfg(not(unix))]
-fn most_memory() -> u64 {
-    MOST_MEMORY
+fn max_memory() -> u64 {
+    MAX_MEMORY
 }
 
 /// Sets the limits of a trial for this process. Systems other than Unix have none, and others may refuse some.
@@ -109,8 +109,8 @@ pub fn limit_trial() {
     #[cfg(unix)]
     {
         use nix::sys::resource::{Resource, setrlimit};
-        let _ = setrlimit(Resource::RLIMIT_AS, most_memory() << 20, most_memory() << 20);
-        let _ = setrlimit(Resource::RLIMIT_CPU, MOST_SECONDS, MOST_SECONDS + 1);
+        let _ = setrlimit(Resource::RLIMIT_AS, max_memory() << 20, max_memory() << 20);
+        let _ = setrlimit(Resource::RLIMIT_CPU, MAX_SECONDS, MAX_SECONDS + 1);
         let _ = setrlimit(Resource::RLIMIT_CORE, 0, 0);
     }
 }

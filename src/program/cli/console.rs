@@ -14,7 +14,7 @@ use base::printable::{is_command, printable};
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
-/// The most diagnostics that are shown at once.
+/// Maximum number of diagnostics that are shown at once.
 const SHOWN: usize = 50;
 
 /// The width of text that goes to no terminal, such as a file (columns).

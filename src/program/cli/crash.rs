@@ -11,8 +11,8 @@ use super::console;
 use crate::exit_code::ExitCode;
 use base::contained;
 
-/// The most functions of this program that are named.
-const MOST_FRAMES: usize = 12;
+/// Maximum number of functions of this program that are named.
+const MAX_FRAMES: usize = 12;
 
 /// Whether a thread already ends the process.
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -81,7 +81,7 @@ fn frames(backtrace: &str) -> Vec<&str> {
         OUR_PACKAGES.contains(&package)
     };
     let ours = named.filter(is_ours);
-    ours.filter(|name| !name.contains("::crash::")).take(MOST_FRAMES).collect()
+    ours.filter(|name| !name.contains("::crash::")).take(MAX_FRAMES).collect()
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ fn options() -> Vec<Arg> {
     KEYS.into_iter().map(|(key, _)| option(key).expect("each setting is an option of `run`")).collect()
 }
 
-/// Finds the file in a folder or the nearest one above it, and reads it; none when there is no such file.
+/// Finds the file in a folder or the nearest one above it, and reads it; `None` when there is no such file.
 ///
 /// # Errors
 /// The exit code, after all errors have been printed.

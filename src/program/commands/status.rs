@@ -73,7 +73,7 @@ struct CampaignProgress {
     in_hand: Vec<String>,
     /// The newest update of each training that is under way.
     learning: Vec<NewestUpdate>,
-    /// Estimated time of the remaining work on one thread (s); none until each kind has a measurement.
+    /// Estimated time of the remaining work on one thread (s); `None` until each kind has a measurement.
     left_thread_s: Option<f64>,
     /// The same without the kinds that have no measurement (s).
     #[serde(skip)]
@@ -81,7 +81,7 @@ struct CampaignProgress {
     /// The kinds that have no measurement.
     #[serde(skip)]
     unmeasured: Vec<&'static str>,
-    /// Estimated remaining time with as many tasks under way as now (s); none when no task is under way.
+    /// Estimated remaining time with as many tasks under way as now (s); `None` when no task is under way.
     left_s: Option<f64>,
     /// The error of the task that failed last.
     last_error: Option<String>,

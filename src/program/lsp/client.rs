@@ -47,7 +47,7 @@ impl Client {
         }
     }
 
-    /// The request to report changes of files on disk; none for an editor that cannot.
+    /// The request to report changes of files on disk; `None` for an editor that cannot.
     pub fn watch(&self) -> Option<Message> {
         let watchers = vec![FileSystemWatcher { glob_pattern: GlobPattern::String(WATCHED.into()), kind: None }];
         let options = DidChangeWatchedFilesRegistrationOptions { watchers };

@@ -191,7 +191,7 @@ fn role<'a>(frames: &[Frame<'a>], text: &'a str, word: Range<usize>, catalog: &C
     }
 }
 
-/// The role of a word of an `import` or a `param`; none in other statements.
+/// The role of a word of an `import` or a `param`; `None` in other statements.
 fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Place<'a>> {
     let words: Vec<&str> = frame.tokens.iter().map(|token| token.text).collect();
     let last = frame.tokens.last()?;

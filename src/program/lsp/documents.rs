@@ -79,7 +79,7 @@ impl Documents {
         self.uri(&self.shelf.join(path.file_name()?))
     }
 
-    /// The editor's name for a path; none for a path that is not a file of the user's.
+    /// The editor's name for a path; `None` for a path that is not a file of the user's.
     pub fn uri(&self, path: &Path) -> Option<Uri> {
         match self.open.get(&plain(path)) {
             Some(document) => Some(document.uri.clone()),

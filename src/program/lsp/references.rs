@@ -7,7 +7,7 @@ use super::cursor::{Cursor, places};
 use super::documents::{Documents, plain};
 use super::navigate::target;
 use super::visible::Visible;
-use super::workspace::{MOST_FILES, Scenarios, scenarios};
+use super::workspace::{MAX_FILES, Scenarios, scenarios};
 use base::diagnostic::{Severity, Sources, Span};
 use compile::{Catalog, compile};
 use lang::tokens::{TokenKind, tokens};
@@ -16,7 +16,7 @@ use lang::{Loaded, ast, library};
 /// A name with its places in all files that see it.
 pub struct Places {
     pub name: String,
-    /// The form of the declaration; none for a parameter.
+    /// The form of the declaration; `None` for a parameter.
     form: Option<String>,
     /// The file that declares it, and the first byte of the name there.
     pub declared: (PathBuf, usize),
@@ -96,7 +96,7 @@ fn load(path: &Path, documents: &Documents) -> Option<(Loaded, Sources)> {
 }
 
 impl Places {
-    /// The text of a file and the places of the name in it; none for a file that does not see the declaration.
+    /// The text of a file and the places of the name in it; `None` for a file that does not see the declaration.
     fn in_file(&self, path: &Path, documents: &Documents, catalog: &Catalog) -> Option<(String, Vec<Span>)> {
         let (loaded, sources) = load(path, documents)?;
         let is_declared = |span: Span| (plain(&sources.get(span.source).path), span.start) == self.declared;
@@ -133,7 +133,7 @@ impl Places {
         }
         if self.is_cut {
             return Err(format!(
-                "the open folder has more than {MOST_FILES} scenarios, and some that use `{old}` might be missed: open a smaller folder"
+                "the open folder has more than {MAX_FILES} scenarios, and some that use `{old}` might be missed: open a smaller folder"
             ));
         }
         Ok(())

@@ -21,7 +21,7 @@ pub enum WireError {
     Body(String),
 }
 
-/// Reads the next message; none when the stream has ended.
+/// Reads the next message; `None` when the stream has ended.
 ///
 /// # Errors
 /// See [`WireError`]; after [`WireError::Body`] reading can continue.

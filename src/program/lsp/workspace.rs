@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use super::documents::plain;
 
 /// The greatest number of scenarios that are looked at.
-pub const MOST_FILES: usize = 1000;
+pub const MAX_FILES: usize = 1000;
 /// The greatest size of one that is looked at (bytes).
 const MAX_BYTES: u64 = 1 << 20;
 /// The greatest number of entries of folders that are read on the way.
-const MOST_ENTRIES: usize = 100_000;
+const MAX_ENTRIES: usize = 100_000;
 
 /// Scenarios below some folders.
 #[derive(Debug, Default)]
@@ -28,7 +28,7 @@ pub fn scenarios(folders: &[PathBuf]) -> Scenarios {
     let mut left: Vec<PathBuf> = folders.iter().rev().map(|folder| plain(folder)).collect();
     while let Some(folder) = left.pop() {
         let Ok(read) = std::fs::read_dir(&folder) else { continue };
-        let mut inside: Vec<_> = read.filter_map(Result::ok).take(MOST_ENTRIES - entries).collect();
+        let mut inside: Vec<_> = read.filter_map(Result::ok).take(MAX_ENTRIES - entries).collect();
         entries += inside.len();
         inside.sort_by_key(std::fs::DirEntry::file_name);
         for entry in inside.iter().rev() {
@@ -45,9 +45,9 @@ pub fn scenarios(folders: &[PathBuf]) -> Scenarios {
                 found.paths.insert(path);
             }
         }
-        if found.paths.len() > MOST_FILES || entries >= MOST_ENTRIES {
+        if found.paths.len() > MAX_FILES || entries >= MAX_ENTRIES {
             found.is_cut = true;
-            while found.paths.len() > MOST_FILES {
+            while found.paths.len() > MAX_FILES {
                 found.paths.pop_last();
             }
             break;
@@ -64,8 +64,8 @@ fn is_left_out(folder: &Path) -> bool {
 /// What a path that is being typed may go on with: the folders and scenarios in the folder that it leads to, as paths like it. `file` is the file
 /// that imports, and is left out.
 pub fn beside(file: &Path, typed: &str) -> Vec<String> {
-    /// The most entries that are offered.
-    const MOST: usize = 500;
+    /// Maximum number of entries that are offered.
+    const MAX_OFFERED: usize = 500;
     let inside = typed.rfind('/').map_or("", |at| &typed[..=at]);
     let Some(folder) = file.parent().filter(|_| file.is_absolute()) else { return Vec::new() };
     let Ok(read) = std::fs::read_dir(folder.join(inside)) else { return Vec::new() };
@@ -77,7 +77,7 @@ pub fn beside(file: &Path, typed: &str) -> Vec<String> {
         let fits = path.extension().is_some_and(|end| end == "scn") && plain(&path) != plain(file);
         fits.then(|| format!("{inside}{name}"))
     };
-    let mut all: Vec<String> = read.filter_map(Result::ok).take(MOST).filter_map(entry).collect();
+    let mut all: Vec<String> = read.filter_map(Result::ok).take(MAX_OFFERED).filter_map(entry).collect();
     all.sort();
     all
 }

@@ -15,7 +15,7 @@ pub struct RunReport {
     pub campaigns: Vec<CampaignOutcome>,
     /// Whether the run was stopped. Then later campaigns are missing.
     pub interrupted: bool,
-    /// The overview; none for a single report.
+    /// The overview; `None` for a single report.
     pub overview: Option<OverviewFiles>,
 }
 

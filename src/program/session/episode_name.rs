@@ -42,7 +42,7 @@ impl FromStr for EpisodeName {
 /// An episode and where its report is: `RUN:EPISODE`, or `PATH/RUN:EPISODE` with the path of a report or of a folder of reports.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EpisodePath {
-    /// The path; none if the text has only a name.
+    /// The path; `None` if the text has only a name.
     pub report: Option<PathBuf>,
     pub name: EpisodeName,
 }

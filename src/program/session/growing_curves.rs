@@ -87,11 +87,11 @@ pub struct NewestUpdate {
     pub steps: u64,
     /// The number of episodes that have ended.
     pub episodes: u64,
-    /// The mean reward of the last episodes; none before the first has ended.
+    /// The mean reward of the last episodes; `None` before the first has ended.
     pub mean_reward: Option<f64>,
     /// The share of them that ended in a collision.
     pub collision_rate: Option<f64>,
-    /// The share of them that ended in a fault; none where the reward asks for no judgement.
+    /// The share of them that ended in a fault; `None` where the reward asks for no judgement.
     pub fault_rate: Option<f64>,
 }
 

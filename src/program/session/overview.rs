@@ -15,7 +15,7 @@ pub struct OverviewFiles {
     pub text: String,
 }
 
-/// Writes the overview of a call with several reports; none for a single report.
+/// Writes the overview of a call with several reports; `None` for a single report.
 pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Option<OverviewFiles>, Error> {
     let reports: Vec<&CampaignReport> = run.reports().collect();
     if reports.len() < 2 {

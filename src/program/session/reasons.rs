@@ -45,7 +45,7 @@ pub enum Reason {
 
 /// All possible reasons for differences from a report with these changed programs and these changed files; at least one.
 pub fn reasons(report: &StoredReport, programs: &[ChangedProgram], files: &[String]) -> Vec<Reason> {
-    /// The most files that are named.
+    /// Maximum number of files that are named.
     const NAMED: usize = 4;
     let manifest = report.manifest();
     let folder = report.folder().display();

@@ -210,7 +210,7 @@ impl<'a> CampaignRun<'a> {
         results.take_failure().map_or(Ok(()), |error| Err(self.options.keep(error)))
     }
 
-    /// Gathers the episodes, which are written meanwhile, and works out what the report has; none when nothing was finished. The observer
+    /// Gathers the episodes, which are written meanwhile, and works out what the report has; `None` when nothing was finished. The observer
     /// hears what is wrong with the results.
     fn find<'f>(
         &self,

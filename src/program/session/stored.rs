@@ -156,7 +156,7 @@ fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
 }
 
 impl RepeatOptions {
-    /// The folder that paths are relative to; none for the current one, which is `here`.
+    /// The folder that paths are relative to; `None` for the current one, which is `here`.
     fn root(&self, recorded: &Path, here: &Path) -> Option<PathBuf> {
         match &self.files {
             Some(folder) => Some(folder.clone()),
@@ -238,7 +238,7 @@ impl Source {
         self.campaign.all::<Search>().find(|search| search.key.id == name.run)
     }
 
-    /// The networks of an evaluation's pedestrian, as the report has them; none for untrained ones.
+    /// The networks of an evaluation's pedestrian, as the report has them; `None` for untrained ones.
     ///
     /// # Errors
     /// Their file cannot be read.

@@ -9,7 +9,7 @@ use super::job::Job;
 use crate::cli::console;
 
 /// Most jobs that have a bar at a time.
-const MOST: usize = 12;
+const MAX_BARS: usize = 12;
 
 /// The bars of a campaign.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ impl Bars {
         });
         let under_way: Vec<usize> = (0..board.jobs.len()).filter(|place| board.jobs[*place].is_under_way()).collect();
         for place in &under_way {
-            if shown.len() < MOST && shown.iter().all(|(other, _)| other != place) {
+            if shown.len() < MAX_BARS && shown.iter().all(|(other, _)| other != place) {
                 let job = &board.jobs[*place];
                 let bar = self.screen.add(ProgressBar::new(job.total));
                 bar.set_style(style("  {bar:16.cyan/black.bright} {wide_msg}"));

@@ -20,8 +20,8 @@ use results::jobs::{KINDS, TrainingResult};
 
 /// Least time between two updates of the display.
 const GLANCE: Duration = Duration::from_millis(200);
-/// The most files of a program that are named.
-const MOST_NAMED: usize = 4;
+/// Maximum number of files of a program that are named.
+const MAX_NAMED: usize = 4;
 /// Number of updates of the display per event for programs.
 const TOLD: u64 = 5;
 
@@ -210,8 +210,8 @@ impl Drop for Progress {
 fn depends(campaign: &Campaign) -> String {
     let of_program = |program: &Arc<ExternalProgram>| {
         let ExternalProgram { name, version, files, .. } = program.as_ref();
-        let named = files.keys().take(MOST_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
-        let more = files.len().saturating_sub(MOST_NAMED);
+        let named = files.keys().take(MAX_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let more = files.len().saturating_sub(MAX_NAMED);
         let files = if more > 0 { format!("{named} and {more} more files") } else { named };
         let version = version.as_ref().map(|version| format!("version {version}"));
         let what: Vec<String> = version.into_iter().chain(Some(files).filter(|files| !files.is_empty())).collect();

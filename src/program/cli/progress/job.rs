@@ -109,7 +109,7 @@ impl Job {
         self.learnt.follow(curve);
     }
 
-    /// What a training has learnt up to now; none for other jobs and before the first update.
+    /// What a training has learnt up to now; `None` for other jobs and before the first update.
     pub fn learnt(&self) -> Option<Learnt> {
         Some(self.learnt).filter(|learnt| learnt.updates > 0)
     }
@@ -155,7 +155,7 @@ impl Job {
         self.before() >= self.total
     }
 
-    /// Units per second; none before the first measurement.
+    /// Units per second; `None` before the first measurement.
     pub fn rate(&self) -> Option<f64> {
         let units = self.done().saturating_sub(self.before()) as f64;
         let time = self.time().as_secs_f64();

@@ -11,13 +11,13 @@ pub struct Learnt {
     pub updates: u64,
     /// The number of episodes that have ended.
     pub episodes: u64,
-    /// The mean reward of the last episodes, up to 100 of them; none before the first has ended.
+    /// The mean reward of the last episodes, up to 100 of them; `None` before the first has ended.
     pub mean_reward: Option<f64>,
     /// Their mean length in decisions.
     pub mean_length_decisions: Option<f64>,
     /// The share of them that ended in a collision, with actions drawn from the policy.
     pub collision_rate: Option<f64>,
-    /// The share of them that ended in a fault of the driver; none where the reward asks for no judgement.
+    /// The share of them that ended in a fault of the driver; `None` where the reward asks for no judgement.
     pub fault_rate: Option<f64>,
 }
 
@@ -35,7 +35,7 @@ impl Learnt {
         }
     }
 
-    /// Its reward, collisions and faults, for people; none before the first episode has ended.
+    /// Its reward, collisions and faults, for people; `None` before the first episode has ended.
     pub fn told(&self) -> Option<String> {
         let reward = self.mean_reward?;
         let rate = self.collision_rate?;

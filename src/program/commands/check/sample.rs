@@ -10,7 +10,7 @@ use crate::exit_code::{Ended, ExitCode};
 use compile::{Campaign, Plan};
 use results::report::{self, WriteError};
 
-/// The most starts in a picture; more would hide each other.
+/// Maximum number of starts in a picture; more would hide each other.
 const DRAWN: usize = 500;
 
 /// The starts that were drawn from one spawn rule in one town.

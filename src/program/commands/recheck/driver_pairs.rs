@@ -33,7 +33,7 @@ impl FromStr for DriverPair {
 struct Place<'a> {
     policy: &'a str,
     town: &'a str,
-    /// The vehicle; none in a search.
+    /// The vehicle; `None` in a search.
     vehicle: Option<&'a str>,
     scenario: &'a Arc<Scenario>,
 }
