@@ -27,7 +27,10 @@ impl Messages {
                 let shown = count.min(left);
                 let _ = io::stderr().write_all(&bytes[..shown]);
                 if shown < count && left > 0 {
-                    anstream::eprintln!("\nfurther messages of this driver are left out, after {} KiB", MAX_BYTES >> 10);
+                    anstream::eprintln!(
+                        "\nfurther messages of this driver are left out, after {} KiB",
+                        MAX_BYTES >> 10
+                    );
                 }
                 left -= shown;
             }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use falsify::session::{
-    CampaignOutcome, EpisodeName, Error, Event, Input, Observer, RepeatOptions,
-    ReplayAllOptions, ReplayOptions, RunOptions, Session, Stop,
+    CampaignOutcome, EpisodeName, Error, Event, Input, Observer, RepeatOptions, ReplayAllOptions, ReplayOptions,
+    RunOptions, Session, Stop,
 };
 
 const SCENARIO: &str = r#"
