@@ -4,7 +4,7 @@ use world::av::Path;
 use world::geometry::Pose;
 
 /// The expert's maximum speed (m/s), and by how much it stays below the limit along lanes and in turns.
-const FASTEST: f64 = 40.0 / 3.6;
+const MAX_SPEED: f64 = 40.0 / 3.6;
 const BELOW_LIMIT: f64 = 6.0 / 3.6;
 const BELOW_LIMIT_IN_TURNS: f64 = 5.0 / 3.6;
 /// If the limit is too low for that difference, the share of the limit.
@@ -25,7 +25,7 @@ impl Tempo {
     /// The expert's speed under a limit (m/s).
     pub fn of_expert(limit: f64, in_turn: bool) -> Self {
         let below = if in_turn { BELOW_LIMIT_IN_TURNS } else { BELOW_LIMIT };
-        Self::Cruise((limit - below).max(MIN_SHARE * limit).min(FASTEST))
+        Self::Cruise((limit - below).max(MIN_SHARE * limit).min(MAX_SPEED))
     }
 
     /// The distance (m) after a time (s).

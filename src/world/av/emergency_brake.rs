@@ -70,7 +70,7 @@ impl EmergencyBrake {
         self.braking = 0.0;
     }
 
-    /// Watches the way ahead; none while it demands nothing.
+    /// Watches the way ahead; `None` while it demands nothing.
     pub fn watch(&mut self, trace: &RouteTrace, perception: &Perception<'_>) -> Option<Demand> {
         let keys = &self.keys;
         let time = time_to_collision(trace, perception, keys.margin);

@@ -76,7 +76,7 @@ pub struct View {
     pub speed_limit: f64,
     /// The next light.
     pub light: Option<LightAhead>,
-    /// The next stop or yield sign on the path, within 90 m; none while a traffic light takes precedence over it.
+    /// The next stop or yield sign on the path, within 90 m; `None` while a traffic light takes precedence over it.
     pub sign: Option<SignAhead>,
     /// The road users in sight; those hidden by a building are left out.
     pub actors: Vec<Seen>,

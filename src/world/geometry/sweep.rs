@@ -81,7 +81,7 @@ fn between(from: &OrientedBox, to: &OrientedBox, share: f64) -> OrientedBox {
 }
 
 /// Finds the time (s) after which a disc touches a box. Position (m) and constant velocity (m/s) of the disc are in the frame of the box.
-/// None when that is not within the horizon (s). 0 when it touches already.
+/// `None` if that is not within the horizon (s). 0 when it touches already.
 pub fn time_to_touch(place: Vector, velocity: Vector, half: Vector, radius: f64, horizon: f64) -> Option<f64> {
     let (reach, end) = (half + Vector::new(radius, radius), place + velocity * horizon);
     if place.x.min(end.x) > reach.x

@@ -93,7 +93,7 @@ pub struct Encounter<'a> {
     pub radius: f64,
     /// The greatest deceleration that the road lets a driver reach (m/s²); infinite on a dry one.
     pub grip: f64,
-    /// The pedestrian after the recording; none when there is nothing after it.
+    /// The pedestrian after the recording; `None` if there is nothing after it.
     pub(super) walker: Option<Walker<'a>>,
     /// The number of steps with those after the recording.
     pub(super) step_count: usize,
@@ -102,7 +102,7 @@ pub struct Encounter<'a> {
 }
 
 impl<'a> Encounter<'a> {
-    /// Rewinds an episode to the start of its danger, or to the last instant at which the car stood in it and drove off; none when the two
+    /// Rewinds an episode to the start of its danger, or to the last instant at which the car stood in it and drove off; `None` if the two
     /// did not touch.
     ///
     /// A car that has stood has done what a careful human does. To drive off is a new decision, and from there on the question is asked anew.
@@ -248,7 +248,7 @@ impl<'a> Encounter<'a> {
         if gained > 1e-6 { 2.0 * gained / (FORESIGHT * FORESIGHT) } else { 0.0 }
     }
 
-    /// The pedestrian between a tick and the next one, as seen by a driver who is `way` (m) along the path; none when it is behind the car.
+    /// The pedestrian between a tick and the next one, as seen by a driver who is `way` (m) along the path; `None` if it is behind the car.
     pub fn threat(&self, tick: usize, share: f64, way: f64) -> Option<Threat> {
         let (from, to) = (&self.steps[tick], &self.steps[(tick + 1).min(self.steps.len() - 1)]);
         threat(from, to, share, way, (self.half, self.radius))

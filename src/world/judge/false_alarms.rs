@@ -15,7 +15,7 @@ pub struct FalseAlarms {
 }
 
 impl FalseAlarms {
-    /// Looks for them; none when vehicle and pedestrian touched.
+    /// Looks for them; `None` if vehicle and pedestrian touched.
     pub fn new(pair: &Pair<'_>) -> Option<Self> {
         if pair.contact().is_some() {
             return None;

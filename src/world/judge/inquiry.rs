@@ -1,5 +1,5 @@
 use super::class::Facts;
-use super::reaction::{SLOWEST, share_of_drivers};
+use super::reaction::{MAX_REACTION, share_of_drivers};
 use super::reference::Model;
 use super::trial::{FreeRun, Notice, STANDING};
 use super::{
@@ -26,7 +26,7 @@ impl<'a> Inquiry<'a> {
     /// The time to which the latest reaction is known (s).
     const RESOLUTION: f64 = 0.01;
 
-    /// Starts an inquiry; none when vehicle and pedestrian did not touch.
+    /// Starts an inquiry; `None` if vehicle and pedestrian did not touch.
     pub fn new(pair: &Pair<'a>) -> Option<Self> {
         let mut encounter = Encounter::new(pair)?;
         let free = FreeRun::new(&mut encounter);
@@ -95,7 +95,7 @@ impl<'a> Inquiry<'a> {
     }
 
     /// The longest reaction time (s), counted from the gate, with which a driver who brakes like UN R157's human avoids the touch, at most 5 s.
-    /// None when such a driver touches the pedestrian even if it brakes at once, and when the car stood.
+    /// `None` if such a driver touches the pedestrian even if it brakes at once, and when the car stood.
     ///
     /// It is found by bisection between the reactions of the two careful humans, or from there to the ends. A still slower driver may again be lucky
     /// and pass in front of or behind the pedestrian; such luck does not count.
@@ -109,14 +109,14 @@ impl<'a> Inquiry<'a> {
         };
         let [attentive, careful] = Label::humans().map(|human| (human.reaction(), self.trial(human).is_avoided()));
         let (mut low, mut high) = match (attentive, careful) {
-            ((_, true), (reaction, true)) => (reaction, SLOWEST),
+            ((_, true), (reaction, true)) => (reaction, MAX_REACTION),
             ((first, true), (second, false)) => (first, second),
             ((first, false), _) => (0.0, first),
         };
         if low == 0.0 && !avoids(self, low) {
             return None;
         }
-        if high == SLOWEST && avoids(self, high) {
+        if high == MAX_REACTION && avoids(self, high) {
             return Some(high);
         }
         while high - low > Self::RESOLUTION {

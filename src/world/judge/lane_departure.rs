@@ -17,7 +17,7 @@ pub struct LaneDeparture {
 }
 
 impl LaneDeparture {
-    /// Measures an episode; none for a recording from elsewhere, whose roads are unknown.
+    /// Measures an episode; `None` for a recording from elsewhere, whose roads are unknown.
     pub fn new(pair: &Pair<'_>) -> Option<Self> {
         if !pair.is_on_map() {
             return None;

@@ -20,10 +20,10 @@ const BLOCK: usize = 16;
 /// point of conflict; here it is the least over all points that both sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NearMiss {
-    /// Least time to collision at constant velocities (s), over all ticks at which the car moves (more than 0.1 m/s). None when they were
+    /// Least time to collision at constant velocities (s), over all ticks at which the car moves (more than 0.1 m/s). `None` if they were
     /// never on course to touch within ten seconds. 0 when they touched while the car moved.
     pub min_ttc: Option<f64>,
-    /// Post-encroachment time (s), to a tick: the least time between one leaving a place and the other reaching it. None when their paths
+    /// Post-encroachment time (s), to a tick: the least time between one leaving a place and the other reaching it. `None` if their paths
     /// do not cross, and when they touched.
     pub pet: Option<f64>,
 }

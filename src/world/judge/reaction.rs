@@ -3,7 +3,7 @@
 use base::statistics::normal_below;
 
 /// The longest reaction time that is considered (s). Of all drivers 0.1 % are slower.
-pub const SLOWEST: f64 = 5.0;
+pub const MAX_REACTION: f64 = 5.0;
 
 /// Mean and standard deviation of the reaction time (s).
 const MEAN: f64 = 1.21;
@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn the_text_states_its_quantiles() {
-        for (time, share) in [(1.07, 0.50), (2.40, 0.95), (1.15, 0.56), (0.75, 0.23), (SLOWEST, 0.999)] {
+        for (time, share) in [(1.07, 0.50), (2.40, 0.95), (1.15, 0.56), (0.75, 0.23), (MAX_REACTION, 0.999)] {
             assert!((share_of_drivers(time) - share).abs() < 5e-3, "{time} s: {}", share_of_drivers(time));
         }
         assert_eq!(share_of_drivers(0.0), 0.0);

@@ -78,13 +78,13 @@ pub enum RecordingError {
 /// What a recording shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Encountered {
-    /// The time of the first touch from the first instant (s); none without one.
+    /// The time of the first touch from the first instant (s); `None` without one.
     pub touch: Option<f64>,
     /// The least distance between the car's box and the pedestrian (m); 0 with a touch.
     pub least_gap: f64,
     /// How near the two came to a touch.
     pub near_miss: NearMiss,
-    /// The verdict; none without a touch.
+    /// The verdict; `None` without a touch.
     pub verdict: Option<Verdict>,
     /// The requirements of the scenario.
     pub requirements: Vec<RecordedRequirement>,
@@ -94,7 +94,7 @@ pub struct Encountered {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedRequirement {
     pub named: NamedRequirement,
-    /// Its degree; none if it names the lane, the lights or crosswalks, since a recording from elsewhere has no map.
+    /// Its degree; `None` if it names the lane, the lights or crosswalks, since a recording from elsewhere has no map.
     pub degree: Option<Degree>,
     /// Whose fault its violation is.
     pub verdict: Option<ViolationVerdict>,
@@ -104,9 +104,9 @@ impl Recording {
     /// The most instants: 80 minutes at 20 Hz.
     pub const MAX_INSTANTS: usize = 100_000;
     /// The greatest coordinate (m).
-    const FARTHEST: f64 = 1e6;
+    const MAX_COORDINATE: f64 = 1e6;
     /// The greatest speed (m/s).
-    const FASTEST: f64 = 150.0;
+    const MAX_SPEED: f64 = 150.0;
     /// How far a step may be, as a multiple of what the speed explains, and besides (m): recordings are noisy.
     const SLACK: (f64, f64) = (1.5, 2.0);
 
@@ -127,17 +127,17 @@ impl Recording {
         if !(0.001..=0.5).contains(&dt) {
             return Err(RecordingError::Step(dt));
         }
-        let far = (-Self::FARTHEST, Self::FARTHEST);
+        let far = (-Self::MAX_COORDINATE, Self::MAX_COORDINATE);
         for (instant, (car, walker)) in ego.iter().zip(&pedestrian).enumerate() {
             for (quantity, number, (low, high)) in [
                 ("x of the car (m)", car.pose.x, far),
                 ("y of the car (m)", car.pose.y, far),
                 ("heading of the car (rad)", car.pose.yaw, far),
-                ("speed of the car (m/s)", car.speed, (0.0, Self::FASTEST)),
+                ("speed of the car (m/s)", car.speed, (0.0, Self::MAX_SPEED)),
                 ("x of the pedestrian (m)", walker.pose.x, far),
                 ("y of the pedestrian (m)", walker.pose.y, far),
                 ("heading of the pedestrian (rad)", walker.pose.yaw, far),
-                ("speed of the pedestrian (m/s)", walker.speed(), (0.0, Self::FASTEST)),
+                ("speed of the pedestrian (m/s)", walker.speed(), (0.0, Self::MAX_SPEED)),
             ] {
                 if !(low..=high).contains(&number) {
                     return Err(RecordingError::Number { instant, quantity, number, low, high });

@@ -13,7 +13,7 @@ pub(super) const STANDING: f64 = OwnMotion::STANDING;
 /// The result of a reference driver in an encounter.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Trial {
-    /// Speed at which the car touched the pedestrian (m/s); none when it avoided the touch.
+    /// Speed at which the car touched the pedestrian (m/s); `None` if it avoided the touch.
     pub impact_speed: Option<f64>,
     /// Time from the start of the question to that touch; without one, until the car had stopped or passed, or the time limit (s).
     pub time: f64,
@@ -41,7 +41,7 @@ struct Car {
     slower: f64,
     behind: f64,
     fastest: f64,
-    /// The speed that the reference driver would have without the recorded car's braking (m/s); none until it interferes.
+    /// The speed that the reference driver would have without the recorded car's braking (m/s); `None` until it interferes.
     own: Option<f64>,
 }
 
@@ -184,7 +184,7 @@ impl FreeRun {
         Self { trial, least_gaps: gaps.gaps }
     }
 
-    /// When a driver notices the pedestrian; none when it does not before the end.
+    /// When a driver notices the pedestrian; `None` if it does not before the end.
     pub(super) fn noticed(&self, encounter: &Encounter<'_>, driver: &DelayedBrake) -> Option<Notice> {
         let part = 1.0 / f64::from(STEPS);
         let length = 2.0 * encounter.half.x;
@@ -214,7 +214,7 @@ impl FreeRun {
         watch: &mut dyn Watch,
     ) -> Trial {
         let Some(notice) = notice else { return self.trial };
-        // Who stands does not have to react: it does not drive off.
+        // A driver that stands needs no reaction time: it does not drive off.
         let reacted = if notice.stands { driver.profile.wait } else { 0.0 };
         let first = ((notice.time + driver.profile.wait - reacted) / encounter.dt) as usize;
         let Some(least_gap) = self.least_gaps.get(first) else { return self.trial };

@@ -160,7 +160,7 @@ impl Verdict {
     }
 }
 
-/// Judges an episode of a vehicle and a pedestrian; none when they did not touch. It depends on the recording alone.
+/// Judges an episode of a vehicle and a pedestrian; `None` if they did not touch. It depends on the recording alone.
 pub fn judge(pair: &Pair<'_>) -> Option<Verdict> {
     Inquiry::new(pair).map(Inquiry::verdict)
 }

@@ -25,7 +25,7 @@ pub struct LaneAround {
 }
 
 impl Town {
-    /// The driving lane whose centre line is nearest to a point; none in a town without such lanes, and for a point that is not finite.
+    /// The driving lane whose centre line is nearest to a point; `None` in a town without such lanes, and for a point that is not finite.
     ///
     /// A point outside this lane is outside all driving lanes, as far as lanes beside each other are equally wide.
     pub fn lane_around(&self, point: Point) -> Option<LaneAround> {

@@ -124,7 +124,7 @@ impl ChordGrid {
         (self.columns, self.rows, self.starts, self.candidates) = (0, 0, vec![0], Vec::new());
     }
 
-    /// The nearest of the chords, by its place in the list; none beyond the grid.
+    /// The nearest of the chords, by its place in the list; `None` beyond the grid.
     pub fn nearest(&self, chords: &[Chord], point: Point) -> Option<u32> {
         let place = (point - self.origin) / self.cell;
         if !(place.x >= 0.0 && place.y >= 0.0 && place.x < self.columns as f64 && place.y < self.rows as f64) {

@@ -63,7 +63,7 @@ impl Profile {
         &self.0
     }
 
-    /// The cubic that applies at `s` (m); none in an empty profile.
+    /// The cubic that applies at `s` (m); `None` in an empty profile.
     pub fn at(&self, s: f64) -> Option<&Cubic> {
         let after = self.0.partition_point(|cubic| cubic.start <= s);
         self.0.get(after.saturating_sub(1))
@@ -99,7 +99,7 @@ impl Profile {
             let inside = cubic.turning_points().map(move |s| if s > from && s < to { s } else { from });
             [from, to].into_iter().chain(inside).map(|s| cubic.value(s).abs())
         });
-        // A value that is no number is the greatest.
+        // A value that is not a number is the maximum.
         values.fold(0.0, |most, value| if value <= most { most } else { value })
     }
 

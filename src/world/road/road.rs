@@ -94,7 +94,7 @@ impl Road {
 
     /// The centre of a lane at `s` (m), heading along its driving direction.
     ///
-    /// None when the section has no such lane.
+    /// `None` if the section has no such lane.
     pub fn lane_pose(&self, section: usize, id: LaneId, s: f64) -> Option<Pose> {
         let (t, slope) = self.lane_centre(section, id, s)?;
         let line = self.plan_view.point(s);

@@ -14,7 +14,7 @@ const MAX_LANES: u32 = 4096;
 const MAX_DEPTH: u32 = 256;
 
 /// The shortest spacing of generated waypoints (m).
-const SHORTEST_STEP: f64 = 1e-3;
+const MIN_STEP: f64 = 1e-3;
 
 /// A direction along lanes.
 #[derive(Clone, Copy)]
@@ -103,7 +103,7 @@ impl Town {
     /// CARLA `road/Map.cpp`, `GenerateWaypoints`.
     pub fn generate_waypoints(&self, step: f64) -> Vec<Waypoint> {
         let mut waypoints = Vec::new();
-        if step < SHORTEST_STEP || step.is_nan() {
+        if step < MIN_STEP || step.is_nan() {
             return waypoints;
         }
         for (road, index) in self.roads.iter().zip(0..) {

@@ -294,7 +294,7 @@ struct Action {
     mode: Option<String>,
 }
 
-/// Why a line is no answer.
+/// Why a line is not an answer.
 fn refusal(line: &[u8]) -> Fault {
     let parsed: Option<serde_json::Value> = serde_json::from_slice(line).ok();
     let actions = parsed.as_ref().and_then(|answer| answer.get("actions")?.as_array());

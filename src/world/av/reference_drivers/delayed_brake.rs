@@ -111,7 +111,7 @@ impl ReferenceDriver for DelayedBrake {
 
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, dt: f64) -> Option<f64> {
         let seen = || threat.is_some_and(|threat| self.notices(own, threat));
-        // Who stands does not have to react: it does not drive off.
+        // A driver that stands needs no reaction time: it does not drive off.
         let first = if own.stands() { self.profile.wait } else { 0.0 };
         let time = self.clock.or_else(|| seen().then_some(first))?;
         self.clock = Some(time + dt);

@@ -16,7 +16,7 @@ pub struct Addition {
 
 /// The text of a map with elements added to its roads, which are named by their numbers; every other byte stays as it is.
 ///
-/// None when the map is no XML or a road has no such number.
+/// `None` if the map is not XML or a road has no such number.
 pub fn insert(map: &str, additions: &BTreeMap<u32, Addition>) -> Option<String> {
     let document = Document::parse_with_options(map, budget::parsing(map)).ok()?;
     let mut places: Vec<(usize, usize, String)> = Vec::new();
