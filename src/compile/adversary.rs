@@ -40,13 +40,13 @@ keys! {
         /// Rate at which its velocity turns; 20 Hz or more for at once. Unreal's formula (A) with its default friction, 8 Hz
         /// (D). Not with `acceleration`.
         turning: f64 as positive(FREQUENCY) = "8 Hz",
-        /// Greatest acceleration in any direction, so that turns need time. It replaces CARLA's gait (`ramp`, `turning`) by a
+        /// Maximum acceleration in any direction, so that turns need time. It replaces CARLA's gait (`ramp`, `turning`) by a
         /// body with inertia.
         acceleration: Option<f64> as positive(ACCELERATION),
-        /// Greatest deceleration. Without it that of `acceleration`; without `acceleration` 20.48 m/s^2 (Unreal's default, D),
+        /// Maximum deceleration. Without it that of `acceleration`; without `acceleration` 20.48 m/s^2 (Unreal's default, D),
         /// at once with a `ramp` of 0 s.
         stopping: Option<f64> as positive(ACCELERATION),
-        /// Greatest rate at which its direction of motion turns; a body at rest starts in any direction. Only with
+        /// Maximum rate at which its direction of motion turns; a body at rest starts in any direction. Only with
         /// `acceleration`, which alone limits turns without it.
         turn_rate: Option<f64> as positive(TURN_RATE),
         /// The speeds it can choose.

@@ -150,7 +150,7 @@ keys! {
 }
 
 keys! {
-    /// Estimates how likely failures are in an encounter with a pedestrian who walks as people do.
+    /// Estimates how likely failures are in an encounter with a pedestrian that walks as people do.
     pub struct EstimateKeys = "estimate" {
         ..places: PlaceKeys,
         /// Who walks, each by itself: pedestrians that learn nothing, such as `natural`, or a `controller` of the file. The probability is that of an encounter with

@@ -12,7 +12,7 @@ use world::falsifier::{Controller, Natural, NaturalKeys, Networked, NetworkedKey
 struct ControllerKind {
     /// Its keys.
     signature: fn() -> Signature,
-    /// Makes one; none after reporting what is wrong.
+    /// Makes one; `None` after reporting what is wrong.
     lower: fn(&Declaration, &mut Lowering<'_>) -> Option<Controller>,
 }
 
@@ -30,7 +30,7 @@ pub fn form() -> Form {
 }
 
 impl Lowering<'_> {
-    /// The controller; none after reporting what is wrong.
+    /// The controller; `None` after reporting what is wrong.
     pub fn controller(&mut self, id: DeclarationId) -> Option<Controller> {
         let declaration = self.program.get(id);
         if self.catalog.has_pedestrian(&declaration.name) {
@@ -62,7 +62,7 @@ fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Contro
     Some(Controller::new(&declaration.name, move || Box::new(Networked::new(network.clone())) as _))
 }
 
-/// A pedestrian who walks as recorded ones do, with settings.
+/// A pedestrian that walks as recorded ones do, with settings.
 fn natural(declaration: &Declaration, _: &mut Lowering<'_>) -> Option<Controller> {
     let walker = Natural::from_keys(declaration.block.keys());
     Some(Controller::new(&declaration.name, move || Box::new(walker.clone()) as _))

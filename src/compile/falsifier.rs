@@ -94,7 +94,7 @@ pub fn lower(
     (found.expect("checked: the kind is in the catalogue").make)(arguments, named)
 }
 
-/// The declaration that an optional key names; none when this kind has no such key.
+/// The declaration that an optional key names; `None` if this kind has no such key.
 pub fn named(arguments: &Arguments, key: &str) -> Option<DeclarationId> {
     match optional(arguments, key) {
         Some(Value::Reference(id)) => Some(*id),

@@ -29,7 +29,7 @@ keys! {
     }
 }
 
-/// The rule for a declaration of this kind; none after reporting what is wrong.
+/// The rule for a declaration of this kind; `None` after reporting what is wrong.
 pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
     let block = &declaration.block;
     let keys: GivenPathKeys = block.keys();

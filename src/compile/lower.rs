@@ -21,9 +21,9 @@ use world::geometry::Obstacles;
 /// The result of compiling a set of files.
 #[derive(Debug)]
 pub struct Compiled {
-    /// The plan to run; none when a diagnostic is an error.
+    /// The plan to run; `None` if a diagnostic is an error.
     pub plan: Option<Plan>,
-    /// The plan when its only errors are unsatisfiable spawns: use it to plot starts, never to run. None when there is a plan, and when
+    /// The plan when its only errors are unsatisfiable spawns: use it to plot starts, never to run. `None` if there is a plan, and if
     /// there is any other error.
     pub unplaced: Option<Plan>,
     pub diagnostics: Vec<Diagnostic>,

@@ -43,7 +43,7 @@ pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Optio
 }
 
 impl Lowering<'_> {
-    /// The program of the key `command` and its opener; none after reporting what is wrong. The program is not started.
+    /// The program of the key `command` and its opener; `None` after reporting what is wrong. The program is not started.
     pub fn allowed_program(&mut self, declaration: &Declaration) -> Option<(Program, Arc<dyn Opener>)> {
         let place = declaration.block.place("command");
         let ProgramKeys { command, files, .. } = &declaration.block.keys();
@@ -69,7 +69,7 @@ impl Lowering<'_> {
         Some((program, opener))
     }
 
-    /// The network in the file of the key `model`, with its constants in files beside it. It is tried before it is loaded; none after reporting what is wrong.
+    /// The network in the file of the key `model`, with its constants in files beside it. It is tried before it is loaded; `None` after reporting what is wrong.
     pub fn network<T>(
         &mut self,
         declaration: &Declaration,

@@ -40,7 +40,7 @@ pub fn form() -> Form {
     Form::of_kinds("policy", "A driver under test.", Vec::new())
 }
 
-/// A maker of new drivers with their sensors and their delay; none after reporting what is wrong.
+/// A maker of new drivers with their sensors and their delay; `None` after reporting what is wrong.
 pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let make = from_arguments(declaration, lowering)?;
     let written = declaration.block.places.iter().find(|(key, _)| *key == "sensors");
@@ -50,7 +50,7 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<P
     Some(make(&declaration.block.arguments))
 }
 
-/// What makes drivers such as the declared one, with its sensors, of other arguments; none after reporting what is wrong.
+/// What makes drivers such as the declared one, with its sensors, of other arguments; `None` after reporting what is wrong.
 pub fn from_arguments(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
     let make = driver(declaration, lowering)?;
     let CommonKeys { sensors, .. } = declaration.block.keys();

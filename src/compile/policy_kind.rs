@@ -12,11 +12,11 @@ use world::env::PolicyMaker;
 pub struct PolicyKind {
     /// Its name, its keys and its documentation.
     pub signature: Signature,
-    /// Builds a maker; none after reporting what is wrong.
+    /// Builds a maker; `None` after reporting what is wrong.
     pub(super) lower: Lower,
 }
 
-/// From a declaration to what makes drivers of arguments such as its own; none after reporting what is wrong.
+/// From a declaration to what makes drivers of arguments such as its own; `None` after reporting what is wrong.
 type Lower = Arc<dyn Fn(&Declaration, &mut Lowering<'_>) -> Option<FromArguments> + Send + Sync>;
 
 /// From arguments of a kind to what makes new drivers.

@@ -7,8 +7,8 @@ use lang::hir::Block;
 use world::av::sensors::{Field, Seam, Sector, SensorModel};
 use world::geometry::Vector;
 
-/// Greatest length and width of what a pedestrian is mistaken for (m): larger than any vehicle.
-const LONGEST_CONFUSED: f64 = 30.0;
+/// Maximum length and width of what a pedestrian is mistaken for (m): larger than any vehicle.
+const MAX_CONFUSED: f64 = 30.0;
 
 choice! {
     /// Whether old beliefs are moved on.
@@ -83,9 +83,9 @@ keys! {
         /// Whether it is then a vehicle only, or both.
         confused_as: ConfusedAs = "vehicle",
         /// Length of that vehicle: a bicycle's (assumed).
-        confused_length: f64 as within(LENGTH, MIN_POSITIVE, LONGEST_CONFUSED) = "1.8 m",
+        confused_length: f64 as within(LENGTH, MIN_POSITIVE, MAX_CONFUSED) = "1.8 m",
         /// Its width (assumed).
-        confused_width: f64 as within(LENGTH, MIN_POSITIVE, LONGEST_CONFUSED) = "0.8 m",
+        confused_width: f64 as within(LENGTH, MIN_POSITIVE, MAX_CONFUSED) = "0.8 m",
         /// How often a pedestrian is detected where there is none: between 5 and 30 m away, at most 60 degrees from the heading
         /// (assumed).
         false_alarms: f64 as non_negative(FREQUENCY) = "0 Hz",

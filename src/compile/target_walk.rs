@@ -8,7 +8,7 @@ use world::env::{
 };
 
 /// Half the length of the longest car of the catalogue (m), for checks that do not know the car.
-const LONGEST_HALF: f64 = 2.5;
+const MAX_HALF_LENGTH: f64 = 2.5;
 choice! {
     /// The target of a test.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,13 +66,13 @@ keys! {
     }
 }
 
-/// The rule of a test in which the target crosses; none after reporting what is wrong.
+/// The rule of a test in which the target crosses; `None` after reporting what is wrong.
 pub fn crossing(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
     let CrossingTestKeys { test, from, distance, approach } = declaration.block.keys();
     lower(declaration, test, from, distance, approach, said)
 }
 
-/// The rule of a test in which the target walks ahead; none after reporting what is wrong.
+/// The rule of a test in which the target walks ahead; `None` after reporting what is wrong.
 pub fn along(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
     let AlongTestKeys { test } = declaration.block.keys();
     lower(declaration, test, TargetSide::Along, 0.0, Distribution::Constant(1.0), said)
@@ -137,7 +137,7 @@ fn lower(
         said.push(diagnostics::contradiction(block.place("headway"), message).help(help));
         return None;
     }
-    let starts = walk.cases.iter().map(|case| walk.car(case, LONGEST_HALF)).chain([walk.meeting]).collect();
+    let starts = walk.cases.iter().map(|case| walk.car(case, MAX_HALF_LENGTH)).chain([walk.meeting]).collect();
     Some(SpawnRule {
         name: declaration.name.clone(),
         bearing: Distribution::Constant(0.0),

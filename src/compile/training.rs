@@ -35,7 +35,7 @@ keys! {
         value_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.5",
         /// Weight of the entropy.
         entropy_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.01",
-        /// Greatest norm of a gradient.
+        /// Maximum norm of a gradient.
         max_gradient_norm: f64 as within(RATIO, MIN_POSITIVE, 1e6) = "0.5",
         /// Whether advantages are standardised within a minibatch.
         normalize_advantages: bool = "true",
@@ -115,7 +115,7 @@ pub fn lower(keys: PpoKeys) -> (PpoConfig, usize) {
     (config, keys.environments)
 }
 
-/// The networks of the key `from`, for pedestrians with this number of numbers of a state and two of an action; none without it, or after reporting
+/// The networks of the key `from`, for pedestrians with this number of numbers of a state and two of an action; `None` without it, or after reporting
 /// what is wrong.
 pub fn initial(
     declaration: &Declaration,

@@ -13,7 +13,7 @@ use lang::{Checked, Matrix, diagnostics};
 pub(super) struct Variant {
     /// The checked program.
     pub program: Program,
-    /// The campaign that a matrix multiplies; none for the files as written.
+    /// The campaign that a matrix multiplies; `None` for the files as written.
     pub multiplied: Option<DeclarationId>,
     /// Campaigns that belong to other variants.
     pub left_out: BTreeSet<DeclarationId>,

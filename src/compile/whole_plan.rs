@@ -9,7 +9,7 @@ use lang::diagnostics;
 use lang::hir::{Declaration, Program};
 
 /// The longest name of a combination (bytes); folders and files get this name.
-const LONGEST_CAMPAIGN: usize = 150;
+const MAX_CAMPAIGN_NAME: usize = 150;
 
 /// Reports campaigns of different files with the same name. The language allows them, but their reports would collide.
 pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>) {
@@ -22,10 +22,10 @@ pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<
     }
     let (mut names, distinct) = (BTreeSet::new(), seen.len() == program.of_form("campaign").count());
     for campaign in &plan.campaigns {
-        if campaign.name.len() > LONGEST_CAMPAIGN {
+        if campaign.name.len() > MAX_CAMPAIGN_NAME {
             let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
             let head = source.expect("a campaign is made from a declaration").block.head;
-            said.push(diagnostics::long_combination(head, &campaign.name, LONGEST_CAMPAIGN));
+            said.push(diagnostics::long_combination(head, &campaign.name, MAX_CAMPAIGN_NAME));
             return;
         }
         if distinct && !names.insert(&campaign.name) {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::ast::{Expression, ExpressionKind, Known, Name, Operator};
 use super::diagnostics;
 use super::formula::{Scope, Sort, formula, functions, is_function};
-use super::value::describe;
-use base::diagnostic::{Diagnostic, Sources};
+use super::value::{Context, describe, quantity};
+use base::diagnostic::Diagnostic;
 use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, Variable, VariableId, Within};
 use base::units::Dimension;
 
@@ -40,10 +40,10 @@ pub(super) fn is_temporal(name: &str) -> bool {
 pub(super) fn requirement(
     expression: &Expression,
     scope: &Scope,
-    sources: &Sources,
+    context: &Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<Arc<Requirement>> {
-    let mut checker = Checker { scope, sources, diagnostics, parts: Vec::new(), is_temporal: false };
+    let mut checker = Checker { scope, context, diagnostics, parts: Vec::new(), is_temporal: false };
     let formula = checker.visit(expression)?;
     let Checker { parts, is_temporal, .. } = checker;
     if !is_temporal && !parts.is_empty() {
@@ -54,7 +54,7 @@ pub(super) fn requirement(
 
 struct Checker<'a> {
     scope: &'a Scope<'a>,
-    sources: &'a Sources,
+    context: &'a Context<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
     parts: Vec<Comparison>,
     /// Whether there is a temporal operator.
@@ -135,7 +135,7 @@ impl Checker<'_> {
         let (from, to) = (self.constant(low, Dimension::TIME), self.constant(high, Dimension::TIME));
         let (from, to) = (from?, to?);
         if from < 0.0 {
-            let text = self.sources.text(low.span).to_string();
+            let text = self.context.sources.text(low.span).to_string();
             return self.say(diagnostics::out_of_range(low.span, text, "0 s or more".into()));
         }
         if from > to {
@@ -146,26 +146,7 @@ impl Checker<'_> {
 
     /// A quantity without variables (SI).
     fn constant(&mut self, expression: &Expression, wanted: Dimension) -> Option<f64> {
-        let scope = Scope { available: &[], event: "compile time", whole: false, ..*self.scope };
-        match formula(expression, &scope, self.diagnostics)? {
-            (formula, Sort::Quantity(found)) if found == wanted => {
-                let value = formula.evaluate(&|_| unreachable!("no variable is in scope"));
-                match value.is_finite() {
-                    true => Some(value),
-                    false => self.say(diagnostics::out_of_range(
-                        expression.span,
-                        value.to_string(),
-                        "a finite number".into(),
-                    )),
-                }
-            }
-            (_, Sort::Quantity(Dimension::RATIO)) => {
-                let written = self.sources.text(expression.span);
-                self.say(diagnostics::missing_unit(expression.span, wanted, written))
-            }
-            (_, Sort::Quantity(found)) => self.say(diagnostics::wrong_unit(expression.span, wanted, found)),
-            (_, Sort::Truth) => self.say(diagnostics::not_a(expression.span, &wanted.to_string(), "condition")),
-        }
+        quantity(expression, wanted, self.context, self.diagnostics)
     }
 
     /// A comparison, perhaps with its scale, or a condition without degree.
@@ -201,12 +182,12 @@ impl Checker<'_> {
             (Some(scale), Some(dimension)) => match self.constant(scale, dimension)? {
                 value if value > 0.0 => value,
                 _ => {
-                    let text = self.sources.text(scale.span).to_string();
+                    let text = self.context.sources.text(scale.span).to_string();
                     return self.say(diagnostics::out_of_range(scale.span, text, "above 0".into()));
                 }
             },
         };
-        let text = self.sources.text(expression.span).split_whitespace().collect::<Vec<_>>().join(" ");
+        let text = self.context.sources.text(expression.span).split_whitespace().collect::<Vec<_>>().join(" ");
         let part = Comparison { text, margin, strict, dimension, scale };
         let variables = &self.scope.vocabulary.variables;
         if let Some(truth) = part.settled(&|id: VariableId| variables[id.0].bounds) {

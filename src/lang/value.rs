@@ -14,6 +14,7 @@ use base::diagnostic::{Diagnostic, Sources};
 use base::signature::{Form, Formula, Type, Value, Vocabulary};
 use base::units::Dimension;
 pub use distribution::distributions;
+pub(super) use number::quantity;
 
 /// The context of a value.
 pub(super) struct Context<'a> {
@@ -57,7 +58,7 @@ pub(super) fn value(
         }
         Type::Requirement(event) => {
             let scope = scope_of(event, true, context);
-            requirement(expression, &scope, context.sources, diagnostics).map(Value::Requirement)
+            requirement(expression, &scope, context, diagnostics).map(Value::Requirement)
         }
         Type::Condition(event) => {
             let scope = scope_of(event, false, context);

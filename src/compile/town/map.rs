@@ -45,7 +45,7 @@ pub(super) fn read(
     });
     match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
         Ok(parts) => {
-            // What has no effect is listed by `falsify preview`; it is no mistake of the file.
+            // What has no effect is listed by `falsify preview`; it is not a mistake of the file.
             let mistakes = parts.warnings.iter().filter(|warning| !warning.problem.is_unused());
             let assumed = AssumedLimit::of(&parts.roads, &parts.speed_signs).map(|assumed| assumed.to_string());
             let warnings: Vec<String> = assumed.into_iter().chain(mistakes.map(ToString::to_string)).collect();

@@ -22,8 +22,8 @@ const SIGN_HALF_SIZE: f64 = 1.4;
 const FAR: f64 = 500.0;
 /// Step of the search for lanes under an obstacle (m).
 const UNDER_STEP: f64 = 1.0;
-/// The greatest number of steps along one side of an obstacle.
-const MOST_STEPS: f64 = 1e9;
+/// Maximum number of steps along one side of an obstacle.
+const MAX_STEPS: f64 = 1e9;
 /// Allowance for the difference between a lane and the straight pieces that the search uses (m).
 const UNDER_SLACK: f64 = 5.0;
 
@@ -32,7 +32,7 @@ const UNDER_SLACK: f64 = 5.0;
 pub struct TownKind {
     /// Its name, its keys and its documentation.
     pub signature: Signature,
-    /// Makes its parts; none after reporting what is wrong.
+    /// Makes its parts; `None` after reporting what is wrong.
     build: Build,
 }
 
@@ -55,7 +55,7 @@ struct Drawn {
 }
 
 impl TownKind {
-    /// A kind with these keys. `make` gives the same parts for the same keys, or the reason why there is no such town.
+    /// A kind with these keys. `make` gives the same parts for the same keys, or the reason why the town is impossible.
     pub fn new<K: Keys>(make: impl Fn(K) -> Result<TownParts, String> + Send + Sync + 'static) -> Self {
         Self::reporting::<K>(move |declaration, site| match make(declaration.block.keys()) {
             Ok(parts) => {
@@ -200,7 +200,7 @@ fn comes_near(road: &Road, own: &OrientedBox, reach: f64) -> bool {
 /// The road on one of whose driving lanes a box stands. It checks places less than a metre apart, after whole parts of the
 /// box that lie far from all lanes have been excluded.
 fn road_under<'a>(town: &'a Town, own: &OrientedBox) -> Option<&'a Road> {
-    let steps = (own.half * 2.0 / UNDER_STEP).map(|steps| steps.ceil().clamp(1.0, MOST_STEPS));
+    let steps = (own.half * 2.0 / UNDER_STEP).map(|steps| steps.ceil().clamp(1.0, MAX_STEPS));
     let far = town.widest_driving_lane() / 2.0 + UNDER_SLACK;
     let mut open = vec![(Vector::zeros(), steps)];
     while let Some((first, last)) = open.pop() {

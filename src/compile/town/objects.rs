@@ -7,10 +7,10 @@ use lang::diagnostics;
 use lang::hir::Block;
 use world::geometry::{OrientedBox, Point, Pose, Vector};
 
-/// The greatest number of trees of a grove.
-const MOST_TREES: f64 = 20_000.0;
-/// The greatest number of cars of a row.
-const MOST_CARS: f64 = 1000.0;
+/// Maximum number of trees of a grove.
+const MAX_TREES: f64 = 20_000.0;
+/// Maximum number of cars of a row.
+const MAX_CARS: f64 = 1000.0;
 
 /// The boxes that an obstacle fills, or why it cannot stand.
 type Boxes = Result<Vec<OrientedBox>, String>;
@@ -133,8 +133,8 @@ fn grove(GroveKeys { corner, opposite, spacing, trunk }: GroveKeys) -> Boxes {
     let (low, high) = (a.inf(&b), a.sup(&b));
     let count = |extent: f64| (extent / spacing).floor() + 1.0;
     let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
-    if columns * rows > MOST_TREES {
-        return Err(format!("this grove has {} trees; at most {MOST_TREES} grow", columns * rows));
+    if columns * rows > MAX_TREES {
+        return Err(format!("this grove has {} trees; at most {MAX_TREES} grow", columns * rows));
     }
     let place = |index: u32| {
         let (column, row) = (f64::from(index) % columns, (f64::from(index) / columns).floor());
@@ -184,8 +184,8 @@ fn parked_row(ParkedRowKeys { from, to, gap, length, width }: ParkedRowKeys) -> 
     if count < 1.0 {
         return Err(format!("this row of {:.1} m has no room for a car of {length} m", along.norm()));
     }
-    if count > MOST_CARS {
-        return Err(format!("this row has {count} cars; at most {MOST_CARS} stand in one"));
+    if count > MAX_CARS {
+        return Err(format!("this row has {count} cars; at most {MAX_CARS} stand in one"));
     }
     let direction = along / along.norm();
     let heading = libm::atan2(along.y, along.x);
@@ -197,7 +197,7 @@ fn parked_row(ParkedRowKeys { from, to, gap, length, width }: ParkedRowKeys) -> 
 }
 
 keys! {
-    /// A bus that stands for good, such as at its stop. The default is the greatest size of a bus with two axles before 2002
+    /// A bus that stands for good, such as at its stop. The default is the maximum size of a bus with two axles before 2002
     /// (Directive 96/53/EC). Like all obstacles it may not stand on a driving lane, since drivers look for road users there.
     struct BusKeys = "bus" {
         /// Its middle and its heading.

@@ -150,7 +150,7 @@ pub(super) fn is_formula(expression: &Expression) -> bool {
 }
 
 /// A constant number of this dimension (SI).
-pub(super) fn quantity(
+pub(crate) fn quantity(
     expression: &Expression,
     dimension: Dimension,
     context: &Context,
