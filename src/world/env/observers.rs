@@ -1,12 +1,11 @@
 use super::motion::Motion;
-use super::requirement_watch::{Moment, RequirementWatch};
+use super::requirement_watch::RequirementWatch;
 use super::reward::is_about_motion;
 use super::road_watch::RoadWatch;
 use super::signal::{Wanted, is_measured};
 use super::signal_meter::SignalMeter;
 use super::tally::Tally;
 use super::{Judgement, Observer, Scenario, Scene, Situation, Trace};
-use crate::requirement::Degree;
 use crate::sim::{Contact, World};
 
 /// All that watches a running episode. What nobody asks for is absent.
@@ -18,7 +17,7 @@ pub(super) struct Observers {
     motions: Vec<Motion>,
     /// The signals that formulas name.
     signals: Option<SignalMeter>,
-    requirements: Option<RequirementWatch>,
+    pub(super) requirements: RequirementWatch,
     /// The episode so far, if the reward depends on the judgement of a hit.
     trace: Option<Trace>,
 }
@@ -78,7 +77,7 @@ impl Observers {
         self.motions.iter_mut().for_each(|motion| motion.tick(scene.world));
         self.tally.tick(scene.world);
         if let Some(signals) = &mut self.signals {
-            signals.tick(scene.world, scene.actions.contact.as_ref());
+            signals.tick(scene.world, scene.contact());
             self.sample(scene);
         }
         self.road.tick(scene.world);
@@ -90,37 +89,7 @@ impl Observers {
     /// All ticks of a decision have been simulated.
     pub(super) fn settle(&mut self) {
         self.tally.settle();
-        self.requirements.iter_mut().for_each(RequirementWatch::settle);
-    }
-
-    /// Ends the samples of an episode.
-    pub(super) fn conclude(&mut self) {
-        self.requirements.iter_mut().for_each(RequirementWatch::conclude);
-    }
-
-    /// The degree of each requirement of the scenario in the episode that has ended.
-    pub(super) fn degrees(&self) -> &[Degree] {
-        self.requirements.as_ref().map_or(&[], RequirementWatch::degrees)
-    }
-
-    /// The moment that violates the goal of the episode that has ended.
-    pub(super) fn goal_moment(&self) -> Option<&Moment> {
-        self.requirements.as_ref()?.goal_moment()
-    }
-
-    /// What an episode that ends now earns by its goal.
-    pub(super) fn goal_reward(&mut self) -> Option<f64> {
-        self.requirements.as_mut()?.goal_reward()
-    }
-
-    /// Whether the samples up to the last decision violate the requirement in this place among those of the reward.
-    pub(super) fn violates_paid(&self, place: usize) -> bool {
-        self.requirements.as_ref().is_some_and(|requirements| requirements.violates_paid(place))
-    }
-
-    /// The robustness of each requirement of the reward.
-    pub(super) fn robustness(&self) -> &[f64] {
-        self.requirements.as_ref().map_or(&[], |requirements| &requirements.robustness)
+        self.requirements.settle();
     }
 
     /// The judgement of the hit that has just happened, if the reward depends on it.
@@ -133,19 +102,15 @@ impl Observers {
         if let Some(signals) = &mut self.signals {
             signals.begin(scene.world);
         }
-        self.requirements.iter_mut().for_each(RequirementWatch::clear);
+        self.requirements.clear();
         self.sample(scene);
-        self.requirements.iter_mut().for_each(RequirementWatch::settle);
+        self.requirements.settle();
     }
 
     fn sample(&mut self, scene: &Scene<'_>) {
-        if self.requirements.is_none() {
-            return;
-        }
-        let number = SignalMeter::pedestrian(scene.world, scene.actions.contact.as_ref());
-        let situation = self.sampled(scene, number);
-        if let Some(requirements) = &mut self.requirements {
-            requirements.push(scene, number, &situation);
+        if !self.requirements.is_idle() {
+            let number = SignalMeter::pedestrian(scene.world, scene.contact());
+            self.requirements.push(scene, number, &self.sampled(scene, number));
         }
     }
 

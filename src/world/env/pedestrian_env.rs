@@ -319,11 +319,11 @@ impl Simulation for PedestrianEnv {
     }
 
     fn degrees(&self) -> &[Degree] {
-        self.observers.degrees()
+        self.observers.requirements.degrees()
     }
 
     fn cell(&self) -> Option<FailureCell> {
-        FailureCell::new(&self.scene(), self.outcome()?, self.observers.goal_moment())
+        FailureCell::new(&self.scene(), self.outcome()?, self.observers.requirements.goal_moment())
     }
 
     fn judged_fault(&self) -> Option<bool> {
@@ -332,7 +332,11 @@ impl Simulation for PedestrianEnv {
 
     fn shaping(&self) -> f64 {
         self.scenario.reward.potential.as_ref().map_or(0.0, |formula| {
-            RewardRule::worth(Some(formula), &self.observers.situation(&self.scene()), self.observers.robustness())
+            RewardRule::worth(
+                Some(formula),
+                &self.observers.situation(&self.scene()),
+                &self.observers.requirements.robustness,
+            )
         })
     }
 

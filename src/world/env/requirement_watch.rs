@@ -37,20 +37,23 @@ pub struct Moment {
 }
 
 impl RequirementWatch {
-    /// A watch of a scenario's requirements, with memory for this number of samples; `None` if it has none.
-    pub(super) fn new(scenario: &Scenario, samples: usize) -> Option<Self> {
+    /// A watch of a scenario's requirements, with memory for this number of samples.
+    pub(super) fn new(scenario: &Scenario, samples: usize) -> Self {
         let monitor = |all: &Arc<[NamedRequirement]>| {
             (!all.is_empty()).then(|| Monitor::new(all.clone(), scenario.episode.tick, samples))
         };
-        let (all, paid) = (monitor(&scenario.requirements), monitor(&scenario.reward.requirements));
-        let is_needed = all.is_some() || paid.is_some();
-        is_needed.then(|| Self {
-            all,
-            paid,
+        Self {
+            all: monitor(&scenario.requirements),
+            paid: monitor(&scenario.reward.requirements),
             robustness: Vec::with_capacity(scenario.reward.requirements.len()),
             goal: scenario.criterion.requirement(),
             moments: Vec::with_capacity(if scenario.criterion.requirement().is_some() { samples } else { 0 }),
-        })
+        }
+    }
+
+    /// Whether there are no requirements.
+    pub(super) fn is_idle(&self) -> bool {
+        self.all.is_none() && self.paid.is_none()
     }
 
     /// Forgets the last episode.

@@ -29,7 +29,7 @@ pub struct Failure {
 }
 
 /// Gives recorded commands, one for each pedestrian in every decision.
-struct Recorded<'a> {
+pub(crate) struct Recorded<'a> {
     decisions: ChunksExact<'a, WalkCommand>,
     /// The last command, if it is kept when no more are left.
     kept: Option<&'a [WalkCommand]>,
@@ -38,9 +38,8 @@ struct Recorded<'a> {
 }
 
 impl<'a> Recorded<'a> {
-    fn new(scenario: &Scenario, commands: &'a [WalkCommand], keeps_last: bool) -> Self {
-        let decisions = commands.chunks_exact(scenario.cast.pedestrians.len());
-        Self { decisions, kept: None, keeps_last, fault: None }
+    pub(crate) fn new(pedestrians: usize, commands: &'a [WalkCommand], keeps_last: bool) -> Self {
+        Self { decisions: commands.chunks_exact(pedestrians), kept: None, keeps_last, fault: None }
     }
 
     /// Runs an episode with these commands; `None` if they do not end it.
@@ -71,7 +70,7 @@ impl WalkPolicy for Recorded<'_> {
 
 /// Repeats an episode from a start under the seed of a search with these commands; `None` if they do not end it.
 pub fn follow(scenario: &Arc<Scenario>, seed: Seed, start: u64, commands: &[WalkCommand]) -> Option<(Outcome, Trace)> {
-    let mut recorded = Recorded::new(scenario, commands, false);
+    let mut recorded = Recorded::new(scenario.cast.pedestrians.len(), commands, false);
     let played = recorded.play(scenario, Draw::new(&seed, start))?;
     let decisions = recorded.decisions;
     (decisions.len() == 0 && decisions.remainder().is_empty()).then_some(played)
@@ -85,7 +84,7 @@ pub fn walk_again(
     start: u64,
     commands: &[WalkCommand],
 ) -> Option<(Outcome, Trace)> {
-    Recorded::new(scenario, commands, true).play(scenario, Draw::new(&seed, start))
+    Recorded::new(scenario.cast.pedestrians.len(), commands, true).play(scenario, Draw::new(&seed, start))
 }
 
 /// The commands of an episode: one for each pedestrian in every decision.

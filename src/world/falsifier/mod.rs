@@ -44,6 +44,7 @@ pub use drive::play;
 pub(crate) use drive::{advance, place};
 pub use episodes::{evaluate, evaluate_observed};
 pub use exhaustive::{Exhaustive, crossings};
+pub(crate) use failure::Recorded;
 pub use failure::{Failure, follow, recorded_commands, walk_again};
 pub use homing::{Homing, HomingKeys};
 pub use intercept::{Intercept, InterceptKeys};

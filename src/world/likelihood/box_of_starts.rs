@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
 use crate::env::{
-    Draw, DrawnParameter, Outcome, PedestrianEnv, Scenario, Scene, Simulation, SpawnRule, StartParameter, Trace,
+    Draw, DrawnParameter, Outcome, PedestrianEnv, Scenario, Simulation, SpawnRule, StartParameter, Trace,
 };
-use crate::falsifier::{WalkPolicy, place, play};
+use crate::falsifier::{Recorded, WalkPolicy, place, play};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
-use base::seed::{Seed, Stream};
+use base::seed::Seed;
 
 /// Episodes whose starts are points of the box of a scenario's parameters ([`Scenario::start_parameters`]). A coordinate is a share: the value is that
 /// quantile of what the spawn rule draws the parameter from, so equal parts of the box are equally likely.
@@ -54,22 +54,15 @@ impl BoxOfStarts {
         let target = rule.target_walk.as_ref().map(|walk| stated(walk.command(), &values));
         self.env.respawn(rule);
         self.walker.begin(self.seed.child("walker").index(number).stream());
-        let mut stated = target.map(Stated);
-        let walker = stated.as_mut().map_or(self.walker.as_mut(), |stated| stated as &mut dyn WalkPolicy);
+        let stated = target.map(|command| vec![command; self.env.world().pedestrians.len()]);
+        let mut stated = stated.as_deref().map(|commands| Recorded::new(commands.len(), commands, true));
+        let walker: &mut dyn WalkPolicy = match &mut stated {
+            Some(stated) => stated,
+            None => self.walker.as_mut(),
+        };
         place(&mut self.env, Draw::new(&self.seed.child("episodes"), number), &mut self.trace);
         let outcome = play(&mut self.env, walker, &mut self.trace).expect("our simulator ends every episode");
         Some((outcome, &self.trace))
-    }
-}
-
-/// Gives the same command at every decision.
-struct Stated(WalkCommand);
-
-impl WalkPolicy for Stated {
-    fn begin(&mut self, _: Stream) {}
-
-    fn choose(&mut self, _: &Scene<'_>, commands: &mut [WalkCommand]) {
-        commands.fill(self.0);
     }
 }
 

@@ -23,7 +23,7 @@ impl PedestrianEnv {
             ..self.observers.situation(&scene)
         };
         let lost = || rule.end_when.as_ref().is_some_and(|condition| situation.satisfies(condition));
-        let worth = |formula| RewardRule::worth(formula, &situation, self.observers.robustness());
+        let worth = |formula| RewardRule::worth(formula, &situation, &self.observers.requirements.robustness);
         // What does not count is no goal of a search or a training.
         let counts = self.observers.road.left_out.is_none();
         let mut is_fault = false;
@@ -46,12 +46,13 @@ impl PedestrianEnv {
             (None, None) => (worth(reward.step.as_ref()), None),
         };
         let counts = ending.is_some() && counts;
-        let violated = reward.violated.iter().filter(|(place, _)| counts && self.observers.violates_paid(*place));
+        let violated =
+            reward.violated.iter().filter(|(place, _)| counts && self.observers.requirements.violates_paid(*place));
         let earned = earned + violated.map(|(_, formula)| worth(Some(formula))).sum::<f64>();
         // A goal takes the place of the reward.
         let earned = match self.scenario.criterion.requirement() {
             None => earned,
-            Some(_) if counts => self.observers.goal_reward().unwrap_or(0.0),
+            Some(_) if counts => self.observers.requirements.goal_reward().unwrap_or(0.0),
             Some(_) => 0.0,
         };
         self.episode.reward += earned;
@@ -82,7 +83,7 @@ impl PedestrianEnv {
     /// Records the outcome of the episode.
     pub(super) fn finish(&mut self, ending: Ending) {
         if !matches!(ending, Ending::Error(_) | Ending::ControllerError(_)) {
-            self.observers.conclude();
+            self.observers.requirements.conclude();
         }
         let (scene, tally) = (self.scene(), &self.observers.tally);
         let hit = matches!(ending, Ending::Touch { .. });
