@@ -137,8 +137,8 @@ pub mod results {
     pub use results::campaign::{Event as CampaignEvent, Shard, Task};
     #[doc(inline)]
     pub use results::report::{
-        Cell, Difference, FileRecord, Gate, GateError, Judged, Manifest, ProgramRecord, ReadError, RunRecord,
-        ScenarioFile, SearchCell, Spread, StoredReport, TooFewRuns, TrainingRecord, WriteError,
+        Cell, Difference, FileRecord, Gate, GateError, Judged, Manifest, ProgramRecord, Rate, ReadError, RunRecord,
+        ScenarioFile, SearchCell, Section, StoredReport, TooFewRuns, TrainingRecord, WriteError,
     };
     #[doc(inline)]
     pub use results::store::{Known, Limits, StoreError};

@@ -81,7 +81,7 @@ pub fn action() -> String {
 
 fn decision() -> String {
     "A decision lasts `hold` ticks of `tick` (`falsify explain episode`). The headers of the networks in the folder `pedestrians` of a report \
-     (ONNX, safetensors) have the names, units and bounds of both under `state` and `action`, and `run --ticks` writes both for every decision.\n"
+     (ONNX, safetensors) have the names, units and bounds of both under `state` and `action`, and `replay NAME --ticks FILE` writes both for every decision.\n"
         .into()
 }
 

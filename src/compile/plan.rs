@@ -128,8 +128,6 @@ pub struct PublishedFigure {
     pub mean: f64,
     /// Their sample standard deviation, if it is given.
     pub sd: Option<f64>,
-    /// The size of a difference that matters, if it is stated (above 0).
-    pub margin: Option<f64>,
 }
 
 /// A declaration that a campaign uses, with its documentation.

@@ -1,7 +1,7 @@
 use super::plan::{Published, PublishedCell, PublishedFigure};
 use base::diagnostic::Diagnostic;
 use base::keys;
-use base::signature::{DeclarationId, Form, Keys, Param, Signature, Type};
+use base::signature::{DeclarationId, Form, Keys, Param, Type};
 use base::units::Dimension;
 use lang::diagnostics;
 use lang::hir::{Block, Declaration, Program};
@@ -53,31 +53,17 @@ pub fn form() -> Form {
         cells.params.push(figure(mean, Type::any(Dimension::RATIO), doc));
         cells.params.push(figure(spread, Type::non_negative(Dimension::RATIO), SPREAD));
     }
-    let margins = FIGURES.map(|(_, mean, _, doc)| figure(mean, Type::positive(Dimension::RATIO), doc));
-    let margins = Signature::new(
-        "margins",
-        "For each figure, the difference that matters: ours is equivalent where the difference is shown to be smaller.",
-        margins.into(),
-    )
-    .once();
-    Form::plain(PublishedKeys::signature().holding(vec![margins, cells]))
+    Form::plain(PublishedKeys::signature().holding(vec![cells]))
 }
 
 /// The figures of a declaration.
 pub fn lower(declaration: &Declaration, program: &Program, said: &mut Vec<Diagnostic>) -> Published {
     let PublishedKeys { source, runs } = declaration.block.keys();
-    let stated = declaration.block.nested("margins").next();
-    let cells = declaration.block.inside().map(|(block, keys)| cell(block, keys, stated, program, said)).collect();
+    let cells = declaration.block.inside().map(|(block, keys)| cell(block, keys, program, said)).collect();
     Published { source, docs: declaration.docs.join(" "), runs, cells }
 }
 
-fn cell(
-    block: &Block,
-    keys: CellKeys,
-    margins: Option<&Block>,
-    program: &Program,
-    said: &mut Vec<Diagnostic>,
-) -> PublishedCell {
+fn cell(block: &Block, keys: CellKeys, program: &Program, said: &mut Vec<Diagnostic>) -> PublishedCell {
     let given = |key| block.arguments.read::<Option<f64>>(key);
     for (_, mean, spread, _) in FIGURES {
         if given(spread).is_some() && given(mean).is_none() {
@@ -86,10 +72,7 @@ fn cell(
         }
     }
     let names = |ids: Vec<DeclarationId>| ids.into_iter().map(|id| program.get(id).name.clone()).collect();
-    let margin = |mean| margins.and_then(|block| block.arguments.read(mean));
-    let figure = |(column, mean, spread, _)| {
-        Some(PublishedFigure { column, mean: given(mean)?, sd: given(spread), margin: margin(mean) })
-    };
+    let figure = |(column, mean, spread, _)| Some(PublishedFigure { column, mean: given(mean)?, sd: given(spread) });
     PublishedCell {
         rewards: names(keys.rewards),
         towns: names(keys.towns),

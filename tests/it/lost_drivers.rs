@@ -97,7 +97,7 @@ fn a_driver_that_circles_has_a_warning_and_no_rate() {
         let cell = |policy: &str| report.cells.iter().find(|cell| cell.key.policy == policy).unwrap();
         let lost = cell("lost");
         assert_eq!((lost.all, lost.left_out, lost.placed, lost.episodes), (20, 20, 20, 0));
-        assert_eq!((lost.collisions, lost.collision.mean, lost.fault.mean), (0, None, None));
+        assert_eq!((lost.collisions, lost.collision.value, lost.fault.value), (0, None, None));
         let blind = cell("blind");
         assert_eq!((blind.all, blind.left_out, blind.left_road, blind.episodes), (20, 0, 0, 20));
         assert!(blind.collisions > 0);
@@ -127,7 +127,7 @@ fn a_scenario_can_count_the_episodes_of_a_lost_driver() {
     run("count_all: true", |report, warnings| {
         let lost = report.cells.iter().find(|cell| cell.key.policy == "lost").unwrap();
         assert_eq!((lost.all, lost.left_out, lost.placed, lost.episodes), (20, 0, 20, 20));
-        assert!(lost.collision.mean.is_some() && lost.left_road > 0);
+        assert!(lost.collision.value.is_some() && lost.left_road > 0);
         assert!(warnings.iter().any(|warning| warning.contains("its figures there say little")), "{warnings:?}");
     });
 }

@@ -1,4 +1,4 @@
-//! Kinds of failure, from the tables of episodes to the files of a report.
+//! Kinds of failure, from the tables of episodes to their own.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -9,7 +9,7 @@ use compile::{Campaign, Catalog, Evaluation, compile};
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use results::jobs::watch;
 use results::record::{EpisodeRow, RunKey, episodes};
-use results::report::{FailureModes, ReportFolder, write_failure_modes};
+use results::report::{FailureModes, csv_text, failure_modes};
 use world::judge::{Judged, NearMiss, judge};
 
 const SCENARIO: &str = r#"
@@ -57,27 +57,11 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
     (0..).zip(noted).map(row).collect()
 }
 
-/// All files of a report on these runs, and the text of the summary.
-fn report(campaign: &Campaign, seed: &Seed, runs: &[DataFrame]) -> BTreeMap<String, String> {
-    let out = tempfile::tempdir().unwrap();
-    let drafts = tempfile::tempdir_in(out.path()).unwrap();
-    let folder = ReportFolder::begin(out.path(), "kinds", drafts.path()).unwrap();
+/// The table of failure modes of these runs as CSV.
+fn modes(campaign: &Campaign, seed: &Seed, runs: &[DataFrame]) -> String {
     let mut modes = FailureModes::new(campaign, &[], seed);
     runs.iter().for_each(|run| modes.add(run).unwrap());
-    let section = write_failure_modes(&folder, &modes.finish()).unwrap();
-    let words = section.map_or(String::new(), |section| section.to_markdown());
-    let place = folder.finish(true).unwrap();
-    let mut files = BTreeMap::from([("words".to_string(), words)]);
-    for folder in [place.clone(), place.join("modes")] {
-        for entry in std::fs::read_dir(folder).into_iter().flatten() {
-            let path = entry.unwrap().path();
-            if path.extension().is_some_and(|extension| extension != "parquet") {
-                let name = path.strip_prefix(&place).unwrap().display().to_string();
-                files.insert(name, std::fs::read_to_string(&path).unwrap());
-            }
-        }
-    }
-    files
+    csv_text(&failure_modes(&modes.finish()))
 }
 
 /// The rows of a table as maps.
@@ -96,13 +80,11 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
     let (campaign, seed) = (campaign(), Seed::root(7));
     let rows: Vec<Vec<EpisodeRow>> = campaign.all::<Evaluation>().map(|each| rows(each, &seed)).collect();
     let frames: Vec<DataFrame> = rows.iter().map(|rows| episodes(rows)).collect();
-    let files = report(&campaign, &seed, &frames);
+    let text = modes(&campaign, &seed, &frames);
     let backwards: Vec<DataFrame> = frames.iter().rev().cloned().collect();
-    for (name, text) in report(&campaign, &seed, &backwards) {
-        assert_eq!(files[&name], text, "the order of the runs does not matter: {name}");
-    }
+    assert_eq!(modes(&campaign, &seed, &backwards), text, "the order of the runs does not matter");
 
-    let modes = table(&files["failure_modes.csv"]);
+    let modes = table(&text);
     for pedestrian in ["random", "intercept"] {
         let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
         let here: Vec<_> = modes.iter().filter(|row| row["controller"] == pedestrian).collect();
@@ -133,16 +115,6 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
             assert_eq!(row["driving_mode"], outcome.last_mode.name());
         }
     }
-    for counts in table(&files["mode_counts.csv"]) {
-        assert_eq!(counts["collisions"], counts["repeated_collisions"]);
-    }
-    // The rules of a table divide the starts, and pictures are XML.
-    assert!(files.keys().any(|name| name == "modes/intercept-r1-harbour-behavior.svg"), "{:?}", files.keys());
-    for (name, text) in files.iter().filter(|(name, _)| name.ends_with(".svg")) {
-        assert!(roxmltree::Document::parse(text).is_ok(), "{name}");
-        assert!(!text.contains("NaN"), "{name}");
-    }
-    assert!(files["words"].contains("## Kinds of failure"));
 }
 
 #[test]
@@ -152,12 +124,10 @@ fn what_does_not_repeat_is_counted_and_not_clustered() {
     let mut run = episodes(&rows(evaluation, &seed));
     let wrong = vec!["0123456789abcdef"; run.height()];
     run.with_column(Column::from(Series::new("digest".into(), wrong))).unwrap();
-    let files = report(&campaign, &seed, std::slice::from_ref(&run));
-    let counts = &table(&files["mode_counts.csv"])[0];
-    assert_eq!(counts["repeated_collisions"], "0");
-    assert!(counts["sampled_collisions"].parse::<u32>().unwrap() > 10);
-    for row in table(&files["failure_modes.csv"]) {
+    let rows = table(&modes(&campaign, &seed, std::slice::from_ref(&run)));
+    assert!(!rows.is_empty());
+    for row in rows {
         assert_eq!((row["kind_failures"].as_str(), row["spread_m"].as_str()), (row["cluster_members"].as_str(), ""));
     }
-    assert!(report(&campaign, &seed, &[]).values().all(|text| !text.contains("Kinds of failure")));
+    assert!(table(&modes(&campaign, &seed, &[])).is_empty());
 }

@@ -168,8 +168,7 @@ fn the_cells_count_censored_runs() {
     assert_eq!((cell.runs, cell.censored), (4, 2));
     // Half of the runs found a failure: the median is the later of the two.
     let later = results[..2].iter().map(|result| result.spent.failures[0].ticks).max().unwrap();
-    assert_eq!(cell.first_failure.median, Some(later as f64));
-    assert_eq!(cell.first_failure.high, None);
+    assert_eq!(cell.first_failure, Some(later as f64));
     let table = searches(&results);
     assert_eq!(table.height(), 4);
 }
@@ -209,7 +208,7 @@ fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_be
 }
 
 #[test]
-fn every_failure_of_a_search_has_a_verdict_and_belongs_to_a_kind() {
+fn every_failure_of_a_search_has_a_verdict() {
     let campaign = obvious("chance, home, cross", 20_000, 2);
     let results = run(&campaign);
     let mut preventable = 0;
@@ -220,17 +219,11 @@ fn every_failure_of_a_search_has_a_verdict_and_belongs_to_a_kind() {
             preventable += u64::from(verdict.is_preventable());
         }
     }
-    let kinds = report::search_kinds(&results);
     let failures: usize = results.iter().map(|result| result.spent.failures.len()).sum();
-    assert!(failures > 0 && kinds.iter().map(|kind| kind.failures).sum::<usize>() == failures);
-    for kind in &kinds {
-        let found = results.iter().find(|result| result.key == kind.key).unwrap();
-        assert_eq!(found.finds().nth(kind.example).unwrap().verdict().unwrap().label, kind.kind.verdict);
-        assert!(kind.foreseeable <= kind.failures && kind.share <= 1.0);
-    }
+    assert!(failures > 0);
     let table = report::searches(&results);
     let sum = |name: &str| table.column(name).unwrap().u64().unwrap().into_no_null_iter().sum::<u64>();
     assert_eq!(sum("preventable_failures"), preventable);
-    assert!(sum("faults") <= preventable && sum("distinct_preventable") <= preventable);
+    assert!(sum("faults") <= preventable);
     assert_eq!(report::search_failures(&results).height(), failures);
 }

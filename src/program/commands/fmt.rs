@@ -90,7 +90,7 @@ pub(super) fn write(path: &Path, before: &str, text: &str) -> std::io::Result<()
     if metadata.permissions().readonly() {
         return Err(std::io::ErrorKind::PermissionDenied.into());
     }
-    let mut file = results::report::draft_in(path.parent().unwrap_or(Path::new(".")))?;
+    let mut file = results::report::staging_file(path.parent().unwrap_or(Path::new(".")))?;
     file.write_all(text.as_bytes())?;
     file.as_file().set_permissions(metadata.permissions())?;
     #[cfg(unix)]

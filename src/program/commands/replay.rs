@@ -167,9 +167,7 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     }
     match &repeated.divergence {
         Some(divergence) => console::say(&format!("it diverges {divergence}")),
-        None => console::say(
-            "where it starts to differ is not known; `falsify run --ticks failures` stores the ticks that show it",
-        ),
+        None => console::say("where it starts to differ is unknown"),
     }
     let edited = report.changed_files().unwrap_or_default();
     reasons(report, programs, &edited).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));

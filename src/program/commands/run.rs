@@ -59,7 +59,7 @@ pub struct RunArgs {
     pub list: bool,
     /// Run one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or
     /// JOB_COMPLETION_INDEX.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"], help_heading = "What runs")]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "fail_if", "junit"], help_heading = "What runs")]
     pub shard: Option<NamedShard>,
     /// Of a shard, run only these tasks; other shards then find their results.
     #[arg(long, value_enum, value_name = "TASKS", requires = "shard", help_heading = "What runs")]

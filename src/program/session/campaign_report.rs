@@ -2,11 +2,7 @@ use std::path::PathBuf;
 
 use super::OverviewFiles;
 use results::campaign::Shard;
-use results::jobs::{EstimateResult, HardenResult};
-use results::report::{
-    Cell, CellRequirement, CoverRow, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell,
-    SearchComparison,
-};
+use results::report::{Cell, Doubt, DriverResult, Gate, Judged, Manifest, SearchCell, Section};
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -56,18 +52,8 @@ pub struct CampaignReport {
     pub drivers: Vec<DriverResult>,
     /// Means of the searches, in the order of the table `search_cells`.
     pub searches: Vec<SearchCell>,
-    /// Pairs of these, run by run.
-    pub search_comparisons: Vec<SearchComparison>,
-    /// The estimates of how likely failures are.
-    pub estimates: Vec<EstimateResult>,
-    /// The covers, in the order of the plan.
-    pub covers: Vec<CoverRow>,
-    /// The hardenings, in the order of the plan.
-    pub hardened: Vec<HardenResult>,
-    /// The results in the tests of a protocol, nominal and within the layers.
-    pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
-    /// The violations of each requirement in each cell; empty without requirements.
-    pub requirements: Vec<CellRequirement>,
+    /// The sections of the report.
+    pub sections: Vec<Section>,
     /// The doubts about its trainings.
     pub doubts: Vec<Doubt>,
     /// The gates, each with its judgement of each row of the table that it is about.

@@ -42,7 +42,7 @@ pub use event::{Event, Level, Notice, Observer, RecheckStage, Silent};
 pub use growing_curves::NewestUpdate;
 pub use input::Input;
 pub(crate) use options::seconds;
-pub use options::{RunOptions, TableFormat, Ticks};
+pub use options::{RunOptions, TableFormat};
 pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
 pub use reasons::{Reason, reasons};

@@ -50,9 +50,6 @@ pub struct RunOptions {
     /// Stop them after this number of simulator ticks.
     #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..), help_heading = "Work")]
     pub max_ticks: Option<u64>,
-    /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.
-    #[arg(long, value_enum, default_value_t = Ticks::None, value_name = "WHICH", help_heading = "Output")]
-    pub ticks: Ticks,
     /// Also write the learning curves as event files for TensorBoard, a folder in DIR/CAMPAIGN for each training.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub tensorboard: Option<PathBuf>,
@@ -81,7 +78,6 @@ impl Default for RunOptions {
             checkpoint: 5.0,
             task_time: None,
             max_ticks: None,
-            ticks: Ticks::None,
             tensorboard: None,
             gates: Vec::new(),
             command: String::new(),
@@ -117,15 +113,4 @@ pub enum TableFormat {
     Csv,
     /// Apache Parquet.
     Parquet,
-}
-
-/// Which episodes a report holds tick by tick.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Ticks {
-    /// None.
-    None,
-    /// The collisions.
-    Failures,
-    /// All.
-    All,
 }

@@ -118,11 +118,7 @@ impl Source {
             repeated.differences.push(Difference { column, stored, again });
         }
         if !repeated.differences.is_empty() {
-            let Repeated { scenario, trace, judged: Judged { outcome, .. }, .. } = &repeated;
-            let ticks = self.report.ticks(name.run, name.number)?;
-            let now = report::ticks(name.run, name.number, scenario, trace);
-            let ticks = ticks.as_ref().map(|then| (then, &now));
-            repeated.divergence = report::divergence(stored, outcome, scenario, ticks);
+            repeated.divergence = report::divergence(stored, &repeated.judged.outcome, &repeated.scenario);
         }
         Ok(repeated)
     }

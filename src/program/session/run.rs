@@ -6,14 +6,14 @@ use super::manifest::Times;
 use super::other_report::check_place;
 use super::overview::write_overview;
 use super::{
-    CampaignOutcome, CampaignReport, Error, Event, KeepError, Notice, Planned, RunOptions, RunReport, Session, Ticks,
+    CampaignOutcome, CampaignReport, Error, Event, KeepError, Notice, Planned, RunOptions, RunReport, Session,
 };
 use base::seed::Seed;
 use compile::{Campaign, ExternalProgram};
 use results::campaign::{self, Finished, Task};
 use results::jobs::{SearchResult, TrainingResult};
 use results::report::{
-    self, Episodes, FailureModes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Wanted, WriteError,
+    self, Episodes, FailureModes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Section, WriteError,
 };
 use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
@@ -124,10 +124,11 @@ impl<'a> CampaignRun<'a> {
             return Ok(CampaignOutcome::Empty { name: self.name.clone(), interrupted: finished.interrupted });
         };
         let times = Times { jobs: results.seconds(), run: began.elapsed().as_secs_f64() };
-        let manifest = self.write(&draft, &results, &found, &times)?;
+        let sections = report::sections(&found);
+        let manifest = self.write(&draft, &found, &sections, &times)?;
         let folder = self.publish(draft, &manifest)?;
         let gates = self.judge_gates(&found);
-        let Findings { cells, drivers, searches, search_comparisons, covers, doubts, gathered, layers, .. } = found;
+        let Findings { cells, drivers, searches, doubts, .. } = found;
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name: self.name.clone(),
             folder,
@@ -135,12 +136,7 @@ impl<'a> CampaignRun<'a> {
             cells,
             drivers,
             searches,
-            search_comparisons,
-            estimates: finished.all().to_vec(),
-            covers,
-            hardened: finished.all().to_vec(),
-            requirements: gathered.requirements,
-            protocol: (gathered.protocol, layers),
+            sections,
             doubts,
             gates,
             failed: finished.has_failed,
@@ -249,20 +245,15 @@ impl<'a> CampaignRun<'a> {
     fn write(
         &self,
         draft: &ReportFolder,
-        results: &CampaignStore<'_>,
         found: &Findings<'_>,
+        sections: &[Section],
         times: &Times,
     ) -> Result<Manifest, Error> {
-        let Self { session, options, campaign, .. } = *self;
+        let Self { session, options, .. } = *self;
         let written = || {
             let files = session.hold(draft, self.planned)?;
             let manifest = session.manifest(options, files, found, times);
-            report::write(draft, found, &manifest)?;
-            if options.ticks != Ticks::None {
-                let all = options.ticks == Ticks::All;
-                let wanted = Wanted::of(campaign, &Episodes::new(campaign, results), found.finished, all)?;
-                report::write_ticks(draft, &Seed::root(options.seed), &wanted)?;
-            }
+            report::write(draft, found, sections, &manifest)?;
             Ok(manifest)
         };
         written().map_err(|error: WriteError| options.keep(error))

@@ -3,8 +3,7 @@
 //! 1. A collision is a [`Failure`], sorted into a [`Kind`] by fixed rules.
 //! 2. Within a kind the motions before the touch ([`Approach`]) are clustered. A number of clusters counts only when two halves of the
 //!    data and bootstrap samples agree on it; each [`FailureMode`] has its medoid as an example.
-//! 3. [`Richness`] counts the classes, and estimates the number of unseen ones.
-//! 4. [`Explanation`] gives a few rules for the starts that end in a failure, and measures their predictions on episodes that were not
+//! 3. [`Explanation`] gives a few rules for the starts that end in a failure, and measures their predictions on episodes that were not
 //!    used for learning.
 
 mod failure;
@@ -12,17 +11,15 @@ mod approach;
 mod agreement;
 mod clusters;
 mod failure_modes;
-mod richness;
 mod cases;
 mod tree;
 mod explanation;
 #[cfg(test)]
 mod tests;
 
-pub use approach::{Approach, Station};
+pub use approach::Approach;
 pub use cases::{Cases, Feature, Scale};
 pub use clusters::Stability;
 pub use explanation::{Condition, Explanation, Rule};
 pub use failure::{Failure, Impact, Kind};
 pub use failure_modes::{FailureMode, failure_modes};
-pub use richness::Richness;

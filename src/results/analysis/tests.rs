@@ -1,10 +1,11 @@
 use serde_json::Value;
 
+use super::approach::Station;
 use super::*;
 use world::av::DrivingMode;
 use world::judge::Label;
 
-/// Recorded from scikit-learn and scikit-bio by `tests/reference/failure_modes/record.py`.
+/// Recorded from scikit-learn by `tests/reference/failure_modes/record.py`.
 pub(super) fn recorded() -> Value {
     serde_json::from_str(include_str!("../../../tests/reference/failure_modes/values.json")).unwrap()
 }

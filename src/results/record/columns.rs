@@ -151,12 +151,6 @@ pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "",
     "of a fault its `severe_injury_risk`, which a careful human would have spared the pedestrian; otherwise 0",
 );
-pub const FAULT_IF: Family<bool> = Family::new(
-    "_fault",
-    "",
-    "whether it is a fault if both careful humans react 0.25 s sooner (`sooner`) or later (`later`), or if their gate opens at 2 s at any speed \
-     (`short_gate`) or 0.5 s earlier (`long_gate`)",
-);
 pub const PEAK_SPEED: Column<f64> = Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian");
 pub const PEAK_ACCELERATION: Column<f64> = Column::new(
     "peak_acceleration_mps2",

@@ -5,7 +5,7 @@ use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32C
 use super::episodes::named;
 use super::{Column, ColumnReference, Family, Kind, columns};
 use world::env::LeftOut;
-use world::judge::{Class, Label, Reference};
+use world::judge::Label;
 
 /// A number that is calculated from the episodes of a run and from the runs of a cell. It is a column of the table of runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,44 +33,35 @@ pub fn metrics() -> Vec<Metric> {
         Mean(EPISODE_REWARD),
         Mean(EPISODE_LENGTH),
         Mean(IMPACT_SPEED),
-        Mean(LEAST_GAP),
         Count(FORESEEABLE_COLLISIONS),
     ];
     all.extend(Label::ALL.map(|label| Count(labelled(label))));
     all.extend([
         Count(FAULT_COLLISIONS),
-        Count(HARD_COLLISIONS),
         Count(WALKED_INTO_COLLISIONS),
         Rate(PREVENTABLE_RATE),
         Rate(PREVENTABLE_SHARE),
         Rate(FAULT_RATE),
-        Rate(HARD_RATE),
-        Mean(PREVENTABLE_PROBABILITY),
         Mean(EXPECTED_PREVENTABLE),
-        Mean(FATALITY_RISK),
-        Mean(SEVERE_INJURY_RISK),
-        Rate(FORESEEABLE_RATE),
-        Rate(FAULT_SHARE),
-        Count(PASSED),
+        Count(PLACED_STARTS),
+        Rate(PLACED_RATE),
+        Mean(AVOIDABLE_INJURY),
+        Count(ALL_EPISODES),
+        Count(LEFT_OUT_EPISODES),
+        Rate(LEFT_OUT_RATE),
+        Count(ROAD_END_EPISODES),
+        Count(LEFT_ROAD_EPISODES),
+        Rate(LEFT_ROAD_RATE),
+        Mean(LEFT_LANE),
     ]);
-    for reference in Reference::ALL {
-        all.extend([false, true].map(|stops| Count(false_alarms(reference, stops))));
-        all.extend([false, true].map(|stops| Rate(false_alarm_rate(reference, stops))));
-    }
-    all.extend([Count(PLACED_STARTS), Rate(PLACED_RATE)]);
-    all.extend([Class::Flank, Class::Slow, Class::Narrow].map(|class| Count(counting(class))));
-    all.push(Mean(AVOIDABLE_INJURY));
-    all.extend(FAULTS_IF.map(Count));
-    all.extend([Count(ALL_EPISODES), Count(LEFT_OUT_EPISODES), Rate(LEFT_OUT_RATE), Count(ROAD_END_EPISODES)]);
-    all.extend([Count(LEFT_ROAD_EPISODES), Rate(LEFT_ROAD_RATE), Mean(LEFT_LANE)]);
     all
 }
 
 /// A number of episodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Count {
-    stem: &'static str,
-    suffix: &'static str,
+    /// The column.
+    pub name: &'static str,
     doc: &'static str,
     /// Which episodes count.
     pub which: Which,
@@ -93,14 +84,10 @@ pub enum Which {
     TrueOfAll(&'static str),
     /// Those with this verdict.
     Labelled(Label),
-    /// Those that count as this.
-    Counts(Class),
     /// Those that ended so.
     Ended(&'static str),
     /// Those that ended in a collision or a bump.
     Touched,
-    /// Those without a touch.
-    Passed,
 }
 
 /// Over which episodes a mean is.
@@ -108,8 +95,6 @@ pub enum Which {
 pub enum Over {
     /// Those that count; a missing value counts as 0.
     Valid,
-    /// Those that count and have a value.
-    Present,
     /// Those without error that have a value, also where they are left out.
     All,
     /// Those that count and ended in a collision.
@@ -127,8 +112,6 @@ pub struct Mean {
     doc: &'static str,
     /// The episodes that it is over.
     pub over: Over,
-    /// Whether the table of cells has it too.
-    pub in_cells: bool,
 }
 
 /// A ratio of two counts, missing where the denominator is 0, with Wilson's 95 % interval.
@@ -146,12 +129,7 @@ pub struct Rate {
 impl Count {
     /// The number of these episodes, in a column of this name.
     pub const fn new(name: &'static str, which: Which, doc: &'static str) -> Self {
-        Self { stem: name, suffix: "", doc, which }
-    }
-
-    /// Its column.
-    pub fn name(&self) -> String {
-        format!("{}{}", self.stem, self.suffix)
+        Self { name, doc, which }
     }
 
     /// Its values in a table of runs or cells.
@@ -159,19 +137,14 @@ impl Count {
     /// # Errors
     /// The table has no such column, or it holds something else.
     pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a UInt32Chunked> {
-        u32::array(table.column(&self.name())?)
+        u32::array(table.column(self.name)?)
     }
 }
 
 impl Mean {
     /// The mean of a column over the episodes that count.
     pub const fn new(column: &Column<f64>, doc: &'static str) -> Self {
-        Self { name: column.name, column: column.name, unit: column.unit, doc, over: Over::Valid, in_cells: true }
-    }
-
-    /// The mean of a column over the episodes that count in which it has a value.
-    pub const fn of_present(column: &Column<f64>, doc: &'static str) -> Self {
-        Self { over: Over::Present, ..Self::new(column, doc) }
+        Self { name: column.name, column: column.name, unit: column.unit, doc, over: Over::Valid }
     }
 
     /// The same mean, in a column of this name.
@@ -197,30 +170,26 @@ impl Rate {
 
 impl Metric {
     /// Its column in the table of runs.
-    pub fn name(&self) -> String {
+    pub fn name(&self) -> &'static str {
         match self {
-            Self::Count(count) => count.name(),
-            Self::Mean(mean) => mean.name.to_string(),
-            Self::Rate(rate) => rate.name.to_string(),
+            Self::Count(count) => count.name,
+            Self::Mean(mean) => mean.name,
+            Self::Rate(rate) => rate.name,
         }
     }
 
-    /// Whether it has no value where there was no touch, or no episode without one.
+    /// Whether it has no value without a touch.
     pub fn is_of_collisions(&self) -> bool {
         match self {
             Self::Count(_) => false,
-            Self::Mean(mean) => matches!(mean.over, Over::Present | Over::Collisions),
+            Self::Mean(mean) => mean.over == Over::Collisions,
             Self::Rate(rate) => !matches!(rate.whole.which, Which::Valid | Which::All),
         }
     }
 
     /// Whether a cell has its mean and standard deviation over the runs.
     pub fn is_averaged(&self) -> bool {
-        match self {
-            Self::Count(_) => false,
-            Self::Mean(mean) => mean.in_cells,
-            Self::Rate(_) => true,
-        }
+        !matches!(self, Self::Count(_))
     }
 
     pub fn reference(&self) -> ColumnReference {
@@ -255,27 +224,10 @@ pub const FORESEEABLE_COLLISIONS: Count = Count::new(
 
 pub const FAULT_COLLISIONS: Count =
     Count::new("fault_collisions", Which::True(columns::FAULT.name), "number of faults");
-/// Number of collisions that would be faults but for one thing: where the car was touched, its speed, or the humans' margin.
-pub const fn counting(class: Class) -> Count {
-    let doc = "number of collisions whose `counts_as` is that";
-    Count { stem: class.name(), suffix: "_touches", doc, which: Which::Counts(class) }
-}
-/// Number of faults with other figures of the careful humans.
-pub const FAULTS_IF: [Count; 4] = {
-    let doc = "number of faults with that change of the careful humans: see `sooner_fault` and the like";
-    [
-        Count::new("sooner_faults", Which::True("sooner_fault"), doc),
-        Count::new("later_faults", Which::True("later_fault"), doc),
-        Count::new("short_gate_faults", Which::True("short_gate_fault"), doc),
-        Count::new("long_gate_faults", Which::True("long_gate_fault"), doc),
-    ]
-};
 pub const AVOIDABLE_INJURY: Mean = Mean::new(
     &columns::AVOIDABLE_INJURY,
     "mean over episodes of the risk of a severe injury that a careful human would have spared; times 1,000 it is per 1,000 episodes",
 );
-pub const HARD_COLLISIONS: Count =
-    Count::new("hard_collisions", Which::True(columns::HARD.name), "number of collisions at 2 m/s or more");
 pub const WALKED_INTO_COLLISIONS: Count = Count::new(
     "walked_into_collisions",
     Which::True(columns::WALKED_INTO.name),
@@ -308,68 +260,16 @@ pub const LEFT_ROAD_EPISODES: Count = Count::new(
     Which::TrueOfAll(columns::LEFT_ROAD.name),
     "number of episodes in which the centre of the car was outside all driving lanes, those that are left out included",
 );
-pub const PASSED: Count =
-    Count::new("passed_episodes", Which::Passed, "number of episodes without a touch and without error");
-
-/// Number of episodes in which a reference driver brakes (`stops` false) or stops needlessly.
-pub const fn false_alarms(reference: Reference, stops: bool) -> Count {
-    let column = false_alarm_names(reference)[stops as usize];
-    let (suffix, doc) = if stops {
-        ("_false_stops", "number of episodes in which that reference driver would have braked to a stop needlessly")
-    } else {
-        ("_false_brakes", "number of episodes in which that reference driver would have braked needlessly")
-    };
-    Count { stem: reference.name(), suffix, doc, which: Which::True(column) }
-}
-
-/// The share of the episodes that ended well in which it does so.
-pub const fn false_alarm_rate(reference: Reference, stops: bool) -> Rate {
-    let name = false_alarm_names(reference)[2 + stops as usize];
-    let doc = if stops {
-        "false stops of all episodes that *ended well*; missing without any"
-    } else {
-        "false brakes of all episodes that *ended well*; missing without any"
-    };
-    Rate::new(name, false_alarms(reference, stops), PASSED, doc)
-}
-
-/// Whether a column of runs is of a reference driver.
-pub fn is_of_reference_driver(column: &str) -> bool {
-    let names =
-        |reference, stops| [false_alarms(reference, stops).name(), false_alarm_rate(reference, stops).name.into()];
-    let mut all = Reference::ALL.into_iter().flat_map(|each| [names(each, false), names(each, true)]).flatten();
-    all.any(|name| name == column)
-}
-
-/// The columns of episodes and the rates: brakes and stops, brakes and stops.
-const fn false_alarm_names(reference: Reference) -> [&'static str; 4] {
-    macro_rules! names {
-        ($name:literal) => {
-            [
-                concat!($name, "_false_brake"),
-                concat!($name, "_false_stop"),
-                concat!($name, "_false_brake_rate"),
-                concat!($name, "_false_stop_rate"),
-            ]
-        };
-    }
-    match reference {
-        Reference::CarefulHuman => names!("cc"),
-        Reference::AttentiveHuman => names!("cc_attentive"),
-        Reference::FuzzySafety => names!("fsm"),
-        Reference::Rss => names!("rss"),
-        Reference::IdealBrake => names!("ideal"),
-        Reference::Bound => names!("bound"),
-    }
-}
-
 /// Number of collisions with a verdict.
 pub const fn labelled(label: Label) -> Count {
-    if matches!(label, Label::Bump) {
-        return BUMPS;
-    }
-    let doc = "number of collisions with that verdict";
-    Count { stem: label.name(), suffix: "_collisions", doc, which: Which::Labelled(label) }
+    let name = match label {
+        Label::Preventable => "preventable_collisions",
+        Label::Contested => "contested_collisions",
+        Label::MachinePreventable => "machine_preventable_collisions",
+        Label::Unpreventable => "unpreventable_collisions",
+        Label::Bump => return BUMPS,
+    };
+    Count::new(name, Which::Labelled(label), "number of collisions with that verdict")
 }
 
 pub const COLLISION_RATE: Rate = Rate::new(
@@ -394,17 +294,7 @@ pub const PREVENTABLE_SHARE: Rate = Rate::new(
     COLLISIONS,
     "preventable collisions of all *collisions*; missing without any collision",
 );
-pub const FORESEEABLE_RATE: Rate = Rate::new(
-    "foreseeable_rate",
-    FORESEEABLE_COLLISIONS,
-    EPISODES,
-    "collisions with a foreseeable pedestrian of all *episodes*",
-);
 pub const FAULT_RATE: Rate = Rate::new("fault_rate", FAULT_COLLISIONS, EPISODES, "faults of all *episodes*");
-pub const FAULT_SHARE: Rate =
-    Rate::new("fault_share", FAULT_COLLISIONS, COLLISIONS, "faults of all *collisions*; missing without any collision");
-pub const HARD_RATE: Rate =
-    Rate::new("hard_rate", HARD_COLLISIONS, EPISODES, "collisions at 2 m/s or more of all *episodes*");
 pub const PLACED_RATE: Rate = Rate::new(
     "placed_rate",
     PLACED_STARTS,
@@ -426,25 +316,15 @@ pub const LEFT_LANE: Mean = Mean {
         "mean time of an episode in which the car was outside its lane, over `all_episodes`",
     )
 };
-pub const PREVENTABLE_PROBABILITY: Mean = Mean::of_present(
-    &columns::PREVENTABLE_PROBABILITY,
-    "mean share of drivers who would have avoided a collision, over the collisions",
-);
 pub const EXPECTED_PREVENTABLE: Mean = Mean::new(
     &columns::PREVENTABLE_PROBABILITY,
-    "the same of all *episodes*: the expected rate of collisions that a driver drawn at random would have avoided",
+    "the expected rate of collisions that a driver drawn at random would have avoided, of all *episodes*",
 )
 .named("expected_preventable");
-pub const FATALITY_RISK: Mean =
-    Mean::of_present(&columns::FATALITY_RISK, "mean probability of death at a collision, by its speed");
-pub const SEVERE_INJURY_RISK: Mean =
-    Mean::of_present(&columns::SEVERE_INJURY_RISK, "mean probability of severe injury at a collision, by its speed");
 pub const EPISODE_REWARD: Mean = Mean::new(&columns::EPISODE_REWARD, "mean reward of an episode");
 pub const EPISODE_LENGTH: Mean = Mean::new(&columns::EPISODE_LENGTH, "mean length of an episode");
 pub const IMPACT_SPEED: Mean =
     Mean { over: Over::Collisions, ..Mean::new(&columns::IMPACT_SPEED, "mean speed of the car at a collision") };
-pub const LEAST_GAP: Mean = Mean { in_cells: false, ..Mean::new(&columns::LEAST_GAP, "mean of the least gaps") };
-
 pub const MEAN: Family<f64> = Family::new("_mean", "", "mean over the runs of the cell");
 pub const SD: Family<f64> = Family::new("_sd", "", "sample standard deviation over the runs of the cell");
 pub const WILSON_LOW: Family<f64> = Family::new(

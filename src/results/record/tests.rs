@@ -7,7 +7,7 @@ use super::*;
 use world::av::{DrivingMode, Fault};
 use world::env::{Ending, Outcome, Spawn};
 use world::geometry::Pose;
-use world::judge::{ContactSide, FalseAlarms, Judged, Label, NearMiss, Reference, Sensitivity, Sight, Trial, Verdict};
+use world::judge::{ContactSide, FalseAlarms, Judged, Label, NearMiss, Reference, Sight, Trial, Verdict};
 
 fn key() -> RunKey {
     let cell = CellKey {
@@ -58,7 +58,6 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
                 sight: Sight { hidden: 0.5, seen: 1.0 },
                 impact_speed: 4.0,
                 trials: [trial; Reference::COUNT],
-                sensitivity: Sensitivity::default(),
             }),
             degrees: Vec::new(),
         },

@@ -1,15 +1,14 @@
 use super::Entry;
 use super::columns::{
-    AVOIDABLE_INJURY, CONTACT_SIDE, COUNTS_AS, DANGER_SPEED, FATALITY_RISK, FAULT, FAULT_IF, FORESEEABLE, HARD,
-    HIDDEN_SHARE, IN_SIGHT, LATEST_REACTION, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK, VERDICT, WALKED_INTO,
-    WARNING,
+    AVOIDABLE_INJURY, CONTACT_SIDE, COUNTS_AS, DANGER_SPEED, FATALITY_RISK, FAULT, FORESEEABLE, HARD, HIDDEN_SHARE,
+    IN_SIGHT, LATEST_REACTION, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK, VERDICT, WALKED_INTO, WARNING,
 };
-use world::judge::{Sensitivity, Verdict, fatality_risk, severe_injury_risk};
+use world::judge::{Verdict, fatality_risk, severe_injury_risk};
 
 /// The columns of the verdict on a collision, for a table whose rows may have one: the same in evaluations and in searches.
 pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + 't) -> Vec<Entry<'t, R>> {
     let struck = move |row: &R| verdict(row).filter(|verdict| !verdict.is_bump());
-    let mut entries = vec![
+    vec![
         VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())),
         FORESEEABLE.of(move |row| struck(row).map(|verdict| verdict.foreseeable)),
         FAULT.of(move |row| struck(row).map(|verdict| verdict.is_fault())),
@@ -26,9 +25,5 @@ pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + '
         WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
         HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
         IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
-    ];
-    for (place, change) in Sensitivity::NAMES.into_iter().enumerate() {
-        entries.push(FAULT_IF.of(change, move |row| struck(row).map(|verdict| verdict.sensitivity.values()[place])));
-    }
-    entries
+    ]
 }

@@ -1,10 +1,8 @@
 //! All tables of a report with their columns.
 
-use std::fmt::Write;
-
-use super::metric_table::{METRICS, metric_references, metric_table_reference};
+use super::metric_table::metric_table_reference;
 use super::{aggregate, failure_modes, infer};
-use crate::record::{ColumnReference, TableReference, episode_references, metrics, reference_driver_columns};
+use crate::record::{TableReference, episode_references, metrics, reference_driver_columns};
 
 /// The tables of a report with their columns, in the order of `reports/README.md`.
 pub fn catalogue() -> Vec<TableReference> {
@@ -17,7 +15,6 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::requirement_table().reference(),
         runs,
         infer::comparison_columns().reference(),
-        infer::transfer_columns().reference(),
         aggregate::published_table().reference(),
     ];
     all.extend(failure_modes::references());
@@ -27,7 +24,6 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::search_cell_columns().reference(),
         aggregate::search_comparison_columns().reference(),
         aggregate::failure_table().reference(),
-        aggregate::search_kind_columns().reference(),
         aggregate::estimate_columns().reference(),
         aggregate::cover_columns().reference(),
         aggregate::cover_point_columns().reference(),
@@ -38,38 +34,41 @@ pub fn catalogue() -> Vec<TableReference> {
     all
 }
 
-/// The reference of all columns as Markdown: a heading and a table for each table.
-pub fn column_reference() -> String {
-    let mut text = String::new();
-    for table in catalogue() {
-        let _ = write!(text, "### `{}`\n\n{}\n\n", table.name, table.doc);
-        list(&mut text, "column", &table.columns);
-        if table.name == METRICS {
-            list(&mut text, "metric", &metric_references());
-        }
-    }
-    text
-}
-
-/// A table of names with their units and meanings. Consecutive ones of one meaning share a row.
-fn list(text: &mut String, head: &str, all: &[ColumnReference]) {
-    let _ = write!(text, "| {head} | unit | meaning |\n|---|---|---|\n");
-    for group in all.chunk_by(|one, next| (&one.unit, &one.doc) == (&next.unit, &next.doc)) {
-        let names: Vec<String> = group.iter().map(|each| format!("`{}`", each.name)).collect();
-        let _ = writeln!(text, "| {} | {} | {} |", names.join(", "), group[0].unit, group[0].doc);
-    }
-    text.push('\n');
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
+    use std::fmt::Write;
     use std::path::Path;
 
     use super::*;
+    use crate::record::ColumnReference;
+    use crate::report::metric_table::{METRICS, metric_references};
 
     /// The part of `reports/README.md` that is generated here.
     const MARKS: (&str, &str) = ("<!-- columns: written by a test -->\n", "<!-- end of columns -->\n");
+
+    /// The reference of all columns as Markdown: a heading and a table for each table.
+    fn column_reference() -> String {
+        let mut text = String::new();
+        for table in catalogue() {
+            let _ = write!(text, "### `{}`\n\n{}\n\n", table.name, table.doc);
+            list(&mut text, "column", &table.columns);
+            if table.name == METRICS {
+                list(&mut text, "metric", &metric_references());
+            }
+        }
+        text
+    }
+
+    /// A table of names with their units and meanings. Consecutive ones of one meaning share a row.
+    fn list(text: &mut String, head: &str, all: &[ColumnReference]) {
+        let _ = write!(text, "| {head} | unit | meaning |\n|---|---|---|\n");
+        for group in all.chunk_by(|one, next| (&one.unit, &one.doc) == (&next.unit, &next.doc)) {
+            let names: Vec<String> = group.iter().map(|each| format!("`{}`", each.name)).collect();
+            let _ = writeln!(text, "| {} | {} | {} |", names.join(", "), group[0].unit, group[0].doc);
+        }
+        text.push('\n');
+    }
 
     #[test]
     fn the_page_about_reports_has_the_reference_of_all_columns() {
@@ -100,8 +99,7 @@ mod tests {
     fn tables_of_metrics_have_the_columns_that_are_said() {
         let [runs, cells] = aggregate::references(&metrics());
         let made = aggregate::metrics(&crate::record::episodes(&[])).unwrap();
-        let kept = made.runs.select(aggregate::run_columns()).unwrap();
-        for (said, made) in [(runs, kept), (cells, made.cells)] {
+        for (said, made) in [(runs, made.runs), (cells, made.cells)] {
             let said: Vec<(&str, _)> = said.columns.iter().map(|column| (&*column.name, &column.holds)).collect();
             let made: Vec<(&str, _)> =
                 made.columns().iter().map(|column| (column.name().as_str(), column.dtype())).collect();

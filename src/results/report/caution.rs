@@ -2,20 +2,20 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use super::aggregate::{Cell, SearchCell};
-use super::lost::{LostDriver, lost};
+use super::off_road::{OffRoadDriver, off_road};
 use crate::jobs::SearchResult;
 use world::judge::Label;
 
 /// Fewer collisions than this say nothing about the starts.
-const FEWEST: u32 = 10;
+const MIN_COLLISIONS: u32 = 10;
 /// Above this share of unpreventable collisions a caution is due.
-const MOST: f64 = 0.9;
+const MAX_HOPELESS: f64 = 0.9;
 
 /// What a reader must know before the figures of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Caution {
     /// A driver often does not reach its starts, or leaves the road.
-    Lost(LostDriver),
+    OffRoad(OffRoadDriver),
     /// Hardly any collision of any driver in a town could have been avoided: the starts leave a careful human no chance.
     NoChance {
         town: String,
@@ -35,10 +35,10 @@ pub enum Caution {
 impl fmt::Display for Caution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Lost(driver) => driver.fmt(f),
+            Self::OffRoad(driver) => driver.fmt(f),
             Self::NoChance { town, collisions, hopeless } => write!(
                 f,
-                "no careful human avoids {hopeless} of the {collisions} collisions in {town}: its starts leave hardly a chance at that speed, so few \
+                "no careful human avoids {hopeless} of the {collisions} collisions in {town}: most starts are unavoidable at that speed, so few \
                  faults say little about a driver; let the pedestrian start farther away"
             ),
             Self::EmptySearch { search, budget } => write!(
@@ -58,7 +58,7 @@ pub fn cautions(cells: &[Cell], results: &[SearchResult], searches: &[SearchCell
     };
     let empty = searches.iter().filter(|search| search.is_empty() && !is_lost(search));
     let empty = empty.map(|search| Caution::EmptySearch { search: search.in_full(), budget: search.budget });
-    lost(cells, results).into_iter().map(Caution::Lost).chain(no_chance(cells)).chain(empty).collect()
+    off_road(cells, results).into_iter().map(Caution::OffRoad).chain(no_chance(cells)).chain(empty).collect()
 }
 
 /// The towns in which nearly all collisions are beyond careful humans, whoever drives. A baseline that sees no pedestrian collides also where others
@@ -73,7 +73,8 @@ fn no_chance(cells: &[Cell]) -> Vec<Caution> {
             .iter()
             .sum::<u32>();
     }
-    let nearly_all = |(all, hopeless): &(u32, u32)| *all >= FEWEST && f64::from(*hopeless) > MOST * f64::from(*all);
+    let nearly_all =
+        |(all, hopeless): &(u32, u32)| *all >= MIN_COLLISIONS && f64::from(*hopeless) > MAX_HOPELESS * f64::from(*all);
     let caution = |(town, (collisions, hopeless)): (&str, (u32, u32))| Caution::NoChance {
         town: town.into(),
         collisions,

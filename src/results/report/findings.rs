@@ -1,13 +1,12 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::aggregate::{CoverRow, cover_rows, run_columns, with_rates};
+use super::aggregate::{CoverRow, cover_rows, with_rates};
 use super::caution::{Caution, cautions};
 use super::failure_modes::CellModes;
 use super::metric_table::metric_table;
 use super::{
     Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
-    SearchComparison, SearchKind, beside, doubts, driver_results, evident_cells, layer_cells, search_cells,
-    search_comparisons, search_kinds,
+    SearchComparison, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_comparisons,
 };
 use crate::campaign::Finished;
 use crate::jobs::{CoverResult, SearchResult};
@@ -30,7 +29,7 @@ pub struct Findings<'a> {
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
     /// The kinds of collisions of each cell.
-    pub modes: Vec<CellModes<'a>>,
+    pub modes: Vec<CellModes>,
     /// Published figures beside ours.
     pub published: Vec<PublishedComparison<'a>>,
     /// The results in the tests of a protocol within its layers.
@@ -39,8 +38,6 @@ pub struct Findings<'a> {
     pub searches: Vec<SearchCell>,
     /// Pairs of these, run by run.
     pub search_comparisons: Vec<SearchComparison>,
-    /// Kinds of failures that searches found.
-    pub search_kinds: Vec<SearchKind>,
     /// What covers show.
     pub covers: Vec<CoverRow>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
@@ -58,7 +55,7 @@ impl<'a> Findings<'a> {
         campaign: &'a Campaign,
         finished: &'a Finished,
         gathered: Gathered,
-        modes: FailureModes<'a>,
+        modes: FailureModes<'_>,
         smoke: bool,
     ) -> PolarsResult<Self> {
         let metrics = Metrics::of_runs(gathered.runs.clone())?;
@@ -69,14 +66,13 @@ impl<'a> Findings<'a> {
         let keys: Vec<_> = cells.iter().map(|cell| &cell.key).collect();
         let cell_table = with_rates(evident_cells(&metrics.cells, evidence)?, &keys, required)?;
         Ok(Self {
-            runs: metrics.runs.select(run_columns())?,
+            runs: metrics.runs.clone(),
             metrics: metric_table(&cell_table, &cells, evidence, required)?,
             cell_table,
             drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>()),
             modes: modes.finish(),
             published: beside(&campaign.published, &cells, evidence),
             layers: layer_cells(campaign, finished.all::<SearchResult>()),
-            search_kinds: search_kinds(finished.all::<SearchResult>()),
             covers: cover_rows(finished.all::<CoverResult>()),
             cautions: cautions(&cells, finished.all::<SearchResult>(), &searches),
             search_comparisons: search_comparisons(finished.all::<SearchResult>()),

@@ -7,9 +7,9 @@ use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use tempfile::TempDir;
 
-use super::draft::draft_in;
 use super::parquet::write_parquet;
 use super::scenario_files::SCENARIO;
+use super::staging::staging_file;
 use super::table_stream::{Watched, cause};
 use super::{FileRecord, Manifest, TableStream, catalogue};
 use base::files;
@@ -287,7 +287,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         return Err(failed(io::Error::new(io::ErrorKind::NotADirectory, reason)));
     }
     fs::create_dir_all(folder).map_err(failed)?;
-    let mut draft = draft_in(folder).map_err(failed)?;
+    let mut draft = staging_file(folder).map_err(failed)?;
     draft.write_all(bytes).map_err(failed)?;
     set_mode(draft.path(), 0o644).map_err(failed)?;
     draft.persist(path).map(|_| ()).map_err(|error| failed(error.error))
@@ -342,7 +342,7 @@ fn is_ours(name: &str) -> bool {
     match extension {
         "csv" | "parquet" => catalogue().iter().any(|table| table.name == stem),
         "svg" => ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix)),
-        _ => [MARK, "summary.md", "report.html", "pedestrians", "modes", SCENARIO].contains(&name),
+        _ => [MARK, "summary.md", "report.html", "pedestrians", SCENARIO].contains(&name),
     }
 }
 

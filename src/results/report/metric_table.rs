@@ -1,7 +1,7 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::aggregate::{Cell, CellRequirement, Counted};
-use super::infer::{CellEvidence, Figure, Learning, QUANTILES, Quantiles, reference_metrics};
+use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, remaining_rate};
 use crate::record::metric::{MEAN, SD};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Metric, Table, TableReference, cell_key, metrics};
 use base::statistics::{ClusteredCount, wilson};
@@ -81,11 +81,8 @@ fn of_metric<'a>(
         rows.push(row(episodes, count.read(frame)?.get(place).map(f64::from)));
         return Ok(());
     }
-    if !metric.is_averaged() {
-        return Ok(());
-    }
-    let value = MEAN.read(&name, frame)?.get(place);
-    let sd = SD.read(&name, frame)?.get(place);
+    let value = MEAN.read(name, frame)?.get(place);
+    let sd = SD.read(name, frame)?.get(place);
     let across = Figure::ALL.into_iter().find(|figure| figure.name() == name).map(|figure| found.between(figure));
     let student = across.and_then(|across| across.interval);
     if let Metric::Rate(rate) = *metric {
@@ -93,7 +90,7 @@ fn of_metric<'a>(
         let part = u64::from(rate.part.read(frame)?.get(place).unwrap_or_default());
         // The runs of a cell share their starts.
         let of_runs = |count: u64| ClusteredCount::from(count).of_clusters(f64::from(cell.runs));
-        let of = Size(if rate.whole.name() == "collisions" { "collisions" } else { "episodes" }, whole);
+        let of = Size(if rate.whole.name == "collisions" { "collisions" } else { "episodes" }, whole);
         rows.push(Row { sd, ends: Some(wilson(of_runs(part), of_runs(whole))), interval: "wilson", ..row(of, value) });
         if student.is_some() {
             rows.push(Row { sd, ends: student, interval: "student", ..row(runs, value) });
@@ -112,7 +109,7 @@ fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Ro
             continue;
         }
         let [count, rate] = violation_metrics(words, &found.name);
-        let ((part, all), (mean, sd)) = (found.sums(counted), found.rate(counted));
+        let ((part, all), rate_of_runs) = (found.sums(counted), found.rate(counted));
         let row = Row {
             key: &cell.key,
             metric: count,
@@ -125,9 +122,9 @@ fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Ro
         rows.push(row.clone());
         rows.push(Row {
             metric: rate,
-            value: mean,
-            sd,
-            ends: Some(found.interval(counted)),
+            value: rate_of_runs.value,
+            sd: rate_of_runs.sd,
+            ends: rate_of_runs.interval,
             interval: "wilson",
             ..row
         });
@@ -175,7 +172,7 @@ fn violation_metrics(words: Words, requirement: &str) -> [ColumnReference; 2] {
     })
 }
 
-/// Adds the rows of quantiles, of the reference drivers, and of what trainings say of each other.
+/// Adds the rows of impact speeds, of the reference drivers, and of what trainings say of each other.
 fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>) {
     let row = |metric: ColumnReference, of: Size, value: Option<f64>| Row {
         key: &cell.key,
@@ -186,23 +183,19 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
         ends: None,
         interval: "",
     };
-    for quantiles in &QUANTILES {
-        let Quantiles { n, at } = (quantiles.of)(found);
-        let of = Size(quantiles.counted, *n);
-        rows.extend(quantiles.references().into_iter().zip(at).map(|(name, value)| row(name, of, *value)));
-    }
+    let (p90, collisions) = found.impact_speed_p90;
+    rows.push(row(IMPACT_SPEED_P90.reference(), Size("collisions", collisions), p90));
     let disagree = found.learning.as_ref().and_then(Learning::disagree);
     let trainings = Size("runs", u64::from(cell.runs));
     rows.extend(
         disagree.map(|disagree| row(TRAININGS_DISAGREE.reference(), trainings, Some(f64::from(u8::from(disagree))))),
     );
     for reference in Reference::ALL {
-        let (avoided, rest) = found.split(reference);
-        let [count, rate] = reference_metrics(reference);
-        rows.push(row(count, Size("collisions", found.collisions.count()), Some(avoided.count() as f64)));
+        let rest = found.remaining(reference);
         let of = Size("episodes", found.episodes.count());
         let ends = Some(wilson(rest, found.episodes));
-        rows.push(Row { ends, interval: "wilson", ..row(rate, of, rest.share_of(&found.episodes)) });
+        let rate = row(remaining_rate(reference), of, rest.share_of(&found.episodes));
+        rows.push(Row { ends, interval: "wilson", ..rate });
     }
 }
 
@@ -245,11 +238,10 @@ pub fn metric_table_reference() -> TableReference {
 
 /// The metrics that the table has, by name.
 pub fn metric_references() -> Vec<ColumnReference> {
-    let kept = |metric: &Metric| metric.is_averaged() || matches!(*metric, Metric::Count(_));
-    let mut all: Vec<ColumnReference> = metrics().iter().filter(|metric| kept(metric)).map(Metric::reference).collect();
-    all.extend(QUANTILES.iter().flat_map(|quantiles| quantiles.references()));
+    let mut all: Vec<ColumnReference> = metrics().iter().map(Metric::reference).collect();
+    all.push(IMPACT_SPEED_P90.reference());
     all.push(TRAININGS_DISAGREE.reference());
-    all.extend(Reference::ALL.into_iter().flat_map(reference_metrics));
+    all.extend(Reference::ALL.into_iter().map(remaining_rate));
     all.extend(OF_VIOLATIONS.into_iter().flat_map(|(words, _, _)| violation_metrics(words, "REQUIREMENT")));
     all
 }

@@ -2,7 +2,7 @@
 
 use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 
-use super::{Average, Cell, Doubt, DriverResult, SearchCell, Spread};
+use super::{Cell, Doubt, DriverResult, Rate, SearchCell};
 use crate::record::{Column, Table};
 
 /// The results of a report for an overview.
@@ -19,16 +19,6 @@ pub struct Variant<'a> {
     pub searches: &'a [SearchCell],
     /// The doubts about its trainings.
     pub doubts: &'a [Doubt],
-}
-
-/// A rate with its spread.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RateOfRow {
-    /// The rate, mean over runs.
-    pub rate: f64,
-    /// One standard deviation over runs to either side; of a single run Wilson's 95 % interval. For searches Student's 95 % interval, of
-    /// fewer than four the lowest and the highest run.
-    pub band: (f64, f64),
 }
 
 /// What a row of an overview is about.
@@ -51,9 +41,6 @@ pub struct OverviewRow<'a> {
 }
 
 impl<'a> OverviewRow<'a> {
-    /// The names of the rates of evaluations, and of that of searches.
-    pub const RATES: [&'static str; 4] = ["fault", "preventable", "collision", "starts with a fault"];
-
     /// The name of the driver.
     pub fn driver(&self) -> &'a str {
         match self.found {
@@ -80,31 +67,6 @@ impl<'a> OverviewRow<'a> {
             }
         }
     }
-
-    /// The rate at a place of [`OverviewRow::RATES`].
-    pub fn rate(&self, place: usize) -> Option<RateOfRow> {
-        let (spread, interval) = match (self.found, place) {
-            (Found::Evaluated(cell), 0) => (cell.fault, cell.fault_interval),
-            (Found::Evaluated(cell), 1) => (cell.preventable, cell.preventable_interval),
-            (Found::Evaluated(cell), 2) => (cell.collision, cell.interval),
-            (Found::Searched(cell), 3) => return searched_rate(&cell.fault_start_rate),
-            _ => return None,
-        };
-        let rate = spread.mean?;
-        Some(RateOfRow { rate, band: spread.sd.map_or(interval, |sd| ((rate - sd).max(0.0), (rate + sd).min(1.0))) })
-    }
-
-    /// What was found about its driver.
-    fn result(&self) -> Option<&'a DriverResult> {
-        self.variant.drivers.iter().find(|result| result.driver.name == self.driver())
-    }
-}
-
-/// The rate of searches.
-fn searched_rate(average: &Average) -> Option<RateOfRow> {
-    let runs = average.by_run.iter().copied();
-    let ends = runs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), run| (low.min(run), high.max(run)));
-    Some(RateOfRow { rate: average.mean?, band: average.interval.unwrap_or(ends) })
 }
 
 /// The reports of a call side by side.
@@ -155,8 +117,8 @@ impl<'a> Overview<'a> {
     }
 }
 
-/// A rate of a cell with its interval.
-type Estimate = fn(&Cell) -> (Spread, (f64, f64));
+/// A rate of a cell.
+type RateOf = fn(&Cell) -> &Rate;
 
 /// The columns of an overview, without those of the parameters.
 fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
@@ -191,38 +153,35 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         Found::Evaluated(cell) => u64::from(cell.runs),
         Found::Searched(cell) => cell.runs as u64,
     }));
-    let rates: [([&'static str; 4], Estimate); 3] = [
-        (["fault_rate", "fault_rate_sd", "fault_rate_wilson_low", "fault_rate_wilson_high"], |cell| {
-            (cell.fault, cell.fault_interval)
-        }),
+    let rates: [([&'static str; 4], RateOf); 3] = [
+        (["fault_rate", "fault_rate_sd", "fault_rate_wilson_low", "fault_rate_wilson_high"], |cell| &cell.fault),
         (
             ["preventable_rate", "preventable_rate_sd", "preventable_rate_wilson_low", "preventable_rate_wilson_high"],
-            |cell| (cell.preventable, cell.preventable_interval),
+            |cell| &cell.preventable,
         ),
         (["collision_rate", "collision_rate_sd", "collision_rate_wilson_low", "collision_rate_wilson_high"], |cell| {
-            (cell.collision, cell.interval)
+            &cell.collision
         }),
     ];
     for ([rate, sd, low, high], of) in rates {
         let of = move |row: &Row<'a>| cell(row).map(of);
         table = table
-            .column(number(rate, "", "mean over the runs").of(move |row: &Row<'a>| of(row)?.0.mean))
+            .column(number(rate, "", "mean over the runs").of(move |row: &Row<'a>| of(row)?.value))
             .column(
                 number(sd, "", "its standard deviation over runs; missing for one")
-                    .of(move |row: &Row<'a>| of(row)?.0.sd),
+                    .of(move |row: &Row<'a>| of(row)?.sd),
             )
             .column(
                 number(low, "", "lower end of its 95 % interval over starts (Wilson)")
-                    .of(move |row: &Row<'a>| Some(of(row)?.1.0)),
+                    .of(move |row: &Row<'a>| Some(of(row)?.interval?.0)),
             )
-            .column(number(high, "", "upper end of the same").of(move |row: &Row<'a>| Some(of(row)?.1.1)));
+            .column(number(high, "", "upper end of the same").of(move |row: &Row<'a>| Some(of(row)?.interval?.1)));
     }
     let average = move |of: fn(&SearchCell) -> Option<f64>| move |row: &Row<'a>| searched(row).and_then(of);
-    let worst = |row: &Row<'a>| row.result().and_then(|result| result.worst.as_ref());
     table
         .column(
             number("search_faults_start_rate", "", "share of starts from which the falsifier found a fault")
-                .of(average(|cell| cell.fault_start_rate.mean)),
+                .of(average(|cell| cell.fault_start_rate.value)),
         )
         .column(
             number(
@@ -238,27 +197,11 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         )
         .column(
             number("search_failed_starts", "", "starts from which the falsifier found a failure, mean over runs")
-                .of(average(|cell| cell.failed_starts.mean)),
+                .of(average(|cell| cell.failed_starts.value)),
         )
         .column(
             number("search_starts", "", "starts from which it searched, mean over runs")
-                .of(average(|cell| cell.starts.mean)),
-        )
-        .column(
-            text(
-                "worst_failure",
-                "",
-                "verdict of the worst failure of the driver in the report; empty without a collision",
-            )
-            .of(move |row: &Row<'a>| worst(row).map_or(String::new(), |found| found.word().to_owned())),
-        )
-        .column(
-            number("worst_impact_speed", "m/s", "speed of the car at its touch")
-                .of(move |row: &Row<'a>| worst(row).map(|found| found.impact_speed)),
-        )
-        .column(
-            text("worst_episode", "", "its name, `RUN:EPISODE`")
-                .of(move |row: &Row<'a>| worst(row).map_or(String::new(), super::ListedFailure::name)),
+                .of(average(|cell| cell.starts.value)),
         )
 }
 
@@ -282,6 +225,7 @@ fn value<'a>(variant: &Variant<'a>, name: &str) -> Option<&'a str> {
 mod tests {
     use super::*;
     use crate::record::CellKey;
+    use crate::report::aggregate::Method;
 
     #[test]
     fn each_controller_of_each_value_has_a_row_with_its_spread() {
@@ -293,8 +237,8 @@ mod tests {
                 reward: "r".into(),
                 ..CellKey::default()
             },
-            collision: Spread { mean: Some(collision), sd },
-            interval: (collision - 0.1, collision + 0.1),
+            collision: Rate { sd, ..Rate::single(collision) }
+                .within(Some((collision - 0.1, collision + 0.1)), Method::Wilson),
             ..Cell::default()
         };
         let cells = [cell("trained", 0.2, Some(0.03)), cell("random", 0.5, None)];
@@ -315,10 +259,6 @@ mod tests {
         assert_eq!(overview.rows.len(), 4, "two values, two controllers");
         assert_eq!(overview.rows[2].values, [Some("8".to_string())]);
         assert_eq!(overview.rows[3].who(), "random r");
-        let rate = |row: usize| overview.rows[row].rate(2).unwrap();
-        assert_eq!((rate(0).rate, rate(0).band), (0.2, (0.2 - 0.03, 0.2 + 0.03)));
-        assert_eq!((rate(1).rate, rate(1).band), (0.5, (0.4, 0.6)), "one run has the interval over its episodes");
-        assert_eq!(overview.rows[0].rate(0), None, "a rate without a value is none");
         let table = overview.table().unwrap();
         assert_eq!(table.height(), 4);
         assert_eq!(table.column("weight").unwrap().str().unwrap().get(0), Some("3"));

@@ -1,19 +1,16 @@
 use std::collections::BTreeMap;
 
 use super::aggregate::{
-    COVER_POINTS, COVERS, ESTIMATES, HARDENED, PROTOCOL, RESULTS, RUNS, SEARCH_KINDS, cover_point_table, cover_table,
-    estimate_table, hardened_table, protocol_table, results,
+    COVER_POINTS, COVERS, ESTIMATES, HARDENED, PROTOCOL, RESULTS, RUNS, cover_point_table, cover_table, estimate_table,
+    hardened_table, protocol_table, results,
 };
-use super::failure_modes::{self, CellModes};
+use super::failure_modes;
 use super::metric_table::METRICS;
-use super::played::played;
-use super::render::{
-    Section, cover_section, estimates, file_names, hardened_section, mode_panels, modes_section, page_examples,
-    protocol, published_section, requirements, rule_bars, search_section, summary, trainings_section, write_page,
-};
+use super::render::{Section, page_examples, summary, write_page};
+use super::replayed::replayed;
 use super::{
     Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
-    search_cell_table, search_comparison_table, search_failures, search_kind_table, searches, town_map,
+    search_cell_table, search_comparison_table, search_failures, searches, town_map,
 };
 use crate::jobs::{CoverResult, EstimateResult, HardenResult, SearchResult, TrainingResult};
 use base::seed::Seed;
@@ -34,15 +31,20 @@ pub fn driver_file(key: &TrainingKey) -> String {
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
-pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -> Result<(), WriteError> {
+pub fn write(
+    folder: &ReportFolder,
+    found: &Findings<'_>,
+    sections: &[Section],
+    manifest: &Manifest,
+) -> Result<(), WriteError> {
     let Findings { campaign, finished, gathered, .. } = found;
     let evidence = &gathered.evidence;
     folder.table(RUNS, &found.runs)?;
     folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
     folder.table(METRICS, &found.metrics)?;
     folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
-    folder.table("transfer", &infer::transfer_table(&evidence.transfers))?;
-    let modes_sections = write_failure_modes(folder, &found.modes)?;
+    folder.table("failure_modes", &failure_modes::failure_modes(&found.modes))?;
+    folder.table("explanations", &failure_modes::explanations(&found.modes))?;
     folder.table("learning_curve", &learning_curve(finished.all::<TrainingResult>()))?;
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
@@ -81,62 +83,31 @@ pub fn write(folder: &ReportFolder, found: &Findings<'_>, manifest: &Manifest) -
         folder.file(&pedestrian_file(key, "safetensors"), &trained.actor_critic.to_safetensors(&metadata))?;
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
-    let mut sections = Vec::new();
     if !campaign.published.is_empty() {
         folder.table("published", &published(&found.published))?;
-        sections.extend(published_section(&found.published));
     }
     if !gathered.protocol.is_empty() || !found.layers.is_empty() {
         let all: Vec<_> = gathered.protocol.iter().chain(&found.layers).cloned().collect();
         folder.table(PROTOCOL, &protocol_table(&all))?;
-        sections.extend(protocol(&gathered.protocol, &found.layers, &|_| None));
     }
-    sections.extend(requirements(&found.cells, &gathered.requirements, &|_, _| None));
-    sections.extend(modes_sections);
     if !finished.all::<SearchResult>().is_empty() {
         folder.table("searches", &searches(finished.all::<SearchResult>()))?;
         folder.table("search_cells", &search_cell_table(&found.searches))?;
         folder.table(SEARCH_COMPARISONS, &search_comparison_table(&found.search_comparisons))?;
         folder.table("search_failures", &search_failures(finished.all::<SearchResult>()))?;
-        folder.table(SEARCH_KINDS, &search_kind_table(&found.search_kinds))?;
-        sections.push(search_section(&found.searches, &found.search_comparisons));
     }
     if !finished.all::<EstimateResult>().is_empty() {
         folder.table(ESTIMATES, &estimate_table(finished.all::<EstimateResult>()))?;
-        sections.extend(estimates(finished.all::<EstimateResult>()));
     }
     if !finished.all::<CoverResult>().is_empty() {
         folder.table(COVERS, &cover_table(&found.covers))?;
         folder.table(COVER_POINTS, &cover_point_table(finished.all::<CoverResult>()))?;
-        sections.push(cover_section(&found.covers));
     }
-    if let Some(section) = hardened_section(finished.all::<HardenResult>()) {
+    if !finished.all::<HardenResult>().is_empty() {
         folder.table(HARDENED, &hardened_table(finished.all::<HardenResult>()))?;
-        sections.push(section);
     }
-    sections.extend(trainings_section(finished.all::<TrainingResult>()));
-    folder.file("summary.md", summary(found, manifest, &sections).as_bytes())?;
+    folder.file("summary.md", summary(found, sections, manifest).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
-    let played = played(&page_examples(found), found, &Seed::root(manifest.seed));
-    write_page(folder, found, &played, manifest)
-}
-
-/// Adds the tables and pictures of failure modes to a report; returns the section of its summary, none without any collision.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_failure_modes(folder: &ReportFolder, cells: &[CellModes<'_>]) -> Result<Option<Section>, WriteError> {
-    folder.table("failure_modes", &failure_modes::failure_modes(cells))?;
-    folder.table("mode_counts", &failure_modes::mode_counts(cells))?;
-    folder.table("explanations", &failure_modes::explanations(cells))?;
-    let names = file_names(cells);
-    for (cell, name) in cells.iter().zip(&names) {
-        if !cell.modes.is_empty() {
-            folder.file(&format!("modes/{name}.svg"), mode_panels(cell).to_svg().as_bytes())?;
-        }
-        if !cell.explanations.is_empty() {
-            folder.file(&format!("modes/{name}-why.svg"), rule_bars(cell).to_svg().as_bytes())?;
-        }
-    }
-    Ok(modes_section(cells, &names))
+    let played = replayed(&page_examples(found), found, &Seed::root(manifest.seed));
+    write_page(folder, found, sections, &played, manifest)
 }

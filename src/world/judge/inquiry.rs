@@ -2,9 +2,7 @@ use super::class::Facts;
 use super::reaction::{MAX_REACTION, share_of_drivers};
 use super::reference::Model;
 use super::trial::{FreeRun, Notice, STANDING};
-use super::{
-    Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, Sensitivity, Sight, Trial, Verdict, contact_side,
-};
+use super::{Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, Sight, Trial, Verdict, contact_side};
 use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate};
 use crate::env::Pair;
 use crate::sim::Contact;
@@ -139,29 +137,6 @@ impl<'a> Inquiry<'a> {
         Class::of(&Facts { moved, preventable, foreseeable, walked_into, speed: self.contact.impact_speed, margin })
     }
 
-    /// Whether it would count as a fault with other figures of the careful humans.
-    pub fn sensitivity(&mut self) -> Sensitivity {
-        let (_, walked_into) = self.touched();
-        let foreseeable = PedestrianMotion::new(&self.pair).is_foreseeable();
-        let (moved, speed) = (self.has_moved(), self.contact.impact_speed);
-        Sensitivity::of(|later, gate| {
-            // What the humans do is asked last: it costs most.
-            let others = Facts { moved, preventable: true, foreseeable, walked_into, speed, margin: f64::INFINITY };
-            if Class::of(&others) != Class::Fault {
-                return false;
-            }
-            let trials = Label::humans().map(|human| {
-                let profile = BrakeProfile::careful_human(human.reaction() + later);
-                let driver = DelayedBrake::new(Some(gate), profile);
-                let notice = self.free.noticed(&self.encounter, &driver);
-                self.free.braked(&mut self.encounter, driver, notice)
-            });
-            let margin = trials.iter().map(|trial| trial.least_gap).fold(f64::INFINITY, f64::min);
-            let preventable = trials.iter().all(Trial::is_avoided);
-            Class::of(&Facts { preventable, margin, ..others }) == Class::Fault
-        })
-    }
-
     /// The side of the touch, and whether the pedestrian walked into the car.
     fn touched(&self) -> (ContactSide, bool) {
         contact_side::touched(&self.pair).expect("checked: they touched")
@@ -180,7 +155,6 @@ impl<'a> Inquiry<'a> {
             impact_speed: self.contact.impact_speed,
             latest_reaction: self.latest_reaction(),
             trials: Reference::ALL.map(|reference| self.trial(reference)),
-            sensitivity: self.sensitivity(),
         }
     }
 }

@@ -1,5 +1,5 @@
 use super::class::Facts;
-use super::{Class, ContactSide, Inquiry, Reference, Sensitivity, Sight, Trial, reaction, severity};
+use super::{Class, ContactSide, Inquiry, Reference, Sight, Trial, reaction, severity};
 use crate::env::Pair;
 use base::choice;
 
@@ -90,8 +90,6 @@ pub struct Verdict {
     pub latest_reaction: Option<f64>,
     /// The result of each driver, in the order of [`Reference::ALL`].
     pub trials: [Trial; Reference::COUNT],
-    /// Whether it would count as a fault with other figures of the careful humans.
-    pub sensitivity: Sensitivity,
 }
 
 impl Verdict {

@@ -1,22 +1,17 @@
-"""Partitions, trees and richness by scikit-learn and scikit-bio.
+"""Partitions and trees by scikit-learn.
 
-    pip install scikit-learn==1.9.1 scikit-bio==0.7.4
+    pip install scikit-learn==1.9.1
     python record.py > values.json
 
 `partitions`: points, two labellings, and their adjusted Rand index and the silhouette of the first.
-`richness`: how often each kind was seen; Chao's bias-corrected estimate, its 95 % interval, Good's coverage and the entropy (nat).
-`rarefaction`: counts, and the expected number of kinds when so many of all individuals are drawn.
 `tree`: a table with a class for each row, and the splits that a tree of depth 3 makes: feature, value and the hits and rows of its
 leaves, in the order of depth first, "at most" first.
 """
 
 import json
-import math
 import random
 
-import skbio
 import sklearn
-from skbio.diversity import alpha
 from sklearn.metrics import adjusted_rand_score, silhouette_score
 from sklearn.tree import DecisionTreeClassifier
 
@@ -34,24 +29,6 @@ def partition(n, clusters, mistakes):
         "adjusted_rand": adjusted_rand_score(labels, other),
         "silhouette": silhouette_score(points, labels),
     }
-
-
-def richness(counts):
-    low, high = alpha.chao1_ci(counts, bias_corrected=True)
-    return {
-        "counts": counts,
-        "chao1": alpha.chao1(counts, bias_corrected=True),
-        "low": low,
-        "high": high,
-        "coverage": alpha.goods_coverage(counts),
-        "entropy": alpha.shannon(counts, base=math.e),
-    }
-
-
-def rarefaction(counts, drawn):
-    n = sum(counts)
-    expected = sum(1 - math.comb(n - count, drawn) / math.comb(n, drawn) for count in counts)
-    return {"counts": counts, "drawn": drawn, "expected": expected}
 
 
 def tree():
@@ -77,13 +54,8 @@ def tree():
 print(
     json.dumps(
         {
-            "versions": {"scikit-learn": sklearn.__version__, "scikit-bio": skbio.__version__},
+            "versions": {"scikit-learn": sklearn.__version__},
             "partitions": [partition(60, 3, 0.3), partition(41, 2, 0.9), partition(30, 5, 0.0)],
-            "richness": [
-                richness(counts)
-                for counts in ([50, 30, 9, 4, 2, 2, 1, 1, 1, 1], [12, 7, 1, 1], [9, 8, 2], [5], [1, 1, 1, 1, 1], [100, 2, 2, 1])
-            ],
-            "rarefaction": [rarefaction([50, 30, 9, 4, 2, 1, 1], drawn) for drawn in (1, 10, 60, 97)],
             "tree": tree(),
         }
     )

@@ -8,38 +8,22 @@ use results::report::{self, ListedFailure};
 
 /// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
 pub fn show(report: &CampaignReport) {
-    let CampaignReport { folder, manifest, cells, drivers, searches, protocol: (nominal, layers), .. } = report;
+    let CampaignReport { folder, manifest, drivers, sections, .. } = report;
     console::say(&format!("campaign {}", manifest.campaign));
-    let width = console::width();
-    let searched = report::searches_for_terminal(searches, &report.search_comparisons, width);
-    let protocol = report::protocol_for_terminal(nominal, layers, width);
-    let covered = report::covers_for_terminal(&report.covers, width);
-    let requirements = report::requirements_for_terminal(cells, &report.requirements, width);
-    for text in [
-        report::results_for_terminal(drivers, cells, width),
-        protocol,
-        requirements,
-        searched,
-        report::estimates_for_terminal(&report.estimates, width),
-        covered,
-        report::hardened_for_terminal(&report.hardened, width),
-        report::drivers_for_terminal(drivers, cells, width),
-    ] {
-        if !text.is_empty() {
-            console::say(&format!("{}\n", text.trim_end()));
-        }
-    }
+    // The first section is the most important one, and the last lines are those that a reader sees.
+    let texts = sections.iter().rev().map(|section| section.to_terminal(console::width()));
+    let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
+    texts.iter().for_each(|text| console::say(&format!("{}\n", text.trim_end())));
     match report::worst_failure(drivers) {
         Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
         None if drivers.iter().all(|driver| driver.episodes == 0) => {
             let learnt = learnt_drivers(folder);
-            let nothing = report.covers.is_empty() && report.estimates.is_empty() && report.hardened.is_empty();
             if !learnt.is_empty() {
                 console::say(&format!(
                     "drivers that learnt, for `policy NAME = onnx(model: …)`:\n{}",
                     learnt.join("\n")
                 ));
-            } else if nothing {
+            } else if texts.is_empty() {
                 console::say("nothing was evaluated");
             }
         }

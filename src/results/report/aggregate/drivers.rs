@@ -6,7 +6,6 @@ use crate::jobs::SearchResult;
 use crate::report::ListedFailure;
 use base::statistics::mean;
 use compile::Driver;
-use world::judge::Blame;
 
 /// The failures of a driver that searches found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -17,8 +16,6 @@ pub struct SearchFailures {
     pub preventable: usize,
     /// Those that count against the driver.
     pub fault: usize,
-    /// Faults with other figures of the careful humans, in the order of [`Sensitivity::NAMES`](world::judge::Sensitivity::NAMES).
-    pub fault_if: [usize; 4],
     /// The avoidable injury of a thousand episodes, as the mean over the searches: one that spends its budget on many short episodes has no greater
     /// weight. None without any episode.
     pub injury_per_thousand: Option<f64>,
@@ -113,8 +110,9 @@ fn worst_cell(cells: &[Cell], driver: &str) -> Option<usize> {
 
 /// The cell with more avoidable injury first; then by the fault rate, the preventable rate, the rate of collisions.
 fn worse_cell_first(a: &Cell, b: &Cell) -> Ordering {
-    let rates =
-        |cell: &Cell| [cell.injury, cell.fault, cell.preventable, cell.collision].map(|rate| rate.mean.unwrap_or(-1.0));
+    let rates = |cell: &Cell| {
+        [&cell.injury, &cell.fault, &cell.preventable, &cell.collision].map(|rate| rate.value.unwrap_or(-1.0))
+    };
     let pairs = rates(b).into_iter().zip(rates(a));
     pairs.map(|(b, a)| b.total_cmp(&a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
@@ -124,27 +122,15 @@ fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
     if of_driver.is_empty() {
         return None;
     }
-    let sum = of_driver.iter().fold(SearchFailures::default(), |sum, search| {
-        let count = |blame| search.finds().filter(|find| find.is(blame)).count();
-        SearchFailures {
-            all: sum.all + search.spent.failures.len(),
-            preventable: sum.preventable + count(Blame::Preventable),
-            fault: sum.fault + count(Blame::Fault),
-            fault_if: std::array::from_fn(|place| {
-                let verdicts = search.finds().filter_map(|find| find.verdict());
-                let changed = verdicts.filter(|verdict| verdict.sensitivity.values()[place]);
-                sum.fault_if[place] + changed.count()
-            }),
-            injury_per_thousand: None,
-            fault_start_rate: None,
-            episodes: sum.episodes + search.spent.episodes,
-        }
-    });
     let figures: Vec<Figures> = of_driver.iter().map(|search| Figures::new(search)).collect();
+    let sum = |of: fn(&Figures) -> usize| figures.iter().map(of).sum::<usize>();
     Some(SearchFailures {
+        all: sum(|each| each.failures),
+        preventable: sum(|each| each.preventable),
+        fault: sum(|each| each.fault),
         injury_per_thousand: mean(figures.iter().filter_map(|each| each.injury)),
         fault_start_rate: mean(figures.iter().filter_map(|each| each.fault_start_rate)),
-        ..sum
+        episodes: of_driver.iter().map(|search| search.spent.episodes).sum(),
     })
 }
 
@@ -152,7 +138,7 @@ fn searched(searches: &[SearchResult], driver: &str) -> Option<SearchFailures> {
 mod tests {
     use super::*;
     use crate::record::CellKey;
-    use crate::report::Spread;
+    use crate::report::Rate;
     use base::signature::Arguments;
 
     fn driver(name: &str, kind: &'static str) -> Driver {
@@ -167,9 +153,8 @@ mod tests {
     }
 
     fn cell(policy: &str, fault: f64, moving: f64) -> Cell {
-        let rate = |mean| Spread { mean: Some(mean), sd: None };
         let key = CellKey { policy: policy.into(), ..CellKey::default() };
-        Cell { key, fault: rate(fault), collision: rate(moving), ..Cell::default() }
+        Cell { key, fault: Rate::single(fault), collision: Rate::single(moving), ..Cell::default() }
     }
 
     #[test]

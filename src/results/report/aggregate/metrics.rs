@@ -2,10 +2,11 @@ use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
 use super::run_totals::to_runs;
+use super::{Method, Rate};
 use crate::record::metric;
 use crate::record::{self, CellKey, ColumnReference, Metric, TableReference};
 use base::statistics::{ClusteredCount, wilson};
-use world::judge::{Label, Reference};
+use world::judge::Label;
 
 /// The tables of metrics.
 #[derive(Debug, Clone)]
@@ -14,15 +15,6 @@ pub struct Metrics {
     pub runs: DataFrame,
     /// One row for each cell: all runs of the same reward, towns and policies.
     pub cells: DataFrame,
-}
-
-/// A mean over runs, and the standard deviation between them when there is more than one.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Spread {
-    /// The mean; none when no run has a value.
-    pub mean: Option<f64>,
-    /// The sample standard deviation.
-    pub sd: Option<f64>,
 }
 
 /// A cell, for people.
@@ -34,45 +26,30 @@ pub struct Cell {
     pub episodes: u32,
     /// The number of episodes in which the driver failed; no other figure counts them.
     pub errors: u32,
-    /// Collisions of all episodes.
-    pub collision: Spread,
-    /// Wilson's interval of the collision rate over the starts, which its runs share.
-    pub interval: (f64, f64),
+    /// Collisions of all episodes. This and the other rates have Wilson's interval over the starts, which the runs share.
+    pub collision: Rate,
     /// Collisions and bumps of all episodes.
-    pub touch: Spread,
+    pub touch: Rate,
     /// The share of these in the front sector.
-    pub front: Spread,
+    pub front: Rate,
     /// Reward of an episode.
-    pub reward_sum: Spread,
+    pub reward_sum: Rate,
     /// Length of an episode (s).
-    pub length: Spread,
+    pub length: Rate,
     /// Speed of the ego at a collision (m/s).
-    pub impact_speed: Spread,
+    pub impact_speed: Rate,
     /// Collisions in all runs.
     pub collisions: u32,
     /// Preventable collisions of all episodes.
-    pub preventable: Spread,
-    /// Wilson's interval of that, over all episodes.
-    pub preventable_interval: (f64, f64),
+    pub preventable: Rate,
     /// Preventable collisions of all collisions.
-    pub preventable_share: Spread,
-    /// Wilson's interval of that, over all collisions.
-    pub preventable_share_interval: (f64, f64),
+    pub preventable_share: Rate,
     /// Avoidable injury of an episode: the severe-injury risk that a careful human would have spared.
-    pub injury: Spread,
-    /// The number of faults, and the numbers with other figures of the careful humans, in the order of
-    /// [`Sensitivity::NAMES`](world::judge::Sensitivity::NAMES).
+    pub injury: Rate,
+    /// The number of faults.
     pub faults: u32,
-    /// See [`Cell::faults`].
-    pub faults_if: [u32; 4],
     /// Faults of all episodes.
-    pub fault: Spread,
-    /// Wilson's interval of that, over all episodes.
-    pub fault_interval: (f64, f64),
-    /// The same of all collisions.
-    pub fault_share: Spread,
-    /// Collisions with a foreseeable pedestrian of all episodes.
-    pub foreseeable_rate: Spread,
+    pub fault: Rate,
     /// The number of touches with each label, in the order of [`Label::ALL`].
     pub labels: [u32; Label::COUNT],
     /// The number of collisions with a foreseeable pedestrian.
@@ -89,12 +66,8 @@ pub struct Cell {
     pub placed: u32,
     /// The number of these in which the car left the road.
     pub left_road: u32,
-    /// The number of episodes without a touch.
-    pub passed: u32,
-    /// The number of these in which each reference driver would have braked needlessly, and to a stop, in the order of [`Reference::ALL`].
-    pub false_alarms: [[u32; 2]; Reference::COUNT],
     /// The expected rate of collisions that a driver drawn at random would have avoided, of all episodes.
-    pub expected_preventable: Spread,
+    pub expected_preventable: Rate,
 }
 
 /// The stem of the files of the table of runs.
@@ -114,17 +87,17 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
 fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
     let groups = Groups::new(runs, record::cell_key_names())?;
     let mut cells = groups.table()?;
-    cells.with_column(groups.sizes(&metric::RUNS.name()))?;
+    cells.with_column(groups.sizes(metric::RUNS.name))?;
     for metric in metrics {
         if let Metric::Count(count) = *metric {
             let counts = count.read(runs)?;
-            cells.with_column(groups.sum(&count.name(), |row| counts.get(row).unwrap_or_default()))?;
+            cells.with_column(groups.sum(count.name, |row| counts.get(row).unwrap_or_default()))?;
         }
     }
     for name in metrics.iter().filter(|metric| metric.is_averaged()).map(Metric::name) {
-        let values = runs.column(&name)?.f64()?;
-        cells.with_column(groups.mean(&metric::MEAN.name(&name), |row| values.get(row)))?;
-        cells.with_column(groups.deviation(&metric::SD.name(&name), values))?;
+        let values = runs.column(name)?.f64()?;
+        cells.with_column(groups.mean(&metric::MEAN.name(name), |row| values.get(row)))?;
+        cells.with_column(groups.deviation(&metric::SD.name(name), values))?;
     }
     add_intervals(&mut cells, metrics)?;
     Ok(cells)
@@ -159,8 +132,6 @@ pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
     let mut runs = record::run_key_references();
     runs.extend(metrics.iter().filter(|metric| !is_rate(metric)).map(Metric::reference));
     runs.extend(metrics.iter().filter(is_rate).map(Metric::reference));
-    // Those of the reference drivers are in `metrics`.
-    runs.retain(|column| !metric::is_of_reference_driver(&column.name));
     let mut cells = record::cell_key_references();
     cells.push(Metric::Count(metric::RUNS).reference());
     cells.extend(metrics.iter().filter(is_count).map(Metric::reference));
@@ -186,12 +157,6 @@ pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
     ]
 }
 
-/// The names of the columns of the files of runs.
-pub fn run_columns() -> Vec<String> {
-    let [runs, _] = references(&record::metrics());
-    runs.columns.into_iter().map(|column| column.name.into_owned()).collect()
-}
-
 impl Cell {
     /// The number of preventable collisions in all runs.
     pub fn preventable_collisions(&self) -> u32 {
@@ -215,66 +180,52 @@ impl Metrics {
     /// Those of polars; none for tables made by [`metrics`].
     pub fn cells(&self) -> PolarsResult<Vec<Cell>> {
         let frame = &self.cells;
+        let groups = Groups::new(&self.runs, record::cell_key_names())?;
         let count = |count: metric::Count, row: usize| -> PolarsResult<u32> {
             Ok(count.read(frame)?.get(row).unwrap_or_default())
         };
-        let spread = |name: &str, row: usize| -> PolarsResult<Spread> {
-            Ok(Spread { mean: metric::MEAN.read(name, frame)?.get(row), sd: metric::SD.read(name, frame)?.get(row) })
+        let figure = |name: &str, row: usize| -> PolarsResult<Rate> {
+            let values = self.runs.column(name)?.f64()?;
+            let by_run = groups.rows()[row].iter().filter_map(|run| values.get(*run)).collect();
+            let (value, sd) = (metric::MEAN.read(name, frame)?.get(row), metric::SD.read(name, frame)?.get(row));
+            Ok(Rate { value, sd, by_run, ..Rate::default() })
         };
-        let interval = |rate: metric::Rate, row: usize| -> PolarsResult<(f64, f64)> {
+        let rate = |rate: metric::Rate, row: usize| -> PolarsResult<Rate> {
             let (low, high) = rate.interval(frame)?;
-            Ok((low.get(row).unwrap_or(0.0), high.get(row).unwrap_or(1.0)))
+            let interval = (low.get(row).unwrap_or(0.0), high.get(row).unwrap_or(1.0));
+            Ok(figure(rate.name, row)?.within(Some(interval), Method::Wilson))
         };
         let cell = |row: usize| {
             let mut labels = [0; Label::COUNT];
             for (found, label) in labels.iter_mut().zip(Label::ALL) {
                 *found = count(metric::labelled(label), row)?;
             }
-            let mut false_alarms = [[0; 2]; Reference::COUNT];
-            for (found, reference) in false_alarms.iter_mut().zip(Reference::ALL) {
-                for (found, stops) in found.iter_mut().zip([false, true]) {
-                    *found = count(metric::false_alarms(reference, stops), row)?;
-                }
-            }
-            let mut faults_if = [0; 4];
-            for (found, changed) in faults_if.iter_mut().zip(metric::FAULTS_IF) {
-                *found = count(changed, row)?;
-            }
             Ok(Cell {
-                injury: spread(metric::AVOIDABLE_INJURY.name, row)?,
+                injury: figure(metric::AVOIDABLE_INJURY.name, row)?,
                 faults: count(metric::FAULT_COLLISIONS, row)?,
-                faults_if,
                 all: count(metric::ALL_EPISODES, row)?,
                 left_out: count(metric::LEFT_OUT_EPISODES, row)?,
                 road_end: count(metric::ROAD_END_EPISODES, row)?,
                 placed: count(metric::PLACED_STARTS, row)?,
                 left_road: count(metric::LEFT_ROAD_EPISODES, row)?,
-                passed: count(metric::PASSED, row)?,
-                false_alarms,
                 key: CellKey::read(frame, row)?,
                 runs: count(metric::RUNS, row)?,
                 episodes: count(metric::EPISODES, row)?,
                 errors: count(metric::ERRORS, row)?,
-                collision: spread(metric::COLLISION_RATE.name, row)?,
-                interval: interval(metric::COLLISION_RATE, row)?,
-                touch: spread(metric::TOUCH_RATE.name, row)?,
-                front: spread(metric::FRONT_RATE.name, row)?,
-                reward_sum: spread(metric::EPISODE_REWARD.name, row)?,
-                length: spread(metric::EPISODE_LENGTH.name, row)?,
-                impact_speed: spread(metric::IMPACT_SPEED.name, row)?,
+                collision: rate(metric::COLLISION_RATE, row)?,
+                touch: rate(metric::TOUCH_RATE, row)?,
+                front: rate(metric::FRONT_RATE, row)?,
+                reward_sum: figure(metric::EPISODE_REWARD.name, row)?,
+                length: figure(metric::EPISODE_LENGTH.name, row)?,
+                impact_speed: figure(metric::IMPACT_SPEED.name, row)?,
                 collisions: count(metric::COLLISIONS, row)?,
-                preventable: spread(metric::PREVENTABLE_RATE.name, row)?,
-                preventable_interval: interval(metric::PREVENTABLE_RATE, row)?,
-                preventable_share: spread(metric::PREVENTABLE_SHARE.name, row)?,
-                preventable_share_interval: interval(metric::PREVENTABLE_SHARE, row)?,
-                fault: spread(metric::FAULT_RATE.name, row)?,
-                fault_interval: interval(metric::FAULT_RATE, row)?,
-                fault_share: spread(metric::FAULT_SHARE.name, row)?,
-                foreseeable_rate: spread(metric::FORESEEABLE_RATE.name, row)?,
+                preventable: rate(metric::PREVENTABLE_RATE, row)?,
+                preventable_share: rate(metric::PREVENTABLE_SHARE, row)?,
+                fault: rate(metric::FAULT_RATE, row)?,
                 labels,
                 foreseeable: count(metric::FORESEEABLE_COLLISIONS, row)?,
                 walked_into: count(metric::WALKED_INTO_COLLISIONS, row)?,
-                expected_preventable: spread(metric::EXPECTED_PREVENTABLE.name, row)?,
+                expected_preventable: figure(metric::EXPECTED_PREVENTABLE.name, row)?,
             })
         };
         (0..frame.height()).map(cell).collect()
@@ -289,7 +240,7 @@ mod tests {
     use world::av::{DrivingMode, Fault};
     use world::env::{Ending, Outcome, Spawn};
     use world::geometry::Pose;
-    use world::judge::{ContactSide, Judged, Sensitivity, Sight, Trial, Verdict};
+    use world::judge::{ContactSide, Judged, Reference, Sight, Trial, Verdict};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Touch {
@@ -314,7 +265,6 @@ mod tests {
             impact_speed,
             trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5, moved: true, braked: true, stopped: true };
                 Reference::COUNT],
-            sensitivity: Sensitivity::default(),
         });
         let cell = CellKey {
             controller: "trained".into(),
@@ -372,22 +322,22 @@ mod tests {
         assert_eq!((metrics.runs.height(), metrics.cells.height()), (2, 1));
         let cell = &metrics.cells().unwrap()[0];
         assert_eq!((cell.runs, cell.episodes), (2, 8));
-        let near = |spread: Spread, mean: f64, sd: f64| {
-            assert!((spread.mean.unwrap() - mean).abs() < 1e-12, "{spread:?}");
-            assert!((spread.sd.unwrap() - sd).abs() < 1e-12, "{spread:?}");
+        let near = |rate: &Rate, mean: f64, sd: f64| {
+            assert!((rate.value.unwrap() - mean).abs() < 1e-12, "{rate:?}");
+            assert!((rate.sd.unwrap() - sd).abs() < 1e-12, "{rate:?}");
         };
-        near(cell.touch, 0.375, 0.125 * 2.0_f64.sqrt());
-        near(cell.front, 0.75, 0.25 * 2.0_f64.sqrt());
-        near(cell.collision, 0.25, 0.0);
-        near(cell.impact_speed, 5.0, 2.0_f64.sqrt());
-        assert_eq!(cell.interval, wilson(1, 4), "its two runs share four starts");
-        near(cell.preventable, 0.25, 0.0);
-        near(cell.preventable_share, 1.0, 0.0);
-        assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(1, 4), wilson(1, 1)));
+        near(&cell.touch, 0.375, 0.125 * 2.0_f64.sqrt());
+        near(&cell.front, 0.75, 0.25 * 2.0_f64.sqrt());
+        near(&cell.collision, 0.25, 0.0);
+        near(&cell.impact_speed, 5.0, 2.0_f64.sqrt());
+        assert_eq!(cell.collision.interval, Some(wilson(1, 4)), "its two runs share four starts");
+        near(&cell.preventable, 0.25, 0.0);
+        near(&cell.preventable_share, 1.0, 0.0);
+        let intervals = [&cell.preventable, &cell.preventable_share].map(|rate| rate.interval.unwrap());
+        assert_eq!(intervals, [wilson(1, 4), wilson(1, 1)]);
         assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (2, [2, 0, 0, 0, 1], 2));
-        // Every preventable collision of these is foreseeable, and no other one is.
-        assert_eq!((cell.fault, cell.fault_interval), (cell.preventable, cell.preventable_interval));
-        assert_eq!((cell.fault_share, cell.foreseeable_rate), (cell.preventable_share, cell.preventable));
+        // Every preventable collision of these is foreseeable.
+        assert_eq!(cell.fault, cell.preventable);
     }
 
     #[test]
@@ -402,11 +352,11 @@ mod tests {
         let metrics = metrics(&episodes(&rows)).unwrap();
         let cell = &metrics.cells().unwrap()[0];
         assert_eq!((cell.runs, cell.episodes, cell.errors), (2, 2, 2));
-        assert_eq!(cell.collision, Spread { mean: Some(0.5), sd: None }, "a run of errors alone has no rate");
-        assert_eq!(cell.reward_sum.mean, Some(2.5));
+        assert_eq!((cell.collision.value, cell.collision.sd), (Some(0.5), None), "a run of errors alone has no rate");
+        assert_eq!(cell.reward_sum.value, Some(2.5));
         let runs = 2.0;
         assert_eq!(
-            cell.interval,
+            cell.collision.interval.unwrap(),
             wilson(ClusteredCount::from(1).of_clusters(runs), ClusteredCount::from(2).of_clusters(runs))
         );
     }
@@ -449,7 +399,6 @@ mod tests {
     fn a_run_without_collisions_has_no_front_rate() {
         let metrics = metrics(&episodes(&[row(0, 0, None)])).unwrap();
         let cell = &metrics.cells().unwrap()[0];
-        assert_eq!(cell.front, Spread { mean: None, sd: None });
-        assert_eq!(cell.collision, Spread { mean: Some(0.0), sd: None });
+        assert_eq!((cell.front.value, cell.collision.value), (None, Some(0.0)));
     }
 }

@@ -8,58 +8,54 @@ mod episodes;
 mod failures;
 mod drivers;
 mod groups;
+mod rate;
 mod metrics;
 mod results;
 mod requirements;
 mod gathered;
 mod run_totals;
 mod learning_curve;
-mod survival;
 mod covers;
 mod hardened;
 mod search_figures;
 mod searches;
 mod search_cells;
-mod search_kinds;
 mod search_comparisons;
 mod estimates;
 mod published;
 mod protocol;
 mod ticks;
-mod tick_file;
 
 pub use covers::{
     COVER_POINTS, COVERS, CoverRow, cover_columns, cover_in_words, cover_point_columns, cover_point_table, cover_rows,
     cover_table, percent_above,
 };
-pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
+pub use drivers::{DriverResult, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use estimates::{ESTIMATES, estimate_columns, estimate_doubts, estimate_table};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};
 pub use hardened::{HARDENED, HardenedTotals, hardened_columns, hardened_in_words, hardened_table, lost_progress};
 pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_table};
-pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references, run_columns};
+pub use metrics::{CELLS, Cell, Metrics, RUNS, metrics, references};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
-pub use published::{Agreement, PublishedComparison, beside, published, published_table};
+pub use published::{PublishedComparison, beside, published, published_table};
+pub use rate::{Method, Rate};
 pub use requirements::{
     AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
     REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, RequirementRow, VIOLATED, VIOLATION_FAULT,
     VIOLATION_FORESEEABLE, no_verdict, rate_columns, requirement_table, unit_of, with_rates,
 };
 pub use results::{RESULTS, results, results_table};
-pub use search_cells::{Average, SearchCell, search_cell_columns, search_cell_table, search_cells};
+pub use search_cells::{SearchCell, search_cell_columns, search_cell_table, search_cells};
 pub use search_comparisons::{
     SEARCH_COMPARISONS, SearchComparison, search_comparison_columns, search_comparison_table, search_comparisons,
 };
 pub(super) use search_figures::impact;
 pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
-pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
     BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
     GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, TRIED, failure_table, search_failures,
     search_key, search_references, search_table, searches,
 };
-pub use survival::MedianTime;
-pub use tick_file::{Wanted, write_ticks};
-pub use ticks::{TICKS, tick_table, ticks};
+pub use ticks::{tick_table, ticks};

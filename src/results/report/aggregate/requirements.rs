@@ -1,5 +1,6 @@
 use polars::prelude::{Column as Values, DataFrame, PolarsResult};
 
+use super::{Method, Rate};
 use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
 use crate::record::columns::{RUN, RUN_ID};
 use crate::record::episodes::named;
@@ -222,23 +223,19 @@ impl CellRequirement {
         self.runs.iter().fold((0, 0), |(part, all), run| (part + counted(run), all + run.episodes))
     }
 
-    /// The mean of the rates of the runs, and their sample standard deviation for two or more.
-    pub fn rate(&self, counted: Counted) -> (Option<f64>, Option<f64>) {
+    /// The rate of violations, with Wilson's interval over the starts, which all runs share.
+    pub fn rate(&self, counted: Counted) -> Rate {
         let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.episodes);
-        let rates: Vec<f64> = self.runs.iter().filter(|run| run.episodes > 0).map(of_run).collect();
-        let count = rates.len() as f64;
-        let mean = (count > 0.0).then(|| rates.iter().sum::<f64>() / count);
-        let sd = mean
+        let by_run: Vec<f64> = self.runs.iter().filter(|run| run.episodes > 0).map(of_run).collect();
+        let count = by_run.len() as f64;
+        let value = (count > 0.0).then(|| by_run.iter().sum::<f64>() / count);
+        let sd = value
             .filter(|_| count > 1.0)
-            .map(|mean| (rates.iter().map(|rate| (rate - mean) * (rate - mean)).sum::<f64>() / (count - 1.0)).sqrt());
-        (mean, sd)
-    }
-
-    /// Wilson's 95 % interval over the starts, which all runs share.
-    pub fn interval(&self, counted: Counted) -> (f64, f64) {
+            .map(|mean| (by_run.iter().map(|rate| (rate - mean) * (rate - mean)).sum::<f64>() / (count - 1.0)).sqrt());
         let (part, all) = self.sums(counted);
         let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(self.runs.len() as f64);
-        wilson(of_runs(part), of_runs(all))
+        let interval = wilson(of_runs(part), of_runs(all));
+        Rate { value, sd, by_run, ..Rate::default() }.within(Some(interval), Method::Wilson)
     }
 }
 
@@ -311,9 +308,9 @@ pub fn with_rates(table: DataFrame, keys: &[&CellKey], cells: &[CellRequirement]
         for (word, counted, needs_verdict, _) in GATED {
             let is_known = |cell: &CellRequirement| !needs_verdict || cell.is_judged();
             for (suffix, values) in [
-                ("", of(&|cell| cell.rate(counted).0.filter(|_| is_known(cell)))),
-                ("_wilson_low", of(&|cell| is_known(cell).then(|| cell.interval(counted).0))),
-                ("_wilson_high", of(&|cell| is_known(cell).then(|| cell.interval(counted).1))),
+                ("", of(&|cell| cell.rate(counted).value.filter(|_| is_known(cell)))),
+                ("_wilson_low", of(&|cell| Some(cell.rate(counted).interval.filter(|_| is_known(cell))?.0))),
+                ("_wilson_high", of(&|cell| Some(cell.rate(counted).interval.filter(|_| is_known(cell))?.1))),
             ] {
                 table.with_column(Values::new(format!("{word}({name}){suffix}").into(), values))?;
             }

@@ -1,6 +1,6 @@
 use polars::prelude::DataFrame;
 
-use super::{Cell, Failures, Spread};
+use super::{Cell, Failures, Rate};
 use crate::record::columns::{CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN};
 use crate::record::{Column, Entry, Interval, Table};
 use crate::report::ListedFailure;
@@ -38,15 +38,15 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     .column(count("episodes", "", "episodes in which no program failed").of(|row: &Row<'_>| row.0.episodes))
     .column(LEARNT.of(|row: &Row<'_>| row.1));
     let collision = "collisions of all episodes, with Wilson's 95 % interval over starts; bumps do not count";
-    table = rate(table, "collision_rate", collision, |cell| (cell.collision, cell.interval));
+    table = rate(table, "collision_rate", collision, |cell| &cell.collision);
     let preventable = "collisions that a careful human would have avoided, of all episodes, as above";
-    table = rate(table, "preventable_rate", preventable, |cell| (cell.preventable, cell.preventable_interval));
+    table = rate(table, "preventable_rate", preventable, |cell| &cell.preventable);
     let fault = "faults of the driver, of all episodes, as above";
-    table = rate(table, "fault_rate", fault, |cell| (cell.fault, cell.fault_interval));
+    table = rate(table, "fault_rate", fault, |cell| &cell.fault);
     table
         .column(
             number("avoidable_injury_per_thousand", "", "expected severe injuries in faults, for 1,000 episodes")
-                .of(|row: &Row<'_>| row.0.injury.mean.map(|injury| 1000.0 * injury)),
+                .of(|row: &Row<'_>| row.0.injury.value.map(|injury| 1000.0 * injury)),
         )
         .column(
             Column::<String>::new(
@@ -66,8 +66,8 @@ fn rate<'a>(
     table: Table<'a, Row<'a>>,
     name: &'static str,
     doc: &'static str,
-    of: fn(&Cell) -> (Spread, (f64, f64)),
+    of: fn(&Cell) -> &Rate,
 ) -> Table<'a, Row<'a>> {
-    let mean: Entry<'a, Row<'a>> = Column::<f64>::new(name, "", doc).of(move |row: &Row<'a>| of(row.0).0.mean);
-    table.column(mean).columns(Interval::new(name, "", doc).of(move |row: &Row<'a>| Some(of(row.0).1)))
+    let mean: Entry<'a, Row<'a>> = Column::<f64>::new(name, "", doc).of(move |row: &Row<'a>| of(row.0).value);
+    table.column(mean).columns(Interval::new(name, "", doc).of(move |row: &Row<'a>| of(row.0).interval))
 }

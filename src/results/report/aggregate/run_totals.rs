@@ -100,9 +100,9 @@ fn include(
                 let rows = match mean.over {
                     Over::All => &parts.all,
                     Over::Collisions => &parts.collisions,
-                    Over::Valid | Over::Present => &parts.valid,
+                    Over::Valid => &parts.valid,
                 };
-                // A missing value of an episode that counts is 0, unless only those with a value are asked for.
+                // A missing value of an episode that counts is 0.
                 let missing = (mean.over == Over::Valid).then_some(0.0);
                 let found = rows.iter().filter_map(|row| values.get(*row).or(missing));
                 found.for_each(|value| total.include(value));
@@ -168,11 +168,6 @@ impl Parts {
             }
             Which::Ended(how) => valid.filter(|row| outcome.get(**row) == Some(how)).count(),
             Which::Touched => valid.filter(|row| touched(**row)).count(),
-            Which::Passed => valid.filter(|row| !touched(**row)).count(),
-            Which::Counts(class) => {
-                let counts = columns::COUNTS_AS.read(episodes)?;
-                valid.filter(|row| counts.get(**row) == Some(class.name())).count()
-            }
             Which::Labelled(label) => {
                 let verdicts = columns::VERDICT.read(episodes)?;
                 valid.filter(|row| verdicts.get(**row) == Some(label.name())).count()
@@ -186,7 +181,7 @@ fn table(mut runs: DataFrame, metrics: &[Metric], totals: &[Vec<Total>]) -> Pola
     for (place, metric) in metrics.iter().enumerate() {
         let of_runs = || totals.iter().map(|run| run[place]);
         let column = match *metric {
-            Metric::Count(count) => Column::new(count.name().into(), of_runs().map(Total::count).collect::<Vec<_>>()),
+            Metric::Count(count) => Column::new(count.name.into(), of_runs().map(Total::count).collect::<Vec<_>>()),
             Metric::Mean(mean) => Column::new(mean.name.into(), of_runs().map(Total::mean).collect::<Vec<_>>()),
             Metric::Rate(_) => continue,
         };

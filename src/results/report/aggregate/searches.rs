@@ -4,16 +4,15 @@ use super::requirements::{
     INSTANT, NO_VERDICT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, no_verdict, unit_of,
 };
 use super::search_figures::{
-    DISTINCT, DISTINCT_PER_MILLION, EVALUATED_FAULT_RATE, EVALUATED_RATE, FAILED_STARTS, FAILURE_COUNT, FAILURE_RATE,
-    FAULT, FAULT_PER_MILLION, FAULT_RATE, FAULT_START_RATE, FAULT_START_RATES_IF, FAULT_STARTS, FIRST_FAILURE,
-    FIRST_FAULT, FIRST_SIMULATIONS, Figures, INJURY, PREVENTABLE, TOUCH_COUNTS, impact, per_million,
+    FAILED_STARTS, FAILURE_COUNT, FAULT, FAULT_START_RATE, FAULT_STARTS, FIRST_FAILURE, FIRST_FAULT, FIRST_SIMULATIONS,
+    Figures, INJURY, PREVENTABLE, impact,
 };
 use crate::analysis::Impact;
 use crate::jobs::Find;
 use crate::jobs::SearchResult;
 use crate::record::columns::{
-    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, FAULT_IF, IMPACT, IMPACT_SPEED, POLICY,
-    REWARD, RUN, RUN_ID, STATE_HASHES, TOWN,
+    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN,
+    RUN_ID, STATE_HASHES, TOWN,
 };
 use crate::record::{Column, Entry, Table, reference_columns, verdict_columns};
 use compile::SearchKey;
@@ -120,7 +119,6 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     .column(TRIED.of(|row: &Row<'_>| row.0.spent.starts.to_string()))
     .column(FIRST_START.of(|row: &Row<'_>| row.0.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
     .column(count(FAILURE_COUNT, "", "episodes that ended in a collision, or that violate the goal of the search").of(|row: &Row<'_>| row.1.failures as u64))
-    .column(number(FAILURE_RATE, "", "their share of `episodes`").of(|row: &Row<'_>| row.1.failure_rate))
     .column(
         count(
             FAILED_STARTS,
@@ -142,24 +140,11 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         )
         .of(|row: &Row<'_>| row.1.first_simulations),
     )
-    .column(Column::<bool>::new("censored", "", "whether none was found").of(|row: &Row<'_>| row.1.first.is_none()))
-    .column(
-        count(
-            DISTINCT,
-            "",
-            "different cells of the failures: see `cell` of `search_failures`",
-        )
-        .of(|row: &Row<'_>| row.1.distinct as u64),
-    )
-    .column(count(PREVENTABLE, "", "failures that both careful humans avoid").of(|row: &Row<'_>| row.1.judged_count(row.1.preventable[0])))
+    .column(count(PREVENTABLE, "", "failures that both careful humans avoid").of(|row: &Row<'_>| row.1.judged_count(row.1.preventable)))
     .column(
         count(FAULT, "", "failures that count against the driver: see `fault` of `search_failures`, and `goal_fault` where there is a goal; missing where \
              the goal has no verdict, as all figures of faults")
-            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault[0])),
-    )
-    .column(
-        number(FAULT_RATE, "", "share of `episodes` that ended in a fault")
-            .of(|row: &Row<'_>| row.1.fault_rate),
+            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault)),
     )
     .column(
         count(FAULT_STARTS, "", "starts from which a fault was found")
@@ -169,9 +154,6 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         number(FAULT_START_RATE, "", "their share of `starts`; for an exhaustive search the ceiling of all others")
             .of(|row: &Row<'_>| row.1.fault_start_rate),
     )
-    .columns((0..4).map(|place| {
-        number(FAULT_START_RATES_IF[place], "", FAULT_IF.doc()).of(move |row: &Row<'_>| row.1.fault_start_rates_if[place])
-    }))
     .column(
         number(FIRST_FAULT, "", "ticks used when the first fault was found, its own included; missing if none was found")
             .of(|row: &Row<'_>| row.1.first_fault.map(|ticks| ticks as f64)),
@@ -179,26 +161,6 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     .column(
         number(INJURY, "", "sum of the severe-injury risks of the faults, for 1,000 of `episodes`: what a careful human would have spared")
             .of(|row: &Row<'_>| row.1.injury),
-    )
-    .columns((0..3).map(|place| {
-        count(TOUCH_COUNTS[place], "", "failures whose `counts_as` is that: faults but for one thing")
-            .of(move |row: &Row<'_>| row.1.touches[place] as u64)
-    }))
-    .column(
-        count("distinct_preventable", "", "different cells of preventable failures")
-            .of(|row: &Row<'_>| row.1.judged_count(row.1.preventable[1])),
-    )
-    .column(
-        count("distinct_faults", "", "different cells of faults")
-            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault[1])),
-    )
-    .column(
-        number(FAULT_PER_MILLION, "", "faults in a million of the ticks that the search used")
-            .of(|row: &Row<'_>| row.1.judged(per_million(row.1.fault[0], row.1.ticks))),
-    )
-    .column(
-        number(DISTINCT_PER_MILLION, "", "different cells of faults in a million of these ticks")
-            .of(|row: &Row<'_>| row.1.judged(per_million(row.1.fault[1], row.1.ticks))),
     )
     .column(
         count(
@@ -212,14 +174,9 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         count("evaluated_failures", "", "collisions of these, or violations of the goal")
             .of(|row: &Row<'_>| row.1.evaluated_failures as u64),
     )
-    .column(number(EVALUATED_RATE, "", "their share of `evaluated_episodes`").of(|row: &Row<'_>| row.1.evaluated_rate))
     .column(
         count("evaluated_faults", "", "faults of these")
             .of(|row: &Row<'_>| row.1.judged_count(row.1.evaluated_faults)),
-    )
-    .column(
-        number(EVALUATED_FAULT_RATE, "", "their share of `evaluated_episodes`")
-            .of(|row: &Row<'_>| row.1.evaluated_faults_rate),
     )
     .column(number("evaluated_reward", "", "their mean reward; 0 without a reward").of(|row: &Row<'_>| row.1.evaluated_reward))
 }

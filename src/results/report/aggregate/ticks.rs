@@ -7,9 +7,6 @@ use crate::record::{Column, Table};
 use compile::RunId;
 use world::env::{ActionSpec, Frame, ObservationSpec, Pair, Scenario, Trace};
 
-/// The stem of the file of the table of ticks.
-pub const TICKS: &str = "ticks";
-
 /// A tick of an episode.
 pub struct Tick<'a> {
     run: RunId,
@@ -65,7 +62,7 @@ pub fn tick_table<'a>() -> Table<'a, Tick<'a>> {
     let number = Column::<f64>::new;
     let middle = "middle of the car's box, in the world frame";
     let person = "middle of the pedestrian, in the world frame";
-    Table::new(TICKS, "One row for each tick of some episodes, the start first; there is no CSV of it.")
+    Table::new("ticks", "One row for each tick of an episode, the start first. `falsify replay NAME --ticks FILE` writes it; a report does not have it.")
         .column(RUN_ID.of(|row: &Tick<'_>| row.run.to_string()))
         .column(EPISODE.of(|row: &Tick<'_>| row.episode))
         .column(Column::<u32>::new("tick", "", "number of the tick, 0 at the start").of(|row: &Tick<'_>| row.number))

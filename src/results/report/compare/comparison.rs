@@ -8,7 +8,7 @@ use super::matching::{Incomparable, Matched, Side, matched};
 use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
-use crate::report::infer::{Comparison, Figure, adjust, sides};
+use crate::report::infer::{Comparison, Figure, adjust, compare_pair};
 use crate::report::listed_failure::listed;
 use crate::report::read::StoredRun;
 use crate::report::{FailureChange, ListedFailure, ReadError, SideCollision, SideEnd};
@@ -184,7 +184,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         }
         if found.starts > 0 {
             let path = before.report.folder().join(format!("{EPISODES}.parquet"));
-            let figures = sides(&frames[0], &frames[1]);
+            let figures = compare_pair(&frames[0], &frames[1]);
             found.figures = figures.map_err(|source| ReadError::Table { path, source })?;
         }
         compared.push(found);

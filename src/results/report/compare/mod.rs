@@ -9,8 +9,7 @@ mod comparison;
 mod searches;
 mod table;
 
-pub use caveat::Caveat;
 pub use comparison::{Changed, ComparedCell, ReportComparison, compare_reports, drivers};
-pub use matching::{Incomparable, Side};
+pub use matching::Side;
 pub use searches::{ComparedSearch, compared_search_reference, compared_search_table};
 pub use table::{COMMON_STARTS, compared_cells, comparison_reference};

@@ -20,7 +20,7 @@ pub struct FailureModes<'a> {
     last: Option<(RunSample<'a>, usize)>,
     /// The runs of cells of which more runs are expected.
     open: Vec<Vec<RunSample<'a>>>,
-    cells: Vec<CellModes<'a>>,
+    cells: Vec<CellModes>,
 }
 
 impl<'a> FailureModes<'a> {
@@ -76,12 +76,12 @@ impl<'a> FailureModes<'a> {
     }
 
     /// The cells of all added runs, in the plan's order, for any order of the runs.
-    pub fn finish(mut self) -> Vec<CellModes<'a>> {
+    pub fn finish(mut self) -> Vec<CellModes> {
         self.close();
         for runs in std::mem::take(&mut self.open) {
             self.analyse(runs);
         }
-        let place = |cell: &CellModes<'_>| self.keys.iter().position(|key| key.cell == cell.key);
+        let place = |cell: &CellModes| self.keys.iter().position(|key| key.cell == cell.key);
         self.cells.sort_by_key(place);
         self.cells
     }

@@ -1,13 +1,11 @@
 use super::repeat::repeat;
 use super::sample::{Case, RunSample};
 use super::start::cases;
-use crate::analysis::{Approach, Explanation, Failure, FailureMode, Richness, failure_modes};
+use crate::analysis::{Explanation, Failure, FailureMode, failure_modes};
 use crate::record::CellKey;
 use base::choice;
 use base::seed::Seed;
-use compile::Evaluation;
 use learn::ActorCritic;
-use world::geometry::Vector;
 
 choice! {
     /// The outcome to explain.
@@ -34,10 +32,6 @@ pub struct Mode {
     pub mode: FailureMode,
     /// The medoid's run and episode, and the name under which it can be found.
     pub example: (u32, u32, String),
-    /// The approach of the medoid; none when it could not be repeated.
-    pub medoid: Option<Approach>,
-    /// The approaches of some other members.
-    pub others: Vec<Approach>,
 }
 
 impl Mode {
@@ -49,30 +43,25 @@ impl Mode {
 
 /// The analysis of a cell.
 #[derive(Debug, Clone)]
-pub struct CellModes<'a> {
+pub struct CellModes {
     pub key: CellKey,
-    pub evaluation: &'a Evaluation,
-    /// Half extents of the car (m).
-    pub car: Vector,
     /// The numbers of its episodes and collisions, without those in which the driver failed.
     pub all: (u64, u64),
     /// The number of each that was analysed.
     pub sampled: (u64, u64),
-    /// The number of collisions that were repeated.
-    pub repeated: u64,
-    /// The number of collisions of each kind.
-    pub counts: Vec<u64>,
-    pub richness: Richness,
     pub modes: Vec<Mode>,
     pub explanations: Vec<(Target, Explanation)>,
 }
 
-/// The number of approaches of a mode in a picture.
-const SHOWN: usize = 40;
+impl CellModes {
+    /// The number of kinds of its collisions.
+    pub fn kinds(&self) -> u64 {
+        // Each kind once, for any number of clusters.
+        self.modes.iter().filter(|mode| mode.mode.cluster == 0).count() as u64
+    }
 
-impl<'a> CellModes<'a> {
     /// Analyses the runs of a cell, with the networks of each.
-    pub fn new(mut runs: Vec<RunSample<'a>>, trained: &[Option<&ActorCritic>], seed: &Seed) -> Self {
+    pub fn new(mut runs: Vec<RunSample<'_>>, trained: &[Option<&ActorCritic>], seed: &Seed) -> Self {
         let evaluation = runs[0].evaluation;
         let scenario = &evaluation.scenario;
         let starts: Vec<Case> = runs.iter().flat_map(|run| run.cases.iter().copied()).collect();
@@ -89,19 +78,11 @@ impl<'a> CellModes<'a> {
             (failures, shown)
         };
         let ((failures, modes), explanations) = rayon::join(look, explain);
-        // Each kind once, for any number of clusters.
-        let counts: Vec<u64> =
-            modes.iter().filter(|mode| mode.mode.cluster == 0).map(|mode| mode.mode.failures as u64).collect();
         let sum = |of: fn(&RunSample<'_>) -> u64| runs.iter().map(of).sum::<u64>();
         Self {
             key: runs[0].key.cell.clone(),
-            evaluation,
-            car: Vector::new(scenario.cast.ego().blueprint.half_length, scenario.cast.ego().blueprint.half_width),
             all: (sum(|run| run.all.0), sum(|run| run.all.1)),
             sampled: (sum(|run| run.episodes), failures.len() as u64),
-            repeated: failures.iter().filter(|failure| failure.approach.is_some()).count() as u64,
-            richness: Richness::new(&counts),
-            counts,
             modes,
             explanations,
         }
@@ -111,11 +92,5 @@ impl<'a> CellModes<'a> {
 fn shown(mode: FailureMode, failures: &[Failure], runs: &[RunSample<'_>]) -> Mode {
     let example = &failures[mode.medoid];
     let run = runs.iter().find(|run| run.evaluation.trained.run == example.run);
-    let approach = |member: &usize| failures[*member].approach.clone();
-    Mode {
-        example: (example.run, example.episode, run.map_or(String::new(), |run| run.key.id.to_string())),
-        medoid: approach(&mode.medoid),
-        others: mode.members.iter().filter_map(approach).take(SHOWN).collect(),
-        mode,
-    }
+    Mode { example: (example.run, example.episode, run.map_or(String::new(), |run| run.key.id.to_string())), mode }
 }

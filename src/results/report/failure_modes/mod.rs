@@ -13,6 +13,6 @@ mod tables;
 
 pub use campaign::FailureModes;
 pub use cell::{CellModes, Mode, Target};
-pub use repeat::MOST as MOST_REPEATED;
-pub use sample::{MOST_CASES, MOST_FAILURES};
-pub use tables::{explanations, failure_modes, mode_counts, references};
+pub use repeat::MAX_REPEATED;
+pub use sample::{MAX_CASES, MAX_FAILURES};
+pub use tables::{explanations, failure_modes, references};

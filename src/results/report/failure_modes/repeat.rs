@@ -9,8 +9,8 @@ use base::seed::Seed;
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};
 
-/// Most collisions of a kind that are repeated.
-pub const MOST: usize = 60;
+/// Maximum number of collisions of a kind that are repeated.
+pub const MAX_REPEATED: usize = 60;
 
 /// Repeats collisions and stores their approaches: the first of each kind, evenly over the runs. A collision that is not the same again,
 /// since its driver is not deterministic, has no approach; neither has one whose pedestrian was trained and whose networks are missing.
@@ -43,7 +43,7 @@ fn wanted(runs: &[RunSample<'_>]) -> Vec<BTreeSet<u32>> {
     let mut wanted = vec![BTreeSet::new(); runs.len()];
     for failures in kinds.values_mut() {
         failures.sort_unstable();
-        failures.iter().take(MOST).for_each(|(episode, run)| {
+        failures.iter().take(MAX_REPEATED).for_each(|(episode, run)| {
             wanted[*run].insert(*episode);
         });
     }

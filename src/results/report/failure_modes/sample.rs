@@ -7,10 +7,10 @@ use world::av::DrivingMode;
 use world::env::Spawn;
 use world::judge::{Label, Sight};
 
-/// Most collisions of a cell that are analysed, the first ones of each of its runs.
-pub const MOST_FAILURES: usize = 20_000;
-/// Most episodes of a cell that are explained, the first ones of each of its runs.
-pub const MOST_CASES: usize = 6_000;
+/// Maximum number of collisions of a cell that are analysed, the first ones of each of its runs.
+pub const MAX_FAILURES: usize = 20_000;
+/// Maximum number of episodes of a cell that are explained, the first ones of each of its runs.
+pub const MAX_CASES: usize = 6_000;
 
 /// A collision, and the digest that shows whether its repetition is the same.
 #[derive(Debug, Clone)]
@@ -51,7 +51,7 @@ impl<'a> RunSample<'a> {
     /// Takes the first episodes of a run from a part of its table, when its cell has this number of runs.
     pub(super) fn add(&mut self, part: &DataFrame, runs: usize) -> PolarsResult<()> {
         let (table, sample) = (EpisodeTable::new(part)?, self);
-        let (failures, cases) = (MOST_FAILURES.div_ceil(runs), MOST_CASES.div_ceil(runs));
+        let (failures, cases) = (MAX_FAILURES.div_ceil(runs), MAX_CASES.div_ceil(runs));
         for row in table.rows().filter(|row| table.counts(*row)) {
             let (episode, collision) = (table.episode(row), table.is_collision(row));
             sample.all = (sample.all.0 + 1, sample.all.1 + u64::from(collision));

@@ -7,7 +7,7 @@ use crate::record::{Column, Entry, Interval, Table, TableReference, cell_key};
 use base::statistics::wilson;
 
 /// A row that belongs to a cell.
-type Row<'a, T> = (&'a CellModes<'a>, T);
+type Row<'a, T> = (&'a CellModes, T);
 
 /// A table whose rows belong to cells.
 fn table<'a, T: 'a>(name: &'static str, doc: &'static str) -> Table<'a, Row<'a, T>> {
@@ -18,7 +18,7 @@ fn table<'a, T: 'a>(name: &'static str, doc: &'static str) -> Table<'a, Row<'a, 
 fn count<'a, T: 'a>(
     name: &'static str,
     doc: &'static str,
-    value: impl Fn(&CellModes<'_>, &T) -> u64 + 'a,
+    value: impl Fn(&CellModes, &T) -> u64 + 'a,
 ) -> Entry<'a, Row<'a, T>> {
     let value = move |row: &Row<'a, T>| u32::try_from(value(row.0, &row.1)).unwrap_or(u32::MAX);
     Column::<u32>::new(name, "", doc).of(value)
@@ -28,18 +28,18 @@ fn count<'a, T: 'a>(
 fn number<'a, T: 'a>(
     (name, unit): (&'static str, &'static str),
     doc: &'static str,
-    value: impl Fn(&CellModes<'_>, &T) -> Option<f64> + 'a,
+    value: impl Fn(&CellModes, &T) -> Option<f64> + 'a,
 ) -> Entry<'a, Row<'a, T>> {
     Column::<f64>::new(name, unit, doc).of(move |row: &Row<'a, T>| value(row.0, &row.1))
 }
 
 /// The reference of all tables of this module.
-pub fn references() -> [TableReference; 3] {
-    [mode_table().reference(), count_table().reference(), rule_table().reference()]
+pub fn references() -> [TableReference; 2] {
+    [mode_table().reference(), rule_table().reference()]
 }
 
 /// The modes of all cells, one row each.
-pub fn failure_modes(cells: &[CellModes<'_>]) -> DataFrame {
+pub fn failure_modes(cells: &[CellModes]) -> DataFrame {
     let rows = cells.iter().flat_map(|cell| cell.modes.iter().map(move |mode| (cell, mode)));
     mode_table().frame(&rows.collect::<Vec<_>>())
 }
@@ -115,54 +115,10 @@ fn mode_table<'a>() -> Table<'a, Row<'a, &'a Mode>> {
         .column(count("example_episode", "number of its episode", |_, row: &&Mode| row.example.1.into()))
 }
 
-/// The number of kinds in each cell, and an estimate of the unseen ones.
-pub fn mode_counts(cells: &[CellModes<'_>]) -> DataFrame {
-    count_table().frame(&cells.iter().map(|cell| (cell, ())).collect::<Vec<_>>())
-}
-
-/// New kinds per thousand episodes.
-const NEW_KINDS: &str = "new_kinds_per_1000_episodes";
-
-fn count_table<'a>() -> Table<'a, Row<'a, ()>> {
-    let estimate = "the number of kinds, seen or not: Chao's bias-corrected estimate, its standard error and its log-normal 95 % interval. A \
-                    lower bound, for these pedestrians and this driver";
-    table("mode_counts", "One row for each cell: how many kinds of collisions, and how many may not have been seen.")
-        .column(count("episodes", "number of episodes without error", |cell, ()| cell.all.0))
-        .column(count("collisions", "number of collisions", |cell, ()| cell.all.1))
-        .column(count("sampled_episodes", "number of episodes that were analysed", |cell, ()| cell.sampled.0))
-        .column(count("sampled_collisions", "number of collisions that were analysed", |cell, ()| cell.sampled.1))
-        .column(count("repeated_collisions", "number of collisions that were repeated", |cell, ()| cell.repeated))
-        .column(count("kinds", "number of kinds that were seen", |cell, ()| cell.richness.seen))
-        .column(count("kinds_seen_once", "number of kinds that were seen once", |cell, ()| cell.richness.once))
-        .column(count("kinds_seen_twice", "number of kinds that were seen twice", |cell, ()| cell.richness.twice))
-        .column(number(("kinds_estimate", ""), estimate, |cell, ()| Some(cell.richness.estimate)))
-        .column(number(("kinds_estimate_se", ""), estimate, |cell, ()| Some(cell.richness.standard_error)))
-        .columns(Interval::new("kinds_estimate", "", estimate).of(|row: &Row<'a, ()>| Some(row.0.richness.interval)))
-        .column(number(
-            ("coverage", ""),
-            "Good and Turing's estimate of the probability that the next collision is of a known kind",
-            |cell, ()| Some(cell.richness.coverage),
-        ))
-        .column(number(("entropy_nat", "nat"), "Shannon's entropy of the kinds' shares", |cell, ()| {
-            Some(cell.richness.entropy)
-        }))
-        .column(number(
-            ("effective_kinds", ""),
-            "e to the power of the entropy: the number of equally common kinds that are as diverse",
-            |cell, ()| Some(cell.richness.effective()),
-        ))
-        .column(number(
-            (NEW_KINDS, ""),
-            "kinds seen once by sampled episodes: the rate at which further episodes find new kinds at first",
-            |cell, ()| Some(1000.0 * cell.richness.once as f64 / cell.sampled.0.max(1) as f64),
-        ))
-        .column(count("modes", "rows of the cell in `failure_modes`", |cell, ()| cell.modes.len() as u64))
-}
-
 type Explained<'a> = (Target, &'a Explanation, &'a Rule);
 
 /// The rules of all cells.
-pub fn explanations(cells: &[CellModes<'_>]) -> DataFrame {
+pub fn explanations(cells: &[CellModes]) -> DataFrame {
     let mut rows: Vec<Row<'_, Explained<'_>>> = Vec::new();
     for cell in cells {
         for (target, found) in &cell.explanations {

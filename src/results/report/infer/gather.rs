@@ -2,9 +2,8 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::cell::CellEvidence;
 use super::comparison::{Comparison, adjust, compare, pairs};
+use super::evaluated_run::{EvaluatedRun, MAX_KEPT};
 use super::place::Place;
-use super::transfer::{PolicyGaps, Transfer, transfers};
-use super::tried::{KEPT, Tried};
 use super::{Figure, learning};
 use crate::record::{EpisodeTable, RunKey};
 
@@ -15,8 +14,6 @@ pub struct Evidence {
     pub cells: Vec<CellEvidence>,
     /// Comparisons of pedestrians, and of drivers, of the same place.
     pub comparisons: Vec<Comparison>,
-    /// Transfers of the same pedestrian between two places.
-    pub transfers: Vec<Transfer>,
 }
 
 /// Gathers the evidence from the episodes of a campaign, run by run in the plan's order. A run is one table or several that follow each
@@ -25,23 +22,22 @@ pub struct Evidence {
 pub struct Gathering {
     kept: usize,
     /// The run of the last rows, of which more may follow.
-    last: Option<(RunKey, Tried)>,
-    here: Vec<Tried>,
-    gaps: PolicyGaps,
+    last: Option<(RunKey, EvaluatedRun)>,
+    here: Vec<EvaluatedRun>,
     found: Evidence,
 }
 
 impl Default for Gathering {
     /// Without any run.
     fn default() -> Self {
-        Self::keeping(KEPT)
+        Self::keeping(MAX_KEPT)
     }
 }
 
 impl Gathering {
     /// Starts with another number of episodes of a run that are kept one by one.
     pub(super) fn keeping(kept: usize) -> Self {
-        Self { kept, last: None, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }
+        Self { kept, last: None, here: Vec::new(), found: Evidence::default() }
     }
 
     /// Adds the episodes of a run or of a part of it. The parts of a run follow each other.
@@ -57,7 +53,7 @@ impl Gathering {
             return tried.add(run);
         }
         self.close();
-        let mut tried = Tried::new(key.clone(), self.kept);
+        let mut tried = EvaluatedRun::new(key.clone(), self.kept);
         tried.add(run)?;
         self.last = Some((key, tried));
         Ok(())
@@ -67,7 +63,7 @@ impl Gathering {
     fn close(&mut self) {
         let Some((_, tried)) = self.last.take() else { return };
         if self.here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
-            self.found.add(std::mem::take(&mut self.here), &mut self.gaps);
+            self.found.add(std::mem::take(&mut self.here));
         }
         self.here.push(tried);
     }
@@ -75,24 +71,23 @@ impl Gathering {
     /// The evidence of all runs.
     pub fn finish(mut self) -> Evidence {
         self.close();
-        self.found.add(self.here, &mut self.gaps);
+        self.found.add(self.here);
         adjust(&mut self.found.comparisons);
         learning::adjust(&mut self.found.cells);
-        self.found.transfers = transfers(&self.found.cells, &self.gaps);
         self.found
     }
 }
 
 impl Evidence {
     /// Adds all runs of a place.
-    fn add(&mut self, runs: Vec<Tried>, gaps: &mut PolicyGaps) {
+    fn add(&mut self, runs: Vec<EvaluatedRun>) {
         if runs.is_empty() {
             return;
         }
         let place = Place::new(runs);
         let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
         let pairs = pairs(&place);
-        let (before, mut comparisons) = (self.cells.len(), Vec::new());
+        let mut comparisons = Vec::new();
         // One figure after the other, since each needs a number for every episode.
         for figure in Figure::ALL {
             let measured = place.measure(figure);
@@ -100,7 +95,6 @@ impl Evidence {
                 cell.measure(&place, &measured, number);
             }
             if Figure::COMPARED.contains(&figure) {
-                gaps.add(&place, &measured, before);
                 let found = pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair)));
                 comparisons.extend(found);
             }

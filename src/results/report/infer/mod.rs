@@ -1,29 +1,26 @@
-//! The evidence of the results for further trainings and episodes: intervals, comparisons on common starts, transfer gaps.
+//! The evidence of the results for further trainings and episodes: intervals, and comparisons on common starts.
 //!
 //! Episodes come run by run. They stay in memory while runs of their place come. A place is a town, a vehicle and an adversary of one
 //! `evaluate` block. All controllers and all driving policies of a place have the same starts.
 
 mod figure;
-mod tried;
+mod evaluated_run;
 mod place;
 mod cell;
 mod comparison;
-mod transfer;
 mod learning;
 mod gather;
 mod tables;
-mod sides;
+mod pair;
 #[cfg(test)]
 mod tests;
 
-pub use cell::{CellEvidence, Quantiles};
+pub use cell::CellEvidence;
 pub use comparison::{Comparison, Test, adjust};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
-pub use learning::{Baseline, Doubt, Learning, Learnt, Reason, TrainingDifference, Untrained, doubts};
-pub use sides::sides;
+pub use learning::{Doubt, Learning, Learnt, Reason, Untrained, doubts};
+pub use pair::compare_pair;
 pub use tables::{
-    LEARNT, QUANTILES, cell_table, comparison_columns, comparison_table, evident_cells, reference_metrics,
-    transfer_columns, transfer_table,
+    IMPACT_SPEED_P90, LEARNT, cell_table, comparison_columns, comparison_table, evident_cells, remaining_rate,
 };
-pub use transfer::{Change, Transfer};

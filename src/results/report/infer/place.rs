@@ -1,21 +1,21 @@
 use std::ops::Range;
 
 use super::Figure;
-use super::tried::Tried;
+use super::evaluated_run::EvaluatedRun;
 use base::statistics::{ClusteredCount, Sample};
 
 /// All runs with common starts; the runs of a cell are consecutive.
 pub struct Place {
     /// The runs.
-    pub tried: Vec<Tried>,
+    pub evaluated: Vec<EvaluatedRun>,
     /// The indices of the runs of each cell.
     pub cells: Vec<Range<usize>>,
 }
 
 impl Place {
     /// Sorts runs into cells, in the order of first appearance.
-    pub fn new(runs: Vec<Tried>) -> Self {
-        let mut groups: Vec<Vec<Tried>> = Vec::new();
+    pub fn new(runs: Vec<EvaluatedRun>) -> Self {
+        let mut groups: Vec<Vec<EvaluatedRun>> = Vec::new();
         for run in runs {
             match groups.iter_mut().find(|group| group[0].key == run.key) {
                 Some(group) => group.push(run),
@@ -27,16 +27,16 @@ impl Place {
             end += group.len();
             end - group.len()..end
         });
-        Self { cells: cells.collect(), tried: groups.into_iter().flatten().collect() }
+        Self { cells: cells.collect(), evaluated: groups.into_iter().flatten().collect() }
     }
 
-    pub fn runs(&self, cell: usize) -> &[Tried] {
-        &self.tried[self.cells[cell].clone()]
+    pub fn runs(&self, cell: usize) -> &[EvaluatedRun] {
+        &self.evaluated[self.cells[cell].clone()]
     }
 
     /// A figure of all runs.
     pub fn measure(&self, figure: Figure) -> Measured {
-        Measured { figure, runs: self.tried.iter().map(|run| run.influence(figure)).collect() }
+        Measured { figure, runs: self.evaluated.iter().map(|run| run.influence(figure)).collect() }
     }
 
     /// A figure of one cell, or of its difference from another; none when a cell has no value.
@@ -57,7 +57,7 @@ impl Place {
             covariance,
             first: first.len(),
             trained: [trained(cell), other.is_some_and(trained)],
-            episodes: least(members.iter().map(|run| self.tried[*run].episodes())),
+            episodes: least(members.iter().map(|run| self.evaluated[*run].episodes())),
         })
     }
 
@@ -66,7 +66,7 @@ impl Place {
     pub fn paired(&self, measured: &Measured, first: usize, second: usize) -> Option<(Sample, [f64; 2])> {
         let known = |run: &usize| Some((*run, measured.runs[*run].as_ref()?));
         let partner = |run: usize| {
-            let same = |other: &usize| self.tried[*other].run == self.tried[run].run;
+            let same = |other: &usize| self.evaluated[*other].run == self.evaluated[run].run;
             self.cells[second].clone().find(same).as_ref().and_then(known)
         };
         let pairs: Vec<_> = self.cells[first].clone().filter_map(|run| Some((known(&run)?, partner(run)?))).collect();
@@ -86,7 +86,7 @@ impl Place {
             covariance: self.covariance(&pulls.iter().collect::<Vec<_>>(), &members),
             first: pairs.len(),
             trained: [self.runs(first)[0].key.is_trained(), false],
-            episodes: least(both.map(|run| self.tried[run].episodes())),
+            episodes: least(both.map(|run| self.evaluated[run].episodes())),
         };
         let means = [
             pairs.iter().map(|((_, (a, _)), _)| a).sum::<f64>() / n,
@@ -102,7 +102,7 @@ impl Place {
         for (i, a) in pulls.iter().enumerate() {
             for (j, b) in pulls.iter().enumerate().skip(i) {
                 let kept: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
-                let common = kept * self.tried[members[i]].stretch(&self.tried[members[j]]);
+                let common = kept * self.evaluated[members[i]].stretch(&self.evaluated[members[j]]);
                 (covariance[i * n + j], covariance[j * n + i]) = (common, common);
             }
         }

@@ -1,9 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::{CellEvidence, Comparison, Figure, Quantiles, Transfer};
-use crate::record::columns::{
-    ADVERSARY, BLOCK, CONTROLLER, IMPACT_SPEED, MIN_TTC, PET, REWARD, TRAIN_POLICY, TRAIN_TOWN, VEHICLE,
-};
+use super::{CellEvidence, Comparison, Figure};
 use crate::record::{Column, ColumnReference, Entry, Family, Interval, Table, cell_key};
 use crate::report::aggregate::CELLS;
 use base::statistics::wilson;
@@ -37,34 +34,17 @@ const P_HOLM: Column<f64> = Column::new(
      such a collision",
 );
 
-const CHANGED: Column<String> = Column::new(
-    "changed",
-    "",
-    "`town`: home is the town of the training; `policy`: home is the driving policy of the training. The other one is the same on both \
-     sides",
-);
-const HOME_TOWN: Column<String> = Column::new("home_town", "", "town at home");
-const HOME_POLICY: Column<String> = Column::new("home_policy", "", "driving policy at home");
-const AWAY_TOWN: Column<String> = Column::new("away_town", "", "town away");
-const AWAY_POLICY: Column<String> = Column::new("away_policy", "", "driving policy away");
-const HOME_VALUE: Column<f64> =
-    Column::new("home_value", "", "mean at home over the trainings that were evaluated in both places");
-const AWAY_VALUE: Column<f64> = Column::new("away_value", "", "mean of the same trainings away");
-const GAP: Column<f64> =
-    Column::new("gap", "", "`home_value` less `away_value`: above 0 the part that does not transfer");
-const GAP_INTERVAL: Interval = Interval::new(
-    "gap",
-    "",
-    "Student's 95 % interval over the gaps of the trainings, with the variance of the starts; missing for fewer than four trainings",
-);
-
-const AVOIDED: Family<u64> =
-    Family::new("_avoided_collisions", "", "number of collisions that the reference driver avoids");
 const REST: Family<f64> = Family::new(
     "_collision_rate",
     "",
-    "the other collisions of all episodes: what remains if that driver brakes from where the danger began. Episodes without a collision \
+    "collisions that the reference driver does not avoid, of all episodes: what remains if it brakes from where the danger began. Episodes without a collision \
      are not run again, so it never is above `collision_rate`",
+);
+
+pub const IMPACT_SPEED_P90: Column<f64> = Column::new(
+    "impact_speed_mps_p90",
+    "m/s",
+    "90th percentile over all collisions; of each run the first 100,000 episodes",
 );
 
 pub const LEARNT: Column<String> = Column::new(
@@ -98,24 +78,18 @@ pub fn cell_table() -> Table<'static, CellEvidence> {
         let ends = move |cell: &CellEvidence| cell.between(figure).interval;
         table = table.columns(interval(format!("{}_student", figure.name()), "as the figure", student, ends));
     }
-    for family in &QUANTILES {
-        for (place, reference) in family.references().into_iter().enumerate() {
-            let value = move |cell: &CellEvidence| (family.of)(cell).at[place];
-            table = table.column(Entry::new::<f64, _>(reference.name, reference.unit, reference.doc, value));
-        }
-    }
+    table = table.column(IMPACT_SPEED_P90.of(|cell: &CellEvidence| cell.impact_speed_p90.0));
     for reference in Reference::ALL {
         let name = reference.name();
-        let rest = move |cell: &CellEvidence| cell.split(reference).1;
-        table = table
-            .column(AVOIDED.of(name, move |cell: &CellEvidence| cell.split(reference).0.count()))
-            .column(REST.of(name, move |cell: &CellEvidence| rest(cell).share_of(&cell.episodes)))
-            .columns(interval(
+        let rest = move |cell: &CellEvidence| cell.remaining(reference);
+        table = table.column(REST.of(name, move |cell: &CellEvidence| rest(cell).share_of(&cell.episodes))).columns(
+            interval(
                 format!("{}_wilson", REST.name(name)),
                 "",
                 "Wilson's 95 % interval of that rate",
                 move |cell: &CellEvidence| Some(wilson(rest(cell), cell.episodes)),
-            ));
+            ),
+        );
     }
     let learning = |cell: &CellEvidence| cell.learning.clone();
     table.column(LEARNT.of(move |cell| learning(cell).map(|learning| learning.learnt().name()))).column(
@@ -126,48 +100,9 @@ pub fn cell_table() -> Table<'static, CellEvidence> {
     )
 }
 
-/// The metrics of a reference driver: the collisions that it avoids, and the rate of the others.
-pub fn reference_metrics(reference: Reference) -> [ColumnReference; 2] {
-    [AVOIDED.reference(reference.name()), REST.reference(reference.name())]
-}
-
-/// Quantiles of a column of episodes.
-pub struct QuantileFamily {
-    column: Column<f64>,
-    /// What is counted: `collisions` or `episodes`.
-    pub counted: &'static str,
-    doc: &'static str,
-    names: [&'static str; 3],
-    pub of: fn(&CellEvidence) -> &Quantiles,
-}
-
-/// The quantiles that a cell has.
-pub const QUANTILES: [QuantileFamily; 3] = {
-    const WITH: &str =
-        "quantile over episodes *without* a collision that have a value, of the first 100,000 of each run";
-    const LOW: [&str; 3] = ["p01", "p10", "median"];
-    [
-        QuantileFamily {
-            column: IMPACT_SPEED,
-            counted: "collisions",
-            doc: "of all collisions; of each run the first 100,000 episodes",
-            names: ["median", "p90", "p99"],
-            of: |cell| &cell.impact_speed,
-        },
-        QuantileFamily { column: MIN_TTC, counted: "episodes", doc: WITH, names: LOW, of: |cell| &cell.min_ttc },
-        QuantileFamily { column: PET, counted: "episodes", doc: WITH, names: LOW, of: |cell| &cell.pet },
-    ]
-};
-
-impl QuantileFamily {
-    /// The names, units and meanings of its quantiles, in their order.
-    pub fn references(&self) -> [ColumnReference; 3] {
-        self.names.map(|name| ColumnReference {
-            name: format!("{}_{name}", self.column.name).into(),
-            doc: self.doc.into(),
-            ..self.column.reference()
-        })
-    }
+/// The metric of a reference driver: the rate of the collisions that it does not avoid.
+pub fn remaining_rate(reference: Reference) -> ColumnReference {
+    REST.reference(reference.name())
 }
 
 /// The two ends of an interval whose name is computed.
@@ -218,39 +153,4 @@ pub fn comparison_columns() -> Table<'static, Comparison> {
         .of(|row: &Comparison| row.test.name()),
     )
     .column(P_HOLM.of(|row: &Comparison| row.holm))
-}
-
-/// Transfer gaps as a table, one row each, in the order given.
-pub fn transfer_table(transfers: &[Transfer]) -> DataFrame {
-    transfer_columns().frame(transfers)
-}
-
-/// The columns of [`transfer_table`].
-pub fn transfer_columns() -> Table<'static, Transfer> {
-    Table::new(
-        "transfer",
-        "One row for each trained controller, other town or other driving policy, and figure: the controller at home less the same trainings \
-         away, in the same block.",
-    )
-    .column(REWARD.of(|row: &Transfer| row.home.reward.clone()))
-    .column(TRAIN_TOWN.of(|row: &Transfer| row.home.train_town.clone()))
-    .column(TRAIN_POLICY.of(|row: &Transfer| row.home.train_policy.clone()))
-    .column(CONTROLLER.of(|row: &Transfer| row.home.controller.clone()))
-    .column(VEHICLE.of(|row: &Transfer| row.home.vehicle.clone()))
-    .column(ADVERSARY.of(|row: &Transfer| row.home.adversary.clone()))
-    .column(BLOCK.of(|row: &Transfer| row.home.block))
-    .column(CHANGED.of(|row: &Transfer| row.change.name()))
-    .column(HOME_TOWN.of(|row: &Transfer| row.home.town.clone()))
-    .column(HOME_POLICY.of(|row: &Transfer| row.home.policy.clone()))
-    .column(AWAY_TOWN.of(|row: &Transfer| row.away.town.clone()))
-    .column(AWAY_POLICY.of(|row: &Transfer| row.away.policy.clone()))
-    .column(FIGURE.of(|row: &Transfer| row.figure.name()))
-    .column(
-        Column::<u64>::new("runs", "", "number of trainings that were evaluated in both places")
-            .of(|row: &Transfer| row.runs),
-    )
-    .column(HOME_VALUE.of(|row: &Transfer| row.values[0]))
-    .column(AWAY_VALUE.of(|row: &Transfer| row.values[1]))
-    .column(GAP.of(|row: &Transfer| row.gap))
-    .columns(GAP_INTERVAL.of(|row: &Transfer| row.interval))
 }

@@ -148,8 +148,7 @@ fn is_risk(column: &str) -> bool {
 fn is_of_collisions(column: &str) -> bool {
     let metrics = metrics();
     let of_metrics = metrics.iter().filter(|metric| metric.is_of_collisions()).map(Metric::name);
-    let all = of_metrics.chain([FIRST_FAILURE, FIRST_FAULT].map(String::from));
-    let mut rests = all.filter_map(|name| Some(column.strip_prefix(name.as_str())?.to_string()));
+    let mut rests = of_metrics.chain([FIRST_FAILURE, FIRST_FAULT]).filter_map(|name| column.strip_prefix(name));
     rests.any(|rest| rest.is_empty() || rest.starts_with('_'))
 }
 

@@ -360,7 +360,7 @@ impl Gate {
 
     /// The number of a row's episodes, if they are so few that a single failure would have made a condition on a rate true.
     fn thin(&self, cells: &DataFrame, row: usize) -> Option<u64> {
-        let episodes = number(&value(cells, &EPISODES.name(), row))?;
+        let episodes = number(&value(cells, EPISODES.name, row))?;
         let is_thin = |condition: &Condition| match condition.bound {
             Bound::Number(bound) if bound > 0.0 && condition.column.ends_with(&MEAN.name("_rate")) => {
                 matches!(condition.comparison, Comparison::More | Comparison::AtLeast) && episodes * bound < 1.0
@@ -385,7 +385,7 @@ const RUNS: &str = "runs";
 
 /// Whether a row is about no episode and no start.
 fn nothing_evaluated(cells: &DataFrame, row: usize) -> bool {
-    let counts = [EPISODES.name(), MEAN.name(STARTS.name), STARTS.name.into(), COMMON_STARTS.name.into()];
+    let counts = [EPISODES.name.into(), MEAN.name(STARTS.name), STARTS.name.into(), COMMON_STARTS.name.into()];
     counts.iter().any(|count| number(&value(cells, count, row)) == Some(0.0))
 }
 

@@ -11,4 +11,4 @@ pub use divergence::divergence;
 pub use failures::failure_list;
 pub use gate::{Gate, GateError, Judged, TooFewRuns};
 pub use searches::StoredSearch;
-pub use stored::{Difference, ReadError, StoredFailure, StoredReport, StoredRun, differences, failure};
+pub use stored::{Difference, ReadError, StoredReport, StoredRun, differences, failure};

@@ -11,7 +11,7 @@ use polars_io::csv::write::CsvWriter;
 
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
 use crate::record::{EPISODES, RunKey, read_parquet};
-use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, SEARCHES, START, TICKS};
+use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, SEARCHES, START};
 use crate::report::folder::{MARK, digest, is_sealed, report_files};
 use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
@@ -274,19 +274,6 @@ impl StoredReport {
         table.map_or(Ok(Vec::new()), |table| self.names(FAILURES, &table, FAILURE.name))
     }
 
-    /// The ticks of an episode, if the report holds them.
-    ///
-    /// # Errors
-    /// A table that is damaged.
-    pub fn ticks(&self, run: RunId, episode: u32) -> Result<Option<DataFrame>, ReadError> {
-        let Some(table) = self.read(TICKS, Some(&[RUN_ID.name, EPISODE.name]), None)? else { return Ok(None) };
-        let wanted = (run.to_string(), episode.to_string());
-        let names = self.names(TICKS, &table, EPISODE.name)?;
-        let Some(first) = names.iter().position(|name| *name == wanted) else { return Ok(None) };
-        let length = names[first..].iter().take_while(|name| **name == wanted).count();
-        self.rows(TICKS, first, length)
-    }
-
     /// The pedestrian of a training.
     ///
     /// # Errors
@@ -373,12 +360,7 @@ impl StoredReport {
         let file = match files::open(&path) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                // Ticks are many, and a report can be read without them.
-                return if self.written(table).is_some() && table != TICKS {
-                    Err(ReadError::Absent { path })
-                } else {
-                    Ok(None)
-                };
+                return if self.written(table).is_some() { Err(ReadError::Absent { path }) } else { Ok(None) };
             }
             Err(source) => return Err(ReadError::File { path, source }),
         };

@@ -171,12 +171,11 @@ fn figures(cell: &Cell) -> Vec<(&'static str, String)> {
         ("collisions", cell.collisions.to_string()),
     ];
     let rates = [
-        ("collision_rate_mean", cell.collision.mean),
-        ("touch_rate_mean", cell.touch.mean),
-        ("preventable_rate_mean", cell.preventable.mean),
-        ("preventable_share_mean", cell.preventable_share.mean),
-        ("fault_rate_mean", cell.fault.mean),
-        ("fault_share_mean", cell.fault_share.mean),
+        ("collision_rate_mean", cell.collision.value),
+        ("touch_rate_mean", cell.touch.value),
+        ("preventable_rate_mean", cell.preventable.value),
+        ("preventable_share_mean", cell.preventable_share.value),
+        ("fault_rate_mean", cell.fault.value),
     ];
     all.extend(rates.into_iter().filter_map(|(name, rate)| Some((name, format!("{:.6}", rate?)))));
     all

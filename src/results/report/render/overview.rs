@@ -1,20 +1,18 @@
-//! The overview of several reports: a table and curves over numeric parameters, as a page and for a terminal.
+//! The overview of several reports: tables, as a page and for a terminal.
 
 use maud::html;
 
-use super::page::{document, paragraph, percent};
-use super::sections::{average, failed_starts, injury, injury_scale, searcher};
-use super::svg::{Chart, Curve, Figure, Panel, SERIES, short};
+use super::page::{document, paragraph};
+use super::sections::{failed_starts, injury, injury_scale, searcher};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
-use crate::report::{Cell, DriverResult, Variant};
+use crate::report::{DriverResult, Variant};
 
 /// How to read the tables.
 const READING: &str = "A row is a controller of the pedestrian, or a falsifier, in a town against a driver. Rates are shares of all episodes: the mean over runs \
-± one standard deviation. Variants of a matrix meet the same starts. A row with `any` is the same in all reports. `overview.csv` has the same numbers, and intervals.";
+± one standard deviation. Variants of a matrix meet the same starts. `overview.csv` has the same numbers, and intervals.";
 
 pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
-    let figures = curves(overview);
     let body = html! {
         header.top {
             p.kind { "falsify · overview" }
@@ -28,12 +26,6 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
                 @for line in doubtful(overview) { (paragraph(&line)) }
                 @for table in tables(overview) { (table.to_html()) }
                 (paragraph(READING))
-            }
-            @if !figures.is_empty() {
-                section #curves {
-                    h2 { "Rates over a parameter" }
-                    @for figure in &figures { (figure.to_html()) }
-                }
             }
         }
     };
@@ -89,12 +81,7 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         let driver = drivers.then(|| Value::from(row.driver()));
         driver.into_iter().chain(towns.then(|| Value::from(row.town())))
     };
-    let any = vec![Some("any".to_string()); overview.parameters.len()];
-    let place_of =
-        |row: &OverviewRow<'_>| first(row.variant, if is_same_everywhere(overview, row) { &any } else { &row.values });
-    let repeated = |row: &&&OverviewRow<'_>| {
-        !std::ptr::eq(row.variant, &overview.variants[0]) && is_same_everywhere(overview, row)
-    };
+    let place_of = |row: &OverviewRow<'_>| first(row.variant, &row.values);
     let mut place_head = Vec::new();
     place_head.extend(drivers.then(|| Column::text("driver")));
     place_head.extend(towns.then(|| Column::text("town")));
@@ -113,10 +100,10 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
                 Value::Count(cell.runs.into()),
                 Value::Count((cell.episodes / cell.runs.max(1)).into()),
             ]);
-            values.extend([cell.fault, cell.preventable, cell.collision].map(Value::Spread));
+            values.extend([&cell.fault, &cell.preventable, &cell.collision].map(Value::from));
             values
         };
-        let rows = evaluated.iter().filter(|row| !repeated(row)).map(row).collect();
+        let rows = evaluated.iter().map(row).collect();
         tables.push(Table { head, rows, ..Table::default() });
     }
     if !searched.is_empty() {
@@ -128,10 +115,10 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
             let Found::Searched(cell) = row.found else { unreachable!("the rows are those of searches") };
             let mut values = place_of(row);
             values.extend(place(row));
-            values.extend([searcher(cell).into(), failed_starts(cell), average(&cell.fault_start_rate, 3)]);
+            values.extend([searcher(cell).into(), failed_starts(cell), Value::average(&cell.fault_start_rate, 3)]);
             values
         };
-        let rows = searched.iter().filter(|row| !repeated(row)).map(row).collect();
+        let rows = searched.iter().map(row).collect();
         tables.push(Table { head, rows, ..Table::default() });
     }
     let mut head = head(overview);
@@ -152,19 +139,6 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     };
     tables.push(Table { head, rows: results.map(row).collect(), ..Table::default() });
     tables
-}
-
-/// Whether a row is equal in every report, in all that was measured but for the reward: no parameter changes its pedestrian, its driver or their town.
-fn is_same_everywhere(overview: &Overview<'_>, row: &OverviewRow<'_>) -> bool {
-    let like = |other: &&OverviewRow<'_>| match (row.found, other.found) {
-        (Found::Evaluated(one), Found::Evaluated(other)) => {
-            Cell { reward_sum: one.reward_sum, ..other.clone() } == *one
-        }
-        (Found::Searched(one), Found::Searched(other)) => one == other,
-        _ => false,
-    };
-    let alike = overview.rows.iter().filter(like).count();
-    !overview.parameters.is_empty() && overview.variants.len() > 1 && alike == overview.variants.len()
 }
 
 /// The columns that tell the reports apart.
@@ -189,122 +163,12 @@ fn address(name: &str) -> String {
     name.bytes().map(|byte| if plain(&byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
-/// A curve over a parameter: a controller or a falsifier, with the values of all other parameters.
-struct Line<'a> {
-    label: String,
-    points: Vec<(f64, &'a OverviewRow<'a>)>,
-}
-
-/// A figure for each parameter that has at least two numeric values, with a panel for each rate.
-fn curves(overview: &Overview<'_>) -> Vec<Figure> {
-    (0..overview.parameters.len()).filter_map(|place| figure(overview, place)).collect()
-}
-
-fn figure(overview: &Overview<'_>, place: usize) -> Option<Figure> {
-    let mut lines: Vec<Line<'_>> = Vec::new();
-    let mut units: Vec<&str> = Vec::new();
-    for row in &overview.rows {
-        let Some((x, unit)) = row.values[place].as_deref().and_then(number) else { continue };
-        if !units.contains(&unit) {
-            units.push(unit);
-        }
-        let others = row.values.iter().zip(&overview.parameters).enumerate().filter(|(other, _)| *other != place);
-        let others = others.filter_map(|(_, (value, name))| Some(format!(", {name} = {}", value.as_ref()?)));
-        let place = format!("{} in {} against {}", row.who(), row.town(), row.driver());
-        let label = format!("{place}{}", others.collect::<String>());
-        // Another file may have the same parameter: its points are a curve of their own.
-        let open = |line: &&mut Line<'_>| line.label == label && line.points.iter().all(|(other, _)| *other != x);
-        match lines.iter_mut().find(open) {
-            Some(line) => line.points.push((x, row)),
-            None => lines.push(Line { label, points: vec![(x, row)] }),
-        }
-    }
-    lines.retain(|line| line.points.len() > 1);
-    let [unit] = units[..] else { return None };
-    if lines.is_empty() {
-        return None;
-    }
-    lines.iter_mut().for_each(|line| line.points.sort_by(|a, b| a.0.total_cmp(&b.0)));
-    let all = || lines.iter().flat_map(|line| &line.points).map(|point| point.0);
-    let x = (all().fold(f64::MAX, f64::min), all().fold(f64::MIN, f64::max));
-    let name = overview.parameters[place];
-    let label = if unit.is_empty() { name.to_string() } else { format!("{name}, {unit}") };
-    // Campaigns without evaluations have no rates of episodes, and those without searches none of starts.
-    let titles = OverviewRow::RATES.into_iter().enumerate();
-    let known = |rate: usize| lines.iter().flat_map(|line| &line.points).any(|(_, row)| row.rate(rate).is_some());
-    let panels: Vec<Panel> =
-        titles.filter(|(rate, _)| known(*rate)).map(|(rate, title)| panel(&lines, rate, title, x, &label)).collect();
-    if panels.is_empty() {
-        return None;
-    }
-    Some(Figure {
-        name: String::new(),
-        title: format!(
-            "Rates over {name}. Bands: ± one standard deviation over runs, Wilson's 95 % interval for a single run; for searches Student's 95 % \
-             interval over runs, lowest and highest of fewer than four."
-        ),
-        legend: lines.iter().enumerate().map(|(number, line)| (class(number), line.label.clone())).collect(),
-        panels,
-        ..Figure::default()
-    })
-}
-
-/// The class of a curve's colour.
-fn class(number: usize) -> String {
-    format!("s{}", number % SERIES)
-}
-
-fn panel(lines: &[Line<'_>], rate: usize, title: &str, x: (f64, f64), label: &str) -> Panel {
-    let mut most: f64 = 0.0;
-    let mut says = Vec::new();
-    let mut drawn = Vec::new();
-    for (number, line) in lines.iter().enumerate() {
-        let known = || line.points.iter().filter_map(|(x, row)| Some((*x, row.rate(rate)?)));
-        if known().next().is_none() {
-            continue;
-        }
-        most = known().fold(most, |most, (_, found)| most.max(found.band.1));
-        let texts: Vec<String> = known().map(|(x, found)| format!("{} at {}", percent(found.rate), short(x))).collect();
-        says.push(format!("{}: {}", line.label, texts.join(", ")));
-        drawn.push(Curve {
-            colour: number % SERIES,
-            thin: false,
-            points: known().map(|(x, found)| (x, found.rate)).collect(),
-            band: known().map(|(_, found)| found.band).collect(),
-        });
-    }
-    let chart = Chart {
-        size: Chart::SMALL,
-        x,
-        y: (0.0, (most * 1.04).clamp(0.05, 1.0)),
-        x_label: label.into(),
-        x_text: short,
-        y_text: percent,
-    };
-    drawn.reverse();
-    chart.panel(title.to_string(), format!("{}.", says.join("; ")), &drawn)
-}
-
-/// A number with its unit, as `3 m/s`, `50_000` or `20 %`; none for anything else.
-fn number(value: &str) -> Option<(f64, &str)> {
-    let end = value.find(|c: char| !(c.is_ascii_digit() || "+-._e".contains(c))).unwrap_or(value.len());
-    let (number, unit) = (value[..end].replace('_', ""), value[end..].trim());
-    let number = number.parse().ok().filter(|number: &f64| number.is_finite())?;
-    (!unit.contains("..") && !unit.contains(['(', '[', '"'])).then_some((number, unit))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn values_of_settings_are_numbers_with_units_or_none() {
-        assert_eq!(number("3 m/s"), Some((3.0, "m/s")));
-        assert_eq!(number("50_000"), Some((50_000.0, "")));
-        assert_eq!(number("-0.5 rad"), Some((-0.5, "rad")));
-        assert_eq!(number("0 m/s .. 2 m/s"), None);
-        assert_eq!(number("behavior"), None);
-        assert_eq!(number("(1 m, 2 m)"), None);
+    fn a_folder_is_a_part_of_an_address() {
         assert_eq!(address("a=1 b"), "a=1%20b");
     }
 }

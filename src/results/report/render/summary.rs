@@ -1,7 +1,6 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::sections::{Scale, conclusions, drivers as driver_section, errors, results};
 use super::table::Section;
 use crate::report::{Findings, Manifest};
 use compile::{Campaign, Driver};
@@ -13,9 +12,9 @@ only where the scenario puts them. The car is a kinematic bicycle whose pedals a
 perceives without error and without delay, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE have \
 no buildings unless the scenario adds them.";
 
-/// The text to read first: what was found about each driver, tables of cells and the conclusions from them, further sections, the origin of the report, and its limits.
-pub fn summary(found: &Findings<'_>, manifest: &Manifest, sections: &[Section]) -> String {
-    let Findings { campaign, cells, doubts, .. } = found;
+/// The text to read first: the sections, the origin of the report, and its limits.
+pub fn summary(found: &Findings<'_>, sections: &[Section], manifest: &Manifest) -> String {
+    let Findings { campaign, doubts, .. } = found;
     let mut page = format!("# {}\n\n", campaign.name);
     for line in &campaign.docs {
         let _ = writeln!(page, "{line}");
@@ -34,17 +33,6 @@ pub fn summary(found: &Findings<'_>, manifest: &Manifest, sections: &[Section]) 
     }
     if !doubts.is_empty() {
         let _ = writeln!(page, "**{DOUBTFUL}**\n");
-    }
-    if let Some(section) = driver_section(&found.drivers, cells, |_| None) {
-        page.push_str(&section.to_markdown());
-    }
-    if !cells.is_empty() {
-        page.push_str("\n## Controllers\n\n");
-        page.push_str(&results(cells, Scale::new(&found.drivers, cells)).to_markdown());
-        page.push_str(&errors(cells));
-        conclusions(cells, &found.gathered.evidence, doubts)
-            .iter()
-            .for_each(|section| page.push_str(&section.to_markdown()));
     }
     sections.iter().for_each(|section| page.push_str(&section.to_markdown()));
     page.push_str(&drivers(&campaign.drivers));

@@ -97,7 +97,7 @@ fn quoted(word: &str) -> String {
 }
 
 /// The files of a report that may interest a reader.
-const WHAT: [(&str, &str); 13] = [
+const WHAT: [(&str, &str); 12] = [
     ("summary.md", "the tables of this page as text"),
     ("results.csv", "one row for each pedestrian, town and driver; open it first"),
     ("metrics.csv", "all metrics of these, one a row"),
@@ -106,7 +106,6 @@ const WHAT: [(&str, &str); 13] = [
     ("episodes.parquet", "the same, smaller"),
     ("failure_modes.csv", "the kinds of collisions"),
     ("comparisons.csv", "paired comparisons"),
-    ("transfer.csv", "the loss in other towns and against other drivers"),
     ("explanations.csv", "rules that separate failures from passes"),
     ("learning_curve.csv", "one row for each update of each training"),
     ("search_cells.csv", "falsifiers compared"),

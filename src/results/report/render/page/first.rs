@@ -2,47 +2,43 @@
 
 use maud::{Markup, html};
 
+use super::Players;
 use super::markup::{count, percent, prose};
 use super::player_card::{PlayerCard, badge};
 use super::worst::card;
-use super::{Contents, Players};
-use crate::report::render::sections::{drivers, injury, injury_scale, place, who};
+use crate::report::render::sections::{injury, injury_scale, place, who};
 use crate::report::render::svg::px;
-use crate::report::{Cell, DriverResult, ListedFailure, worst_failure};
+use crate::report::render::table::Section;
+use crate::report::{Cell, DriverResult, Findings, ListedFailure, worst_failure};
 
 /// Below this a share of episodes is given as their number.
 const RARE: f64 = 0.005;
 
 /// A block for each driver, the worst failure with its player, and the table of all numbers.
-pub fn first(contents: &Contents<'_>) -> Markup {
-    let players = contents.players;
-    let played = worst_failure(contents.drivers).and_then(|found| Some((found, players.get(&found.name())?)));
-    let link = |found: &ListedFailure| players.link(&found.name());
-    let table = drivers(contents.drivers, contents.cells, link);
+pub fn first(all: &Findings<'_>, numbers: &Section, players: &Players) -> Markup {
+    let played = worst_failure(&all.drivers).and_then(|found| Some((found, players.get(&found.name())?)));
     html! {
         section #drivers {
             h2.hidden { "What was found" }
             div.first {
-                div.found { (blocks(contents)) }
+                div.found { (blocks(all, players)) }
                 @if let Some((found, replay)) = played {
                     @let card = card(found);
                     (PlayerCard { title: format!("The worst: {}", card.title), ..card }.to_html(replay, players.options()))
                 }
             }
-            @if let Some(table) = table {
-                details { summary { "All numbers of the drivers" } (table.to_html()) }
-            }
+            details { summary { "All numbers of the drivers" } (numbers.to_html(&|name| players.link(name))) }
         }
     }
 }
 
 /// A block for each driver, on common scales.
-fn blocks(contents: &Contents<'_>) -> Markup {
-    let Contents { drivers, cells, .. } = contents;
+fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
+    let Findings { drivers, cells, .. } = all;
     let cell = |result: &DriverResult| result.cell.map(|cell| &cells[cell]);
     let most = |of: &dyn Fn(&DriverResult) -> Option<f64>| drivers.iter().filter_map(of).fold(0.0, f64::max);
     let often = |result: &DriverResult| match cell(result) {
-        Some(cell) => cell.fault.mean,
+        Some(cell) => cell.fault.value,
         None => result.searched.and_then(|found| found.fault_start_rate),
     };
     let bad = |result: &DriverResult| injury(result, cells);
@@ -65,9 +61,9 @@ fn blocks(contents: &Contents<'_>) -> Markup {
             @let blind = result.driver.sees_no_pedestrians();
             article.driver {
                 h3 { (result.driver.name) @if blind { " " span.note { "baseline: sees no pedestrian" } } }
-                @if !blind { p.note { (documentation(contents, &result.driver.name)) } }
+                @if !blind { p.note { (documentation(all, &result.driver.name)) } }
                 @match &result.worst {
-                    Some(found) => (worst(found, contents.players)),
+                    Some(found) => (worst(found, players)),
                     None => p { "No collision was found in " (count(tried(result, cells))) " episodes." },
                 }
                 @if result.worst.is_some() { dl.measures {
@@ -108,8 +104,8 @@ fn tried(result: &DriverResult, cells: &[Cell]) -> u64 {
 }
 
 /// The first sentence of what the scenario says about a driver.
-fn documentation(contents: &Contents<'_>, name: &str) -> Markup {
-    let word = contents.campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
+fn documentation(all: &Findings<'_>, name: &str) -> Markup {
+    let word = all.campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
     let docs = word.map_or("", |word| word.docs.as_str());
     prose(docs.split_inclusive(". ").next().unwrap_or_default().trim_end())
 }
@@ -147,7 +143,7 @@ fn faults(result: &DriverResult, cell: Option<&Cell>, rate: f64) -> Markup {
         @else if rate < RARE { "a fault in " (count(cell.faults.into())) " of " (count(episodes)) " episodes" }
         @else {
             "a fault in " (percent(rate)) " of " (count(episodes)) " episodes "
-            small { (percent(cell.fault_interval.0)) " to " (percent(cell.fault_interval.1)) }
+            @if let Some((low, high)) = cell.fault.interval { small { (percent(low)) " to " (percent(high)) } }
         }
     }
 }

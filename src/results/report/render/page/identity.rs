@@ -1,11 +1,5 @@
-use std::collections::BTreeMap;
-
-use polars::prelude::{DataFrame, PolarsResult};
-
 use super::super::sections::{distinct, place, who};
-use crate::record::{CellKey, metric};
 use crate::report::Cell;
-use base::statistics::ClusteredCount;
 
 /// A cell with its name on the page.
 #[derive(Debug, Clone)]
@@ -53,42 +47,4 @@ pub fn places<'a, 'b>(cells: &'b [Named<'a>]) -> Vec<(&'b str, Vec<&'b Named<'a>
         }
     }
     all
-}
-
-/// The rates in a row of results; each is a share of all episodes.
-pub const RATES: [metric::Rate; 3] = [metric::COLLISION_RATE, metric::PREVENTABLE_RATE, metric::FAULT_RATE];
-
-/// The rates of the runs of a cell, for each of [`RATES`].
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RunRates {
-    /// Episodes of all runs.
-    pub episodes: ClusteredCount,
-    /// Failures of all runs.
-    pub failures: [ClusteredCount; 3],
-    /// The rate of each run.
-    pub rates: [Vec<f64>; 3],
-}
-
-/// Reads the rates of each cell's runs from the table of runs.
-///
-/// # Errors
-/// Those of polars; none for a table made by [`metrics`](crate::report::metrics).
-pub fn run_rates(runs: &DataFrame) -> PolarsResult<BTreeMap<CellKey, RunRates>> {
-    let episodes = metric::EPISODES.read(runs)?;
-    let counts = RATES.map(|rate| rate.part.read(runs));
-    let counts = counts.into_iter().collect::<PolarsResult<Vec<_>>>()?;
-    let mut all: BTreeMap<CellKey, RunRates> = BTreeMap::new();
-    for row in 0..runs.height() {
-        let found = all.entry(CellKey::read(runs, row)?).or_default();
-        let tried = u64::from(episodes.get(row).unwrap_or_default());
-        found.episodes += tried.into();
-        for (number, count) in counts.iter().enumerate() {
-            let count = u64::from(count.get(row).unwrap_or_default());
-            found.failures[number] += count.into();
-            if tried > 0 {
-                found.rates[number].push(count as f64 / tried as f64);
-            }
-        }
-    }
-    Ok(all)
 }

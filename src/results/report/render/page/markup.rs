@@ -41,12 +41,6 @@ pub fn prose(text: &str) -> Markup {
     }
 }
 
-/// A name that can be a part of an `id` or a file name: letters and digits stay; every other character becomes a dash and a number.
-pub fn slug(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    text.chars().map(|c| if plain(c) { c.to_string() } else { format!("-{:x}", u32::from(c)) }).collect()
-}
-
 /// A share as a percentage: a whole number, except for small shares.
 pub fn percent(share: f64) -> String {
     let hundred = share * 100.0;
@@ -87,7 +81,6 @@ mod tests {
         assert!(!safe.contains(['<', '>', '&']), "{safe}");
         let back: Vec<String> = serde_json::from_str(&safe).unwrap();
         assert_eq!(back, [evil]);
-        assert_eq!(slug("a b/ü"), "a-20b-2f-fc");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::frames::frames;
 use super::markup::{json, prose};
 use super::{Players, Replay};
 use crate::report::FailureClass;
+use world::judge::Label;
 
 /// A failure with its player.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,13 +14,22 @@ pub struct PlayerCard {
     pub verdict: (FailureClass, &'static str),
     /// The controller, the town and the driver.
     pub place: String,
-    /// More about it, in a sentence or two.
-    pub about: String,
     /// Its name, `RUN:EPISODE`.
     pub name: String,
 }
 
 impl PlayerCard {
+    /// The card of a failure of which nothing but its recording is known.
+    pub fn plain(name: &str, replay: &Replay) -> Self {
+        let label = replay.verdict.and_then(Label::named);
+        Self {
+            title: format!("Failure {name}"),
+            verdict: (FailureClass::new(label, false), label.map_or("not judged", |label| label.word(false))),
+            place: String::new(),
+            name: name.into(),
+        }
+    }
+
     /// The card with the player of this recording, and the command that repeats it, with these options.
     pub fn to_html(&self, replay: &Replay, options: &str) -> Markup {
         let id = Players::id(&self.name);
@@ -30,7 +40,7 @@ impl PlayerCard {
                     (badge(self.verdict.0, self.verdict.1))
                 }
                 p { (prose(&replay.short)) }
-                p.where { (self.place) @if !self.about.is_empty() { ". " (self.about) } }
+                p.where { (self.place) }
                 div.player data-replay={ (id) "-data" } {}
                 (frames(replay, &format!("{id}-ground")))
                 details {

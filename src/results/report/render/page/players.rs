@@ -35,6 +35,11 @@ impl Players {
         self.all.get(name)
     }
 
+    /// All of them, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&String, &Replay)> {
+        self.all.iter()
+    }
+
     /// The `id` of a failure's player on the page.
     pub fn id(name: &str) -> String {
         format!("play-{}", name.replace(':', "-"))

@@ -1,33 +1,53 @@
-use std::collections::BTreeMap;
-
 use maud::{Markup, html};
 
-use super::Contents;
-use super::identity::{Named, RATES, RunRates, places};
+use super::identity::{Named, named, places};
 use super::markup::{count, percent};
-use crate::record::CellKey;
+use crate::record::metric;
 use crate::report::render::sections::{RateOf, Scale};
 use crate::report::render::svg::{Digits, px};
 use crate::report::render::table::Value;
-use crate::report::{Cell, PublishedComparison, Spread};
-use base::statistics::wilson;
+use crate::report::{Cell, Findings, PublishedComparison, Rate};
 
 /// Width and height of the picture of a rate.
 const SIZE: (f64, f64) = (96.0, 26.0);
-/// The names of the rates.
-const NAMES: [&str; 3] = ["collision", "preventable", "fault"];
 /// Its margin at both ends.
 const END: f64 = 8.0;
 /// The ends that an axis may have.
 const ENDS: [f64; 9] = [0.004, 0.01, 0.02, 0.04, 0.1, 0.2, 0.4, 0.6, 1.0];
-/// The rates of a cell, in the order of [`RATES`].
-const OF: [RateOf; 3] = [|cell| cell.collision, |cell| cell.preventable, |cell| cell.fault];
+
+/// A rate in a row of results.
+#[derive(Clone, Copy)]
+struct Shown {
+    name: &'static str,
+    /// The column of published figures.
+    column: &'static str,
+    of: RateOf,
+    /// The number of episodes that it counts.
+    count: fn(&Cell) -> u32,
+}
+
+/// The rates of a cell, each a fraction of its episodes.
+const RATES: [Shown; 3] = [
+    Shown {
+        name: "collision",
+        column: metric::COLLISION_RATE.name,
+        of: |cell| &cell.collision,
+        count: |cell| cell.collisions,
+    },
+    Shown {
+        name: "preventable",
+        column: metric::PREVENTABLE_RATE.name,
+        of: |cell| &cell.preventable,
+        count: Cell::preventable_collisions,
+    },
+    Shown { name: "fault", column: metric::FAULT_RATE.name, of: |cell| &cell.fault, count: |cell| cell.faults },
+];
 
 /// The cells as a figure in the form of a table: for each cell the rates with their intervals, and every run.
-pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<CellKey, RunRates>) -> Markup {
-    let empty = RunRates::default();
-    let scale = Scale::new(contents.drivers, contents.cells);
-    let axes = [0, 1, 2].map(|number| Axis::new(contents, cells, rates, number));
+pub fn results(found: &Findings<'_>) -> Markup {
+    let cells = &named(&found.cells);
+    let scale = Scale::new(&found.drivers, &found.cells);
+    let axes = RATES.map(|shown| Axis::new(found, cells, shown));
     html! {
         div.wide {
             table.results {
@@ -35,7 +55,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                     tr {
                         th scope="col" { "controller" }
                         th.number scope="col" { "runs × episodes" }
-                        @for name in NAMES { th scope="col" { (name) } }
+                        @for Shown { name, .. } in RATES { th scope="col" { (name) } }
                         @for name in ["impact speed", "length"] { th.number scope="col" { (name) } }
                     }
                     tr.scale {
@@ -47,7 +67,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                 @for (place, members) in places(cells) {
                     tbody {
                         tr { th colspan="7" scope="rowgroup" { (place) } }
-                        @for named in members { (row(contents, named, rates.get(&named.cell.key).unwrap_or(&empty), (&axes, scale))) }
+                        @for named in members { (row(found, named, &axes, scale)) }
                     }
                 }
             }
@@ -72,17 +92,17 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                     }
                     " Each column has an axis of its own."
                 }
-                @if !contents.published.is_empty() { " A hollow diamond is a published figure." }
+                @if !found.published.is_empty() { " A hollow diamond is a published figure." }
             }
         }
     }
 }
 
-fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates, (axes, scale): (&[Axis; 3], Scale<'_>)) -> Markup {
+fn row(found: &Findings<'_>, named: &Named<'_>, axes: &[Axis; 3], scale: Scale<'_>) -> Markup {
     let cell = named.cell;
     let published = |column: &str| {
         let same = |beside: &&PublishedComparison<'_>| beside.published.column == column && beside.key == cell.key;
-        contents.published.iter().find(same)
+        found.published.iter().find(same)
     };
     html! {
         tr {
@@ -92,39 +112,33 @@ fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates, (axes, scal
                 @if cell.left_out > 0 { " " em.warn { (percent(f64::from(cell.left_out) / f64::from(cell.all))) " left out" } }
                 @if cell.errors > 0 { " " em.warn { (cell.errors) " in error" } }
             }
-            @for (number, of) in OF.into_iter().enumerate() {
-                @let rate = of(cell);
-                td data-label=(NAMES[number]) {
+            @for (number, shown) in RATES.into_iter().enumerate() {
+                @let rate = (shown.of)(cell);
+                td data-label=(shown.name) {
                     div.rate {
                         @let colour = if number >= 1 { "v0".to_string() } else { format!("f{}", named.colour) };
-                        @let interval = wilson(rates.failures[number], rates.episodes);
-                        (axes[number].picture(&colour, rate, interval, &rates.rates[number], (scale.ends(cell, of), published(RATES[number].name))))
+                        (axes[number].picture(&colour, rate, scale.ends(cell, shown.of), published(shown.column)))
                         span {
-                            (Value::or_count(rate.into(), rate.mean, failures(cell)[number], cell.episodes).to_string())
-                            @if let (Some(share), Some(blind)) = (scale.share(cell, of), scale.blind()) {
+                            (Value::spread(rate, (shown.count)(cell), cell.episodes).to_string())
+                            @if let (Some(share), Some(blind)) = (scale.share(cell, shown.of), scale.blind()) {
                                 @if blind != cell.key.policy && share >= 0.005 { small { (format!("{share:.2}")) " of " (blind) "’s" } }
                             }
                         }
                     }
                 }
             }
-            td.number data-label="impact speed, m/s" { (tenths(cell.impact_speed)) }
-            td.number data-label="length, s" { (tenths(cell.length)) }
+            td.number data-label="impact speed, m/s" { (tenths(&cell.impact_speed)) }
+            td.number data-label="length, s" { (tenths(&cell.length)) }
         }
     }
 }
 
-fn tenths(value: Spread) -> String {
-    match (value.mean, value.sd) {
+fn tenths(rate: &Rate) -> String {
+    match (rate.value, rate.sd) {
         (None, _) => "–".into(),
         (Some(mean), None) => format!("{mean:.1}"),
         (Some(mean), Some(sd)) => format!("{mean:.1} ± {sd:.1}"),
     }
-}
-
-/// The numbers of a cell's failures, in the order of [`RATES`].
-fn failures(cell: &Cell) -> [u32; 3] {
-    [cell.collisions, cell.preventable_collisions(), cell.faults]
 }
 
 /// The axis of a column of rates, from 0 to this rate.
@@ -133,13 +147,10 @@ struct Axis(f64);
 
 impl Axis {
     /// The shortest axis that holds the rates of a column, with their intervals.
-    fn new(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<CellKey, RunRates>, number: usize) -> Self {
-        let of_cells = cells.iter().filter_map(|named| rates.get(&named.cell.key));
-        let ours = of_cells.flat_map(|found| {
-            let high = wilson(found.failures[number], found.episodes).1;
-            found.rates[number].iter().copied().chain([high])
-        });
-        let theirs = contents.published.iter().filter(|beside| beside.published.column == RATES[number].name);
+    fn new(found: &Findings<'_>, cells: &[Named<'_>], shown: Shown) -> Self {
+        let ours = cells.iter().map(|named| (shown.of)(named.cell));
+        let ours = ours.flat_map(|rate| rate.by_run.iter().copied().chain(rate.interval.map(|(_, high)| high)));
+        let theirs = found.published.iter().filter(|beside| beside.published.column == shown.column);
         let most = ours.chain(theirs.map(|beside| beside.published.mean)).fold(0.0, f64::max);
         Self(ENDS.into_iter().find(|end| most <= *end).unwrap_or(1.0))
     }
@@ -163,17 +174,18 @@ impl Axis {
     fn picture(
         self,
         colour: &str,
-        mean: Spread,
-        (low, high): (f64, f64),
-        runs: &[f64],
-        (ends, published): (Option<(f64, f64)>, Option<&PublishedComparison<'_>>),
+        rate: &Rate,
+        ends: Option<(f64, f64)>,
+        published: Option<&PublishedComparison<'_>>,
     ) -> Markup {
-        let says = mean.mean.map(|mean| format!("{}, interval {} to {}", percent(mean), percent(low), percent(high)));
+        let (low, high) = rate.interval.unwrap_or((0.0, 1.0));
+        let runs = &rate.by_run;
+        let says = rate.value.map(|mean| format!("{}, interval {} to {}", percent(mean), percent(low), percent(high)));
         let (middle, at) = (SIZE.1 / 2.0, |rate| self.at(rate));
         html! {
             svg.panel width=(SIZE.0) height=(SIZE.1) viewBox={ "0 0 " (SIZE.0) " " (SIZE.1) } role="img"
                 aria-label=(says.as_deref().unwrap_or("no value")) {
-                @if let (Some(mean), Some(says)) = (mean.mean, &says) {
+                @if let (Some(mean), Some(says)) = (rate.value, &says) {
                     title { (says) }
                     @for rate in [0.0, self.0 / 2.0, self.0] { path.grid d={ "M" (px(at(rate))) " 0V" (SIZE.1) } {} }
                     @if let Some((best, top)) = ends {
@@ -186,7 +198,7 @@ impl Axis {
                     circle class={ (colour) " knob" } cx=(px(at(mean))) cy=(px(middle)) r="3.4" {}
                     @if let Some(beside) = published {
                         path class="axis theirs" d={ "M" (px(at(beside.published.mean))) " " (px(middle - 4.5)) "l4.5 4.5l-4.5 4.5l-4.5 -4.5z" } {
-                            title { (beside.source) ": " (Value::Spread(beside.theirs()).to_string()) }
+                            title { (beside.source) ": " (Value::from(&beside.theirs()).to_string()) }
                         }
                     }
                 }

@@ -4,52 +4,40 @@ use std::fmt::Write;
 use maud::{Markup, html};
 
 use super::identity::Named;
-use super::markup::slug;
-use super::tally::{Bin, Bins, FAR, NEAR, Tally};
-use crate::report::render::svg::{Digits, Figure, Panel, outline, px};
-use crate::report::render::town::{Scenery, Surface};
-use compile::NamedTown;
-use world::geometry::Point;
+use super::tally::{Bin, Bins, NEAR, Tally};
+use crate::report::render::svg::{Digits, Figure, Panel, px};
 
 /// Width of a panel.
 const WIDTH: f64 = 286.0;
-/// Most panels; the pictures of the towns show the rest.
-const PANELS: usize = 12;
-/// Ground shown around the outermost start (m).
-const MARGIN: f64 = 8.0;
-/// Most squares along an edge of a town.
-const ACROSS: f64 = 56.0;
+/// Maximum number of panels; the pictures of the towns show the rest.
+const MAX_PANELS: usize = 12;
 /// Least number of episodes of a bin that is drawn at its full size.
 const FULL: u32 = 5;
 
 /// Trained pedestrians that share a map.
-struct Group<'a> {
+struct Group {
     title: String,
-    town: &'a NamedTown,
-    starts: Bins,
     around: Bins,
 }
 
-/// The starts of trained pedestrians, and how often they collide from there: over the towns, and around the car.
-pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Figure> {
-    let mut groups: Vec<Group<'_>> = Vec::new();
+/// The starts of trained pedestrians as the car sees them, and how often they collide from there; `None` without a training. The towns with the starts are
+/// files of their own.
+pub fn spawns(tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
+    let mut groups: Vec<Group> = Vec::new();
     for named in cells.iter().filter(|named| named.cell.key.controller == "trained") {
         let Some(found) = tally.cells.iter().find(|cell| cell.key == named.cell.key) else { continue };
-        let Some(town) = towns.iter().find(|town| town.name == named.cell.key.town) else { continue };
         let title = format!("{} · {}", named.place, named.cell.key.reward);
         let place = groups.iter().position(|group| group.title == title).unwrap_or_else(|| {
-            groups.push(Group { title, town, starts: Bins::new(), around: Bins::new() });
+            groups.push(Group { title, around: Bins::new() });
             groups.len() - 1
         });
-        let group = &mut groups[place];
-        for (into, from) in [(&mut group.starts, &found.town), (&mut group.around, &found.around)] {
-            from.iter().for_each(|(place, bin)| into.entry(*place).or_default().merge(*bin));
-        }
+        let into = &mut groups[place].around;
+        found.around.iter().for_each(|(place, bin)| into.entry(*place).or_default().merge(*bin));
     }
-    let left_out = groups.len().saturating_sub(PANELS);
-    groups.truncate(PANELS);
+    let left_out = groups.len().saturating_sub(MAX_PANELS);
+    groups.truncate(MAX_PANELS);
     if groups.is_empty() {
-        return Vec::new();
+        return None;
     }
     let cut = if left_out > 0 { format!(" {left_out} more are not shown.") } else { String::new() };
     let legend: Vec<(String, String)> = ["never", "up to 20 %", "40 %", "60 %", "80 %", "above 80 %"]
@@ -63,20 +51,11 @@ pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Fi
         title: format!(
             "Where pedestrians started as the car sees it (it drives upwards), and how often they hit it while it moved.{cut}"
         ),
-        legend: legend.clone(),
+        legend,
         panels: groups.iter().map(|group| around(&group.title, &group.around, reach)).collect(),
         ..Figure::default()
     };
-    let (defs, panels) = over_towns(&groups);
-    let over = Figure {
-        name: "figure-spawns-town".into(),
-        title: format!("The same over the towns. Small squares: fewer than {FULL} episodes.{cut}"),
-        legend,
-        defs: Some(defs),
-        panels,
-        ..Figure::default()
-    };
-    vec![around, over]
+    Some(around)
 }
 
 /// The class in the legend of a rate: the first class has only bins without a hit.
@@ -117,7 +96,7 @@ struct Reach {
 }
 
 impl Reach {
-    fn new(groups: &[Group<'_>]) -> Self {
+    fn new(groups: &[Group]) -> Self {
         let mut reach = Self { front: 12.0, back: 5.0, side: 12.0 };
         for (ahead, left) in groups.iter().flat_map(|group| group.around.keys()) {
             let (ahead, left) = (f64::from(*ahead) * NEAR, f64::from(*left) * NEAR);
@@ -148,61 +127,6 @@ fn around(title: &str, bins: &Bins, reach: Reach) -> Panel {
         }
     };
     Panel { title: title.into(), says: says(bins), size: (WIDTH, height), body }
-}
-
-/// The same bins with larger squares: `times` squares along an edge become one.
-fn coarser(bins: &Bins, times: i32) -> Bins {
-    let mut all = Bins::new();
-    bins.iter()
-        .for_each(|((x, y), bin)| all.entry((x.div_euclid(times), y.div_euclid(times))).or_default().merge(*bin));
-    all
-}
-
-/// The towns with their starts. Every town is drawn once.
-fn over_towns(groups: &[Group<'_>]) -> (Markup, Vec<Panel>) {
-    let mut views: BTreeMap<&str, (Point, Point)> = BTreeMap::new();
-    for group in groups {
-        for (x, y) in group.starts.keys() {
-            let place = Point::new(f64::from(*x) * FAR, f64::from(*y) * FAR);
-            let view = views.entry(&group.town.name).or_insert((place, place));
-            *view = (view.0.inf(&place), view.1.sup(&place));
-        }
-    }
-    let margin = world::geometry::Vector::new(MARGIN, MARGIN);
-    views.values_mut().for_each(|(low, high)| (*low, *high) = (*low - margin, *high + margin));
-    let town = |name: &str| groups.iter().find(|group| group.town.name == name).map(|group| &group.town.town);
-    let defs = html! {
-        @for (name, (low, high)) in &views {
-            @if let Some(town) = town(name) {
-                g id={ "town-" (slug(name)) } {
-                    @let scenery = Scenery::new(town).within(*low, *high);
-                    @for same in scenery.polygons.chunk_by(|one, next| one.0 == next.0) {
-                        path class=(same[0].0.name()) d=(surface(same)) {}
-                    }
-                }
-            }
-        }
-    };
-    let panel = |group: &Group<'_>| {
-        let (low, high) = views.get(group.town.name.as_str())?;
-        let scale = WIDTH / (high.x - low.x);
-        let height = (high.y - low.y) * scale;
-        let times = ((high.x - low.x) / FAR / ACROSS).ceil().max(1.0);
-        let body = html! {
-            rect.ground width=(WIDTH) height=(px(height)) {}
-            g transform={ "scale(" (Digits(scale, 4)) ") translate(" (px(-low.x)) " " (px(high.y)) ")" } {
-                use href={ "#town-" (slug(&group.town.name)) } opacity=".55" {}
-                (squares(&coarser(&group.starts, times as i32), times * FAR, |x, y| (x, -y)))
-            }
-        };
-        Some(Panel { title: group.title.clone(), says: says(&group.starts), size: (WIDTH, height), body })
-    };
-    (defs, groups.iter().filter_map(panel).collect())
-}
-
-/// Polygons of one surface as one path, y down.
-fn surface(polygons: &[(Surface, Vec<Point>)]) -> String {
-    polygons.iter().map(|(_, corners)| outline(corners.iter().map(|corner| (corner.x, -corner.y)), 1)).collect()
 }
 
 #[cfg(test)]

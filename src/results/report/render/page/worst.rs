@@ -6,12 +6,12 @@ use super::Players;
 use super::player_card::PlayerCard;
 use crate::report::{DriverResult, Failures, ListedFailure, worst_failure};
 
-/// The most failures in the list of the drivers under test, and in that of drivers that see no pedestrians.
-const LISTED: (usize, usize) = (150, 20);
-/// The most violations of evaluations in the list.
-const VIOLATIONS: usize = 30;
-/// The most drivers whose worst failure has a player.
-pub const DRIVERS: usize = 8;
+/// Maximum number of failures in the list of the drivers under test, and in that of drivers that see no pedestrians.
+const MAX_LISTED: (usize, usize) = (150, 20);
+/// Maximum number of violations of evaluations in the list.
+const MAX_VIOLATIONS: usize = 30;
+/// Maximum number of drivers whose worst failure has a card.
+const MAX_DRIVERS: usize = 8;
 
 /// The failures of a page in their order: one of each driver, then all others, the worst first; drivers that see no pedestrians follow, and
 /// the worst violation of each requirement in each cell.
@@ -23,8 +23,8 @@ pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a L
         ranked.sort_by(|a, b| one_of_each_first(*a, *b));
         ranked.into_iter().map(|(_, found)| found).take(most)
     };
-    let violations = failures.violations().iter().map(|(_, found)| found).take(VIOLATIONS);
-    of(false, LISTED.0).chain(of(true, LISTED.1)).chain(violations).collect()
+    let violations = failures.violations().iter().map(|(_, found)| found).take(MAX_VIOLATIONS);
+    of(false, MAX_LISTED.0).chain(of(true, MAX_LISTED.1)).chain(violations).collect()
 }
 
 fn one_of_each_first((rank, found): (usize, &ListedFailure), (other_rank, other): (usize, &ListedFailure)) -> Ordering {
@@ -33,13 +33,17 @@ fn one_of_each_first((rank, found): (usize, &ListedFailure), (other_rank, other)
 
 /// The worst failure of each driver that has a player, those under test first.
 pub fn worst(drivers: &[DriverResult]) -> impl Iterator<Item = &ListedFailure> {
-    drivers.iter().filter_map(|result| result.worst.as_ref()).take(DRIVERS)
+    drivers.iter().filter_map(|result| result.worst.as_ref()).take(MAX_DRIVERS)
 }
 
 /// The players of the worst failures but the very worst, which is shown first, and the list of failures.
 ///
 /// `cards` are the names of the failures that have cards anywhere on the page.
-pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[&str], players: &Players) -> Markup {
+pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[String], players: &Players) -> Markup {
+    let listed = listed(drivers, failures);
+    let is_listed =
+        |name: &str| cards.iter().any(|card| card == name) || listed.iter().any(|found| found.name() == name);
+    let others: Vec<_> = players.iter().filter(|(name, _)| !is_listed(name)).collect();
     let first = worst_failure(drivers);
     html! {
         p.lead {
@@ -51,7 +55,13 @@ pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[&str], p
                 @if let Some(replay) = players.get(&found.name()) { (card(found).to_html(replay, players.options())) }
             }
         }
-        (list(&listed(drivers, failures), cards, players))
+        (list(&listed, cards, players))
+        @if !others.is_empty() {
+            details.more {
+                summary { "More failures to play" }
+                div.cards { @for (name, replay) in others { (PlayerCard::plain(name, replay).to_html(replay, players.options())) } }
+            }
+        }
     }
 }
 
@@ -70,13 +80,12 @@ pub fn card(found: &ListedFailure) -> PlayerCard {
             if found.violation.is_some() { "violation" } else { "contact" },
             found.length
         ),
-        about: String::new(),
         name: found.name(),
     }
 }
 
 /// The failures as a table that can be sorted where scripts run. Those that can be played and have no card bring what their player needs.
-fn list(listed: &[&ListedFailure], cards: &[&str], players: &Players) -> Markup {
+fn list(listed: &[&ListedFailure], cards: &[String], players: &Players) -> Markup {
     let heads = ["driver", "verdict", "impact, m/s", "after, s", "town", "found by"];
     html! {
         h3 { "List of failures" }
@@ -95,7 +104,7 @@ fn list(listed: &[&ListedFailure], cards: &[&str], players: &Players) -> Markup 
                         @let name = found.name();
                         // A player has one place on the page: that of the first failure of its episode.
                         @let is_first = listed.iter().find(|other| other.name() == name).is_some_and(|first| std::ptr::eq(*first, *found));
-                        @let own = players.get(&name).filter(|_| is_first && !cards.contains(&name.as_str()));
+                        @let own = players.get(&name).filter(|_| is_first && !cards.contains(&name));
                         tr id=[own.map(|_| Players::id(&name))] {
                             th scope="row" { (found.policy) }
                             td data-label=(heads[1]) data-value=(found.class() as usize) {

@@ -1,6 +1,7 @@
 use super::names::{distinct, head, names};
-use crate::report::Cell;
+use crate::report::render::page::{named, verdicts};
 use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::{Cell, Findings};
 
 /// How to read the table.
 const READING: [&str; 4] = [
@@ -25,8 +26,9 @@ const READING: [&str; 4] = [
      physics (0.85 g at once). R157 is not written for roads with pedestrians: read the labels as a comparison, not as a finding of law.",
 ];
 
-/// Which collisions reference drivers avoid; none without any collision.
-pub fn avoidable(cells: &[Cell]) -> Option<Section> {
+/// Which collisions reference drivers avoid; `None` without a collision.
+pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
+    let cells = &found.cells;
     if cells.iter().all(|cell| cell.collisions == 0) {
         return None;
     }
@@ -51,13 +53,13 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         let mut row = names(cell, cells);
         row.extend([
             Value::Of(cell.collisions.into(), cell.episodes.into()),
-            Value::or_count(cell.preventable.into(), cell.preventable.mean, preventable, cell.episodes),
-            Value::Interval(Some(cell.preventable_interval)),
-            Value::or_count(cell.fault.into(), cell.fault.mean, cell.faults, cell.episodes),
-            Value::Interval(Some(cell.fault_interval)),
-            cell.expected_preventable.into(),
+            Value::spread(&cell.preventable, preventable, cell.episodes),
+            Value::Interval(cell.preventable.interval),
+            Value::spread(&cell.fault, cell.faults, cell.episodes),
+            Value::Interval(cell.fault.interval),
+            (&cell.expected_preventable).into(),
             Value::or_count(
-                Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
+                Value::Estimate(share(preventable), cell.preventable_share.interval, 2),
                 share(preventable),
                 preventable,
                 cell.collisions,
@@ -73,7 +75,9 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         id: "avoidable",
         name: "Avoidable?",
         title: "Would a careful driver have avoided the collisions?",
+        figures: verdicts(&named(cells)).into_iter().collect(),
         tables: vec![Table { head: columns, rows, ..Table::default() }],
         notes: READING.map(String::from).into(),
+        ..Section::default()
     })
 }

@@ -2,13 +2,14 @@ use std::collections::BTreeSet;
 
 use crate::record::CellKey;
 use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Comparison, Evidence, Test};
+use crate::report::{Comparison, Findings, Test};
 
-/// The greatest number of rows of drivers on a page; the file of the table has all.
-const MOST_DRIVERS: usize = 60;
+/// Maximum number of rows of drivers on a page; the file of the table has all.
+const MAX_DRIVERS: usize = 60;
 
 /// Comparisons of controllers and of drivers with the same starts; none without any pair.
-pub fn comparisons(evidence: &Evidence) -> Option<Section> {
+pub fn comparisons(found: &Findings<'_>) -> Option<Section> {
+    let evidence = &found.gathered.evidence;
     let (drivers, controllers): (Vec<&Comparison>, Vec<&Comparison>) =
         evidence.comparisons.iter().partition(|found| found.is_of_drivers());
     let kinds = [("Controllers", controllers), ("Drivers", drivers)].into_iter().filter(|(_, found)| !found.is_empty());
@@ -32,6 +33,7 @@ pub fn comparisons(evidence: &Evidence) -> Option<Section> {
              about these two alone."
                 .into(),
         ],
+        ..Section::default()
     })
 }
 
@@ -54,10 +56,10 @@ fn table(title: &str, found: &[&Comparison]) -> Table {
     }
     rows.iter_mut().for_each(|row| row.resize(columns, Value::Number(None, 2)));
     let all = rows.len();
-    let shown = if found.iter().any(|found| found.is_of_drivers()) { MOST_DRIVERS } else { all };
+    let shown = if found.iter().any(|found| found.is_of_drivers()) { MAX_DRIVERS } else { all };
     rows.truncate(shown);
     let left = (all > shown).then(|| format!("The first {shown} of {all} pairs; `comparisons.csv` has all."));
-    Table { title: title.into(), head, rows, notes: left.into_iter().collect() }
+    Table { title: title.into(), head, rows, notes: left.into_iter().collect(), ..Table::default() }
 }
 
 fn names(found: &Comparison, several_trainings: bool) -> Vec<Value> {

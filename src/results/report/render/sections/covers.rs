@@ -1,9 +1,15 @@
-use crate::report::CoverRow;
+use crate::jobs::CoverResult;
 use crate::report::aggregate::percent_above;
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::page::cover_pictures;
+use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::{CoverRow, Findings};
 
-/// What covers show: a row for each driver and town.
-pub fn cover_section(rows: &[CoverRow]) -> Section {
+/// What covers show: a row for each driver and town; `None` without a cover.
+pub fn covers(found: &Findings<'_>) -> Option<Section> {
+    let rows = &found.covers;
+    if rows.is_empty() {
+        return None;
+    }
     let statements = rows.iter().map(|row| {
         let CoverRow { key, .. } = row;
         format!("*{} in {}, box `{}`:* {}.", key.policy, key.town, key.spawn, row.statement())
@@ -16,21 +22,18 @@ pub fn cover_section(rows: &[CoverRow]) -> Section {
          believed. *Shown as failing* is the other side: a picture that shows everything as failing is never wrong, and says nothing.",
         "It is about this box, this pedestrian and these towns. It is no statement about other starts, and none about people.",
     ];
-    Section {
+    Some(Section {
         id: "covers",
         name: "Covered",
         title: "What was not missed",
-        tables: vec![covers(rows)],
+        figures: cover_pictures(found.finished.all::<CoverResult>(), rows).into_iter().collect(),
+        tables: vec![table(rows)],
         notes: statements.chain(reading.map(String::from)).collect(),
-    }
+        ..Section::default()
+    })
 }
 
-/// The covers as text for a terminal of this width (columns); empty without any.
-pub fn covers_for_terminal(rows: &[CoverRow], width: u16) -> String {
-    if rows.is_empty() { String::new() } else { covers(rows).to_terminal(width) }
-}
-
-fn covers(rows: &[CoverRow]) -> Table {
+fn table(rows: &[CoverRow]) -> Table {
     let head = vec![
         Column::text("driver"),
         Column::text("town"),
@@ -68,5 +71,5 @@ fn covers(rows: &[CoverRow]) -> Table {
             Value::Count(row.looks),
         ]
     };
-    Table { head, rows: rows.iter().map(row).collect(), ..Table::default() }
+    Table { place: Place::Everywhere, head, rows: rows.iter().map(row).collect(), ..Table::default() }
 }

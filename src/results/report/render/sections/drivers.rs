@@ -1,6 +1,6 @@
 use super::names::{place, who};
-use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Cell, DriverResult, ListedFailure, Spread};
+use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::{Cell, DriverResult, Findings, Rate};
 
 /// How to read the table.
 const READING: [&str; 2] = [
@@ -14,14 +14,9 @@ const READING: [&str; 2] = [
      searches, each with the same weight.",
 ];
 
-/// What was found about each driver: those under test, and below them those that see no pedestrians. None without any driver.
-///
-/// `link` gives the place of a failure's player, if it has one.
-pub fn drivers(
-    results: &[DriverResult],
-    cells: &[Cell],
-    link: impl Fn(&ListedFailure) -> Option<String>,
-) -> Option<Section> {
+/// What was found about each driver: those under test, and below them those that see no pedestrians. `None` without a driver.
+pub fn drivers(found: &Findings<'_>) -> Option<Section> {
+    let (results, cells) = (&found.drivers, &found.cells);
     let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
         results.iter().partition(|result| result.driver.sees_no_pedestrians());
     let parts = [("", tested), ("Baseline: drivers that ignore pedestrians", blind)];
@@ -29,40 +24,22 @@ pub fn drivers(
     let tables: Vec<Table> = parts
         .into_iter()
         .filter(|(_, of)| !of.is_empty())
-        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale.as_ref(), &link) })
+        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale.as_ref()) })
         .collect();
     (!tables.is_empty()).then(|| Section {
         id: "drivers",
         name: "Drivers",
         title: "What was found about each driver",
         tables,
-        notes: READING.map(String::from).into_iter().chain(sensitivity(results, cells)).collect(),
-    })
-}
-
-/// How the number of faults moves with the figures of the careful humans; none without any fault.
-fn sensitivity(results: &[DriverResult], cells: &[Cell]) -> Option<String> {
-    let evaluated: u64 = cells.iter().map(|cell| u64::from(cell.faults)).sum();
-    let searched: u64 = results.iter().filter_map(|result| result.searched).map(|found| found.fault as u64).sum();
-    let changed: [u64; 4] = std::array::from_fn(|place| {
-        let of_cells: u64 = cells.iter().map(|cell| u64::from(cell.faults_if[place])).sum();
-        let searched = results.iter().filter_map(|result| result.searched);
-        of_cells + searched.map(|found| found.fault_if[place] as u64).sum::<u64>()
-    });
-    let all = evaluated + searched;
-    let [sooner, later, short, long] = changed;
-    (all + sooner > 0).then(|| {
-        format!(
-            "How firm is the number of faults, {all}? It would be {sooner} if the careful humans reacted 0.25 s sooner, {later} if they reacted 0.25 s later, \
-             {short} if they looked no farther ahead than 2 s, and {long} if they noticed everything 0.5 s earlier."
-        )
+        notes: READING.map(String::from).into(),
+        ..Section::default()
     })
 }
 
 /// The avoidable injury of a driver for 1,000 episodes, in its worst cell; without any evaluation, of its searches.
 pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     match result.cell {
-        Some(cell) => cells[cell].injury.mean.map(|injury| injury * 1000.0),
+        Some(cell) => cells[cell].injury.value.map(|injury| injury * 1000.0),
         None => result.searched.and_then(|found| found.injury_per_thousand),
     }
 }
@@ -82,12 +59,7 @@ pub fn injury_scale(results: &[DriverResult], cells: &[Cell]) -> Option<(String,
     }
 }
 
-fn table(
-    results: &[&DriverResult],
-    cells: &[Cell],
-    scale: Option<&(String, f64)>,
-    link: &impl Fn(&ListedFailure) -> Option<String>,
-) -> Table {
+fn table(results: &[&DriverResult], cells: &[Cell], scale: Option<&(String, f64)>) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
@@ -122,7 +94,7 @@ fn table(
         let mut row = vec![
             Value::from(&result.driver.name),
             result.worst_in_words().into(),
-            episode(result.worst.as_ref(), link),
+            result.worst.as_ref().map_or_else(|| "–".into(), |worst| Value::Failure(worst.name())),
         ];
         let cell = result.cell.map(|cell| &cells[cell]);
         if evaluated {
@@ -134,9 +106,9 @@ fn table(
             ]);
             row.extend(of_injury(result));
             row.extend([
-                rate(cell, |cell| (cell.fault, cell.fault_interval, cell.faults)),
-                rate(cell, |cell| (cell.preventable, cell.preventable_interval, cell.preventable_collisions())),
-                rate(cell, |cell| (cell.collision, cell.interval, cell.collisions)),
+                rate(cell, |cell| (&cell.fault, cell.faults)),
+                rate(cell, |cell| (&cell.preventable, cell.preventable_collisions())),
+                rate(cell, |cell| (&cell.collision, cell.collisions)),
             ]);
         }
         if searched {
@@ -155,25 +127,15 @@ fn table(
         }
         row
     };
-    Table { head, rows: results.iter().map(row).collect(), ..Table::default() }
+    Table { place: Place::Everywhere, head, rows: results.iter().map(row).collect(), ..Table::default() }
 }
 
-/// Of a cell a rate with its interval, and the number of episodes that it counts.
-type RateOf = fn(&Cell) -> (Spread, (f64, f64), u32);
+/// A rate of a cell, and the number of episodes that it counts.
+type Counted = fn(&Cell) -> (&Rate, u32);
 
 /// A rate of a cell with its interval.
-fn rate(cell: Option<&Cell>, of: RateOf) -> Value {
+fn rate(cell: Option<&Cell>, of: Counted) -> Value {
     let Some(cell) = cell else { return Value::Estimate(None, None, 2) };
-    let (rate, interval, count) = of(cell);
-    Value::or_count(Value::Estimate(rate.mean, Some(interval), 2), rate.mean, count, cell.episodes)
-}
-
-fn episode(worst: Option<&ListedFailure>, link: &impl Fn(&ListedFailure) -> Option<String>) -> Value {
-    match worst {
-        None => Value::Text("–".into()),
-        Some(found) => match link(found) {
-            Some(target) => Value::Link(format!("play {}", found.name()), target),
-            None => Value::Code(found.name()),
-        },
-    }
+    let (rate, count) = of(cell);
+    Value::rate(rate, count, cell.episodes)
 }

@@ -1,11 +1,13 @@
 use crate::jobs::EstimateResult;
-use crate::report::estimate_doubts;
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::page::likelihoods;
+use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::{Findings, estimate_doubts};
 use world::judge::Blame;
 use world::likelihood::{Likelihood, encounters_needed};
 
-/// How likely failures are; none without an estimate.
-pub fn estimates(results: &[EstimateResult]) -> Option<Section> {
+/// How likely failures are; `None` without an estimate.
+pub fn estimates(found: &Findings<'_>) -> Option<Section> {
+    let results = found.finished.all::<EstimateResult>();
     let ended: Vec<&EstimateResult> = results.iter().filter(|result| result.estimate.is_some()).collect();
     if ended.is_empty() {
         return None;
@@ -21,12 +23,14 @@ pub fn estimates(results: &[EstimateResult]) -> Option<Section> {
         id: "estimates",
         name: "Estimates",
         title: "How likely failures are in an encounter",
+        figures: likelihoods(results).into_iter().collect(),
         tables: vec![table(&ended)],
         notes,
+        ..Section::default()
     })
 }
 
-pub(super) fn table(results: &[&EstimateResult]) -> Table {
+fn table(results: &[&EstimateResult]) -> Table {
     let texts = ["driver", "town", "pedestrian"].map(Column::text);
     let events = ["any failure", "preventable", "fault"].map(Column::number);
     let numbers = ["encounters"].map(Column::number);
@@ -58,7 +62,7 @@ pub(super) fn table(results: &[&EstimateResult]) -> Table {
         });
         row
     };
-    Table { head, rows: results.iter().map(row).collect(), ..Table::default() }
+    Table { place: Place::Everywhere, head, rows: results.iter().map(row).collect(), ..Table::default() }
 }
 
 /// How many encounters a wanted bound needs.

@@ -1,12 +1,14 @@
 use crate::jobs::HardenResult;
+use crate::report::Findings;
 use crate::report::aggregate::{HardenedTotals, lost_progress};
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::table::{Column, Place, Section, Table, Value};
 use base::signature::short;
 use base::statistics::wilson;
 use world::hardening::Hardened;
 
 /// What hardenings changed: a row for each driver and run, and each test.
-pub fn hardened_section(results: &[HardenResult]) -> Option<Section> {
+pub fn hardened(found: &Findings<'_>) -> Option<Section> {
+    let results = found.finished.all::<HardenResult>();
     if results.is_empty() {
         return None;
     }
@@ -26,16 +28,9 @@ pub fn hardened_section(results: &[HardenResult]) -> Option<Section> {
         title: "Drivers before and after repairs",
         tables: vec![summary(results), tests(results), rounds(results)],
         notes: lines.chain(reading.map(String::from)).collect(),
+        lines: self::found(results).map(|(result, found)| result.written.line(&found.values)).collect(),
+        ..Section::default()
     })
-}
-
-/// The hardenings as text for a terminal of this width (columns), with the line of each repaired policy; empty without any.
-pub fn hardened_for_terminal(results: &[HardenResult], width: u16) -> String {
-    if results.is_empty() {
-        return String::new();
-    }
-    let lines = results.iter().filter_map(|result| Some(result.written.line(&result.found.as_ref()?.values)));
-    format!("{}\n{}", summary(results).to_terminal(width).trim_end(), lines.collect::<Vec<_>>().join("\n"))
 }
 
 fn found(results: &[HardenResult]) -> impl Iterator<Item = (&HardenResult, &Hardened)> {
@@ -83,7 +78,7 @@ fn summary(results: &[HardenResult]) -> Table {
             percent(after.braking_rate()),
         ]
     };
-    Table { head, rows: self::found(results).map(row).collect(), ..Table::default() }
+    Table { place: Place::Everywhere, head, rows: self::found(results).map(row).collect(), ..Table::default() }
 }
 
 fn tests(results: &[HardenResult]) -> Table {

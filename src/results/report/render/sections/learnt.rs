@@ -1,10 +1,11 @@
 use super::names::{head, names};
 use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Cell, Doubt, Evidence, Learnt};
+use crate::report::{Findings, Learnt};
 
-/// Whether the trainings learnt, and the doubts about them; none when no trained controller was evaluated.
-pub fn learnt(cells: &[Cell], evidence: &Evidence, doubts: &[Doubt]) -> Option<Section> {
-    let both = cells.iter().zip(&evidence.cells);
+/// Whether the trainings learnt, and the doubts about them; `None` if no trained controller was evaluated.
+pub fn learnt(found: &Findings<'_>) -> Option<Section> {
+    let Findings { cells, doubts, gathered, .. } = found;
+    let both = cells.iter().zip(&gathered.evidence.cells);
     let judged: Vec<_> = both.filter_map(|(cell, found)| Some((cell, found.learning.as_ref()?))).collect();
     if judged.is_empty() {
         return None;
@@ -61,5 +62,6 @@ pub fn learnt(cells: &[Cell], evidence: &Evidence, doubts: &[Doubt]) -> Option<S
         title: "Did the trainings learn?",
         tables: vec![Table { head: columns, rows, ..Table::default() }],
         notes,
+        ..Section::default()
     })
 }

@@ -34,8 +34,12 @@ pub fn distinct(cells: &[Cell]) -> Vec<&Cell> {
 /// Whether two cells are the same but for the reward.
 fn is_repeated(first: &Cell, second: &Cell) -> bool {
     let key = |cell: &Cell| CellKey { reward: String::new(), ..cell.key.clone() };
-    let figures = |cell: &Cell| (cell.runs, cell.episodes, cell.labels, cell.collision, cell.length, cell.impact_speed);
-    !first.key.is_of_reward() && figures(first) == figures(second) && key(first) == key(second)
+    let counts = |cell: &Cell| (cell.runs, cell.episodes, cell.labels);
+    !first.key.is_of_reward()
+        && counts(first) == counts(second)
+        && (&first.collision, &first.length, &first.impact_speed)
+            == (&second.collision, &second.length, &second.impact_speed)
+        && key(first) == key(second)
 }
 
 /// The controller of a cell, with what distinguishes it from the others: its reward if it was trained, and its training if there are several.

@@ -1,12 +1,10 @@
 use std::collections::BTreeMap;
 
 use crate::report::aggregate::percent_above;
-use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Colour, ProtocolCell};
+use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::{Colour, Findings, ProtocolCell};
 use world::env::TestCriterion;
 
-/// The id of the section.
-pub const PROTOCOL: &str = "protocol";
 /// How to read the tables.
 const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0 is no contact. Along the path it is the speed \
      of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h. A test is over when the car has \
@@ -25,16 +23,13 @@ const LIMITS: &str = "**This is no rating.** The tests repeat the speeds, places
      tolerances of test tracks, turning and reversing tests. The target is a disc of its width in the world; its box only states the impact \
      point. Euro NCAP's colours are published for 60 km/h, and the same shares are taken at other speeds.";
 
-/// Gives the place of the player of a failure, if it has one.
-type PlayerOf<'a> = &'a dyn Fn(&str) -> Option<String>;
-
-/// The results of drivers in the tests of a protocol, and the worst ones within its layers; none without a test. `link` gives the place of a
-/// failure's player, if it has one.
-pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell], link: PlayerOf<'_>) -> Option<Section> {
+/// The results of drivers in the tests of a protocol, and the worst ones within its layers; `None` without a test.
+pub fn protocol(found: &Findings<'_>) -> Option<Section> {
+    let (cells, layers) = (&found.gathered.protocol, &found.layers);
     if cells.is_empty() && layers.is_empty() {
         return None;
     }
-    let mut tables = if layers.is_empty() { Vec::new() } else { of_layers(cells, layers, link) };
+    let mut tables = if layers.is_empty() { Vec::new() } else { of_layers(cells, layers) };
     let mut tests: BTreeMap<usize, Vec<&ProtocolCell>> = BTreeMap::new();
     let mut names: Vec<&str> = Vec::new();
     for cell in cells {
@@ -44,23 +39,24 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell], link: PlayerOf<
         });
         tests.entry(number).or_default().push(cell);
     }
-    tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells, link)));
+    tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
     let is_coloured = cells.iter().chain(layers).any(|cell| cell.criterion == TestCriterion::EuroNcap);
     if let Some(first) = tables.first_mut().filter(|_| is_coloured) {
         first.notes.push(JUDGES.into());
     }
-    let notes = vec![READING.into(), LIMITS.into()];
+    tables.iter_mut().for_each(|table| table.place = Place::Everywhere);
     Some(Section {
-        id: PROTOCOL,
+        id: "protocol",
         name: "Protocol",
         title: "How did the drivers do in the protocol's tests?",
         tables,
-        notes,
+        notes: vec![READING.into(), LIMITS.into()],
+        ..Section::default()
     })
 }
 
 /// Rows of drivers and overlaps, columns of test speeds.
-fn of_test(test: &str, cells: &[&ProtocolCell], link: PlayerOf<'_>) -> Table {
+fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
     let mut speeds: Vec<f64> = cells.iter().map(|cell| cell.test_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
@@ -86,7 +82,7 @@ fn of_test(test: &str, cells: &[&ProtocolCell], link: PlayerOf<'_>) -> Table {
         let mut row = vec![Value::Code((*policy).into()), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().find(|cell| cell.test_speed == *speed);
-            cell.map_or_else(|| "–".into(), |cell| played(cell, link))
+            cell.map_or_else(|| "–".into(), |cell| played(cell))
         }));
         let passed = of.iter().filter(|cell| cell.passes() == Some(true)).count() as u64;
         row.extend(coloured.then(|| Value::Number(score(of.iter().map(|cell| **cell)), 2)));
@@ -147,18 +143,18 @@ impl<'a> Layered<'a> {
         self.nominal.is_some_and(|nominal| rank(self.worst()) > rank(nominal))
     }
 
-    fn value(&self, link: PlayerOf<'_>) -> Value {
-        let worst = || played(self.worst(), link);
+    fn value(&self) -> Value {
+        let worst = || played(self.worst());
         match self.nominal {
-            Some(nominal) if self.is_worse() => Value::Change(Box::new(played(nominal, link)), Box::new(worst())),
-            Some(nominal) => played(nominal, link),
+            Some(nominal) if self.is_worse() => Value::Change(Box::new(played(nominal)), Box::new(worst())),
+            Some(nominal) => played(nominal),
             None => worst(),
         }
     }
 }
 
 /// The tables of the layers: one row for each driver, the cells of each driver, the searches, and the cells that got worse.
-fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell], link: PlayerOf<'_>) -> Vec<Table> {
+fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Vec<Table> {
     let all = Layered::all(cells, layers);
     let mut drivers: Vec<&str> = Vec::new();
     for each in &all {
@@ -168,9 +164,9 @@ fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell], link: PlayerOf<'_>
     }
     let of = |driver: &str| all.iter().filter(|each| each.key().policy == driver).collect::<Vec<_>>();
     let mut tables = vec![robustness(&drivers, of)];
-    tables.extend(drivers.iter().map(|driver| of_driver(driver, &of(driver), link)));
+    tables.extend(drivers.iter().map(|driver| of_driver(driver, &of(driver))));
     tables.push(of_searches(&all));
-    tables.extend(changes(&all, link));
+    tables.extend(changes(&all));
     tables
 }
 
@@ -200,6 +196,7 @@ fn robustness<'a>(drivers: &[&'a str], of: impl Fn(&str) -> Vec<&'a Layered<'a>>
         head: std::iter::once(Column::text("driver")).chain(names.map(Column::number)).collect(),
         rows: drivers.iter().map(row).collect(),
         notes: vec![headline(drivers, &of), note.into()],
+        ..Table::default()
     }
 }
 
@@ -221,7 +218,7 @@ fn headline<'a>(drivers: &[&'a str], of: &impl Fn(&str) -> Vec<&'a Layered<'a>>)
 }
 
 /// The nominal colour of each cell of a driver, and the worst one within the layers where that is worse.
-fn of_driver(driver: &str, of: &[&Layered<'_>], link: PlayerOf<'_>) -> Table {
+fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
     let mut speeds: Vec<f64> = of.iter().map(|each| each.key().test_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
@@ -240,7 +237,7 @@ fn of_driver(driver: &str, of: &[&Layered<'_>], link: PlayerOf<'_>) -> Table {
         let mut row = vec![Value::Code(name.into()), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().filter(here).find(|each| each.key().test_speed == *speed);
-            cell.map_or_else(|| "–".into(), |each| each.value(link))
+            cell.map_or_else(|| "–".into(), |each| each.value())
         }));
         row
     };
@@ -278,7 +275,7 @@ fn of_searches(all: &[Layered<'_>]) -> Table {
 }
 
 /// The cells that got worse, with the names of their collisions; none when no cell did.
-fn changes(all: &[Layered<'_>], link: PlayerOf<'_>) -> Option<Table> {
+fn changes(all: &[Layered<'_>]) -> Option<Table> {
     let numbers = ["overlap", "test speed (km/h)"].map(Column::number);
     let words = |names: [&'static str; 4]| names.map(Column::text);
     let head = ["driver", "test"].map(Column::text).into_iter().chain(numbers);
@@ -291,7 +288,7 @@ fn changes(all: &[Layered<'_>], link: PlayerOf<'_>) -> Option<Table> {
             Value::Percent(worst.overlap),
             Value::Number(Some(worst.test_speed * 3.6), 0),
             each.nominal.map_or_else(|| "–".into(), shown),
-            played(worst, link),
+            played(worst),
             Value::Code(worst.falsifier.clone().unwrap_or_default()),
             Value::Code(worst.worst.clone().unwrap_or_default()),
         ]
@@ -299,13 +296,13 @@ fn changes(all: &[Layered<'_>], link: PlayerOf<'_>) -> Option<Table> {
     let rows: Vec<_> = all.iter().filter(|each| each.is_worse()).map(row).collect();
     let note = "`falsify replay NAME --report FOLDER` shows a collision.";
     let title = "Cells that are worse within the layers".into();
-    (!rows.is_empty()).then(|| Table { title, head, rows, notes: vec![note.into()] })
+    (!rows.is_empty()).then(|| Table { title, head, rows, notes: vec![note.into()], ..Table::default() })
 }
 
-/// The result of a cell, with a link to the player of its failure.
-fn played(cell: &ProtocolCell, link: PlayerOf<'_>) -> Value {
-    let worst = match cell.worst.as_deref().and_then(link) {
-        Some(place) => Value::Played(Box::new(shown(cell)), place),
+/// The result of a cell with its failure.
+fn played(cell: &ProtocolCell) -> Value {
+    let worst = match &cell.worst {
+        Some(failure) => Value::Played(Box::new(shown(cell)), failure.clone()),
         None => shown(cell),
     };
     // One episode says nothing about repetitions.

@@ -1,15 +1,19 @@
-use super::{distinct, place, who};
+use super::names::{distinct, place, who};
 use crate::record::CellKey;
 use crate::report::aggregate::Counted;
-use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Cell, CellRequirement};
+use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::{Cell, CellRequirement, Findings, ListedFailure};
 use world::judge::NoVerdict;
 
-/// The link to the player of the worst violation of a requirement in a cell; none where it is not played.
-pub type ViolationOf<'a> = &'a dyn Fn(&CellKey, &str) -> Option<String>;
-
-/// The rates of violations of a campaign's requirements; none without requirements.
-pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf<'_>) -> Option<Section> {
+/// The rates of violations of a campaign's requirements; `None` without requirements.
+pub fn requirements(all: &Findings<'_>) -> Option<Section> {
+    let (cells, found) = (&all.cells, &all.gathered.requirements);
+    let worst = |key: &CellKey, name: &str| -> Option<String> {
+        let is_named =
+            |failure: &ListedFailure| failure.violation.as_ref().is_some_and(|violation| violation.requirement == name);
+        let mut violations = all.gathered.failures.violations().iter();
+        violations.find(|(cell, failure)| cell == key && is_named(failure)).map(|(_, failure)| failure.name())
+    };
     let mut names: Vec<(&str, Option<NoVerdict>)> = Vec::new();
     for each in found {
         if !names.iter().any(|(name, _)| *name == each.name) {
@@ -31,8 +35,8 @@ pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf
         found.map_or_else(
             || Value::from("–"),
             |each| {
-                let ((mean, _), (part, whole)) = (each.rate(counted), each.sums(counted));
-                Value::or_count(Value::Estimate(mean, Some(each.interval(counted)), 2), mean, part, whole)
+                let (part, whole) = each.sums(counted);
+                Value::rate(&each.rate(counted), part, whole)
             },
         )
     };
@@ -40,8 +44,8 @@ pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf
         let mut row = vec![Value::from(&cell.key.policy), place(cell, cells).into(), who(cell, cells).into()];
         for (name, no_verdict) in &names {
             let shown = rate(cell, name, CellRequirement::ALL);
-            row.push(match link(&cell.key, name) {
-                Some(place) => Value::Played(Box::new(shown), place),
+            row.push(match worst(&cell.key, name) {
+                Some(failure) => Value::Played(Box::new(shown), failure),
                 None => shown,
             });
             if no_verdict.is_none() {
@@ -50,7 +54,10 @@ pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf
         }
         row
     };
-    let table = Table { head, rows: distinct(cells).iter().map(row).collect(), ..Table::default() };
+    let rows: Vec<Vec<Value>> = distinct(cells).iter().map(row).collect();
+    let of_report = Table { head: head.clone(), rows: rows.clone(), ..Table::default() };
+    let title = "violations of requirements".into();
+    let of_terminal = Table { place: Place::Terminal, title, head, rows, ..Table::default() };
     let refused =
         names.iter().filter_map(|(name, why)| Some(format!("`{name}` has no verdict: {}.", (*why)?.reason())));
     let notes = [
@@ -62,7 +69,8 @@ pub fn requirements(cells: &[Cell], found: &[CellRequirement], link: ViolationOf
         id: "requirements",
         name: "Requirements",
         title: "How often each requirement is violated",
-        tables: vec![table],
+        tables: vec![of_report, of_terminal],
         notes: notes.into_iter().chain(refused).collect(),
+        ..Section::default()
     })
 }

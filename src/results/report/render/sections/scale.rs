@@ -1,5 +1,5 @@
 use crate::record::CellKey;
-use crate::report::{Cell, DriverResult, Spread};
+use crate::report::{Cell, DriverResult, Rate};
 
 /// The scale of a campaign's rates: in each setting the rate of a driver that sees no pedestrians; without one, the highest rate of the others.
 #[derive(Debug, Clone, Copy)]
@@ -9,7 +9,7 @@ pub struct Scale<'a> {
 }
 
 /// A rate of a cell.
-pub type RateOf = fn(&Cell) -> Spread;
+pub type RateOf = fn(&Cell) -> &Rate;
 
 impl<'a> Scale<'a> {
     pub fn new(results: &'a [DriverResult], cells: &'a [Cell]) -> Self {
@@ -38,10 +38,10 @@ impl<'a> Scale<'a> {
     /// The ends of the scale in the setting of a cell: the lowest rate, and that of the driver that sees no pedestrians, or the highest; none for a driver
     /// that is alone there.
     pub fn ends(&self, cell: &Cell, rate: RateOf) -> Option<(f64, f64)> {
-        let rates = || self.peers(cell).filter_map(|other| rate(other).mean);
+        let rates = || self.peers(cell).filter_map(|other| rate(other).value);
         let blind = self.peers(cell).find(|other| self.blind == Some(other.key.policy.as_str()));
         let top = match self.blind {
-            Some(_) => blind.and_then(|blind| rate(blind).mean)?,
+            Some(_) => blind.and_then(|blind| rate(blind).value)?,
             None => rates().fold(0.0, f64::max),
         };
         (rates().count() > 1).then(|| (rates().fold(top, f64::min), top))
@@ -50,7 +50,7 @@ impl<'a> Scale<'a> {
     /// The rate of a cell as a share of the upper end; none where that is 0.
     pub fn share(&self, cell: &Cell, rate: RateOf) -> Option<f64> {
         let (_, top) = self.ends(cell, rate).filter(|(_, top)| *top > 0.0)?;
-        rate(cell).mean.map(|mean| mean / top)
+        rate(cell).value.map(|mean| mean / top)
     }
 }
 
@@ -64,7 +64,7 @@ mod tests {
     fn a_rate_is_compared_with_the_blind_driver_of_its_setting() {
         let cell = |town: &str, policy: &str, fault| Cell {
             key: CellKey { town: town.into(), policy: policy.into(), ..CellKey::default() },
-            fault: Spread { mean: Some(fault), sd: None },
+            fault: Rate::single(fault),
             ..Cell::default()
         };
         let cells = [
@@ -91,12 +91,12 @@ mod tests {
         let results = [result("good", "idm", 0), result("blind", "cruise", 2)];
         let scale = Scale::new(&results, &cells);
         assert_eq!(scale.name(), Some("blind"));
-        assert_eq!(scale.share(&cells[1], |cell| cell.fault), Some(0.3 / 0.4));
-        assert_eq!(scale.ends(&cells[1], |cell| cell.fault), Some((0.1, 0.4)));
-        assert_eq!(scale.share(&cells[3], |cell| cell.fault), None, "nobody has a fault there");
+        assert_eq!(scale.share(&cells[1], |cell| &cell.fault), Some(0.3 / 0.4));
+        assert_eq!(scale.ends(&cells[1], |cell| &cell.fault), Some((0.1, 0.4)));
+        assert_eq!(scale.share(&cells[3], |cell| &cell.fault), None, "nobody has a fault there");
         let others = Scale::new(&results[..1], &cells[..2]);
         assert_eq!(others.name(), Some("worst"));
-        assert_eq!(others.ends(&cells[0], |cell| cell.fault), Some((0.1, 0.3)));
+        assert_eq!(others.ends(&cells[0], |cell| &cell.fault), Some((0.1, 0.3)));
         assert_eq!(Scale::new(&[], &cells[..1]).name(), None);
     }
 }

@@ -52,7 +52,7 @@ fn table(title: &str, found: &[&SearchComparison]) -> Table {
     let left = (pairs.len() > MOST)
         .then(|| format!("The first {MOST} of {} pairs; `search_comparisons.csv` has all.", pairs.len()));
     let rows = pairs.iter().take(MOST).map(row).collect();
-    Table { title: title.into(), head, rows, notes: left.into_iter().collect() }
+    Table { title: title.into(), head, rows, notes: left.into_iter().collect(), ..Table::default() }
 }
 
 /// The difference with its interval; with too few runs for one, the values of the single runs.

@@ -1,11 +1,13 @@
 use crate::jobs::TrainingResult;
-use crate::report::Spread;
+use crate::report::Findings;
+use crate::report::render::page::learning;
 use crate::report::render::table::{Column, Section, Table, Value};
 use compile::TrainingKey;
 use learn::UpdateLog;
 
-/// The end of each training; none without any.
-pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
+/// The end of each training; `None` without any.
+pub fn trainings(found: &Findings<'_>) -> Option<Section> {
+    let trainings = found.finished.all::<TrainingResult>();
     if trainings.is_empty() {
         return None;
     }
@@ -24,11 +26,11 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
             Value::from(&key.policy),
             Value::Count(members.len() as u64),
             decisions(&ends),
-            over_runs(&over(|log| log.mean_reward)).into(),
-            over_runs(&over(|log| log.success_rate)).into(),
+            over_runs(&over(|log| log.mean_reward)),
+            over_runs(&over(|log| log.success_rate)),
         ];
-        row.extend(is_judged.then(|| over_runs(&over(|log| log.fault_rate)).into()));
-        row.push(over_runs(&over(|log| log.mean_length)).into());
+        row.extend(is_judged.then(|| over_runs(&over(|log| log.fault_rate))));
+        row.push(over_runs(&over(|log| log.mean_length)));
         row.push(Value::Count((members.len() - ends.len()) as u64));
         row
     };
@@ -36,6 +38,7 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
         id: "trainings",
         name: "Trainings",
         title: "Trainings",
+        figures: learning(trainings),
         tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
         notes: vec![
             "Means of the last episodes of each training, while the controller still explored. \"±\" is the standard deviation over trainings. \
@@ -43,6 +46,7 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
              `pedestrians/` has the networks."
                 .into(),
         ],
+        ..Section::default()
     })
 }
 
@@ -52,7 +56,7 @@ fn decisions(ends: &[&UpdateLog]) -> Value {
     if ends.iter().all(|log| log.steps == first) {
         return Value::Count(first);
     }
-    over_runs(&ends.iter().map(|log| log.steps as f64).collect::<Vec<_>>()).into()
+    over_runs(&ends.iter().map(|log| log.steps as f64).collect::<Vec<_>>())
 }
 
 /// The last update of each training that did not fail.
@@ -76,9 +80,10 @@ fn groups(trainings: &[TrainingResult]) -> Vec<(&TrainingKey, Vec<&TrainingResul
     groups
 }
 
-fn over_runs(values: &[f64]) -> Spread {
+/// Mean and standard deviation.
+fn over_runs(values: &[f64]) -> Value {
     let n = values.len() as f64;
     let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / n);
     let variance = |mean: f64| values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Spread { mean, sd: mean.filter(|_| values.len() > 1).map(|mean| variance(mean).sqrt()) }
+    Value::Spread(mean, mean.filter(|_| values.len() > 1).map(|mean| variance(mean).sqrt()))
 }

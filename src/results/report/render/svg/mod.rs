@@ -15,4 +15,4 @@ pub use document::Document;
 pub use figure::{Figure, Panel};
 pub use line::{line, outline};
 pub use number::{Digits, fine, px};
-pub use palette::{FIGURE_CSS, SERIES, properties};
+pub use palette::{FIGURE_CSS, properties};

@@ -3,9 +3,6 @@ use std::fmt::Write;
 /// The rules by which figures are coloured, in names of [`PALETTE`].
 pub const FIGURE_CSS: &str = include_str!("figure.css");
 
-/// The number of colours for series: `c0` and following.
-pub const SERIES: usize = 7;
-
 /// Every colour of page and figures: name, light, dark.
 ///
 /// The series `c…` are distinct for colour-blind readers. `v…` are the verdicts, from those that the driver is responsible for to those

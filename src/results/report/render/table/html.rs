@@ -3,21 +3,29 @@ use maud::{Markup, html};
 use super::{Align, Section, Table, Value};
 use crate::report::render::page::{count, paragraph, percent};
 
+/// The place of the player of a failure on the page; `None` if it is not played.
+pub type PlayerOf<'a> = &'a dyn Fn(&str) -> Option<String>;
+
 /// A table with more rows is folded on a page.
 const LONG: usize = 30;
 
 impl Table {
     /// The table for a page, with its title and notes. Columns that do not fit beside the others are in a list that can be unfolded.
     pub fn to_html(&self) -> Markup {
-        let rows = self.rows.len();
-        if rows <= LONG {
-            return html! { @if !self.title.is_empty() { h3 { (self.title) } } (self.unfolded()) };
-        }
-        let title = if self.title.is_empty() { "All rows" } else { self.title.as_str() };
-        html! { details { summary { (title) ", " (rows) " rows" } (self.unfolded()) } }
+        self.to_html_with(&|_| None)
     }
 
-    fn unfolded(&self) -> Markup {
+    /// The same with links to the players of failures.
+    pub fn to_html_with(&self, player: PlayerOf<'_>) -> Markup {
+        let rows = self.rows.len();
+        if rows <= LONG {
+            return html! { @if !self.title.is_empty() { h3 { (self.title) } } (self.unfolded(player)) };
+        }
+        let title = if self.title.is_empty() { "All rows" } else { self.title.as_str() };
+        html! { details { summary { (title) ", " (rows) " rows" } (self.unfolded(player)) } }
+    }
+
+    fn unfolded(&self, player: PlayerOf<'_>) -> Markup {
         let class = |column: usize| (self.head[column].align == Align::Right).then_some("number");
         let shown: Vec<usize> = (0..self.head.len()).filter(|column| self.head[*column].is_shown).collect();
         html! {
@@ -30,9 +38,9 @@ impl Table {
                         @for row in &self.rows {
                             tr {
                                 @for (place, column) in shown.iter().enumerate() {
-                                    @if place == 0 { th scope="row" { (value(&row[*column])) } }
+                                    @if place == 0 { th scope="row" { (value(&row[*column], player)) } }
                                     @else {
-                                        td class=[class(*column)] data-label=(self.head[*column].name) { (value(&row[*column])) }
+                                        td class=[class(*column)] data-label=(self.head[*column].name) { (value(&row[*column], player)) }
                                     }
                                 }
                             }
@@ -46,7 +54,7 @@ impl Table {
                     @for row in &self.rows {
                         dl.row {
                             @for (column, each) in self.head.iter().zip(row) {
-                                div { dt { (column.name) } dd { (value(each)) } }
+                                div { dt { (column.name) } dd { (value(each, player)) } }
                             }
                         }
                     }
@@ -59,9 +67,14 @@ impl Table {
 
 impl Section {
     /// What is below its heading, for a page.
-    pub fn to_html(&self) -> Markup {
+    pub fn to_html(&self, player: PlayerOf<'_>) -> Markup {
         html! {
-            @for table in &self.tables { (table.to_html()) }
+            @for paragraph in &self.lead { (self::paragraph(paragraph)) }
+            @for figure in &self.figures { (figure.to_html()) }
+            @match &self.picture {
+                Some(picture) => (picture),
+                None => @for table in self.tables_of_report() { (table.to_html_with(player)) },
+            }
             @if !self.notes.is_empty() {
                 details {
                     summary { "How to read this" }
@@ -72,14 +85,21 @@ impl Section {
     }
 }
 
-fn value(value: &Value) -> Markup {
+fn value(value: &Value, player: PlayerOf<'_>) -> Markup {
     html! {
         @match value {
             Value::Code(text) => code { (text) },
             Value::Link(text, file) => a href=(file) { (text) },
             Value::Warning(text) => span.warn { (text) },
             Value::Toned(text, tone) => span.tone.(tone) { (text) },
-            Value::Played(value, place) => a href=(place) title="play it" { (self::value(value)) },
+            Value::Failure(name) => {
+                @if let Some(place) = player(name) { a.play href=(place) { "play" } " " }
+                code { (name) }
+            },
+            Value::Played(value, name) => @match player(name) {
+                Some(place) => a href=(place) title="play it" { (self::value(value, player)) },
+                None => (self::value(value, player)),
+            },
             Value::Count(number) => (count(*number)),
             Value::Times(runs, each) => { (runs) " × " (count(*each)) },
             Value::Percent(share) => (percent(*share)),
@@ -90,10 +110,10 @@ fn value(value: &Value) -> Markup {
             Value::Difference(Some(number), Some((low, high))) => {
                 (format!("{number:+.2}")) " " small { (format!("{low:+.2}..{high:+.2}")) }
             },
-            Value::Change(before, after) => span.change { (self::value(before)) " " span { "→ " (self::value(after)) } },
+            Value::Change(before, after) => span.change { (self::value(before, player)) " " span { "→ " (self::value(after, player)) } },
             Value::Lines(lines) => @for (place, line) in lines.iter().enumerate() {
                 @if place > 0 { " " br; }
-                (self::value(line))
+                (self::value(line, player))
             },
             other => (other.to_string()),
         }

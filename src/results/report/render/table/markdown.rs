@@ -28,7 +28,8 @@ impl Section {
     /// The section as Markdown, below a heading of the second level.
     pub fn to_markdown(&self) -> String {
         let mut page = format!("\n## {}\n", self.title);
-        self.tables.iter().for_each(|table| page.push_str(&format!("\n{}", table.to_markdown())));
+        self.lead.iter().for_each(|paragraph| page.push_str(&format!("\n{paragraph}\n")));
+        self.tables_of_report().for_each(|table| page.push_str(&format!("\n{}", table.to_markdown())));
         self.notes.iter().for_each(|note| page.push_str(&format!("\n{note}\n")));
         page
     }
@@ -36,7 +37,7 @@ impl Section {
 
 fn value(value: &Value) -> String {
     match value {
-        Value::Code(text) => format!("`{text}`"),
+        Value::Code(text) | Value::Failure(text) => format!("`{text}`"),
         Value::Link(text, file) => format!("[{}]({file})", escaped(text)),
         Value::Warning(text) => format!("**{}**", escaped(text)),
         Value::Lines(lines) => lines.iter().map(self::value).collect::<Vec<_>>().join("<br>"),

@@ -7,6 +7,10 @@ mod html;
 
 pub use value::Value;
 
+use maud::Markup;
+
+use super::svg::Figure;
+
 /// The alignment of a column's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Align {
@@ -57,9 +61,22 @@ impl Column {
     }
 }
 
+/// Where a table is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Place {
+    /// In the summary and on the page.
+    #[default]
+    Report,
+    /// At the end of a run, in a terminal.
+    Terminal,
+    /// In both.
+    Everywhere,
+}
+
 /// A table for people.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
+    pub place: Place,
     /// Its heading; empty when the surrounding text names it.
     pub title: String,
     pub head: Vec<Column>,
@@ -69,8 +86,8 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// A part of a report: a heading, tables, and how to read them. The summary has all sections; the page has those that it does not draw.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// A part of a report: a heading with figures and tables, and how to read them. The summary, the page and a terminal show it.
+#[derive(Debug, Clone, Default)]
 pub struct Section {
     /// Its `id` on the page.
     pub id: &'static str,
@@ -78,26 +95,36 @@ pub struct Section {
     pub name: &'static str,
     /// The heading.
     pub title: &'static str,
+    /// What must be read before the tables, in Markdown, a paragraph each.
+    pub lead: Vec<String>,
+    /// Pictures, for the page.
+    pub figures: Vec<Figure>,
     pub tables: Vec<Table>,
+    /// A picture that the page shows in place of the tables.
+    pub picture: Option<Markup>,
     /// How to read them, in Markdown, a paragraph each.
     pub notes: Vec<String>,
+    /// Lines below the tables in a terminal.
+    pub lines: Vec<String>,
+}
+
+impl Section {
+    fn tables_of_report(&self) -> impl Iterator<Item = &Table> {
+        self.tables.iter().filter(|table| table.place != Place::Terminal)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::Spread;
 
     fn table() -> Table {
         Table {
+            place: Place::Everywhere,
             title: "Rates".into(),
             head: vec![Column::text("who"), Column::number("rate"), Column::number("runs").detail()],
             rows: vec![
-                vec![
-                    Value::Text("a|<b>".into()),
-                    Value::Spread(Spread { mean: Some(0.5), sd: Some(0.125) }),
-                    Value::Count(1234),
-                ],
+                vec![Value::Text("a|<b>".into()), Value::Spread(Some(0.5), Some(0.125)), Value::Count(1234)],
                 vec![Value::Link("c".into(), "c.svg".into()), Value::Number(None, 2), Value::Of(1, 2)],
             ],
             notes: vec!["A *rate* is `hits` of all.".into()],

@@ -1,7 +1,7 @@
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
 
-use super::{Align, Table, Value};
+use super::{Align, Place, Section, Table, Value};
 
 /// The gap before a column.
 const GAP: u16 = 2;
@@ -38,7 +38,8 @@ impl Table {
     fn least_width(&self, column: usize) -> usize {
         let head = &self.head[column];
         let values = || self.rows.iter().map(|row| &row[column]);
-        let is_whole = head.align == Align::Right || values().any(|value| matches!(value, Value::Code(_)));
+        let is_whole =
+            head.align == Align::Right || values().any(|value| matches!(value, Value::Code(_) | Value::Failure(_)));
         let longest = |text: &str| text.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
         let least = |text: String| if is_whole { text.chars().count() } else { longest(&text) };
         let widest = values().map(|value| least(value.to_string())).max().unwrap_or(0);
@@ -76,6 +77,21 @@ impl Table {
             });
         }
         table
+    }
+}
+
+impl Section {
+    /// Its tables and lines for a terminal of this width (columns); empty if it has none.
+    pub fn to_terminal(&self, width: u16) -> String {
+        let mut text = String::new();
+        for table in self.tables.iter().filter(|table| table.place != Place::Report) {
+            if !table.title.is_empty() {
+                text.push_str(&format!("{}\n", table.title));
+            }
+            text.push_str(&table.to_terminal(width));
+        }
+        self.lines.iter().for_each(|line| text.push_str(&format!("{line}\n")));
+        text
     }
 }
 

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::report::Spread;
+use crate::report::Rate;
 
 /// A value of a table. `Display` gives its text; Markdown and HTML add markup for code, links and lines.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +19,7 @@ pub enum Value {
     /// A number, and its number of digits after the point.
     Number(Option<f64>, usize),
     /// A mean with its standard deviation.
-    Spread(Spread),
+    Spread(Option<f64>, Option<f64>),
     Interval(Option<(f64, f64)>),
     /// A number with its interval, and their number of digits after the point.
     Estimate(Option<f64>, Option<(f64, f64)>, usize),
@@ -32,7 +32,9 @@ pub enum Value {
     Warning(String),
     /// Words on a colour of the page's style sheet: `green`, `yellow`, `orange`, `brown` or `red`.
     Toned(String, &'static str),
-    /// A value that a failure made, and the place of its player on the page.
+    /// The name of a failure. The page leads to its player.
+    Failure(String),
+    /// A value that a failure made, and the name of the failure.
     Played(Box<Self>, String),
     /// A value, and what it became.
     Change(Box<Value>, Box<Value>),
@@ -47,11 +49,29 @@ const NONE: &str = "–";
 const RARE: f64 = 0.005;
 
 impl Value {
-    /// A rate of `whole` episodes, or their number where it is too small for two digits.
+    /// A rate with its interval; the number of `whole` episodes if the rate is too small for two digits.
+    pub fn rate(rate: &Rate, part: u32, whole: u32) -> Self {
+        Self::or_count(Self::Estimate(rate.value, rate.interval, 2), rate.value, part, whole)
+    }
+
+    /// A rate with its standard deviation; the number of `whole` episodes if the rate is too small for two digits.
+    pub fn spread(rate: &Rate, part: u32, whole: u32) -> Self {
+        Self::or_count(rate.into(), rate.value, part, whole)
+    }
+
+    /// A rate of `whole` episodes, or their number if it is too small for two digits.
     pub fn or_count(rate: Self, mean: Option<f64>, part: u32, whole: u32) -> Self {
         match mean {
             Some(mean) if mean < RARE => Self::Of(part.into(), whole.into()),
             _ => rate,
+        }
+    }
+
+    /// A mean over runs with its interval; of two or three runs the single values.
+    pub fn average(rate: &Rate, digits: usize) -> Self {
+        match (rate.interval, rate.by_run.len()) {
+            (None, 2..) => Self::Runs(rate.by_run.clone(), digits, false),
+            (interval, _) => Self::Estimate(rate.value, interval, digits),
         }
     }
 }
@@ -64,16 +84,19 @@ fn short(number: f64) -> String {
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Text(text) | Self::Code(text) | Self::Link(text, _) | Self::Warning(text) | Self::Toned(text, _) => {
-                f.write_str(text)
-            }
+            Self::Text(text)
+            | Self::Code(text)
+            | Self::Failure(text)
+            | Self::Link(text, _)
+            | Self::Warning(text)
+            | Self::Toned(text, _) => f.write_str(text),
             Self::Played(value, _) => value.fmt(f),
             Self::Count(count) => write!(f, "{count}"),
             Self::Of(part, whole) => write!(f, "{part} of {whole}"),
             Self::Times(runs, each) => write!(f, "{runs} × {each}"),
             Self::Number(Some(number), digits) => write!(f, "{number:.digits$}"),
-            Self::Spread(Spread { mean: Some(mean), sd: None }) => f.write_str(&short(*mean)),
-            Self::Spread(Spread { mean: Some(mean), sd: Some(sd) }) => write!(f, "{} ± {}", short(*mean), short(*sd)),
+            Self::Spread(Some(mean), None) => f.write_str(&short(*mean)),
+            Self::Spread(Some(mean), Some(sd)) => write!(f, "{} ± {}", short(*mean), short(*sd)),
             Self::Interval(Some((_, high))) if *high < RARE => f.write_str("< 0.01"),
             Self::Interval(Some((low, high))) => write!(f, "{low:.2}..{high:.2}"),
             Self::Estimate(Some(number), None, digits) => write!(f, "{number:.digits$}"),
@@ -99,7 +122,7 @@ impl fmt::Display for Value {
                 f.write_str(&texts.join("; "))
             }
             Self::Number(None, _)
-            | Self::Spread(Spread { mean: None, .. })
+            | Self::Spread(None, _)
             | Self::Interval(None)
             | Self::Estimate(None, ..)
             | Self::Difference(None, _) => f.write_str(NONE),
@@ -125,8 +148,8 @@ impl From<String> for Value {
     }
 }
 
-impl From<Spread> for Value {
-    fn from(spread: Spread) -> Self {
-        Self::Spread(spread)
+impl From<&Rate> for Value {
+    fn from(rate: &Rate) -> Self {
+        Self::Spread(rate.value, rate.sd)
     }
 }

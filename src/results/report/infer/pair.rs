@@ -2,25 +2,25 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::Figure;
 use super::comparison::{Comparison, compare};
+use super::evaluated_run::{EvaluatedRun, MAX_KEPT};
 use super::place::Place;
-use super::tried::{KEPT, Tried};
 
 /// Compares the runs of one cell on two sides, such as two reports: second less first. Runs of a number belong together, and their episodes
 /// of a number have equal starts. Figures without a value on a side are left out; p is not adjusted.
 ///
 /// # Errors
 /// Those of polars; none for tables made by [`episodes`](crate::record::episodes).
-pub fn sides(first: &[DataFrame], second: &[DataFrame]) -> PolarsResult<Vec<Comparison>> {
+pub fn compare_pair(first: &[DataFrame], second: &[DataFrame]) -> PolarsResult<Vec<Comparison>> {
     let of_side = |name: &'static str| {
         move |run: &DataFrame| {
             // Cells of a place differ in their keys, so the driver's name tells the sides apart.
-            Tried::of(run, KEPT).map(|mut tried| {
-                tried.key.policy = name.into();
-                tried
+            EvaluatedRun::of(run, MAX_KEPT).map(|mut evaluated| {
+                evaluated.key.policy = name.into();
+                evaluated
             })
         }
     };
-    let filled = |runs: &[DataFrame], name| -> PolarsResult<Vec<Tried>> {
+    let filled = |runs: &[DataFrame], name| -> PolarsResult<Vec<EvaluatedRun>> {
         runs.iter().filter(|run| run.height() > 0).map(of_side(name)).collect()
     };
     let place = Place::new([filled(first, "first")?, filled(second, "second")?].concat());
@@ -28,7 +28,7 @@ pub fn sides(first: &[DataFrame], second: &[DataFrame]) -> PolarsResult<Vec<Comp
         return Ok(Vec::new());
     }
     let agree = |figure| {
-        let partner = |run: &Tried| place.runs(0).iter().find(|other| other.run == run.run);
+        let partner = |run: &EvaluatedRun| place.runs(0).iter().find(|other| other.run == run.run);
         let mut pairs = place.runs(1).iter().filter_map(|run| Some((run, partner(run)?)));
         pairs.all(|(run, other)| run.discordant(other, figure) == (0, 0))
     };

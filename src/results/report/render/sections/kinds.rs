@@ -1,75 +1,66 @@
-use super::names::percent;
 use crate::analysis::Rule;
-use crate::report::failure_modes::{CellModes, MOST_CASES, MOST_FAILURES, MOST_REPEATED, Mode, Target};
+use crate::report::Findings;
+use crate::report::failure_modes::{CellModes, MAX_CASES, MAX_FAILURES, MAX_REPEATED, Mode, Target};
 use crate::report::render::table::{Column, Section, Table, Value};
 use base::statistics::wilson;
 
-/// Modes of a cell that the summary names.
+/// Modes of a cell that the table names.
 const NAMED: usize = 3;
 
-/// The section on the kinds of failure and their explanation; none without any collision.
-pub fn modes_section(cells: &[CellModes<'_>], names: &[String]) -> Option<Section> {
+/// The kinds of failure and which starts lead to them; `None` without a collision.
+pub fn kinds(found: &Findings<'_>) -> Option<Section> {
+    let cells = &found.modes;
     if cells.iter().all(|cell| cell.modes.is_empty()) {
         return None;
     }
     let cut = cells.iter().filter(|cell| cell.sampled.0 < cell.all.0).count();
-    let mut kinds = kinds(cells, names);
+    let mut notes = vec![format!(
+        "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, whether the pedestrian came into sight too \
+         late, and what the driver did at the touch. Within a kind, modes are clusters of the last seconds before the touch, of at most {MAX_REPEATED} collisions. \
+         The examples are medoids. `failure_modes.csv` has all modes."
+    )];
     if cut > 0 {
-        kinds.notes.push(format!(
-            "**In {cut} of these cells only about the first {MOST_FAILURES} collisions were analysed**, the same number of each run. \
-             `mode_counts.csv` has the numbers."
+        notes.push(format!(
+            "**In {cut} of these cells only about the first {MAX_FAILURES} collisions were analysed**, the same number of each run."
         ));
     }
-    kinds.notes.push(format!(
-        "*Expected kinds* is Chao's estimate, a lower bound for these controllers and this driver. Another adversary may find other kinds. \
-         Clusters are drawn from at most {MOST_REPEATED} collisions of each kind."
-    ));
-    let mut tables = vec![kinds];
-    tables.extend(rules(cells, names));
     Some(Section {
         id: "kinds",
         name: "Kinds",
         title: "Kinds of failure",
-        tables,
-        notes: vec![
-            "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, whether the pedestrian came into sight too \
-             late, and what the driver did at the touch. Within a kind, modes are clusters of the last seconds before the touch. \
-             The examples are medoids. `failure_modes.csv` has all modes, and the pictures show them."
-                .into(),
-        ],
+        tables: [table(cells)].into_iter().chain(rules(cells)).collect(),
+        notes,
+        ..Section::default()
     })
 }
 
-fn kinds(cells: &[CellModes<'_>], names: &[String]) -> Table {
+fn table(cells: &[CellModes]) -> Table {
     let mode = |mode: &Mode| {
         let (share, speed) = (percent(mode.mode.share), mode.mode.impact_speed[1]);
         Value::Lines(vec![
             format!("{share} {}, {speed:.1} m/s", mode.mode.kind).into(),
-            Value::Code(mode.example_name()),
+            Value::Failure(mode.example_name()),
         ])
     };
-    let row = |(cell, name): (&CellModes<'_>, &String)| {
-        let richness = &cell.richness;
+    let row = |cell: &CellModes| {
         vec![
-            Value::Link(cell.key.to_string(), format!("modes/{name}.svg")),
+            Value::Text(cell.key.to_string()),
             Value::Count(cell.all.1),
-            Value::Count(richness.seen),
-            Value::Estimate(Some(richness.estimate), Some(richness.interval), 0),
-            format!("{:.1} %", 100.0 * richness.coverage).into(),
+            Value::Count(cell.kinds()),
             Value::Lines(cell.modes.iter().take(NAMED).map(mode).collect()),
         ]
     };
     let mut head = vec![Column::text("cell")];
-    head.extend(["collisions", "kinds seen", "expected kinds (95 %)", "share of known kinds"].map(Column::number));
+    head.extend(["collisions", "kinds"].map(Column::number));
     head.push(Column::text("commonest modes: share, impact speed, example"));
-    let rows = cells.iter().zip(names).filter(|(cell, _)| !cell.modes.is_empty()).map(row).collect();
+    let rows = cells.iter().filter(|cell| !cell.modes.is_empty()).map(row).collect();
     Table { head, rows, ..Table::default() }
 }
 
 /// The most and the least dangerous rule of each cell; none without any rule.
-fn rules(cells: &[CellModes<'_>], names: &[String]) -> Option<Table> {
+fn rules(cells: &[CellModes]) -> Option<Table> {
     let mut rows = Vec::new();
-    for (cell, name) in cells.iter().zip(names) {
+    for cell in cells {
         for (target, found) in &cell.explanations {
             let what = match target {
                 Target::Collision => "a collision",
@@ -78,7 +69,7 @@ fn rules(cells: &[CellModes<'_>], names: &[String]) -> Option<Table> {
             let several = found.rules.len() > 1;
             let rule = |rule: Option<&Rule>| Value::Text(rule.filter(|_| several).map_or("–".into(), worded));
             rows.push(vec![
-                Value::Link(cell.key.to_string(), format!("modes/{name}-why.svg")),
+                Value::Text(cell.key.to_string()),
                 what.into(),
                 percent(found.overall.0 as f64 / found.overall.1.max(1) as f64).into(),
                 rule(found.rules.first()),
@@ -92,12 +83,12 @@ fn rules(cells: &[CellModes<'_>], names: &[String]) -> Option<Table> {
     head.extend(["most often when", "least often when"].map(Column::text));
     head.push(Column::number("skill"));
     let notes = vec![format!(
-        "Rules are learnt from the episodes with even numbers. Their rates, with Wilson's 95 %, are those of the episodes with odd numbers; at most {MOST_CASES} \
+        "Rules are learnt from the episodes with even numbers. Their rates, with Wilson's 95 %, are those of the episodes with odd numbers; at most {MAX_CASES} \
          episodes of a cell are used. *Skill* is the share of the variance of the odd episodes that the rules explain; rules of skill 0 explain nothing. A rule \
          shows what occurs together, not what causes it. `turned away` is the angle at the start between where the pedestrian faces and the car. \
          `explanations.csv` has all rules."
     )];
-    (!rows.is_empty()).then(|| Table { title: "Which starts fail".into(), head, rows, notes })
+    (!rows.is_empty()).then(|| Table { title: "Which starts fail".into(), head, rows, notes, ..Table::default() })
 }
 
 fn worded(rule: &Rule) -> String {
@@ -105,4 +96,9 @@ fn worded(rule: &Rule) -> String {
     let (low, high) = wilson(hits, all);
     let rate = percent(hits as f64 / all.max(1) as f64);
     format!("{rule}: {rate} ({low:.2}..{high:.2}, n = {all})")
+}
+
+/// A fraction as a percentage.
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
 }

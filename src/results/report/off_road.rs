@@ -4,12 +4,12 @@ use std::fmt;
 use super::aggregate::Cell;
 use crate::jobs::SearchResult;
 
-/// Above this share of episodes in which a driver is lost, its figures say little.
-const MOST: f64 = 0.05;
+/// Above this fraction of episodes in which a driver is off the road, its figures say little.
+const MAX_FRACTION: f64 = 0.05;
 
 /// A driver that often does not reach the starts of its episodes or leaves the road, as one that does not follow its route.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LostDriver {
+pub struct OffRoadDriver {
     pub policy: String,
     pub town: String,
     /// Its episodes in evaluations there.
@@ -26,15 +26,15 @@ pub struct LostDriver {
     pub searched: (u64, u64),
 }
 
-impl LostDriver {
+impl OffRoadDriver {
     /// Whether one of its shares is above a twentieth.
-    fn is_often_lost(&self) -> bool {
-        let often = |part: u64, whole: u64| part as f64 > MOST * whole as f64;
+    fn is_often_off_road(&self) -> bool {
+        let often = |part: u64, whole: u64| part as f64 > MAX_FRACTION * whole as f64;
         often(self.placed.max(self.left_road), self.episodes) || often(self.searched.0, self.searched.1)
     }
 }
 
-impl fmt::Display for LostDriver {
+impl fmt::Display for OffRoadDriver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { policy, town, episodes, placed, left_road, road_end, left_out, searched } = self;
         let mut what = Vec::new();
@@ -76,10 +76,10 @@ impl fmt::Display for LostDriver {
 }
 
 /// The drivers that are lost in more than a twentieth of their episodes in a town: of evaluations or of searches.
-pub fn lost(cells: &[Cell], searches: &[SearchResult]) -> Vec<LostDriver> {
-    let mut sums: BTreeMap<(&str, &str), LostDriver> = BTreeMap::new();
-    let mut at = |policy, town, add: &dyn Fn(&mut LostDriver)| {
-        let none = LostDriver {
+pub fn off_road(cells: &[Cell], searches: &[SearchResult]) -> Vec<OffRoadDriver> {
+    let mut sums: BTreeMap<(&str, &str), OffRoadDriver> = BTreeMap::new();
+    let mut at = |policy, town, add: &dyn Fn(&mut OffRoadDriver)| {
+        let none = OffRoadDriver {
             policy: String::from(policy),
             town: String::from(town),
             episodes: 0,
@@ -106,7 +106,7 @@ pub fn lost(cells: &[Cell], searches: &[SearchResult]) -> Vec<LostDriver> {
             driver.searched.1 += spent.left_out + spent.episodes;
         });
     }
-    sums.into_values().filter(LostDriver::is_often_lost).collect()
+    sums.into_values().filter(OffRoadDriver::is_often_off_road).collect()
 }
 
 #[cfg(test)]
@@ -137,7 +137,7 @@ mod tests {
             cell("stray", "random", 0, 6),
             Cell { road_end: 9, left_out: 9, episodes: 91, ..cell("far", "random", 0, 10) },
         ];
-        let found: Vec<String> = lost(&cells, &[]).iter().map(ToString::to_string).collect();
+        let found: Vec<String> = off_road(&cells, &[]).iter().map(ToString::to_string).collect();
         assert_eq!(
             found,
             [

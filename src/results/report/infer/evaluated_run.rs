@@ -7,7 +7,7 @@ use world::judge::{Label, Reference};
 
 /// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count only in
 /// sums, so memory does not grow with them. With this number, an error is known to 0.3 %.
-pub const KEPT: usize = 100_000;
+pub const MAX_KEPT: usize = 100_000;
 
 /// The flags of an episode, in a byte.
 mod is {
@@ -31,15 +31,11 @@ struct Quantity {
 
 /// The part of one run's episodes that inference needs.
 #[derive(Debug, Clone)]
-pub struct Tried {
+pub struct EvaluatedRun {
     pub key: CellKey,
     pub run: u32,
     /// Speeds at the collisions (m/s), of the episodes that are kept.
     pub impact_speeds: Vec<f64>,
-    /// Least times to collision of the other episodes (s), of those that have one and are kept.
-    pub min_ttc: Vec<f64>,
-    /// Post-encroachment times of the other episodes (s), of those that have one and are kept.
-    pub pet: Vec<f64>,
     /// The collisions that each reference driver avoids.
     pub avoided: [ClusteredCount; Reference::COUNT],
     /// The greatest number of episodes that are kept one by one.
@@ -54,15 +50,15 @@ pub struct Tried {
     quantities: [Quantity; 3],
 }
 
-impl Tried {
+impl EvaluatedRun {
     /// Reads the episodes of one run, and keeps those with numbers below a limit.
     ///
     /// # Errors
     /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
     pub fn of(run: &DataFrame, kept: usize) -> PolarsResult<Self> {
-        let mut tried = Self::new(EpisodeTable::new(run)?.key()?, kept);
-        tried.add(run)?;
-        Ok(tried)
+        let mut evaluated = Self::new(EpisodeTable::new(run)?.key()?, kept);
+        evaluated.add(run)?;
+        Ok(evaluated)
     }
 
     /// Starts without any episode, and will keep those with numbers below a limit.
@@ -71,8 +67,6 @@ impl Tried {
             key: key.cell,
             run: key.run,
             impact_speeds: Vec::new(),
-            min_ttc: Vec::new(),
-            pet: Vec::new(),
             avoided: Default::default(),
             most: kept,
             size: 0,
@@ -85,13 +79,13 @@ impl Tried {
     /// Adds episodes: a part of the table of the run.
     ///
     /// # Errors
-    /// As [`Tried::of`].
+    /// As [`EvaluatedRun::of`].
     pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
-        let (table, tried) = (EpisodeTable::new(part)?, self);
-        tried.size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0).max(tried.size);
-        let (kept, here) = (tried.most, tried.size.min(tried.most));
-        tried.flags.resize(here, 0);
-        tried.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(here, 0.0));
+        let (table, run) = (EpisodeTable::new(part)?, self);
+        run.size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0).max(run.size);
+        let (kept, here) = (run.most, run.size.min(run.most));
+        run.flags.resize(here, 0);
+        run.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(here, 0.0));
         for row in table.rows().filter(|row| table.counts(*row)) {
             let episode = table.episode(row) as usize;
             let (touch, collision) = (table.is_touch(row), table.is_collision(row));
@@ -105,10 +99,10 @@ impl Tried {
             // In the order of `quantity`.
             let impact_speed = table.impact_speed(row).filter(|_| collision);
             let values = [table.reward(row), table.length(row), impact_speed].map(Option::unwrap_or_default);
-            for (count, _) in tried.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
+            for (count, _) in run.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
                 *count += 1.into();
             }
-            for (quantity, value) in tried.quantities.iter_mut().zip(values) {
+            for (quantity, value) in run.quantities.iter_mut().zip(values) {
                 quantity.sum += value;
                 if let Some(kept) = quantity.kept.get_mut(episode) {
                     *kept = value;
@@ -117,15 +111,12 @@ impl Tried {
             if episode >= kept {
                 continue;
             }
-            tried.flags[episode] = known;
+            run.flags[episode] = known;
             if collision {
-                tried.impact_speeds.extend(impact_speed);
-            } else if !touch {
-                tried.min_ttc.extend(table.min_ttc(row));
-                tried.pet.extend(table.pet(row));
+                run.impact_speeds.extend(impact_speed);
             }
         }
-        for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
+        for (avoided, reference) in run.avoided.iter_mut().zip(Reference::ALL) {
             *avoided += (table.avoided(reference).count() as u64).into();
         }
         Ok(())

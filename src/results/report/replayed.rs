@@ -6,7 +6,7 @@ use base::seed::Seed;
 pub type PlayedFailure<'a> = (String, &'a str, Repeated);
 
 /// Repeats these failures. One that cannot be repeated is left out.
-pub fn played<'a>(names: &[String], found: &Findings<'a>, seed: &Seed) -> Vec<PlayedFailure<'a>> {
+pub fn replayed<'a>(names: &[String], found: &Findings<'a>, seed: &Seed) -> Vec<PlayedFailure<'a>> {
     names.iter().filter_map(|name| played_failure(name, found, seed)).collect()
 }
 
