@@ -300,7 +300,7 @@ fn a_cell_that_gets_an_instant_at_a_time_gets_on_and_says_why_it_is_not_there() 
         assert_eq!(limited.status.code(), Some(5), "{limited:?}");
         assert!(error(&limited).contains("not finished within the 0 s that a task may take"), "{}", error(&limited));
         let list = place.list();
-        assert_eq!(list.matches(&format!("[run: unfinished, {turn} of 6 updates]")).count(), 4, "{list}");
+        assert_eq!(list.matches(&format!("[run: unfinished, {} of 120 decisions]", 20 * turn)).count(), 4, "{list}");
         assert_eq!(list.matches(&format!("[run: unfinished, {turn} of 12 episodes]")).count(), 4, "{list}");
     }
     let partial = place.out().join("cut-partial");

@@ -224,7 +224,7 @@ fn a_training_with_more_steps_continues_a_finished_one_bit_for_bit() {
     assert_eq!(run("grown", &[]), [0, 0]);
     with(240, "");
     let listed = said(&falsify(&["run", "curves.scn", "--list", "--out", "grown"], here));
-    assert!(listed.contains("unfinished, 6 of 12 updates"), "{listed}");
+    assert!(listed.contains("unfinished, 120 of 240 decisions"), "{listed}");
     assert_eq!(run("grown", &[]), [120, 120]);
     assert_eq!(run("whole", &[]), [0, 0]);
     assert_eq!(timeless("grown"), timeless("whole"));
