@@ -268,15 +268,7 @@ pub const UNTRAINED: &str = "untrained";
 
 /// The form `campaign`.
 pub fn form() -> Form {
-    let blocks = vec![
-        MatrixKeys::signature(),
-        TrainKeys::signature(),
-        DriveKeys::signature(),
-        EvaluateKeys::signature(),
-        SearchKeys::signature(),
-        EstimateKeys::signature(),
-        CoverKeys::signature(),
-        HardenKeys::signature(),
-    ];
+    let jobs = super::grid::BLOCKS.iter().map(|block| (block.signature)());
+    let blocks = std::iter::once(MatrixKeys::signature()).chain(jobs).collect();
     Form { multiplies: true, ..Form::plain(CampaignKeys::signature().holding(blocks)) }
 }

@@ -48,10 +48,7 @@ pub use campaign::UNTRAINED;
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
-pub use jobs::{
-    CHUNK, ControllerKind, Cover, CoverKey, Estimation, EstimationKey, Evaluation, Harden, HardenKey, Job, NO_REWARD,
-    Planned, Search, SearchKey, Training, TrainingKey, VariedKey, WrittenPolicy, episodes_seed,
-};
+pub use jobs::*;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, Documented, Driver, NamedTown, OutsideSetting, Plan, Published, PublishedCell, PublishedFigure,

@@ -1,4 +1,4 @@
-//! A campaign's grid: its trainings, its evaluations with their controllers, its searches and its estimates.
+//! A campaign's grid: its jobs, block by block.
 
 mod axis;
 mod ground;
@@ -12,17 +12,80 @@ mod harden;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::campaign::{CampaignKeys, HardenKeys, PlaceKeys};
+use super::campaign::{
+    CampaignKeys, CoverKeys, DriveKeys, EstimateKeys, EvaluateKeys, HardenKeys, PlaceKeys, SearchKeys, TrainKeys,
+};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
 use super::{policy, published};
-use axis::{Required, Usual};
-use base::signature::DeclarationId;
+use axis::{Axis, Required, Usual};
+use base::signature::{DeclarationId, Keys, Signature};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
+use world::env::RewardRule;
 
-/// The blocks of a campaign that run episodes against several drivers.
-const BLOCKS: [&str; 5] = ["train", "evaluate", "search", "estimate", "cover"];
+/// A campaign that is laid out.
+pub(crate) struct Grid {
+    usual: Usual,
+    campaign: Campaign,
+    /// The rewards of its trainings.
+    rewards: BTreeMap<String, Axis<RewardRule>>,
+}
+
+/// A kind of block that adds jobs to a campaign.
+pub(crate) struct JobBlock {
+    pub signature: fn() -> Signature,
+    /// The drivers of a block that are under test.
+    drivers: fn(&Block) -> Vec<DeclarationId>,
+    /// Adds the jobs of a block of the campaign, of which it is the one with this number.
+    lower: fn(&mut Lowering<'_>, [&Block; 2], u32, &mut Grid),
+}
+
+/// All blocks with jobs, in the order of the jobs; a new one is a line here.
+pub(crate) static BLOCKS: [JobBlock; 7] = [
+    JobBlock {
+        signature: TrainKeys::signature,
+        drivers: of_places,
+        lower: |it, [all, block], _, grid| it.train(all, block, &grid.usual, &mut grid.campaign, &mut grid.rewards),
+    },
+    JobBlock {
+        signature: DriveKeys::signature,
+        drivers: |_| Vec::new(),
+        lower: |it, [all, block], _, grid| it.drive(all, block, &grid.usual, &mut grid.campaign),
+    },
+    JobBlock {
+        signature: EvaluateKeys::signature,
+        drivers: of_places,
+        lower: |it, [all, block], number, grid| {
+            it.evaluate(all, block, number, &grid.usual, &mut grid.campaign, &grid.rewards);
+        },
+    },
+    JobBlock {
+        signature: SearchKeys::signature,
+        drivers: of_places,
+        lower: |it, [all, block], number, grid| it.search(all, block, number, &grid.usual, &mut grid.campaign),
+    },
+    JobBlock {
+        signature: EstimateKeys::signature,
+        drivers: of_places,
+        lower: |it, [all, block], number, grid| it.estimate(all, block, number, &grid.usual, &mut grid.campaign),
+    },
+    JobBlock {
+        signature: CoverKeys::signature,
+        drivers: of_places,
+        lower: |it, [all, block], number, grid| it.cover(all, block, number, &grid.usual, &mut grid.campaign),
+    },
+    JobBlock {
+        signature: HardenKeys::signature,
+        drivers: |block| vec![block.keys::<HardenKeys>().policy],
+        lower: |it, [all, block], number, grid| it.harden(all, block, number, &grid.usual, &mut grid.campaign),
+    },
+];
+
+/// The drivers of a block that names [`PlaceKeys`].
+fn of_places(block: &Block) -> Vec<DeclarationId> {
+    block.keys::<PlaceKeys>().policies
+}
 
 /// Maximum number of jobs of a block.
 const MAX_JOBS: usize = 200_000;
@@ -38,7 +101,7 @@ impl Lowering<'_> {
         let (car, walker) = (self.vehicle(keys.vehicle), self.adversary(keys.adversary));
         let training = keys.training.map(|id| self.training(id, walker.value.observation.dim()));
         let usual = Usual { car, walker, rule, requirements: Required { ids, all }, training };
-        let mut campaign = Campaign {
+        let campaign = Campaign {
             name: declaration.name.clone(),
             docs: declaration.docs.clone(),
             settings: Vec::new(),
@@ -49,38 +112,23 @@ impl Lowering<'_> {
             jobs: Vec::new(),
             published: self.published(keys.beside),
         };
-        let mut rewards = BTreeMap::new();
-        for train in block.nested("train") {
-            self.train(block, train, &usual, &mut campaign, &mut rewards);
+        let mut grid = Grid { usual, campaign, rewards: BTreeMap::new() };
+        let mut has_blocks = false;
+        for kind in &BLOCKS {
+            for (number, inner) in (0..).zip(block.nested((kind.signature)().name)) {
+                has_blocks = true;
+                (kind.lower)(self, [block, inner], number, &mut grid);
+            }
         }
-        for drive in block.nested("drive") {
-            self.drive(block, drive, &usual, &mut campaign);
-        }
-        self.forbid_repeated_trainings(block, &campaign);
-        if !campaign.published.is_empty() && block.nested("train").next().is_none() {
+        self.forbid_repeated_trainings(block, &grid.campaign);
+        if !grid.campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
-        if BLOCKS.iter().chain(&["drive", "harden"]).all(|word| block.nested(word).next().is_none()) {
-            let message = "the campaign has no jobs".to_string();
+        if !has_blocks {
             let help = "give it a block: `train { … }`, `evaluate { … }`, `search { … }`, `estimate { … }`, `cover { … }` or `harden { … }`";
-            self.said.push(diagnostics::contradiction(block.head, message).help(help));
+            self.said.push(diagnostics::contradiction(block.head, "the campaign has no jobs".into()).help(help));
         }
-        for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
-            self.evaluate(block, evaluate, number, &usual, &mut campaign, &rewards);
-        }
-        for (number, search) in (0..).zip(block.nested("search")) {
-            self.search(block, search, number, &usual, &mut campaign);
-        }
-        for (number, estimate) in (0..).zip(block.nested("estimate")) {
-            self.estimate(block, estimate, number, &usual, &mut campaign);
-        }
-        for (number, cover) in (0..).zip(block.nested("cover")) {
-            self.cover(block, cover, number, &usual, &mut campaign);
-        }
-        for (number, harden) in (0..).zip(block.nested("harden")) {
-            self.harden(block, harden, number, &usual, &mut campaign);
-        }
-        campaign
+        grid.campaign
     }
 
     /// Whether the axes of a block give no more combinations than can be run; reports it otherwise.
@@ -94,10 +142,9 @@ impl Lowering<'_> {
 
     /// The drivers that a campaign names, each once, in order.
     fn drivers(&self, campaign: &Block) -> Vec<Driver> {
-        let blocks = BLOCKS.into_iter().flat_map(|word| campaign.nested(word));
         let mut seen = BTreeSet::new();
-        let hardened = campaign.nested("harden").map(|block| block.keys::<HardenKeys>().policy);
-        let all = blocks.flat_map(|block| block.keys::<PlaceKeys>().policies).chain(hardened);
+        let of = |kind: &'static JobBlock| campaign.nested((kind.signature)().name).flat_map(kind.drivers);
+        let all = BLOCKS.iter().flat_map(of);
         all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
     }
 

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{JobResult, Kind, Work, json, result};
 use crate::campaign::{Part, TaskError};
-use crate::report::cover_in_words;
+use crate::report::{
+    COVER_POINTS, COVERS, cover_columns, cover_in_words, cover_point_columns, cover_point_table, cover_table,
+};
 use compile::{Cover, CoverKey};
 use world::env::{DrawnParameter, Outcome, Trace};
 use world::judge::{Blame, Judged};
@@ -20,6 +22,11 @@ pub(super) const KIND: Kind = Kind {
     doing: ["covering", "covered"],
     unit: "episodes",
     has_episodes: false,
+    references: || vec![cover_columns().reference(), cover_point_columns().reference()],
+    tables: |found| match found.finished.all() {
+        [] => Vec::new(),
+        all => vec![(COVERS, cover_table(&found.covers)), (COVER_POINTS, cover_point_table(all))],
+    },
 };
 
 /// The result of a cover.

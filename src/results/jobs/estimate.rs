@@ -1,5 +1,6 @@
 use super::{JobResult, Kind, Work, json, result};
 use crate::campaign::{Part, TaskError};
+use crate::report::{ESTIMATES, estimate_columns, estimate_table};
 use base::seed::Seed;
 use compile::{Estimation, EstimationKey};
 use world::likelihood::{self, Encounters, Estimate, Limits};
@@ -11,6 +12,11 @@ pub(super) const KIND: Kind = Kind {
     doing: ["estimating", "estimated"],
     unit: "ticks",
     has_episodes: false,
+    references: || vec![estimate_columns().reference()],
+    tables: |found| match found.finished.all() {
+        [] => Vec::new(),
+        all => vec![(ESTIMATES, estimate_table(all))],
+    },
 };
 
 /// The result of an estimate.

@@ -17,6 +17,8 @@ pub(super) const KIND: Kind = Kind {
     doing: ["trying", "tried"],
     unit: "episodes",
     has_episodes: true,
+    references: Vec::new,
+    tables: |_| Vec::new(),
 };
 
 /// What came of a part of an evaluation. Its episodes are in the store.

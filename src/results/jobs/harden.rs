@@ -3,7 +3,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::{JobResult, Kind, Work, json, result};
 use crate::campaign::{Part, TaskError};
-use crate::report::hardened_in_words;
+use crate::report::{HARDENED, hardened_columns, hardened_in_words, hardened_table};
 use compile::{Harden, HardenKey, WrittenPolicy};
 use world::hardening::{Hardened, Hardening, harden};
 
@@ -14,6 +14,11 @@ pub(super) const KIND: Kind = Kind {
     doing: ["hardening", "hardened"],
     unit: "ticks",
     has_episodes: false,
+    references: || vec![hardened_columns().reference()],
+    tables: |found| match found.finished.all() {
+        [] => Vec::new(),
+        all => vec![(HARDENED, hardened_table(all))],
+    },
 };
 
 /// The result of a hardening.

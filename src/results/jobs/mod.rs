@@ -12,6 +12,7 @@ mod harden;
 use std::any::Any;
 use std::fmt;
 
+use polars::prelude::DataFrame;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -25,6 +26,8 @@ pub use search::{Find, SearchResult};
 pub use training::{TrainingResult, networks};
 
 use crate::campaign::{Collect, Part, State, TaskError};
+use crate::record::TableReference;
+use crate::report::Findings;
 use compile::{Job, Planned};
 
 /// The words of a kind of job.
@@ -42,6 +45,10 @@ pub struct Kind {
     pub unit: &'static str,
     /// Whether its results are episodes. They stay in the store, and a stored part may have fewer than are wanted.
     pub has_episodes: bool,
+    /// The columns of its tables in a report.
+    pub references: fn() -> Vec<TableReference>,
+    /// Its tables in a report, with their names.
+    pub tables: fn(&Findings<'_>) -> Vec<(&'static str, DataFrame)>,
 }
 
 /// All kinds, in the order of their jobs in a campaign.

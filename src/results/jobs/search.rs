@@ -6,6 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::episodes::flow;
 use super::{JobResult, Kind, Repeatable, Work, json, result};
 use crate::campaign::{Part, TaskError};
+use crate::report::{
+    SEARCH_COMPARISONS, failure_table, search_cell_columns, search_cell_table, search_comparison_columns,
+    search_comparison_table, search_failures, search_table, searches,
+};
 use compile::{Search, SearchKey, episodes_seed};
 use world::env::{Criterion, Outcome, Scenario, Trace};
 use world::falsifier::{BudgetedSimulation, Failure, SearchOutcome, StartSet, evaluate_observed};
@@ -19,6 +23,23 @@ pub(super) const KIND: Kind = Kind {
     doing: ["searching", "searched"],
     unit: "ticks",
     has_episodes: false,
+    references: || {
+        vec![
+            search_table().reference(),
+            search_cell_columns().reference(),
+            search_comparison_columns().reference(),
+            failure_table().reference(),
+        ]
+    },
+    tables: |found| match found.finished.all::<SearchResult>() {
+        [] => Vec::new(),
+        all => vec![
+            ("searches", searches(all)),
+            ("search_cells", search_cell_table(&found.searches)),
+            (SEARCH_COMPARISONS, search_comparison_table(&found.search_comparisons)),
+            ("search_failures", search_failures(all)),
+        ],
+    },
 };
 
 /// The result of a search.

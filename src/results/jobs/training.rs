@@ -3,6 +3,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::{JobResult, Kind, Work, result};
 use crate::campaign::{Part, State, Stored, TaskError};
+use crate::report::{learning_curve, learning_curve_table};
 use compile::{Evaluation, Planned, Training, TrainingKey};
 use learn::{ActorCritic, Trained, UpdateLog};
 use world::falsifier::{TrainError, TrainingRun};
@@ -17,6 +18,8 @@ pub(super) const KIND: Kind = Kind {
     doing: ["training", "trained"],
     unit: "decisions",
     has_episodes: false,
+    references: || vec![learning_curve_table().reference()],
+    tables: |found| vec![("learning_curve", learning_curve(found.finished.all()))],
 };
 
 /// The result of a training.

@@ -2,6 +2,7 @@
 
 use super::metric_table::metric_table_reference;
 use super::{aggregate, failure_modes, infer};
+use crate::jobs::KINDS;
 use crate::record::{TableReference, episode_references, metrics, reference_driver_columns};
 
 /// The tables of a report with their columns, in the order of `reports/README.md`.
@@ -18,19 +19,8 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::published_table().reference(),
     ];
     all.extend(failure_modes::references());
-    all.extend([
-        aggregate::learning_curve_table().reference(),
-        aggregate::search_table().reference(),
-        aggregate::search_cell_columns().reference(),
-        aggregate::search_comparison_columns().reference(),
-        aggregate::failure_table().reference(),
-        aggregate::estimate_columns().reference(),
-        aggregate::cover_columns().reference(),
-        aggregate::cover_point_columns().reference(),
-        aggregate::hardened_columns().reference(),
-        aggregate::protocol_columns().reference(),
-        aggregate::tick_table().reference(),
-    ]);
+    all.extend(KINDS.iter().flat_map(|kind| (kind.references)()));
+    all.extend([aggregate::protocol_columns().reference(), aggregate::tick_table().reference()]);
     all
 }
 

@@ -29,6 +29,11 @@ mod replayed;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
+pub(crate) use aggregate::{
+    COVER_POINTS, COVERS, ESTIMATES, HARDENED, SEARCH_COMPARISONS, cover_columns, cover_point_columns,
+    cover_point_table, cover_table, estimate_columns, estimate_table, hardened_columns, hardened_table,
+    learning_curve_table, search_cell_columns, search_comparison_columns, search_comparison_table, search_table,
+};
 pub use aggregate::{
     Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, cover_in_words,
     driver_results, failure_table, gather, hardened_in_words, learning_curve, learning_curve_lines, metrics,

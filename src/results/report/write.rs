@@ -1,18 +1,12 @@
 use std::collections::BTreeMap;
 
-use super::aggregate::{
-    COVER_POINTS, COVERS, ESTIMATES, HARDENED, PROTOCOL, RESULTS, RUNS, cover_point_table, cover_table, estimate_table,
-    hardened_table, protocol_table, results,
-};
+use super::aggregate::{PROTOCOL, RESULTS, RUNS, protocol_table, results};
 use super::failure_modes;
 use super::metric_table::METRICS;
 use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
-use super::{
-    Findings, Manifest, ReportFolder, SEARCH_COMPARISONS, WriteError, infer, learning_curve, published,
-    search_cell_table, search_comparison_table, search_failures, searches, town_map,
-};
-use crate::jobs::{CoverResult, EstimateResult, HardenResult, SearchResult, TrainingResult};
+use super::{Findings, Manifest, ReportFolder, WriteError, infer, published, town_map};
+use crate::jobs::{KINDS, TrainingResult};
 use base::seed::Seed;
 use compile::{Training, TrainingKey};
 use world::driving::{ACTION_BOUNDS, ACTION_SCALES, inputs};
@@ -45,7 +39,9 @@ pub fn write(
     folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
     folder.table("failure_modes", &failure_modes::failure_modes(&found.modes))?;
     folder.table("explanations", &failure_modes::explanations(&found.modes))?;
-    folder.table("learning_curve", &learning_curve(finished.all::<TrainingResult>()))?;
+    for (name, table) in KINDS.iter().flat_map(|kind| (kind.tables)(found)) {
+        folder.table(name, &table)?;
+    }
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
         folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
@@ -89,22 +85,6 @@ pub fn write(
     if !gathered.protocol.is_empty() || !found.layers.is_empty() {
         let all: Vec<_> = gathered.protocol.iter().chain(&found.layers).cloned().collect();
         folder.table(PROTOCOL, &protocol_table(&all))?;
-    }
-    if !finished.all::<SearchResult>().is_empty() {
-        folder.table("searches", &searches(finished.all::<SearchResult>()))?;
-        folder.table("search_cells", &search_cell_table(&found.searches))?;
-        folder.table(SEARCH_COMPARISONS, &search_comparison_table(&found.search_comparisons))?;
-        folder.table("search_failures", &search_failures(finished.all::<SearchResult>()))?;
-    }
-    if !finished.all::<EstimateResult>().is_empty() {
-        folder.table(ESTIMATES, &estimate_table(finished.all::<EstimateResult>()))?;
-    }
-    if !finished.all::<CoverResult>().is_empty() {
-        folder.table(COVERS, &cover_table(&found.covers))?;
-        folder.table(COVER_POINTS, &cover_point_table(finished.all::<CoverResult>()))?;
-    }
-    if !finished.all::<HardenResult>().is_empty() {
-        folder.table(HARDENED, &hardened_table(finished.all::<HardenResult>()))?;
     }
     folder.file("summary.md", summary(found, sections, manifest).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
