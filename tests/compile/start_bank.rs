@@ -100,8 +100,8 @@ fn copies_share_their_start_and_only_what_is_random_differs_after_it() {
     for (driver, random) in [("sharp", false), ("squinting", true)] {
         let scenario = scenario("", driver);
         let mut differ = false;
-        // From some starts the driver does the same whatever its sensors miss.
-        for seed in (15..19).map(Seed::root) {
+        // From most starts the driver does the same whatever its sensors miss.
+        for seed in (15..45).map(Seed::root) {
             let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7))
                 .with_bank(StartBank::new(&scenario, 1, None, seed).map(Arc::new));
             let copies = outcomes(&mut env, 12);

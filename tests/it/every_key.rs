@@ -72,14 +72,14 @@ fn catalog() -> Catalog {
 }
 
 /// Opens programs that need half a second for everything. A driver brakes for the number of actors that it knows of, and keeps less of its speed
-/// the nearer the end of its route is; the argument of the command, and the number of its files, is its acceleration. A pedestrian walks at the car at
+/// the nearer the end of its route is; the argument of the command, the number of its files and its parameters are its acceleration. A pedestrian walks at the car at
 /// that speed.
 struct Inside;
 
 impl Opener for Inside {
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         let argument: f64 = program.words.get(1).and_then(|word| word.parse().ok()).unwrap_or(1.0);
-        let argument = argument + program.files.len() as f64;
+        let argument = argument + program.files.len() as f64 + program.parameters.values().sum::<f64>();
         Ok(Box::new(InsideLink { argument, answer: Vec::new() }))
     }
 }
