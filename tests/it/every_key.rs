@@ -376,10 +376,12 @@ fn results(campaign: &Campaign) -> String {
         let note = &mut |outcome: &Outcome, trace: &Trace| {
             let pair = trace.main_pair(&evaluation.scenario);
             let row = EpisodeRow::new(&key, 0, Judged::new(outcome, &pair), &pair);
-            text.push_str(&shown(&row.judged.outcome, row.judged.verdict.as_ref()));
-            row.judged.degrees.iter().for_each(|degree| text.push_str(&format!("{degree:?}\n")));
+            let degrees: String = row.judged.degrees.iter().map(|degree| format!("{degree:?}\n")).collect();
+            shown(&row.judged.outcome, row.judged.verdict.as_ref()) + &degrees
         };
-        watch(evaluation, trained, 0..evaluation.episodes, &seed, note, &mut |_| ControlFlow::Continue(()));
+        // The episodes of a batch end in any order, and are returned in that of their numbers.
+        let all = watch(evaluation, trained, 0..evaluation.episodes, &seed, note, &mut |_| ControlFlow::Continue(()));
+        text.push_str(&all.concat());
     }
     for search in finished.all::<SearchResult>() {
         let _ = writeln!(text, "{} episodes from {} starts", search.spent.episodes, search.spent.starts);
