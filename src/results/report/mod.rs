@@ -82,8 +82,8 @@ pub use write::{pedestrian_file, write};
 
 // What the modules here share.
 pub(crate) use aggregate::{
-    CellRequirement, CoverRow, Metrics, ProtocolCell, PublishedComparison, SearchComparison,
-    estimate_doubts, layer_cells, search_comparisons,
+    CellRequirement, CoverRow, Metrics, ProtocolCell, PublishedComparison, SearchComparison, estimate_doubts,
+    layer_cells, search_comparisons,
 };
 pub(crate) use infer::{CellEvidence, Comparison, Evidence, Figure, Gathering, Test, evident_cells};
 pub(crate) use listed_failure::FailureClass;
