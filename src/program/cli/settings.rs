@@ -121,6 +121,13 @@ fn read(path: &Path, text: &str, source: SourceId) -> Result<Settings, Vec<Diagn
     if wrong.is_empty() { Ok(values) } else { Err(wrong) }
 }
 
+/// Whether a text is one of settings.
+pub fn is_read(text: &str) -> bool {
+    let mut sources = Sources::default();
+    let source = sources.add(FILE, text);
+    read(Path::new(FILE), text, source).is_ok()
+}
+
 fn unknown(span: Span, word: &str) -> Diagnostic {
     let diagnostic = Diagnostic::error("unknown-key", span, format!("there is no setting `{word}`"));
     let known = KEYS.map(|(key, _)| key);
