@@ -12,7 +12,6 @@ mod harden;
 use std::any::Any;
 use std::fmt;
 
-use polars::prelude::DataFrame;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -27,7 +26,7 @@ pub use training::{TrainingResult, networks};
 
 use crate::campaign::{Collect, Part, State, TaskError};
 use crate::record::TableReference;
-use crate::report::Findings;
+use crate::report::{Findings, Table};
 use compile::{Job, Planned};
 
 /// The words of a kind of job.
@@ -48,7 +47,7 @@ pub struct Kind {
     /// The columns of its tables in a report.
     pub references: fn() -> Vec<TableReference>,
     /// Its tables in a report, with their names.
-    pub tables: fn(&Findings<'_>) -> Vec<(&'static str, DataFrame)>,
+    pub tables: fn(&Findings<'_>) -> Vec<(&'static str, Table)>,
 }
 
 /// All kinds, in the order of their jobs in a campaign.

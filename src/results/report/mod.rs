@@ -80,6 +80,9 @@ pub use scenario_files::{MOST_HELD_BYTES, held_places};
 pub use staging::staging_file;
 pub use write::{pedestrian_file, write};
 
+/// A table before it is written.
+pub(crate) type Table = polars::prelude::DataFrame;
+
 // What the modules here share.
 pub(crate) use aggregate::{
     CellRequirement, CoverRow, Metrics, ProtocolCell, PublishedComparison, SearchComparison, estimate_doubts,
