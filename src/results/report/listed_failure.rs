@@ -230,7 +230,7 @@ impl ListedFailure {
 /// The order of a list of failures. Equal ones stay in the order of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FailureOrder {
-    /// By [`FailureClass`]: fault ones first, then the verdicts from `preventable` to `bump`; in each the highest speed at the
+    /// By class: fault ones first, then the verdicts from `preventable` to `bump`; in each the highest speed at the
     /// touch first.
     #[default]
     Severity,
