@@ -114,7 +114,7 @@ class _Tasks:
     def __call__(self, line: str) -> None:
         event = json.loads(line)
         if event["event"] == "campaign_begun":
-            self._total += event["trainings"] + event["evaluations"] + event["searches"]
+            self._total += sum(count for count in event.values() if isinstance(count, int))
         elif event["event"] == "task_finished":
             self._done += 1
             self._tell(self._done, self._total)

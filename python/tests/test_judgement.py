@@ -206,7 +206,7 @@ def test_the_requirements_of_an_own_episode_have_its_robustness_and_verdict(tmp_
     file.write_text(REQUIRED, encoding="utf-8")
     env = falsify_av.make(file, "mine", seed=3)
     violations = faults = 0
-    for episode in range(40):
+    for episode in range(160):
         env.reset(options={"episode": episode})
         over = False
         while not over:

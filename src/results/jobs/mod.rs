@@ -50,6 +50,13 @@ pub struct Kind {
     pub tables: fn(&Findings<'_>) -> Vec<(&'static str, Table)>,
 }
 
+impl PartialEq for Kind {
+    /// Names of kinds are unique. Addresses are not: each use of a constant may have its own.
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
 /// All kinds, in the order of their jobs in a campaign.
 pub const KINDS: [&Kind; 6] =
     [&training::KIND, &evaluation::KIND, &search::KIND, &estimate::KIND, &cover::KIND, &harden::KIND];

@@ -37,7 +37,7 @@ impl Board {
 
     /// The number of jobs of a kind.
     pub fn count(&self, kind: &Kind) -> usize {
-        self.jobs.iter().filter(|job| std::ptr::eq(job.kind, kind)).count()
+        self.jobs.iter().filter(|job| job.kind == kind).count()
     }
 
     /// How many jobs have ended.
@@ -50,7 +50,7 @@ impl Board {
     pub fn left(&self) -> Option<Duration> {
         let mut seconds = 0.0;
         for kind in KINDS {
-            let of_kind = || self.jobs.iter().filter(move |job| std::ptr::eq(job.kind, kind));
+            let of_kind = || self.jobs.iter().filter(move |job| job.kind == kind);
             let units: u64 = of_kind().filter(|job| !job.is_ended()).map(|job| job.total - job.done()).sum();
             if units == 0 {
                 continue;
