@@ -238,15 +238,15 @@ impl<'a> Storyboard<'a> {
     fn signals(&self, xml: &mut Xml) {
         for Controller { name, signals, phases } in &self.lights {
             xml.element("TrafficSignalController", &[("name", name)], |xml| {
-                for (colour, ticks) in phases {
-                    // The lamps from the top down.
-                    let (name, lamps) = match colour {
+                for ((colour, ticks), number) in phases.iter().zip(1..) {
+                    // The lamps from the top down. A colour may come twice, and a phase has a name of its own.
+                    let (colour, lamps) = match colour {
                         LightColour::Red => ("stop", "on;off;off"),
                         LightColour::Yellow => ("attention", "off;on;off"),
                         LightColour::Green => ("go", "off;off;on"),
                     };
                     let duration = Short(*ticks as f64 * self.dt);
-                    xml.element("Phase", &[("name", &name), ("duration", &duration)], |xml| {
+                    xml.element("Phase", &[("name", &format!("{colour} {number}")), ("duration", &duration)], |xml| {
                         for signal in signals {
                             xml.empty("TrafficSignalState", &[("trafficSignalId", signal), ("state", &lamps)]);
                         }

@@ -318,13 +318,17 @@ fn an_ego_of_the_user_gets_the_phases_of_the_lights() {
             let id = controller.attribute("name").unwrap();
             assert!(controllers.contains(id), "{name}: {id}");
             let mut colours = Vec::new();
+            let mut names = std::collections::BTreeSet::new();
             for phase in controller.children().filter(|node| node.has_tag_name("Phase")) {
                 let duration = phase.attribute("duration").unwrap().parse::<f64>().unwrap();
                 let ticks = (duration / 0.05).round() as usize;
-                colours.extend(std::iter::repeat_n(phase.attribute("name").unwrap(), ticks));
+                let own_name = phase.attribute("name").unwrap();
+                assert!(names.insert(own_name), "{name}: two phases are called {own_name}");
+                let colour = own_name.split_once(' ').unwrap().0;
+                colours.extend(std::iter::repeat_n(colour, ticks));
                 for state in phase.children().filter(|node| node.has_tag_name("TrafficSignalState")) {
                     assert!(signals.contains(state.attribute("trafficSignalId").unwrap()), "{name}");
-                    let lamps = match phase.attribute("name").unwrap() {
+                    let lamps = match colour {
                         "stop" => "on;off;off",
                         "attention" => "off;on;off",
                         _ => "off;off;on",
