@@ -40,7 +40,7 @@
 //! assert!(report.is_sound() && report.manifest.complete);
 //!
 //! // Read the tables: means and intervals of each cell of the grid, and a row for each episode.
-//! let rates: Vec<Option<f64>> = report.cells.iter().map(|cell| cell.collision.mean).collect();
+//! let rates: Vec<Option<f64>> = report.cells.iter().map(|cell| cell.collision.value).collect();
 //! assert!(rates.len() == 2 && rates.iter().flatten().all(|rate| (0.0..=1.0).contains(rate)));
 //! let episodes = std::fs::read_to_string(report.folder.join("episodes.csv"))?;
 //! assert_eq!(episodes.lines().count(), 1 + 2 * 25);
