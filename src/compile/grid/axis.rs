@@ -12,11 +12,11 @@ use world::requirement::NamedRequirement;
 use world::sim::VehicleBlueprint;
 
 /// The greatest number of decisions between two updates, over all environments.
-const MOST_DECISIONS: usize = 1 << 22;
+const MAX_DECISIONS: usize = 1 << 22;
 /// The greatest number of components of all states between two updates.
-const MOST_SEEN: usize = 1 << 27;
+const MAX_SEEN: usize = 1 << 27;
 /// The greatest number of weights of a network.
-const MOST_WEIGHTS: usize = 1 << 24;
+const MAX_WEIGHTS: usize = 1 << 24;
 
 /// A member of one axis of the grid.
 #[derive(Clone)]
@@ -74,20 +74,20 @@ impl Lowering<'_> {
             let message = "hard starts are looked for among kept ones, so `hard_starts` needs `starts`".to_string();
             self.said.push(diagnostics::contradiction(block.place("hard_starts"), message));
         }
-        if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
-            let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
+        if config.rollout_steps.saturating_mul(environments) > MAX_DECISIONS {
+            let message = format!("an update of more than {MAX_DECISIONS} decisions does not fit in memory");
             self.said.push(diagnostics::contradiction(block.place("steps_per_update"), message));
         }
         let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(state * config.frame_stack);
-        if seen > MOST_SEEN && config.rollout_steps.saturating_mul(environments) <= MOST_DECISIONS {
+        if seen > MAX_SEEN && config.rollout_steps.saturating_mul(environments) <= MAX_DECISIONS {
             let message =
-                format!("an update of {seen} numbers of states does not fit in memory; at most {MOST_SEEN} do");
+                format!("an update of {seen} numbers of states does not fit in memory; at most {MAX_SEEN} do");
             self.said.push(diagnostics::contradiction(block.place("frame_stack"), message));
         }
         let widths = [&[state * config.frame_stack], config.hidden.as_slice(), &[2]].concat();
         let weights: usize = widths.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        if weights > MOST_WEIGHTS {
-            let message = format!("networks of {weights} weights do not fit in memory; at most {MOST_WEIGHTS} do");
+        if weights > MAX_WEIGHTS {
+            let message = format!("networks of {weights} weights do not fit in memory; at most {MAX_WEIGHTS} do");
             self.said.push(diagnostics::contradiction(block.place("hidden"), message));
         }
         Axis { id, name: self.axis_name(id), value: (config, environments) }

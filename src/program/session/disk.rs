@@ -5,7 +5,7 @@ use std::path::Path;
 
 use base::files;
 use lang::Reader;
-use results::report::{FileRecord, MOST_HELD_BYTES};
+use results::report::{FileRecord, MAX_HELD_BYTES};
 
 /// Reads regular files of the disk, up to [`files::MAX_BYTES`] each.
 #[derive(Debug, Clone, Copy, Default)]
@@ -34,7 +34,7 @@ pub(super) struct Recording<'a> {
 pub(super) struct ReadFiles {
     /// A record of each, in the order in which they were read.
     pub records: Vec<FileRecord>,
-    /// The contents of those of at most [`MOST_HELD_BYTES`], by their paths.
+    /// The contents of those of at most [`MAX_HELD_BYTES`], by their paths.
     pub contents: BTreeMap<String, Vec<u8>>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> Recording<'a> {
     fn note(&self, path: &Path, contents: &[u8]) {
         let record = self.record(path, contents);
         let files = &mut *self.files.borrow_mut();
-        if self.contents && contents.len() <= MOST_HELD_BYTES {
+        if self.contents && contents.len() <= MAX_HELD_BYTES {
             files.contents.insert(record.path.clone(), contents.to_vec());
         }
         files.records.push(record);

@@ -59,7 +59,7 @@ pub const IMPACT_BEARING: Column<f64> = Column::new(
 pub const EPISODE_REWARD: Column<f64> = Column::new("episode_reward", "", "sum of the rewards");
 pub const EPISODE_LENGTH: Column<f64> = Column::new("episode_length_s", "s", "time until the touch or the end");
 pub const TICKS: Column<u32> = Column::new("ticks", "", "simulator ticks");
-pub const LEAST_GAP: Column<f64> =
+pub const MIN_GAP: Column<f64> =
     Column::new("least_gap_m", "m", "least distance from the pedestrian's disc to the car's box; 0 at a collision");
 pub const ON_CROSSWALK: Column<bool> =
     Column::new("on_crosswalk", "", "whether the pedestrian was on a crosswalk at the collision; missing without one");

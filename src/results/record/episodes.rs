@@ -2,10 +2,10 @@ use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
     ADVERSARY, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, LEFT_LANE, LEFT_OUT,
-    LEFT_ROAD, MIN_TTC, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y,
-    PEDESTRIAN_YAW, PET, PLACED, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY,
-    TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEFT_LANE, LEFT_OUT, LEFT_ROAD,
+    MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW,
+    PET, PLACED, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN,
+    VEHICLE, VELOCITY_CHANGE,
 };
 use super::reference_drivers::{is_of_reference_driver, reference_columns};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
@@ -102,7 +102,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
             .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.judged.outcome.reward))
             .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.judged.outcome.duration))
             .column(TICKS.of(|row: &EpisodeRow| row.judged.outcome.ticks))
-            .column(LEAST_GAP.of(|row: &EpisodeRow| row.judged.outcome.least_gap))
+            .column(MIN_GAP.of(|row: &EpisodeRow| row.judged.outcome.least_gap))
             .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.judged.outcome.on_crosswalk)))
             .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
             .column(PET.of(|row| near_miss(row).pet))

@@ -13,7 +13,7 @@ use base::contained::contained;
 /// The least number of bytes of a row, compressed. Rows of reports have 20 bytes and more.
 const ROW_BYTES: u64 = 8;
 /// How many times larger than the file its columns may be.
-const MOST_GROWTH: u64 = 256;
+const MAX_GROWTH: u64 = 256;
 /// Files below this size (bytes) may have as many rows, and columns as large, as one of this size.
 const SMALL: u64 = 1 << 16;
 
@@ -32,7 +32,7 @@ pub fn read_parquet<R: MmapBytesReader>(
         let metadata = ParquetReader::new(&mut source).get_metadata()?.clone();
         let (count, size) = said_size(&metadata, &mut source).map_err(|error| damaged(&error))?;
         let length = length.max(SMALL);
-        if count > length / ROW_BYTES || size > length.saturating_mul(MOST_GROWTH) {
+        if count > length / ROW_BYTES || size > length.saturating_mul(MAX_GROWTH) {
             let reason =
                 format!("it says that it has {count} rows in {size} bytes, more than fit into its {length} bytes");
             return Err(PolarsError::ComputeError(reason.into()));

@@ -4,7 +4,7 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, LEFT_OUT,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEFT_OUT, MIN_GAP,
     MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID,
     RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT,
 };
@@ -105,7 +105,7 @@ impl<'a> EpisodeTable<'a> {
             reward: EPISODE_REWARD.read(table)?,
             length: EPISODE_LENGTH.read(table)?,
             ticks: TICKS.read(table)?,
-            least_gap: LEAST_GAP.read(table)?,
+            least_gap: MIN_GAP.read(table)?,
             min_ttc: MIN_TTC.read(table)?,
             pet: PET.read(table)?,
             driving_mode: DRIVING_MODE.read(table)?,

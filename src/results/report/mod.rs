@@ -76,7 +76,7 @@ pub use read::{
     Difference, Gate, GateError, Judged, ReadError, StoredReport, TooFewRuns, differences, divergence, failure,
     failure_list,
 };
-pub use scenario_files::{MOST_HELD_BYTES, held_places};
+pub use scenario_files::{MAX_HELD_BYTES, held_places};
 pub use staging::staging_file;
 pub use write::{pedestrian_file, write};
 

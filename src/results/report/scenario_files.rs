@@ -8,7 +8,7 @@ pub(super) const SCENARIO: &str = "scenario";
 /// The folder in it for files that are not in the folder of the first file or below.
 const OUTSIDE: &str = "outside";
 /// The greatest size of a file that a report holds (bytes). Of a larger one it has the digest.
-pub const MOST_HELD_BYTES: usize = 4 << 20;
+pub const MAX_HELD_BYTES: usize = 4 << 20;
 
 /// The places in a report of files with these paths, which are relative to `folder`. What lies in the folder of the first file or below keeps
 /// its place in the tree, so that imports and maps are found there as they were. Other files are beside each other in `outside`. So the

@@ -20,9 +20,9 @@ keys! {
         explore: f64 as share() = "0.1",
         /// Standard deviation of a variation; 1 is the whole range of a component.
         spread: f64 as within(RATIO, 0.001, 1.0) = "0.1",
-        /// Most crossings that are tried from one start, while they promise more than another start.
+        /// Maximum attempts per start, made while they are expected to gain more than another start.
         tries: u32 as whole(1, 1000) = "32",
-        /// What a failure is worth from a start that has had as bad a one, as a share of its reward: with 0 a start is left
+        /// Discount for repeated failures from one start, as a fraction of their reward: with 0 a start is left
         /// after its first fault, with 1 more faults of one start count like those of others.
         again: f64 as share() = "0.3",
         /// Exponent of the preference for failures of a kind that was seldom found; 0 for none.
@@ -325,7 +325,7 @@ impl Archive {
         Proposal { goal: goals[best], parent: parents.get(best).copied(), expected: expected[best] }
     }
 
-    /// Tries crossings from one start while they promise more per tick than the search gained lately; `None` if the budget is used up.
+    /// Tries crossings from one start while their expected gain per tick exceeds the recent gain of the search; `None` if the budget is used up.
     fn search_from(
         &self,
         start: u64,

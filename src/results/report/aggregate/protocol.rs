@@ -35,7 +35,7 @@ pub struct ProtocolCell {
     pub failed: bool,
     /// How the protocol judges.
     pub criterion: TestCriterion,
-    /// The name of the worst collision, for `replay`; none without one.
+    /// The name of the worst collision, for `replay`; `None` without one.
     pub worst: Option<String>,
     /// Where it is tested, to compare the nominal test with its layer.
     meeting: [i64; 5],

@@ -5,7 +5,7 @@ use world::judge::{Blame, Judged, severe_injury_risk};
 /// How an encounter ended for one driver.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Met {
-    /// Speed of the car at the collision (m/s); none without one.
+    /// Speed of the car at the collision (m/s); `None` without one.
     pub impact_speed: Option<f64>,
     /// Whether the touch counts against the driver.
     pub fault: bool,

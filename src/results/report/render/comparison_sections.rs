@@ -75,7 +75,7 @@ fn headline(comparison: &ReportComparison) -> String {
     line
 }
 
-/// How many starts must differ for a difference of single runs to show; none without one.
+/// How many starts must differ for a difference of single runs to show; `None` without one.
 fn power(comparison: &ReportComparison) -> Option<String> {
     let single = || comparison.cells.iter().filter(|cell| cell.runs == 1 && cell.starts > 0);
     let tests = comparison.cells.iter().flat_map(|cell| &cell.figures).filter(|figure| figure.holm.is_some()).count();

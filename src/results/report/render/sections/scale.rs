@@ -17,7 +17,7 @@ impl<'a> Scale<'a> {
         Self { cells, blind: blind.map(|result| result.driver.name.as_str()) }
     }
 
-    /// The name of the driver that sees no pedestrians; none without one.
+    /// The name of the driver that sees no pedestrians; `None` without one.
     pub fn blind(&self) -> Option<&'a str> {
         self.blind
     }

@@ -5,7 +5,7 @@ use world::road::{LaneKind, LaneSection, Road, RoadIndex, Town, Waypoint};
 /// Least spacing of the points from which a lane's outline is made (m).
 const STEP: f64 = 1.0;
 /// About the most such points of a town, and the most of an edge.
-const MOST_POINTS: (f64, f64) = (300_000.0, 4_000.0);
+const MAX_POINTS: (f64, f64) = (300_000.0, 4_000.0);
 /// Largest distance between an outline and the lane's edge (m).
 const TOLERANCE: f64 = 0.04;
 
@@ -86,7 +86,7 @@ impl SectionLane<'_> {
     /// Places on the lane, from the start of its section to the end, at most this far apart (m).
     pub fn places(&self, step: f64) -> impl Iterator<Item = Waypoint> + use<> {
         let (start, from, to) = (self.start, self.section.start, self.section.end);
-        let steps = ((to - from) / step).ceil().clamp(1.0, MOST_POINTS.1);
+        let steps = ((to - from) / step).ceil().clamp(1.0, MAX_POINTS.1);
         (0..=steps as u32).map(move |i| Waypoint { s: from + (to - from) * f64::from(i) / steps, ..start })
     }
 }
@@ -95,7 +95,7 @@ impl SectionLane<'_> {
 pub fn step(town: &Town) -> f64 {
     let sections = town.roads.iter().flat_map(|road| &road.sections);
     let metres: f64 = sections.map(|section| (section.end - section.start) * section.lanes.len() as f64).sum();
-    STEP.max(2.0 * metres / MOST_POINTS.0)
+    STEP.max(2.0 * metres / MAX_POINTS.0)
 }
 
 /// The corners of a lane: its left edge forwards, its right edge backwards.

@@ -13,7 +13,7 @@ use world::road::Town;
 /// Ground shown around the town (m).
 const MARGIN: f64 = 12.0;
 /// Most starts in the picture for a policy and a block.
-const MOST_STARTS: u32 = 1000;
+const MAX_STARTS: u32 = 1000;
 /// Height of the strip for the legend (m).
 const LEGEND: f64 = 14.0;
 /// Rules of the map: its unit is a metre.
@@ -101,7 +101,7 @@ pub struct Starts {
 impl Starts {
     /// Adds an episode by its policy, block and number. Only the first ones are drawn, since more dots would hide the town.
     pub fn add(&mut self, (policy, block, episode): (&str, u32, u32), outcome: &Outcome) {
-        if episode >= MOST_STARTS {
+        if episode >= MAX_STARTS {
             return;
         }
         let place = *self.index.entry((policy.to_string(), block, episode)).or_insert_with(|| {
