@@ -33,20 +33,14 @@ pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
         return None;
     }
     let mut columns = head();
-    let names_of_shares = ["contested", "machine preventable", "unpreventable", "into the side", "foreseeable"];
+    let names_of_shares =
+        ["preventable (95 %)", "contested", "machine preventable", "unpreventable", "into the side", "foreseeable"];
     columns.extend(
-        [
-            "collisions",
-            "preventable, of all episodes",
-            "95 %",
-            "fault, of all episodes",
-            "95 %",
-            "expected",
-            "preventable (95 %)",
-        ]
-        .map(Column::number),
+        ["collisions", "preventable, of all episodes", "95 %", "fault, of all episodes", "95 %", "expected"]
+            .map(Column::number),
     );
-    columns.extend(names_of_shares.map(Column::number));
+    // The figure shows these shares; their numbers are folded on the page.
+    columns.extend(names_of_shares.map(|name| Column::number(name).detail()));
     let row = |cell: &&Cell| {
         let share = |count: u32| Some(f64::from(count) / f64::from(cell.collisions));
         let [preventable, others @ .., _bumps] = cell.labels;
