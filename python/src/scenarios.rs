@@ -85,7 +85,14 @@ fn choices(plan: &Plan) -> Vec<Choice> {
         }));
         all.extend(campaign.all::<compile::Evaluation>().map(|evaluation| {
             let reward = &evaluation.trained.reward;
-            choice("evaluate", evaluation.block, &evaluation.town, &evaluation.policy, reward, &evaluation.scenario)
+            choice(
+                "evaluate",
+                evaluation.origin.block,
+                &evaluation.town,
+                &evaluation.policy,
+                reward,
+                &evaluation.scenario,
+            )
         }));
         all.extend(campaign.all::<Search>().map(|search| {
             let key = &search.key;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
-use super::campaign::{STOCHASTIC, TRAINED, UNTRAINED};
 use super::falsifier::FalsifierKind;
+use super::jobs::{STOCHASTIC, TRAINED, UNTRAINED};
 use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
 use super::walker::WalkerKind;

@@ -243,7 +243,7 @@ campaign both {
         let compiled = compile(&["a.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
         let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
         let campaign = &plan.campaigns[0];
-        campaign.jobs.iter().map(|job| job.planned().fingerprint()).collect()
+        campaign.jobs.iter().map(|job| job.origin().fingerprint).collect()
     }
 
     #[test]

@@ -44,7 +44,6 @@ mod whole_plan;
 mod lower;
 mod grid;
 
-pub use campaign::UNTRAINED;
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;

@@ -53,8 +53,9 @@ impl Campaign {
         let mut register = Register::default();
         let campaign = Names::new(&self.name).and(&seed.to_string());
         let name = |job: &Job| {
-            let names = job.planned().names(&self.jobs)?;
-            Some(register.name(names.iter().fold(campaign.clone(), |all, name| all.and(name))))
+            let names = job.planned().names(&self.jobs);
+            let text = names.iter().fold(campaign.clone(), |all, name| all.and(name));
+            (!names.is_empty()).then(|| register.name(text))
         };
         let names: Vec<Option<RunId>> = self.jobs.iter().map(name).collect();
         let mut names = names.into_iter();

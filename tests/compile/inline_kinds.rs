@@ -107,7 +107,7 @@ fn a_matrix_takes_kinds_in_place_of_names() {
     // Each is what it is under a name of its own.
     let own = compiled(&SCENARIO.replace("idm(margin: 1 m)", "cruise()")).unwrap_or_else(|said| panic!("{said:?}"));
     let alone = own.campaigns[0].all::<compile::Evaluation>().find(|each| &*each.policy == "cruise").unwrap();
-    assert_eq!(plan.campaigns[3].nth::<compile::Evaluation>(1).fingerprint, alone.fingerprint);
+    assert_eq!(plan.campaigns[3].nth::<compile::Evaluation>(1).origin.fingerprint, alone.origin.fingerprint);
     for (values, expected) in [
         ("[aeb(), idm(margn: 1 m)]", "unknown-key"),
         ("[aeb(), ppo(steps: 10)]", "wrong-type"),

@@ -30,7 +30,7 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let plan = compiled.plan.unwrap();
     let (training, evaluation) =
         (&plan.campaigns[0].nth::<compile::Training>(0), &plan.campaigns[0].nth::<compile::Evaluation>(0));
-    assert_eq!(evaluation.controller, ControllerKind::Trained(0));
+    assert_eq!((&evaluation.controller, evaluation.origin.needs), (&ControllerKind::Trained, Some(0)));
     let go_on = |_: &_| ControlFlow::Continue(());
     let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
     let rate = |walker: &mut dyn WalkPolicy| {

@@ -345,7 +345,7 @@ fn what_a_user_calls_perfect_is_nobodys_default() {
             }}
             "#
         ));
-        plan.campaigns[0].nth::<compile::Training>(0).fingerprint
+        plan.campaigns[0].nth::<compile::Training>(0).origin.fingerprint
     };
     assert_eq!(tried("perfect"), tried("nice"));
 }

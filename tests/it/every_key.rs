@@ -17,12 +17,12 @@ use base::diagnostic::{Diagnostic, Severity, Sources};
 use base::seed::Seed;
 use base::signature::{Form, Param, Signature, Type};
 use base::units::Dimension;
-use compile::{Campaign, Catalog, Evaluation, Job, Plan, Planned, compile};
+use compile::{Campaign, Catalog, Cover, Estimation, Evaluation, Harden, Job, Plan, Planned, compile};
 use falsify::session::{Input, RunOptions, Session};
 use lang::Reader;
 use learn::ActorCritic;
 use results::campaign::{self, NoStore, Silent, Task};
-use results::jobs::{CoverResult, EstimateResult, HardenResult, SearchResult, TrainingResult, watch};
+use results::jobs::{SearchResult, TrainingResult, watch};
 use results::record::{EpisodeRow, RunKey};
 use serde::Deserialize;
 use world::av::Fault;
@@ -369,7 +369,7 @@ fn results(campaign: &Campaign) -> String {
     }
     for evaluation in campaign.all::<Evaluation>() {
         let trained = results::jobs::networks(evaluation, finished.all());
-        if evaluation.needs().is_some() && trained.is_none() {
+        if evaluation.origin.needs.is_some() && trained.is_none() {
             continue;
         }
         let key = Arc::new(RunKey::of(evaluation));
@@ -393,14 +393,14 @@ fn results(campaign: &Campaign) -> String {
             text.push_str(&shown(&evaluated.outcome, evaluated.verdict.as_ref()));
         }
     }
-    for each in finished.all::<EstimateResult>() {
-        let _ = writeln!(text, "{} {:?} {:?}", each.key, each.exposure, each.estimate);
+    for (job, found) in finished.found::<Estimation>() {
+        let _ = writeln!(text, "{} {:?} {found:?}", job.title(), job.exposure);
     }
-    for each in finished.all::<CoverResult>() {
-        let _ = writeln!(text, "{:?} {:?} {:?}", each.key, each.picture, each.found);
+    for (job, found) in finished.found::<Cover>() {
+        let _ = writeln!(text, "{} {:?} {found:?}", job.title(), job.picture);
     }
-    for each in finished.all::<HardenResult>() {
-        let _ = writeln!(text, "{:?} {:?}", each.key, each.found);
+    for (job, found) in finished.found::<Harden>() {
+        let _ = writeln!(text, "{} {found:?}", job.title());
     }
     text
 }

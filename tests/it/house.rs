@@ -38,7 +38,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("polars", &["results/record", "results/report"]),
     ("polars_io", &["results/record", "results/report"]),
     ("polars_parquet_format", &["results/record"]),
-    ("maud", &["results/report"]),
+    ("maud", &["results/report", "results/jobs"]),
     ("comfy_table", &["results/report"]),
     ("smartcore", &["results/analysis"]),
     ("toml", &["results/report", "program/cli", "program/commands"]),

@@ -90,8 +90,8 @@ fn the_contents_of_the_file_are_a_part_of_the_training() {
     let of = |seed| training(KEYS, &bytes(&networks(4, 2, &[8], seed)));
     let (one, same, other) = (of(1), of(1), of(2));
     assert!(one.lineage.is_some());
-    assert_eq!((one.fingerprint, one.lineage), (same.fingerprint, same.lineage));
-    assert!(one.fingerprint != other.fingerprint && one.lineage != other.lineage);
+    assert_eq!((one.origin.fingerprint, one.lineage), (same.origin.fingerprint, same.lineage));
+    assert!(one.origin.fingerprint != other.origin.fingerprint && one.lineage != other.lineage);
 }
 
 #[test]

@@ -218,7 +218,7 @@ fn every_method_searches_for_violations_of_its_goal() {
     let wanted = (count(Blame::Preventable), count(Blame::Fault));
     assert_eq!((counted.preventable, counted.fault), wanted, "by the goal in every table");
     let others = searches("");
-    let same = |a: &compile::Search, b: &compile::Search| a.fingerprint == b.fingerprint;
+    let same = |a: &compile::Search, b: &compile::Search| a.origin.fingerprint == b.origin.fingerprint;
     let pairs = plan.campaigns[0].all::<compile::Search>().zip(others.campaigns[0].all::<compile::Search>());
     assert!(pairs.into_iter().all(|(a, b)| !same(a, b)), "a goal makes another search");
 }
@@ -533,7 +533,7 @@ fn a_reward_pays_for_violations_and_robustness() {
     assert!(violations > 2 && ends > 10, "{violations} {ends}");
     // Another requirement of the same name is another task.
     let changed = compiled(&text.replace("gap < 1.5 m", "gap < 1.6 m")).plan.unwrap();
-    let fingerprint = |plan: &Plan| plan.campaigns[0].nth::<compile::Search>(0).fingerprint;
+    let fingerprint = |plan: &Plan| plan.campaigns[0].nth::<compile::Search>(0).origin.fingerprint;
     assert_ne!(fingerprint(&plan), fingerprint(&changed));
     let apart = compiled(&text.replace("requirements: [slow_pass, other]\n", "")).plan.unwrap();
     let other = compiled(&text.replace("requirements: [slow_pass, other]\n", "").replace("gap < 1.5 m", "gap < 1.6 m"));

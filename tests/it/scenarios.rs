@@ -106,8 +106,8 @@ campaign looks {
     };
     assert_eq!(campaigns.len(), 2);
     assert_ne!(
-        campaigns[0].nth::<compile::Evaluation>(0).fingerprint,
-        campaigns[1].nth::<compile::Evaluation>(0).fingerprint
+        campaigns[0].nth::<compile::Evaluation>(0).origin.fingerprint,
+        campaigns[1].nth::<compile::Evaluation>(0).origin.fingerprint
     );
     assert!(moving(0) + 10 < moving(1), "{} with good eyes, {} without", moving(0), moving(1));
 }

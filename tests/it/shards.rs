@@ -141,7 +141,7 @@ fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
         for (index, shard) in shards.iter().enumerate() {
             for task in shard {
                 assert!(dealt[task] == index as u32 || is_training(task), "{task:?}");
-                if let Some(job) = campaign.jobs[task.job].planned().needs() {
+                if let Some(job) = campaign.jobs[task.job].origin().needs {
                     assert!(shard.contains(&Task { job, part: 0 }));
                 }
             }

@@ -43,7 +43,7 @@ fn a_training_is_of_each_pair_or_of_all_that_are_trained_together() {
     assert_eq!(keys("together: policies"), [key("harbour", "idm+blind", 2), key("village", "idm+blind", 2)]);
     assert_eq!(keys("together: towns"), [key("harbour+village", "idm", 2), key("harbour+village", "blind", 2)]);
     assert_eq!(keys("together: all"), [key("harbour+village", "idm+blind", 4)]);
-    let fingerprint = |together: &str| plan(together).campaigns[0].nth::<compile::Training>(0).fingerprint;
+    let fingerprint = |together: &str| plan(together).campaigns[0].nth::<compile::Training>(0).origin.fingerprint;
     let all: BTreeSet<_> = ["", "together: policies", "together: towns", "together: all"].map(fingerprint).into();
     assert_eq!(all.len(), 4);
 }

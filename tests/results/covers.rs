@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use base::seed::Seed;
-use compile::{Campaign, Catalog, compile};
+use compile::{Campaign, Catalog, Cover, compile};
 use results::campaign::{NoStore, Silent, run};
-use results::jobs::CoverResult;
+use results::jobs::FoundInBox;
 
 fn compiled(block: &str) -> Result<Campaign, String> {
     let text = format!(
@@ -25,23 +25,23 @@ fn compiled(block: &str) -> Result<Campaign, String> {
     compiled.plan.map(|plan| plan.campaigns[0].clone()).ok_or_else(|| messages.join("\n"))
 }
 
-fn covers(block: &str, threads: usize) -> Vec<CoverResult> {
+fn covers(block: &str, threads: usize) -> Vec<(Cover, FoundInBox)> {
     let campaign = compiled(block).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| run(&campaign, &Seed::root(1), &NoStore, &Silent)).all().to_vec()
+    let finished = pool.install(|| run(&campaign, &Seed::root(1), &NoStore, &Silent));
+    finished.found().map(|(job, found): (&Cover, &FoundInBox)| (job.clone(), found.clone())).collect()
 }
 
 #[test]
 fn a_driver_that_sees_nobody_fails_all_over_the_layer_and_its_picture_says_so() {
     let block = "cover { towns: [test_track] policies: [blind] spawn: held pedestrian: scripted failure: collision \
                  epsilon: 5 percent budget: 600 picture: [walking_speed, turn] }";
-    let [result] = &covers(block, 1)[..] else { panic!("one cover") };
-    let names: Vec<&str> = result.parameters.iter().map(|drawn| drawn.parameter.name()).collect();
-    assert_eq!((names, &result.picture), (vec!["approach", "walking_speed", "turn"], &vec![1, 2]));
-    let coverage = &result.found.coverage;
-    assert!(result.is_covered() && result.found.errors == 0 && result.found.unplaced == 0, "{:?}", coverage.looks);
+    let [(cover, found)] = &covers(block, 1)[..] else { panic!("one cover") };
+    assert_eq!((cover.parameter_names(), &cover.picture), (vec!["approach", "walking_speed", "turn"], &vec![1, 2]));
+    let coverage = &found.coverage;
+    assert!(found.is_covered(cover) && found.errors == 0 && found.unplaced == 0, "{:?}", coverage.looks);
     assert_eq!(coverage.failures(), coverage.points.len() as u64, "without braking every point meets the car");
-    assert_eq!(coverage.shown(&coverage.picture(coverage.best().unwrap())), 1.0);
+    assert_eq!(found.shown, Some(1.0));
 }
 
 #[test]
@@ -49,10 +49,10 @@ fn covers_are_equal_with_any_number_of_threads() {
     let block = "cover { towns: [harbour] policies: [blind, idm] pedestrian: intercept failure: collision epsilon: 10 percent budget: 300 }";
     let (one, three) = (covers(block, 1), covers(block, 3));
     assert_eq!(one.len(), 2);
-    assert!(one.iter().zip(&three).all(|(one, three)| one.found == three.found));
+    assert!(one.iter().zip(&three).all(|(one, three)| one.1 == three.1));
     let [blind, idm] = &one[..] else { unreachable!() };
-    assert!(blind.found.coverage.failures() > 5 * idm.found.coverage.failures(), "a driver that sees brakes");
-    assert!(one.iter().all(|each| each.found.coverage.points.len() <= 300 && !each.found.coverage.looks.is_empty()));
+    assert!(blind.1.coverage.failures() > 5 * idm.1.coverage.failures(), "a driver that sees brakes");
+    assert!(one.iter().all(|(_, found)| found.coverage.points.len() <= 300 && !found.coverage.looks.is_empty()));
 }
 
 #[test]

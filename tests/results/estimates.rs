@@ -7,10 +7,9 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
 use results::campaign::{self, NoStore, Silent};
-use results::jobs::EstimateResult;
 use world::env::Criterion;
 use world::judge::Blame;
-use world::likelihood::Encounters;
+use world::likelihood::{Encounters, Estimate};
 
 /// A campaign with this block.
 fn campaign(block: &str) -> Campaign {
@@ -27,8 +26,9 @@ fn campaign(block: &str) -> Campaign {
     compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics)).campaigns.remove(0)
 }
 
-fn estimates(block: &str) -> Vec<EstimateResult> {
-    campaign::run(&campaign(block), &Seed::root(5), &NoStore, &Silent).all().to_vec()
+fn estimates(block: &str) -> Vec<Estimate> {
+    let finished = campaign::run(&campaign(block), &Seed::root(5), &NoStore, &Silent);
+    finished.found::<compile::Estimation>().map(|(_, found)| found.clone()).collect()
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn what_has_a_default_may_be_left_out() {
 fn the_unbiased_probability_is_that_of_the_counted_encounters() {
     let block =
         "estimate { towns: [harbour]  policies: [squinting]  event: failure  relative_error: 0.1  budget: 2_000_000 }";
-    let found = estimates(block)[0].estimate.clone().unwrap();
+    let found = estimates(block)[0].clone();
     let failure = found.of(Blame::Any);
     assert_eq!((failure.seen, found.short), (100, false));
     assert_eq!(failure.probability, 99.0 / (found.counted - 1) as f64);
@@ -66,8 +66,7 @@ fn an_estimate_does_not_depend_on_threads() {
     let block = "estimate { towns: [harbour]  policies: [idm]  event: failure  budget: 300_000 }";
     let of = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let all = pool.install(|| estimates(block));
-        all.into_iter().map(|each| each.estimate).collect::<Vec<_>>()
+        pool.install(|| estimates(block))
     };
     assert_eq!(of(1), of(3));
 }

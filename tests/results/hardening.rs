@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use base::seed::Seed;
-use compile::{Campaign, Catalog, compile};
+use compile::{Campaign, Catalog, Harden, compile};
 use results::campaign::{NoStore, Silent, run};
-use results::jobs::HardenResult;
+use results::jobs::Measured;
 use world::hardening::Hardened;
 
 fn compiled(block: &str) -> Result<Campaign, String> {
@@ -29,14 +29,14 @@ fn compiled(block: &str) -> Result<Campaign, String> {
 const SMALL: &str = "towns: [harbour] test_towns: [village] falsifiers: [crossings] rivals: [meet] budget: 12_000 rounds: 2 \
                      candidates: 14 lessons: 5 traffic: 15 episodes: 60 runs: 1";
 
-fn harden(keys: &str, threads: usize) -> HardenResult {
+fn harden(keys: &str, threads: usize) -> Measured<Harden> {
     let campaign = compiled(&format!("harden {{ {SMALL} policy: late {keys} }}")).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let finished = pool.install(|| run(&campaign, &Seed::root(1), &NoStore, &Silent));
-    finished.all::<HardenResult>()[0].clone()
+    finished.all::<Measured<Harden>>()[0].clone()
 }
 
-fn found(result: &HardenResult) -> &Hardened {
+fn found(result: &Measured<Harden>) -> &Hardened {
     result.found.as_ref().unwrap()
 }
 
@@ -51,7 +51,7 @@ fn a_brake_that_is_too_late_becomes_an_earlier_one_at_any_number_of_threads() {
     assert!(last.faults_before >= 5 && 2 * last.faults_after <= last.faults_before, "{last:?}");
     // The emergency brake may not act later than the partial one.
     assert!(hardened.values[0] <= hardened.values[1] && hardened.values[1] > 0.4, "{:?}", hardened.values);
-    let line = one.written.line(&hardened.values);
+    let line = one.job.written.line(&hardened.values);
     assert!(line.starts_with("policy late_hardened = aeb(full: ") && line.ends_with(" s)"), "{line}");
     let again = compiled(&format!(
         "search {{ towns: [harbour] policies: [idm] falsifiers: [meet] }} }}\n{line}\nspawn other {{ bearing: 0 deg distance: 20 m"
@@ -66,7 +66,7 @@ fn a_limit_without_slack_leaves_a_driver_that_can_only_slow_down_as_it_is() {
     // Less of the limit costs progress, and none may be lost.
     let result = harden("from: aeb(limit_share: 0.1) to: aeb(limit_share: 0.5) progress: 0 percent", 1);
     let hardened = found(&result);
-    assert_eq!(hardened.values, result.plan.driver.before());
+    assert_eq!(hardened.values, result.job.hardening.driver.before());
     assert!(hardened.rounds.iter().all(|round| round.within < round.candidates));
     assert!(hardened.tests.iter().all(|test| test.before == test.after && test.new == 0));
 }

@@ -20,14 +20,14 @@ const MAX_WEIGHTS: usize = 1 << 24;
 
 /// A member of one axis of the grid.
 #[derive(Clone)]
-pub(super) struct Axis<T> {
+pub(crate) struct Axis<T> {
     pub id: DeclarationId,
     pub name: Arc<str>,
     pub value: T,
 }
 
 /// The defaults of all blocks of a campaign.
-pub(super) struct Usual {
+pub(crate) struct Usual {
     pub car: Axis<VehicleBlueprint>,
     pub walker: Axis<PedestrianRole>,
     pub rule: Axis<EpisodeRule>,
@@ -36,25 +36,25 @@ pub(super) struct Usual {
 }
 
 /// The requirements of a campaign.
-pub(super) struct Required {
+pub(crate) struct Required {
     pub ids: Vec<DeclarationId>,
     pub all: Arc<[NamedRequirement]>,
 }
 
 impl Lowering<'_> {
-    pub(super) fn vehicle(&self, id: DeclarationId) -> Axis<VehicleBlueprint> {
+    pub(crate) fn vehicle(&self, id: DeclarationId) -> Axis<VehicleBlueprint> {
         let declaration = self.program.get(id);
         let value = vehicle::lower(declaration.kind, declaration.block.keys());
         Axis { id, name: self.axis_name(id), value }
     }
 
-    pub(super) fn adversary(&mut self, id: DeclarationId) -> Axis<PedestrianRole> {
+    pub(crate) fn adversary(&mut self, id: DeclarationId) -> Axis<PedestrianRole> {
         let block = &self.program.get(id).block;
         adversary::check(block, self.said);
         Axis { id, name: self.axis_name(id), value: adversary::lower(block.keys()) }
     }
 
-    pub(super) fn episode(&mut self, id: DeclarationId) -> Axis<EpisodeRule> {
+    pub(crate) fn episode(&mut self, id: DeclarationId) -> Axis<EpisodeRule> {
         let block = &self.program.get(id).block;
         let value = episode::lower(block.keys());
         let given = block.places.iter().find(|(name, _)| *name == "hold");
@@ -65,7 +65,7 @@ impl Lowering<'_> {
     }
 
     /// A training of a pedestrian whose states have this number of numbers.
-    pub(super) fn training(&mut self, id: DeclarationId, state: usize) -> Axis<(PpoConfig, usize)> {
+    pub(crate) fn training(&mut self, id: DeclarationId, state: usize) -> Axis<(PpoConfig, usize)> {
         let declaration = self.program.get(id);
         let block = &declaration.block;
         let (mut config, environments) = training::lower(block.keys());
@@ -93,17 +93,17 @@ impl Lowering<'_> {
         Axis { id, name: self.axis_name(id), value: (config, environments) }
     }
 
-    pub(super) fn towns(&mut self, ids: &[DeclarationId]) -> Vec<Axis<BuiltTown>> {
+    pub(crate) fn towns(&mut self, ids: &[DeclarationId]) -> Vec<Axis<BuiltTown>> {
         let named = |id: &DeclarationId| Some(Axis { id: *id, name: self.axis_name(*id), value: self.town(*id)? });
         ids.iter().filter_map(named).collect()
     }
 
-    pub(super) fn policies(&mut self, ids: &[DeclarationId]) -> Vec<Axis<PolicyMaker>> {
+    pub(crate) fn policies(&mut self, ids: &[DeclarationId]) -> Vec<Axis<PolicyMaker>> {
         let named = |id: &DeclarationId| Some(Axis { id: *id, name: self.axis_name(*id), value: self.policy(*id)? });
         ids.iter().filter_map(named).collect()
     }
 
-    pub(super) fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
+    pub(crate) fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
         Axis {
             id,
             name: self.axis_name(id),
@@ -111,7 +111,7 @@ impl Lowering<'_> {
         }
     }
 
-    pub(super) fn spawn(&mut self, id: DeclarationId) -> Option<Axis<SpawnRule>> {
+    pub(crate) fn spawn(&mut self, id: DeclarationId) -> Option<Axis<SpawnRule>> {
         Some(Axis { id, name: self.axis_name(id), value: self.spawn_rule(id)? })
     }
 

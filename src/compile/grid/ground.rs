@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::axis::Axis;
+use super::Nested;
+use super::axis::{Axis, Usual};
 use crate::campaign::{CampaignKeys, PlaceKeys, StartKeys};
 use crate::episode::EpisodeKeys;
 use crate::lowering::{BuiltTown, Lowering};
@@ -25,7 +26,7 @@ use world::sim::VehicleBlueprint;
 const GRAVITY: f64 = 9.81;
 
 /// Where the episodes of a block happen, against which drivers, and how they start.
-pub(super) struct Ground {
+pub(crate) struct Ground {
     pub towns: Vec<Axis<BuiltTown>>,
     pub policies: Vec<Axis<PolicyMaker>>,
     pub spawn: Axis<SpawnRule>,
@@ -41,7 +42,7 @@ impl Ground {
 
 /// A town with a policy.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+pub(crate) struct Place<'a> {
     pub town: &'a Axis<BuiltTown>,
     pub policy: &'a Axis<PolicyMaker>,
     pub spawn: &'a Axis<SpawnRule>,
@@ -51,12 +52,13 @@ impl Place<'_> {
     /// The scenario with these bodies, rules, rewards and requirements.
     pub fn scenario(
         &self,
-        car: &VehicleBlueprint,
-        walker: &PedestrianRole,
-        rule: &EpisodeRule,
+        car: &Axis<VehicleBlueprint>,
+        walker: &Axis<PedestrianRole>,
+        rule: &Axis<EpisodeRule>,
         reward: &RewardRule,
         requirements: &Arc<[NamedRequirement]>,
     ) -> Arc<Scenario> {
+        let (car, walker, rule) = (&car.value, &walker.value, &rule.value);
         let grip = rule.friction.map_or(car.grip, |friction| friction * GRAVITY);
         let blueprint = VehicleBlueprint { grip, ..car.clone() };
         Arc::new(Scenario {
@@ -83,13 +85,30 @@ impl Place<'_> {
     }
 }
 
+impl Usual {
+    /// The scenario of a place with this pedestrian, this reward and these requirements.
+    pub fn scenario(
+        &self,
+        place: &Place<'_>,
+        body: &Axis<PedestrianRole>,
+        reward: &RewardRule,
+        requirements: &Arc<[NamedRequirement]>,
+    ) -> Arc<Scenario> {
+        place.scenario(&self.car, body, &self.rule, reward, requirements)
+    }
+
+    /// The declarations of [`Usual::scenario`].
+    pub fn declarations(&self, place: &Place<'_>, body: &Axis<PedestrianRole>) -> [DeclarationId; 6] {
+        place.declarations(&self.car, body, &self.rule)
+    }
+}
+
 impl Lowering<'_> {
     /// The ground of a block, on which a pedestrian with each of these bodies can be placed; none after reporting what is wrong
     /// with the starts of episodes.
-    pub(super) fn ground(
+    pub(crate) fn ground(
         &mut self,
-        campaign: &Block,
-        block: &Block,
+        Nested { campaign, block, .. }: Nested<'_>,
         places: &PlaceKeys,
         start: &StartKeys,
         bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
@@ -191,7 +210,7 @@ impl Lowering<'_> {
 }
 
 /// Records towns, each once.
-pub(super) fn note_towns(noted: &mut Vec<NamedTown>, towns: &[Axis<BuiltTown>]) {
+pub(crate) fn note_towns(noted: &mut Vec<NamedTown>, towns: &[Axis<BuiltTown>]) {
     for town in towns {
         if noted.iter().all(|known| known.name != *town.name) {
             noted.push(NamedTown { name: town.name.to_string(), town: town.value.town.clone() });

@@ -2,88 +2,43 @@
 
 mod axis;
 mod ground;
-mod train;
-mod drive;
-mod evaluate;
-mod search;
-mod estimate;
-mod cover;
-mod harden;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::campaign::{
-    CampaignKeys, CoverKeys, DriveKeys, EstimateKeys, EvaluateKeys, HardenKeys, PlaceKeys, SearchKeys, TrainKeys,
-};
+use super::campaign::{CampaignKeys, PlaceKeys, StartKeys};
+use super::jobs::{BLOCKS, Origin};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
-use super::{policy, published};
-use axis::{Axis, Required, Usual};
-use base::signature::{DeclarationId, Keys, Signature};
+use super::walker::WalkerKind;
+use super::{RunId, policy, published};
+use axis::Required;
+pub(crate) use axis::{Axis, Usual};
+use base::signature::{DeclarationId, Value};
+pub(crate) use ground::{Ground, Place, note_towns};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
-use world::env::RewardRule;
+use world::env::{PedestrianRole, RewardRule};
+use world::falsifier::Controller;
 
 /// A campaign that is laid out.
 pub(crate) struct Grid {
-    usual: Usual,
-    campaign: Campaign,
+    pub usual: Usual,
+    pub campaign: Campaign,
     /// The rewards of its trainings.
-    rewards: BTreeMap<String, Axis<RewardRule>>,
+    pub rewards: BTreeMap<String, Axis<RewardRule>>,
 }
 
-/// A kind of block that adds jobs to a campaign.
-pub(crate) struct JobBlock {
-    pub signature: fn() -> Signature,
-    /// The drivers of a block that are under test.
-    drivers: fn(&Block) -> Vec<DeclarationId>,
-    /// Adds the jobs of a block of the campaign, of which it is the one with this number.
-    lower: fn(&mut Lowering<'_>, [&Block; 2], u32, &mut Grid),
+/// A block with jobs in its campaign.
+#[derive(Clone, Copy)]
+pub(crate) struct Nested<'a> {
+    pub campaign: &'a Block,
+    pub block: &'a Block,
+    /// Its number among the blocks of its kind, from 0.
+    pub number: u32,
 }
-
-/// All blocks with jobs, in the order of the jobs; a new one is a line here.
-pub(crate) static BLOCKS: [JobBlock; 7] = [
-    JobBlock {
-        signature: TrainKeys::signature,
-        drivers: of_places,
-        lower: |it, [all, block], _, grid| it.train(all, block, &grid.usual, &mut grid.campaign, &mut grid.rewards),
-    },
-    JobBlock {
-        signature: DriveKeys::signature,
-        drivers: |_| Vec::new(),
-        lower: |it, [all, block], _, grid| it.drive(all, block, &grid.usual, &mut grid.campaign),
-    },
-    JobBlock {
-        signature: EvaluateKeys::signature,
-        drivers: of_places,
-        lower: |it, [all, block], number, grid| {
-            it.evaluate(all, block, number, &grid.usual, &mut grid.campaign, &grid.rewards);
-        },
-    },
-    JobBlock {
-        signature: SearchKeys::signature,
-        drivers: of_places,
-        lower: |it, [all, block], number, grid| it.search(all, block, number, &grid.usual, &mut grid.campaign),
-    },
-    JobBlock {
-        signature: EstimateKeys::signature,
-        drivers: of_places,
-        lower: |it, [all, block], number, grid| it.estimate(all, block, number, &grid.usual, &mut grid.campaign),
-    },
-    JobBlock {
-        signature: CoverKeys::signature,
-        drivers: of_places,
-        lower: |it, [all, block], number, grid| it.cover(all, block, number, &grid.usual, &mut grid.campaign),
-    },
-    JobBlock {
-        signature: HardenKeys::signature,
-        drivers: |block| vec![block.keys::<HardenKeys>().policy],
-        lower: |it, [all, block], number, grid| it.harden(all, block, number, &grid.usual, &mut grid.campaign),
-    },
-];
 
 /// The drivers of a block that names [`PlaceKeys`].
-fn of_places(block: &Block) -> Vec<DeclarationId> {
+pub(crate) fn of_places(block: &Block) -> Vec<DeclarationId> {
     block.keys::<PlaceKeys>().policies
 }
 
@@ -117,7 +72,7 @@ impl Lowering<'_> {
         for kind in &BLOCKS {
             for (number, inner) in (0..).zip(block.nested((kind.signature)().name)) {
                 has_blocks = true;
-                (kind.lower)(self, [block, inner], number, &mut grid);
+                (kind.lower)(self, Nested { campaign: block, block: inner, number }, &mut grid);
             }
         }
         self.forbid_repeated_trainings(block, &grid.campaign);
@@ -131,20 +86,90 @@ impl Lowering<'_> {
         grid.campaign
     }
 
+    /// The ground of a block of jobs, and its pedestrian: that of the block, or of the campaign. None after reporting what is wrong with the starts of
+    /// episodes.
+    pub(crate) fn setting(
+        &mut self,
+        at: Nested<'_>,
+        places: &PlaceKeys,
+        start: &StartKeys,
+        adversary: Option<DeclarationId>,
+        grid: &Grid,
+    ) -> Option<(Ground, Axis<PedestrianRole>)> {
+        let body = adversary.map_or_else(|| grid.usual.walker.clone(), |id| self.adversary(id));
+        let ground = self.ground(at, places, start, &[(&grid.usual.car, &body)])?;
+        Some((ground, body))
+    }
+
+    /// Records the towns of a ground if it and two further axes give no more combinations than can be run; reports it otherwise.
+    pub(crate) fn takes(&mut self, at: Nested<'_>, ground: &Ground, axes: [usize; 2], grid: &mut Grid) -> bool {
+        let takes = self.fits(at.block, &[ground.towns.len(), ground.policies.len(), axes[0], axes[1]]);
+        if takes {
+            note_towns(&mut grid.campaign.towns, &ground.towns);
+        }
+        takes
+    }
+
     /// Whether the axes of a block give no more combinations than can be run; reports it otherwise.
-    fn fits(&mut self, block: &Block, axes: [usize; 4]) -> bool {
-        let cells = axes.into_iter().fold(1, usize::saturating_mul);
+    pub(crate) fn fits(&mut self, block: &Block, axes: &[usize]) -> bool {
+        let cells = axes.iter().copied().fold(1, usize::saturating_mul);
         if cells > MAX_JOBS {
             self.said.push(diagnostics::too_many_combinations(block.head, cells, MAX_JOBS));
         }
         cells <= MAX_JOBS
     }
 
+    /// The origins of the runs of a job that depends on these declarations.
+    pub(crate) fn origins(
+        &mut self,
+        at: Nested<'_>,
+        runs: u32,
+        parts: &[DeclarationId],
+    ) -> impl Iterator<Item = Origin> + use<> {
+        let (fingerprint, programs) = (self.fingerprint(parts), self.programs(parts));
+        let (id, block) = (RunId::default(), at.number);
+        (0..runs).map(move |run| Origin { id, block, run, fingerprint, programs: programs.clone(), needs: None })
+    }
+
+    /// A pedestrian that learns nothing, and its declaration if it has one; None after reporting what is wrong.
+    pub(crate) fn untrained(
+        &mut self,
+        block: &Block,
+        key: &str,
+        word: &Value,
+        has_script: bool,
+    ) -> Option<(Controller, Option<DeclarationId>)> {
+        if let Value::Reference(id) = word {
+            return Some((self.controller(*id)?, Some(*id)));
+        }
+        let found = self.catalog.walkers.iter().find(|kind| *word == Value::Choice(kind.word()));
+        let kind = found.expect("checked: the word is in the catalogue");
+        if kind.is_scripted && !has_script {
+            self.no_script(block, key, kind);
+            return None;
+        }
+        Some((kind.controller.clone(), None))
+    }
+
+    /// Reports a pedestrian that walks as a test states, in a block whose starts are none of a test.
+    pub(crate) fn no_script(&mut self, block: &Block, key: &str, kind: &WalkerKind) {
+        let message = format!(
+            "a `{}` pedestrian walks as a test or a path states, and the spawn rule of this block is no test and has no path",
+            kind.word()
+        );
+        let help = "use a `spawn` of kind `crossing_test`, `along_test` or `given_path`";
+        self.said.push(diagnostics::contradiction(block.place(key), message).help(help));
+    }
+
+    /// Reports a block that trains in a campaign without a `training`.
+    pub(crate) fn no_training(&mut self, at: Nested<'_>) {
+        self.said.push(diagnostics::no_training(at.campaign.head, at.block.head));
+    }
+
     /// The drivers that a campaign names, each once, in order.
     fn drivers(&self, campaign: &Block) -> Vec<Driver> {
         let mut seen = BTreeSet::new();
-        let of = |kind: &'static JobBlock| campaign.nested((kind.signature)().name).flat_map(kind.drivers);
-        let all = BLOCKS.iter().flat_map(of);
+        let all = BLOCKS.iter().flat_map(|kind| campaign.nested((kind.signature)().name).flat_map(kind.drivers));
         all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
     }
 

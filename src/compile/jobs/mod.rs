@@ -1,6 +1,8 @@
-//! The jobs of a campaign. A kind is a file with its names, what the plan says about it, and [`Planned`].
+//! The jobs of a campaign. A kind is a file or a folder with the keys of its block, the jobs that a block adds, and what the plan says about them:
+//! [`Planned`].
 
 mod training;
+mod drive;
 mod evaluation;
 mod search;
 mod estimate;
@@ -11,42 +13,63 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-pub use cover::{Cover, CoverKey};
-pub use estimate::{Estimation, EstimationKey};
-pub use evaluation::{CHUNK, ControllerKind, Evaluation, episodes_seed};
-pub(crate) use harden::PARAMETERS;
-pub use harden::{Harden, HardenKey, VariedKey, WrittenPolicy};
+pub use cover::Cover;
+pub use estimate::Estimation;
+pub use evaluation::{CHUNK, ControllerKind, Evaluation, UNTRAINED, episodes_seed};
+pub(crate) use evaluation::{STOCHASTIC, TRAINED};
+pub use harden::{Harden, VariedKey, WrittenPolicy};
 pub use search::{Search, SearchKey};
 pub use training::{NO_REWARD, Training, TrainingKey};
 
+use super::grid::{Grid, Nested};
+use super::lowering::Lowering;
 use super::{Campaign, ExternalProgram, Fingerprint, Programs, RunId};
+use base::signature::{DeclarationId, Signature};
+use lang::hir::Block;
 use world::env::Scenario;
 
-/// What the plan says about a job, whatever its kind is.
-pub trait Planned: Any + fmt::Debug + Send + Sync {
+/// A kind of block that adds jobs to a campaign.
+pub(crate) struct JobBlock {
+    pub signature: fn() -> Signature,
+    /// The drivers of a block that are under test.
+    pub drivers: fn(&Block) -> Vec<DeclarationId>,
+    /// Adds the jobs of a block to its campaign.
+    pub lower: fn(&mut Lowering<'_>, Nested<'_>, &mut Grid),
+}
+
+/// All blocks with jobs, in the order of the jobs.
+pub(crate) const BLOCKS: [JobBlock; 7] =
+    [training::BLOCK, drive::BLOCK, evaluation::BLOCK, search::BLOCK, estimate::BLOCK, cover::BLOCK, harden::BLOCK];
+
+/// Where a job comes from, whatever its kind is.
+#[derive(Debug, Clone)]
+pub struct Origin {
+    /// Its short name; a training has none.
+    pub id: RunId,
+    /// Number of its block among those of this kind in its campaign, from 0.
+    pub block: u32,
     /// Number of its run, from 0. Jobs that differ only in it differ in what they draw.
-    fn run_number(&self) -> u32 {
-        0
-    }
+    pub run: u32,
+    /// The digest of what the files say about it, without the job that it needs.
+    pub fingerprint: Fingerprint,
+    /// The programs of the user that it depends on, without those of the job that it needs.
+    pub programs: Programs,
+    /// The job that ends before it begins, by its place in [`Campaign::jobs`].
+    pub needs: Option<usize>,
+}
+
+/// A job that comes from a block.
+pub trait Originated {
+    fn origin(&self) -> &Origin;
+}
+
+/// What the plan says about a job, whatever its kind is.
+pub trait Planned: Originated + Any + fmt::Debug + Send + Sync {
+    /// Its names for people.
+    fn title(&self) -> String;
 
     /// Its scenarios, with the names of their towns.
     fn places(&self) -> Vec<(&str, &Arc<Scenario>)>;
-
-    /// The programs of the user that it depends on, without those of the job that it needs.
-    fn programs(&self) -> &Programs;
-
-    /// The digest of what the files say about it, without the job that it needs.
-    fn fingerprint(&self) -> Fingerprint;
-
-    /// The job that ends before it begins, by its place in [`Campaign::jobs`].
-    fn needs(&self) -> Option<usize> {
-        None
-    }
-
-    /// [`Planned::needs`], to be changed.
-    fn needs_mut(&mut self) -> Option<&mut usize> {
-        None
-    }
 
     /// Number of tasks that it is divided into.
     fn parts(&self) -> u32 {
@@ -63,7 +86,9 @@ pub trait Planned: Any + fmt::Debug + Send + Sync {
 
     /// All that its results depend on, beside the user's seed, the code and the job that it needs. Jobs with equal inputs are the same work.
     /// What [`Planned::shorten`] changes belongs to it.
-    fn inputs(&self) -> String;
+    fn inputs(&self) -> String {
+        format!("{:?}", self.names(&[]))
+    }
 
     /// Whether the last bits of its results depend on the processor.
     fn depends_on_processor(&self) -> bool {
@@ -78,19 +103,9 @@ pub trait Planned: Any + fmt::Debug + Send + Sync {
     /// Shortens it for a quick check of the whole pipeline.
     fn shorten(&mut self);
 
-    /// What its short name is made of; None for a job without one.
-    fn names(&self, _jobs: &[Job]) -> Option<Vec<String>> {
-        None
-    }
-
-    /// Its short name.
-    fn id(&self) -> Option<RunId> {
-        None
-    }
-
-    /// [`Planned::id`], to be changed.
-    fn id_mut(&mut self) -> Option<&mut RunId> {
-        None
+    /// What its short name is made of; empty for a job without one.
+    fn names(&self, _jobs: &[Job]) -> Vec<String> {
+        Vec::new()
     }
 }
 
@@ -115,9 +130,21 @@ macro_rules! kinds {
                     $(Self::$kind(job) => job),*
                 }
             }
+
+            fn origin_mut(&mut self) -> &mut Origin {
+                match self {
+                    $(Self::$kind(job) => &mut job.origin),*
+                }
+            }
         }
 
-        $(impl From<$kind> for Job {
+        $(impl Originated for $kind {
+            fn origin(&self) -> &Origin {
+                &self.origin
+            }
+        }
+
+        impl From<$kind> for Job {
             fn from(job: $kind) -> Self {
                 Self::$kind(job)
             }
@@ -128,6 +155,10 @@ macro_rules! kinds {
 kinds!(Training, Evaluation, Search, Estimation, Cover, Harden);
 
 impl Job {
+    pub fn origin(&self) -> &Origin {
+        self.planned().origin()
+    }
+
     /// The job, if it is of this kind.
     pub fn of<T: Planned>(&self) -> Option<&T> {
         (self.planned() as &dyn Any).downcast_ref()
@@ -151,7 +182,7 @@ impl Campaign {
     /// The programs of the user that its jobs depend on, each once.
     pub fn programs(&self) -> Vec<&Arc<ExternalProgram>> {
         let mut all: Vec<&Arc<ExternalProgram>> = Vec::new();
-        for program in self.jobs.iter().flat_map(|job| job.planned().programs().iter()) {
+        for program in self.jobs.iter().flat_map(|job| job.origin().programs.iter()) {
             if !all.contains(&program) {
                 all.push(program);
             }
@@ -172,24 +203,21 @@ impl Campaign {
 
     /// Shortens it to a quick check of the whole pipeline: the first run of each job, with less work.
     pub fn shorten(&mut self) {
-        let is_first: Vec<bool> = self.jobs.iter().map(|job| job.planned().run_number() == 0).collect();
+        let is_first: Vec<bool> = self.jobs.iter().map(|job| job.origin().run == 0).collect();
         let place = |old: usize| is_first[..old].iter().filter(|first| **first).count();
-        self.jobs.retain(|job| job.planned().run_number() == 0);
-        for job in self.jobs.iter_mut().map(Job::planned_mut) {
-            job.shorten();
-            if let Some(needed) = job.needs_mut() {
-                *needed = place(*needed);
-            }
+        self.jobs.retain(|job| job.origin().run == 0);
+        for job in &mut self.jobs {
+            job.planned_mut().shorten();
+            let origin = job.origin_mut();
+            origin.needs = origin.needs.map(place);
         }
     }
 
     /// Gives jobs the short names that this function has for them, if it has any.
     pub fn rename(&mut self, mut name: impl FnMut(&Job) -> Option<RunId>) {
         for job in &mut self.jobs {
-            if let Some(new) = name(job)
-                && let Some(id) = job.planned_mut().id_mut()
-            {
-                *id = new;
+            if let Some(new) = name(job) {
+                job.origin_mut().id = new;
             }
         }
     }

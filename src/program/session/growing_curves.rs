@@ -11,7 +11,7 @@ use super::{Event, Notice, Observer};
 use base::files;
 use compile::{Training, TrainingKey};
 use learn::UpdateLog;
-use results::report::learning_curve_lines;
+use results::jobs::learning_curve_lines;
 
 /// The learning curves of a campaign in files that grow while it trains, one CSV file a training with a row for each update.
 ///

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use super::{Input, Planned, RunOptions, Session};
 use compile::{Campaign, Job, Training};
 use results::campaign::Finished;
-use results::jobs::{SearchResult, TrainingResult};
+use results::jobs::{SearchResult, TrainingResult, pedestrian_file};
 use results::report::{
     Call, FileRecord, Findings, Gathered, Manifest, ProgramRecord, ReportFolder, RunRecord, ScenarioFile,
-    TrainingRecord, WriteError, held_places, pedestrian_file,
+    TrainingRecord, WriteError, held_places,
 };
 use results::store::{CODE, vector_instructions};
 
@@ -104,7 +104,7 @@ fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> Trai
     let key = &training.key;
     let is_it = |job: &Job| job.of().is_some_and(|planned: &Training| planned.key == *key);
     let place = campaign.jobs.iter().position(is_it).expect("it was planned");
-    let fingerprint = campaign.jobs[place].planned().fingerprint().to_string();
+    let fingerprint = campaign.jobs[place].origin().fingerprint.to_string();
     let last = training.result.as_ref().ok().and_then(|trained| trained.learning_curve.last());
     TrainingRecord {
         town: key.town.clone(),

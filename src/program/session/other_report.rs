@@ -99,7 +99,7 @@ fn differences(then: &Manifest, campaign: &Campaign, options: &RunOptions, files
     let now: Vec<RunRecord> = campaign.jobs.iter().filter_map(RunRecord::of).collect();
     let lost_runs = then.runs.iter().filter(|run| !now.iter().any(|new| new.id == run.id && new.amount >= run.amount));
     let is_planned = |fingerprint: &str, run: u32| {
-        campaign.all::<Training>().any(|new| new.key.run == run && new.fingerprint.to_string() == *fingerprint)
+        campaign.all::<Training>().any(|new| new.key.run == run && new.origin.fingerprint.to_string() == *fingerprint)
     };
     let lost_trainings = then.trainings.iter().filter(|training| !is_planned(&training.fingerprint, training.run));
     let named = |training: &TrainingRecord| {

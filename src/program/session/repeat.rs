@@ -54,7 +54,7 @@ impl Source {
     }
 
     fn repeat_episode(&self, name: EpisodeName, evaluation: &Evaluation) -> Result<Repeated, Error> {
-        let earlier = self.campaign.all::<Evaluation>().take_while(|other| other.id != name.run);
+        let earlier = self.campaign.all::<Evaluation>().take_while(|other| other.origin.id != name.run);
         let before: usize = earlier.map(|other| other.episodes as usize).sum();
         let guess = before + name.number as usize;
         let stored = self.report.episode(name.run, name.number, guess)?;

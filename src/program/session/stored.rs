@@ -231,11 +231,11 @@ impl Source {
 
     /// The evaluation of this name.
     pub fn evaluation(&self, name: EpisodeName) -> Option<&Evaluation> {
-        self.campaign.all::<Evaluation>().find(|evaluation| evaluation.id == name.run)
+        self.campaign.all::<Evaluation>().find(|evaluation| evaluation.origin.id == name.run)
     }
 
     pub fn search(&self, name: EpisodeName) -> Option<&Search> {
-        self.campaign.all::<Search>().find(|search| search.key.id == name.run)
+        self.campaign.all::<Search>().find(|search| search.origin.id == name.run)
     }
 
     /// The networks of an evaluation's pedestrian, as the report has them; `None` for untrained ones.
@@ -243,6 +243,6 @@ impl Source {
     /// # Errors
     /// Their file cannot be read.
     pub fn trained(&self, evaluation: &Evaluation) -> Result<Option<ActorCritic>, ReadError> {
-        evaluation.needs().map(|_| self.report.pedestrian(&evaluation.trained)).transpose()
+        evaluation.origin.needs.map(|_| self.report.pedestrian(&evaluation.trained)).transpose()
     }
 }

@@ -1,5 +1,6 @@
 use std::any::Any;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::{Event, Observer, ResultStore, State, Stored, Task, TaskError};
 use crate::jobs::JobResult;
@@ -54,6 +55,17 @@ impl<'a> Part<'a> {
     /// The limit of time or of ticks that it has reached, if any.
     pub fn limit(&self, ticks: u64) -> Option<TaskError> {
         self.results.limit(self.task, ticks)
+    }
+
+    /// The limit of time that it has reached; `None` if the user asked to stop before.
+    pub fn own_limit(&self) -> Option<TaskError> {
+        self.limit(0).filter(|_| !self.stop())
+    }
+
+    /// Reports simulator ticks as progress, each time a number of further ones.
+    pub fn counter(&self) -> impl Fn(u64) + Sync {
+        let used = AtomicU64::new(0);
+        move |ticks| self.progress(used.fetch_add(ticks, Ordering::Relaxed) + ticks)
     }
 
     /// Whether it stops, for the user or for its limit of time.

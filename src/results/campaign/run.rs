@@ -35,7 +35,7 @@ pub fn run_tasks(
     let mut ready = VecDeque::new();
     let mut waiting = vec![Vec::new(); campaign.jobs.len()];
     for task in wanted.iter().copied() {
-        match campaign.jobs[task.job].planned().needs() {
+        match campaign.jobs[task.job].origin().needs {
             Some(needed) => waiting[needed].push(task),
             None => ready.push_back(task),
         }

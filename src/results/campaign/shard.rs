@@ -24,7 +24,7 @@ pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Task> {
         .into_iter()
         .filter_map(|(task, index)| (index == shard.index).then_some(task))
         .collect();
-    let needed: BTreeSet<usize> = wanted.iter().filter_map(|task| campaign.jobs[task.job].planned().needs()).collect();
+    let needed: BTreeSet<usize> = wanted.iter().filter_map(|task| campaign.jobs[task.job].origin().needs).collect();
     wanted.extend(needed.into_iter().flat_map(|job| parts(job, &campaign.jobs[job])));
     wanted.into_iter().collect()
 }
@@ -32,7 +32,7 @@ pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Task> {
 /// The shard of each task.
 pub fn deal(campaign: &Campaign, count: u32) -> Vec<(Task, u32)> {
     let mut row: Vec<Task> = tasks(campaign).collect();
-    row.sort_by_key(|task| (campaign.jobs[task.job].planned().needs().unwrap_or(task.job), *task));
+    row.sort_by_key(|task| (campaign.jobs[task.job].origin().needs.unwrap_or(task.job), *task));
     // Simulator ticks that a task may need; at least one.
     let work = |task: &Task| u128::from(campaign.jobs[task.job].planned().ticks(task.part).max(1));
     let whole: u128 = row.iter().map(work).sum();

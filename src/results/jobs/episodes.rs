@@ -43,8 +43,8 @@ pub(super) fn watch_numbered<T>(
     };
     let mut walker: Box<dyn WalkPolicy> = match &evaluation.controller {
         ControllerKind::Untrained(controller) => controller.walk_policy(),
-        ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),
-        ControllerKind::Stochastic(_) => learnt(ActionMode::Stochastic),
+        ControllerKind::Trained => learnt(ActionMode::Deterministic),
+        ControllerKind::Stochastic => learnt(ActionMode::Stochastic),
         ControllerKind::First => {
             let Training { config, key, .. } =
                 evaluation.first.as_deref().expect("first networks come with their training");

@@ -5,20 +5,16 @@ use super::episodes::{flow, watch_numbered};
 use super::{JobResult, Kind, TrainingResult, Work, result};
 use crate::campaign::{Part, State, Stored, TaskError};
 use crate::record::{self, EpisodeRow, RunKey};
-use compile::{ControllerKind, Evaluation, NO_REWARD, Planned};
+use compile::{Evaluation, Planned};
 use learn::ActorCritic;
 use world::env::{Outcome, Trace};
 use world::judge::Judged;
 
 pub(super) const KIND: Kind = Kind {
-    name: "evaluation",
-    plural: "evaluations",
-    verb: "evaluate",
     doing: ["trying", "tried"],
     unit: "episodes",
     has_episodes: true,
-    references: Vec::new,
-    tables: |_| Vec::new(),
+    ..Kind::new::<Evaluation>("evaluation", "evaluations", "evaluate")
 };
 
 /// What came of a part of an evaluation. Its episodes are in the store.
@@ -44,20 +40,6 @@ impl Work for Evaluation {
         &KIND
     }
 
-    /// Controller, town and driver.
-    fn title(&self) -> String {
-        let key = &self.trained;
-        let here = (&*self.town, &*self.policy);
-        let who = match &self.controller {
-            ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
-            ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
-            ControllerKind::Stochastic(_) => format!("stochastic {} of {} and {}", key.reward, key.town, key.policy),
-            other if key.reward == NO_REWARD => other.name().to_string(),
-            other => format!("{} ({})", other.name(), key.reward),
-        };
-        format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
-    }
-
     fn what(&self) -> String {
         let key = RunKey::of(self);
         format!("{}, run {}", key.cell.in_full(), key.run)
@@ -74,7 +56,7 @@ impl Work for Evaluation {
     }
 
     fn run(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>> {
-        let trained = match self.needs().map(|training| part.result_of::<TrainingResult>(training)) {
+        let trained = match self.origin.needs.map(|training| part.result_of::<TrainingResult>(training)) {
             None => None,
             Some(Some(TrainingResult { result: Ok(trained), .. })) => Some(&trained.actor_critic),
             // A training that was stopped continues in a later run.

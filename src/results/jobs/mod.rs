@@ -1,5 +1,6 @@
-//! The kinds of jobs. A folder is a kind: how it is run, what its result is, and how that is stored.
+//! The kinds of jobs. A file or a folder is a kind: how it is run, what its result is and how that is stored, and what a report shows of it.
 
+mod measurement;
 mod episodes;
 mod repeat;
 mod training;
@@ -15,21 +16,21 @@ use std::fmt;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-pub use cover::{CoverResult, FoundInBox};
+pub use cover::FoundInBox;
+pub(crate) use cover::percent_above;
 pub use episodes::watch;
-pub use estimate::EstimateResult;
-pub use harden::HardenResult;
+pub use measurement::{Measured, Measurement};
 pub(crate) use repeat::repeat_episodes;
 pub use repeat::{Repeatable, Repeated};
 pub use search::{Find, SearchResult};
-pub use training::{TrainingResult, networks};
+pub use training::{TrainingResult, learning_curve_lines, networks, pedestrian_file};
 
 use crate::campaign::{Collect, Part, State, TaskError};
 use crate::record::TableReference;
-use crate::report::{Findings, Table};
+use crate::report::{Findings, Group, Manifest, SectionMaker, Table};
 use compile::{Job, Planned};
 
-/// The words of a kind of job.
+/// A kind of job: its words, and what a report has of it.
 #[derive(Debug)]
 pub struct Kind {
     /// One of them, in files for programs.
@@ -44,10 +45,35 @@ pub struct Kind {
     pub unit: &'static str,
     /// Whether its results are episodes. They stay in the store, and a stored part may have fewer than are wanted.
     pub has_episodes: bool,
+    /// The job as one of this kind; `None` for one of another kind.
+    pub work: fn(&Job) -> Option<&dyn Work>,
     /// The columns of its tables in a report.
     pub references: fn() -> Vec<TableReference>,
-    /// Its tables in a report, with their names.
-    pub tables: fn(&Findings<'_>) -> Vec<(&'static str, Table)>,
+    /// Its tables in a report, with their names; `None` without results.
+    pub tables: fn(&Findings<'_>) -> Option<Vec<(&'static str, Table)>>,
+    /// Its section in a report, and where that stands.
+    pub section: Option<(Group, SectionMaker)>,
+    /// Its files in a report beside the tables, with their paths relative to the report's folder.
+    pub files: fn(&Findings<'_>, &Manifest) -> Vec<(String, Vec<u8>)>,
+}
+
+impl Kind {
+    /// A kind of which a report has nothing of its own.
+    const fn new<T: Work>(name: &'static str, plural: &'static str, verb: &'static str) -> Self {
+        Self {
+            name,
+            plural,
+            verb,
+            doing: ["", ""],
+            unit: "ticks",
+            has_episodes: false,
+            work: of::<T>,
+            references: Vec::new,
+            tables: |_| None,
+            section: None,
+            files: |_, _| Vec::new(),
+        }
+    }
 }
 
 impl PartialEq for Kind {
@@ -66,11 +92,10 @@ pub trait Work: Planned {
     /// Its kind.
     fn kind(&self) -> &'static Kind;
 
-    /// Its names for people.
-    fn title(&self) -> String;
-
     /// All its names; no other job of its campaign has the same.
-    fn what(&self) -> String;
+    fn what(&self) -> String {
+        format!("{}, block {}", self.title(), self.origin().block)
+    }
 
     /// Runs a part of it, stores it as far as it has ended, and reports [`Part::begin`] and [`Part::progress`]; None if the user asks to stop before there is any result.
     fn run(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>>;
@@ -119,15 +144,15 @@ pub trait JobResult: Any + fmt::Debug + Send + Sync + Collect {
 }
 
 /// How a job is run and stored.
+///
+/// # Panics
+/// If its kind is not among [`KINDS`].
 pub fn work(job: &Job) -> &dyn Work {
-    match job {
-        Job::Training(job) => job,
-        Job::Evaluation(job) => job,
-        Job::Search(job) => job,
-        Job::Estimation(job) => job,
-        Job::Cover(job) => job,
-        Job::Harden(job) => job,
-    }
+    KINDS.iter().find_map(|kind| (kind.work)(job)).expect("every kind of job is among KINDS")
+}
+
+fn of<T: Work>(job: &Job) -> Option<&dyn Work> {
+    job.of::<T>().map(|job| job as &dyn Work)
 }
 
 /// JSON from which the same value is read; None for what has no form in it, such as a number that is not finite.

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::watch;
 use base::seed::Seed;
-use compile::{Evaluation, Planned, Search};
+use compile::{Evaluation, Search};
 use learn::ActorCritic;
 use world::env::{Outcome, Scenario, Trace};
 use world::falsifier::follow;
@@ -56,7 +56,7 @@ pub fn repeat_episodes<T>(
     note: &mut dyn FnMut(&Outcome, &Trace) -> T,
 ) -> Vec<(u32, T)> {
     let mut noted = Vec::with_capacity(numbers.len());
-    if evaluation.needs().is_some() && networks.is_none() {
+    if evaluation.origin.needs.is_some() && networks.is_none() {
         return noted;
     }
     for row in numbers.chunk_by(|one, next| one + 1 == *next) {

@@ -1,5 +1,4 @@
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
@@ -7,22 +6,17 @@ use super::episodes::flow;
 use super::{JobResult, Kind, Repeatable, Work, json, result};
 use crate::campaign::{Part, TaskError};
 use crate::report::{
-    SEARCH_COMPARISONS, failure_table, search_cell_columns, search_cell_table, search_comparison_columns,
-    search_comparison_table, search_failures, search_table, searches,
+    Group, SEARCH_COMPARISONS, failure_table, search_cell_columns, search_cell_table, search_comparison_columns,
+    search_comparison_table, search_failures, search_section, search_table, searches,
 };
-use compile::{Search, SearchKey, episodes_seed};
+use compile::{Origin, RunId, Search, SearchKey, episodes_seed};
 use world::env::{Criterion, Outcome, Scenario, Trace};
 use world::falsifier::{BudgetedSimulation, Failure, SearchOutcome, StartSet, evaluate_observed};
 use world::judge::{Blame, Judged, NoVerdict, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 pub(super) const KIND: Kind = Kind {
-    name: "search",
-    plural: "searches",
-    verb: "search",
     doing: ["searching", "searched"],
-    unit: "ticks",
-    has_episodes: false,
     references: || {
         vec![
             search_table().reference(),
@@ -32,19 +26,23 @@ pub(super) const KIND: Kind = Kind {
         ]
     },
     tables: |found| match found.finished.all::<SearchResult>() {
-        [] => Vec::new(),
-        all => vec![
+        [] => None,
+        all => Some(vec![
             ("searches", searches(all)),
             ("search_cells", search_cell_table(&found.searches)),
             (SEARCH_COMPARISONS, search_comparison_table(&found.search_comparisons)),
             ("search_failures", search_failures(all)),
-        ],
+        ]),
     },
+    section: Some((Group::Failures, search_section)),
+    ..Kind::new::<Search>("search", "searches", "search")
 };
 
 /// The result of a search.
 #[derive(Debug, Clone)]
 pub struct SearchResult {
+    /// Its short name.
+    pub id: RunId,
     pub key: SearchKey,
     /// The maximum number of simulator ticks.
     pub budget: u64,
@@ -63,6 +61,8 @@ pub struct SearchResult {
 /// A failure that a search found.
 #[derive(Debug, Clone, Copy)]
 pub struct Find<'a> {
+    /// The short name of its search.
+    pub id: RunId,
     pub key: &'a SearchKey,
     pub scenario: &'a Scenario,
     /// Its number in its search.
@@ -75,9 +75,9 @@ pub struct Find<'a> {
 impl SearchResult {
     /// A result without failures.
     pub fn new(search: &Search, spent: SearchOutcome, error: Option<TaskError>) -> Self {
-        let Search { key, budget, scenario, .. } = search;
+        let Search { origin: Origin { id, .. }, key, budget, scenario, .. } = search;
         let (judged, evaluated) = (Vec::new(), Vec::new());
-        Self { key: key.clone(), budget: *budget, scenario: scenario.clone(), spent, judged, evaluated, error }
+        Self { id: *id, key: key.clone(), budget: *budget, scenario: scenario.clone(), spent, judged, evaluated, error }
     }
 
     pub fn criterion(&self) -> Criterion {
@@ -96,8 +96,9 @@ impl SearchResult {
 
     /// Its failures, in the order in which they were found.
     pub fn finds(&self) -> impl Iterator<Item = Find<'_>> + Clone {
-        let Self { key, scenario, judged, .. } = self;
+        let Self { id, key, scenario, judged, .. } = self;
         self.spent.failures.iter().enumerate().map(move |(number, failure)| Find {
+            id: *id,
             key,
             scenario,
             number,
@@ -176,14 +177,6 @@ impl Work for Search {
         &KIND
     }
 
-    fn title(&self) -> String {
-        self.key.to_string()
-    }
-
-    fn what(&self) -> String {
-        format!("{}, block {}", self.key, self.key.block)
-    }
-
     fn decode(&self, bytes: &[u8]) -> Option<Box<dyn JobResult>> {
         let Record { spent, judged, evaluated } = serde_json::from_slice(bytes).ok()?;
         result(SearchResult { judged, evaluated, ..SearchResult::new(self, spent, None) })
@@ -205,8 +198,7 @@ impl Work for Search {
         }
         let late = || part.is_late();
         part.begin(0);
-        let used = AtomicU64::new(0);
-        let progress = |ticks: u64| part.progress(used.fetch_add(ticks, Ordering::Relaxed) + ticks);
+        let progress = part.counter();
         let mut simulator = BudgetedSimulation::new(self.scenario.clone(), self.starts(part.seed), self.budget, &late)
             .with_progress(&progress);
         let (walker, error) = match self.falsifier.search(&mut simulator, &self.drawn(part.seed)) {
@@ -237,8 +229,8 @@ impl Work for Search {
         };
         let judged = spent.failures.iter().map(repeated).collect();
         // The user may not have waited for a program, so that an episode or a verdict is missing.
-        spent.stopped |= !self.programs.is_empty() && part.stop();
-        let error = error.or_else(|| part.limit(0).filter(|_| spent.stopped && !part.stop()));
+        spent.stopped |= !self.origin.programs.is_empty() && part.stop();
+        let error = error.or_else(|| part.own_limit().filter(|_| spent.stopped));
         result(SearchResult { judged, evaluated, ..SearchResult::new(self, spent, error) })
     }
 }

@@ -29,7 +29,7 @@ impl CellKey {
     pub fn of(evaluation: &Evaluation) -> Self {
         let trained = &evaluation.trained;
         Self {
-            block: evaluation.block,
+            block: evaluation.origin.block,
             town: evaluation.town.to_string(),
             policy: evaluation.policy.to_string(),
             vehicle: evaluation.vehicle.to_string(),
@@ -101,7 +101,7 @@ pub struct RunKey {
 impl RunKey {
     /// The key of an evaluation.
     pub fn of(evaluation: &Evaluation) -> Self {
-        Self { id: evaluation.id, cell: CellKey::of(evaluation), run: evaluation.trained.run }
+        Self { id: evaluation.origin.id, cell: CellKey::of(evaluation), run: evaluation.trained.run }
     }
 }
 

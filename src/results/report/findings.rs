@@ -1,6 +1,6 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::aggregate::{CoverRow, cover_rows, with_rates};
+use super::aggregate::with_rates;
 use super::caution::{Caution, cautions};
 use super::failure_modes::CellModes;
 use super::metric_table::metric_table;
@@ -9,7 +9,7 @@ use super::{
     SearchComparison, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_comparisons,
 };
 use crate::campaign::Finished;
-use crate::jobs::{CoverResult, SearchResult};
+use crate::jobs::SearchResult;
 use compile::Campaign;
 
 /// What a campaign found. Files, page, summary and gates read it and compute nothing of it again.
@@ -38,8 +38,6 @@ pub struct Findings<'a> {
     pub searches: Vec<SearchCell>,
     /// Pairs of these, run by run.
     pub search_comparisons: Vec<SearchComparison>,
-    /// What covers show.
-    pub covers: Vec<CoverRow>,
     /// Doubts about trainings; none of a smoke run, which is too short for any.
     pub doubts: Vec<Doubt>,
     /// What a reader must know first.
@@ -73,7 +71,6 @@ impl<'a> Findings<'a> {
             modes: modes.finish(),
             published: beside(&campaign.published, &cells, evidence),
             layers: layer_cells(campaign, finished.all::<SearchResult>()),
-            covers: cover_rows(finished.all::<CoverResult>()),
             cautions: cautions(&cells, finished.all::<SearchResult>(), &searches),
             search_comparisons: search_comparisons(finished.all::<SearchResult>()),
             searches,

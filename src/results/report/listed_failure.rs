@@ -276,7 +276,7 @@ impl From<&Find<'_>> for ListedFailure {
         let violation = find.violation();
         let blame = violation.map(|(.., verdict)| verdict);
         Self {
-            run: find.key.id.to_string(),
+            run: find.id.to_string(),
             number: find.number as u64,
             start: find.failure.start,
             controller: find.key.falsifier.clone(),

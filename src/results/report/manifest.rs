@@ -169,10 +169,10 @@ impl RunRecord {
             false => format!("{} {}", work.kind().verb, work.what()),
         };
         Some(Self {
-            id: planned.id()?.to_string(),
+            id: planned.origin().id.to_string(),
             what,
             amount: (0..planned.parts()).map(|part| planned.units(part)).sum(),
-            fingerprint: planned.fingerprint().to_string(),
+            fingerprint: planned.origin().fingerprint.to_string(),
         })
     }
 }

@@ -29,15 +29,13 @@ mod replayed;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
-pub(crate) use aggregate::{
-    COVER_POINTS, COVERS, ESTIMATES, HARDENED, SEARCH_COMPARISONS, cover_columns, cover_point_columns,
-    cover_point_table, cover_table, estimate_columns, estimate_table, hardened_columns, hardened_table,
-    learning_curve_table, search_cell_columns, search_comparison_columns, search_comparison_table, search_table,
-};
 pub use aggregate::{
-    Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, cover_in_words,
-    driver_results, failure_table, gather, hardened_in_words, learning_curve, learning_curve_lines, metrics,
-    no_verdict, published, search_cell_table, search_cells, search_failures, searches, ticks, unit_of, worst_failure,
+    Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results,
+    failure_table, gather, metrics, no_verdict, published, search_cell_table, search_cells, search_failures, searches,
+    ticks, unit_of, worst_failure,
+};
+pub(crate) use aggregate::{
+    SEARCH_COMPARISONS, search_cell_columns, search_comparison_columns, search_comparison_table, search_table,
 };
 pub use catalogue::catalogue;
 pub use caution::Caution;
@@ -63,9 +61,9 @@ pub use recheck::{
 
 // Text and pictures.
 pub use render::{
-    ChangeReport, MapPage, Narrative, PlayedPair, Replay, Section, StartLayer, Starts, Suite, Tally, TownView,
-    animation, change_page, change_text, comparison_report, failures_for_terminal, junit, map_page, narrative,
-    overview_for_terminal, overview_page, recheck_report, sections, shown, spawn_map, strip,
+    ChangeReport, Group, MapPage, Narrative, PlayedPair, Replay, Section, SectionMaker, StartLayer, Starts, Suite,
+    Tally, TownView, animation, change_page, change_text, comparison_report, failures_for_terminal, junit, map_page,
+    narrative, overview_for_terminal, overview_page, recheck_report, sections, shown, spawn_map, strip,
 };
 pub use text_forms::{csv_text, json_rows};
 
@@ -78,20 +76,19 @@ pub use read::{
 };
 pub use scenario_files::{MAX_HELD_BYTES, held_places};
 pub use staging::staging_file;
-pub use write::{pedestrian_file, write};
+pub use write::write;
 
 /// A table before it is written.
 pub(crate) type Table = polars::prelude::DataFrame;
 
 // What the modules here share.
 pub(crate) use aggregate::{
-    CellRequirement, CoverRow, Metrics, ProtocolCell, PublishedComparison, SearchComparison, estimate_doubts,
-    layer_cells, search_comparisons,
+    CellRequirement, Metrics, ProtocolCell, PublishedComparison, SearchComparison, layer_cells, search_comparisons,
 };
 pub(crate) use infer::{CellEvidence, Comparison, Evidence, Figure, Gathering, Test, evident_cells};
 pub(crate) use listed_failure::FailureClass;
 pub(crate) use recheck::StartFaults;
-pub(crate) use render::town_map;
+pub(crate) use render::{search_section, svg, table, town_map};
 pub(crate) use replayed::PlayedFailure;
 pub(crate) use table_stream::TableStream;
 

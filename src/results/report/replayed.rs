@@ -13,14 +13,14 @@ pub fn replayed<'a>(names: &[String], found: &Findings<'a>, seed: &Seed) -> Vec<
 fn played_failure<'a>(name: &str, found: &Findings<'a>, seed: &Seed) -> Option<PlayedFailure<'a>> {
     let Findings { campaign, finished, .. } = found;
     let (run, number) = name.split_once(':')?;
-    if let Some(search) = campaign.all::<compile::Search>().find(|planned| planned.key.id.to_string() == run) {
+    if let Some(search) = campaign.all::<compile::Search>().find(|planned| planned.origin.id.to_string() == run) {
         let result = finished.all::<SearchResult>().iter().find(|result| result.key == search.key)?;
         let find = result.finds().nth(number.parse().ok()?)?;
         let mut repeated = find.repeatable(search).repeat(seed)?;
         repeated.judged.verdict = find.verdict();
         return Some((name.to_owned(), &search.key.town, repeated));
     }
-    let evaluation = campaign.all::<compile::Evaluation>().find(|planned| planned.id.to_string() == run)?;
+    let evaluation = campaign.all::<compile::Evaluation>().find(|planned| planned.origin.id.to_string() == run)?;
     let networks = networks(evaluation, finished.all::<TrainingResult>());
     let repeated = Repeatable::Episode { evaluation, networks, number: number.parse().ok()? }.repeat(seed)?;
     Some((name.to_owned(), &evaluation.town, repeated))

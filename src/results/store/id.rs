@@ -50,7 +50,7 @@ impl Ids {
         for job in campaign.jobs.iter().map(Job::planned) {
             let vectors = if job.depends_on_processor() { vector_instructions() } else { "" };
             // A job comes after the one that it needs.
-            let needed = job.needs().map(|place| jobs[place]);
+            let needed = job.origin().needs.map(|place| jobs[place]);
             let needed = needed.as_ref().map_or(&[][..], |id| &id.0);
             jobs.push(Id::of(&[vectors.as_bytes(), &seed.to_le_bytes(), job.inputs().as_bytes(), needed]));
         }

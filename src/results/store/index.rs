@@ -80,7 +80,7 @@ impl Index {
         for task in tasks(campaign) {
             let id = ids.get(task);
             if store.head(id).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished)) {
-                let (fingerprint, code) = (planned(campaign, task).fingerprint().to_string(), CODE.to_string());
+                let (fingerprint, code) = (planned(campaign, task).origin().fingerprint.to_string(), CODE.to_string());
                 self.note_programs(campaign, task, &fingerprint);
                 let made = Made { id: id.to_string(), fingerprint, code, seed, lineage: lineage(campaign, task) };
                 self.done.insert(task_name(campaign, task), made);
@@ -140,7 +140,7 @@ impl Index {
         let why = match made {
             _ if made.id == id.to_string() => "gone",
             _ if made.seed != seed => "seed changed",
-            _ if made.fingerprint != planned(campaign, task).fingerprint().to_string() => {
+            _ if made.fingerprint != planned(campaign, task).origin().fingerprint.to_string() => {
                 let then = self.programs.get(&made.fingerprint);
                 if let Some(files) = then.and_then(|then| changed(then, campaign, task)) {
                     return Known::Edited(files);
@@ -161,8 +161,8 @@ fn planned(campaign: &Campaign, task: Task) -> &dyn Planned {
 /// The programs of the user that a task depends on, those of the job that it needs included.
 pub(super) fn programs(campaign: &Campaign, task: Task) -> impl Iterator<Item = &Arc<ExternalProgram>> {
     let job = planned(campaign, task);
-    let needed = job.needs().map(|place| campaign.jobs[place].planned().programs());
-    job.programs().iter().chain(needed.into_iter().flat_map(|programs| programs.iter()))
+    let needed = job.origin().needs.map(|place| &campaign.jobs[place].origin().programs);
+    job.origin().programs.iter().chain(needed.into_iter().flat_map(|programs| programs.iter()))
 }
 
 /// The digests of the files of a task's programs, by their paths.

@@ -75,6 +75,11 @@ impl Scenario {
             EgoSpeed::Drawn(_) => 0,
         }
     }
+
+    /// Maximum number of simulator ticks of an episode, its run-up included.
+    pub fn longest(&self) -> u64 {
+        u64::from(self.episode.ticks) + u64::from(self.most_run_up())
+    }
 }
 
 impl std::fmt::Debug for Scenario {

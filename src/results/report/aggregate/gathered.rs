@@ -106,7 +106,7 @@ pub fn gather(
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
             totals.add(&part).map_err(failed)?;
             tried += part.height();
-            if matches!(evaluation.controller, ControllerKind::Trained(_)) {
+            if matches!(evaluation.controller, ControllerKind::Trained) {
                 gathered.note_starts(evaluation, &part).map_err(failed)?;
             }
             gathered.failures.add(&part).map_err(failed)?;
@@ -187,7 +187,7 @@ impl Gathered {
         let starts = self.starts.entry(evaluation.town.to_string()).or_default();
         for row in table.rows().filter(|row| table.counts(*row)) {
             if let Some(outcome) = table.outcome(row) {
-                starts.add((&evaluation.policy, evaluation.block, table.episode(row)), &outcome);
+                starts.add((&evaluation.policy, evaluation.origin.block, table.episode(row)), &outcome);
             }
         }
         Ok(())

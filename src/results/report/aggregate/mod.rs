@@ -14,29 +14,18 @@ mod results;
 mod requirements;
 mod gathered;
 mod run_totals;
-mod learning_curve;
-mod covers;
-mod hardened;
 mod search_figures;
 mod searches;
 mod search_cells;
 mod search_comparisons;
-mod estimates;
 mod published;
 mod protocol;
 mod ticks;
 
-pub use covers::{
-    COVER_POINTS, COVERS, CoverRow, cover_columns, cover_in_words, cover_point_columns, cover_point_table, cover_rows,
-    cover_table, percent_above,
-};
 pub use drivers::{DriverResult, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
-pub use estimates::{ESTIMATES, estimate_columns, estimate_doubts, estimate_table};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};
-pub use hardened::{HARDENED, HardenedTotals, hardened_columns, hardened_in_words, hardened_table, lost_progress};
-pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, metrics, references};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{PublishedComparison, beside, published, published_table};

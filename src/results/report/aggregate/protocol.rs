@@ -178,7 +178,7 @@ impl<'a> ProtocolRun<'a> {
     pub fn new(evaluation: &'a Evaluation) -> Option<Self> {
         let spawn = &evaluation.scenario.spawn;
         let walk = spawn.target_walk.as_ref().filter(|_| evaluation.controller.name() == "scripted")?;
-        let id = evaluation.id.to_string();
+        let id = evaluation.origin.id.to_string();
         let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
         let cells = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
         Some(Self { id, walk, cells })
@@ -225,7 +225,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
                 Some((walk.judged_speed(failure.outcome.impact_speed()?, target), Some(number)))
             });
             let (worst, number) = judged.fold((0.0, None), |worst, each| if each.0 > worst.0 { each } else { worst });
-            let name = || number.map(|number| format!("{}:{number}", search.key.id));
+            let name = || number.map(|number| format!("{}:{number}", search.origin.id));
             if !result.spent.starts.iter().any(here) {
                 continue;
             }

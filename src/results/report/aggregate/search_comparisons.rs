@@ -221,7 +221,6 @@ mod tests {
     /// A search with this figure `a`, and no other.
     fn search(driver: u32, town: u32, run: u32, figure: f64) -> (SearchKey, Named) {
         let key = SearchKey {
-            id: format!("{run:08x}").parse().unwrap(),
             falsifier: "f".into(),
             method: "archive",
             reward: String::new(),

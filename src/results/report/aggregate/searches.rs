@@ -94,7 +94,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         "One row for each search: a falsifier in one town against one policy, one run. Rates within a search are shares of what it tried, \
          not the failure rate of the driver.",
     )
-    .column(RUN_ID.of(|row: &Row<'_>| row.0.key.id.to_string()))
+    .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
     .columns(search_key(|row: &Row<'_>| &row.0.key))
     .column(run(|row: &Row<'_>| &row.0.key))
     .column(BUDGET.of(|row: &Row<'_>| row.0.budget))
@@ -235,7 +235,7 @@ fn violation_table<'a>() -> Table<'a, Find<'a>> {
 pub fn search_references(results: &[SearchResult]) -> DataFrame {
     let finds: Vec<Find<'_>> = results.iter().flat_map(SearchResult::finds).collect();
     Table::new("", "")
-        .column(RUN_ID.of(|row: &Find<'_>| row.key.id.to_string()))
+        .column(RUN_ID.of(|row: &Find<'_>| row.id.to_string()))
         .column(EPISODE.of(|row: &Find<'_>| row.number as u32))
         .columns(reference_columns(|row: &Find<'_>| row.verdict(), |_| None))
         .frame(&finds)
@@ -248,7 +248,7 @@ pub fn failure_table<'a>() -> Table<'a, Find<'a>> {
                `priority`, `robustness`, `unit`, `instant_s` and `part` follow, as in `requirements`, and `goal_preventable`, `goal_foreseeable`, \
                `goal_fault` and `no_verdict`.";
     Table::new(FAILURES, doc)
-        .column(RUN_ID.of(|row: &Row<'_>| row.key.id.to_string()))
+        .column(RUN_ID.of(|row: &Row<'_>| row.id.to_string()))
         .columns(search_key(|row: &Row<'_>| row.key))
         .column(run(|row: &Row<'_>| row.key))
         .column(FAILURE.of(|row: &Row<'_>| row.number as u64))

@@ -9,13 +9,14 @@ use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 
+use crate::jobs::pedestrian_file;
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
 use crate::record::{EPISODES, RunKey, read_parquet};
 use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, SEARCHES, START};
 use crate::report::folder::{MARK, digest, is_sealed, report_files};
 use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
-use crate::report::{Manifest, ScenarioFile, pedestrian_file};
+use crate::report::{Manifest, ScenarioFile};
 use base::files;
 use compile::{RunId, TrainingKey};
 use learn::{ActorCritic, CheckpointError};

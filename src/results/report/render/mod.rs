@@ -3,8 +3,8 @@
 //! Nothing here computes a result. [`sections`](sections::SECTIONS) makes the sections of a report; each is rendered for a terminal, as Markdown and as HTML. Pictures are drawn
 //! with [`svg`].
 
-mod table;
-mod svg;
+pub(crate) mod table;
+pub(crate) mod svg;
 mod sections;
 mod town;
 mod episode;
@@ -23,7 +23,8 @@ pub use junit::{Suite, junit, shown};
 pub use overview::{overview_for_terminal, overview_page};
 pub use page::{Replay, Tally, page_examples, write_page};
 pub use recheck_sections::recheck_report;
-pub use sections::{failures_for_terminal, sections};
+pub(crate) use sections::search_section;
+pub use sections::{Group, SectionMaker, failures_for_terminal, sections};
 pub use summary::summary;
 pub use table::Section;
 pub use town::{MapPage, StartLayer, Starts, TownView, map_page, spawn_map, town_map};

@@ -7,17 +7,13 @@ mod protocol;
 mod results;
 mod published;
 mod requirements;
-mod estimates;
 mod avoidable;
 mod kinds;
 mod searches;
 mod search_pairs;
-mod covers;
-mod hardened;
 mod learnt;
 mod comparisons;
 mod reference_drivers;
-mod trainings;
 mod starts;
 mod failures;
 
@@ -27,33 +23,43 @@ pub use names::{distinct, place, who};
 pub use scale::{RateOf, Scale};
 pub use searches::{failed_starts, who as searcher};
 
+pub(crate) use searches::searches as search_section;
+
 use super::table::Section;
+use crate::jobs::KINDS;
 use crate::report::Findings;
 
 /// Makes a section; `None` if the campaign has nothing for it.
-type Maker = fn(&Findings<'_>) -> Option<Section>;
+pub type SectionMaker = fn(&Findings<'_>) -> Option<Section>;
 
-/// All sections of a report, in their order.
-pub const SECTIONS: [Maker; 16] = [
-    drivers::drivers,
-    protocol::protocol,
-    results::results,
-    published::published,
-    requirements::requirements,
-    estimates::estimates,
-    avoidable::avoidable,
-    kinds::kinds,
-    searches::searches,
-    covers::covers,
-    hardened::hardened,
-    learnt::learnt,
-    comparisons::comparisons,
-    reference_drivers::reference_drivers,
-    trainings::trainings,
-    starts::starts,
+/// A group of sections in a report. Those of kinds of jobs follow the others of their group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Group {
+    /// How often drivers fail.
+    Rates,
+    /// Which failures there are, and what was done about them.
+    Failures,
+    /// What differs, and whether that is sure.
+    Comparisons,
+    /// Where episodes start.
+    Starts,
+}
+
+/// The groups in their order, with the sections that are of no kind of job.
+const GROUPS: [(Group, &[SectionMaker]); 4] = [
+    (
+        Group::Rates,
+        &[drivers::drivers, protocol::protocol, results::results, published::published, requirements::requirements],
+    ),
+    (Group::Failures, &[avoidable::avoidable, kinds::kinds]),
+    (Group::Comparisons, &[learnt::learnt, comparisons::comparisons, reference_drivers::reference_drivers]),
+    (Group::Starts, &[starts::starts]),
 ];
 
 /// The sections of a report.
 pub fn sections(found: &Findings<'_>) -> Vec<Section> {
-    SECTIONS.iter().filter_map(|make| make(found)).collect()
+    let of_kinds = |group| KINDS.iter().filter_map(|kind| kind.section).filter(move |(place, _)| *place == group);
+    let makers =
+        GROUPS.iter().flat_map(|(group, own)| own.iter().copied().chain(of_kinds(*group).map(|(_, make)| make)));
+    makers.filter_map(|make| make(found)).collect()
 }

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use crate::report::aggregate::percent_above;
+use crate::jobs::percent_above;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
 use crate::report::{Colour, Findings, ProtocolCell};
 use world::env::TestCriterion;

@@ -1,0 +1,211 @@
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::{ControllerKind, Evaluation, STOCHASTIC, TRAINED, UNTRAINED};
+use crate::campaign::{PlaceKeys, StartKeys};
+use crate::grid::{Grid, Nested, of_places};
+use crate::jobs::{JobBlock, NO_REWARD, Origin, Training, TrainingKey};
+use crate::lowering::Lowering;
+use crate::walker::WalkerKind;
+use crate::{Campaign, Job};
+use base::keys;
+use base::signature::{DeclarationId, Keys, Value};
+use lang::diagnostics;
+use world::env::RewardRule;
+use world::falsifier::Controller;
+
+keys! {
+    /// Tries every pedestrian in every town against every policy.
+    pub struct EvaluateKeys = "evaluate" {
+        ..places: PlaceKeys,
+        /// Episodes of each; all pedestrians have the same starts.
+        episodes: u32 as whole(1, 1_000_000) = "1_000",
+        // The catalogue adds the words of the others.
+        /// Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it as in
+        /// training (`stochastic`), the same network before its training (`untrained`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it
+        /// would meet the ego (`intercept`), one that crosses as recorded pedestrians do (`natural`), the target of a test
+        /// (`scripted`), or a `controller` of the file. Only the first three need a `train` block.
+        pedestrians: Vec<Value> as WordOrReference(vec![TRAINED, STOCHASTIC, UNTRAINED], "controller") = "[trained, random]",
+        /// Models of car to try them against, instead of the campaign's `vehicle`.
+        vehicles: Option<Vec<DeclarationId>> as Reference("vehicle"),
+        /// Bodies and readings to try them with, instead of the campaign's `adversary`.
+        adversaries: Option<Vec<DeclarationId>> as Reference("adversary"),
+        ..start: StartKeys,
+    }
+    .explained("towns", "Towns to try them in.")
+    .explained("policies", "Drivers to try them against.")
+}
+
+pub(crate) const BLOCK: JobBlock =
+    JobBlock { signature: EvaluateKeys::signature, drivers: of_places, lower: |it, at, grid| it.evaluate(at, grid) };
+
+impl Lowering<'_> {
+    fn evaluate(&mut self, at: Nested<'_>, grid: &mut Grid) {
+        let block = at.block;
+        let EvaluateKeys { places, episodes, pedestrians, vehicles, adversaries, start } = block.keys();
+        let cars = vehicles.map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
+        let walkers = adversaries.map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
+        let cars: Vec<_> = cars.unwrap_or_else(|| vec![grid.usual.car.clone()]);
+        let walkers: Vec<_> = walkers.unwrap_or_else(|| vec![grid.usual.walker.clone()]);
+        let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
+        let all: Vec<_> = bodies().collect();
+        let Some(ground) = self.ground(at, &places, &start, &all) else { return };
+        let mut kinds = self.catalog.walkers.iter();
+        let scripted = kinds.find(|kind| kind.is_scripted && pedestrians.contains(&Value::Choice(kind.word())));
+        if let Some(scripted) = scripted
+            && ground.spawn.value.scripted().is_none()
+        {
+            return self.no_script(block, "pedestrians", scripted);
+        }
+        let untrained = at.campaign.nested("train").next().is_none();
+        if untrained && pedestrians.iter().any(|word| matches!(word, Value::Choice(TRAINED | STOCHASTIC | UNTRAINED))) {
+            return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
+        }
+        let Some(chosen) = self.chosen(&pedestrians) else { return };
+        let controllers =
+            if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &grid.campaign.jobs) };
+        let each = controllers.len().max(grid.rewards.len());
+        if !self.takes(at, &ground, [all.len(), each], grid) {
+            return;
+        }
+        let Grid { usual, campaign, rewards } = grid;
+        for (place, (car, walker)) in ground.places().flat_map(|place| bodies().map(move |body| (place, body))) {
+            let ground = [place.declarations(car, walker, &usual.rule).as_slice(), &usual.requirements.ids].concat();
+            let mut scenario = |rule: &RewardRule, declared: &[DeclarationId]| {
+                let scenario = place.scenario(car, walker, &usual.rule, rule, &usual.requirements.all);
+                let parts = [ground.as_slice(), declared].concat();
+                (scenario, self.origins(at, 1, &parts).next().expect("one run has one origin"))
+            };
+            let mut scenarios: BTreeMap<(&str, Option<DeclarationId>), _> = BTreeMap::new();
+            for declared in std::iter::once(None).chain(chosen.iter().map(Chosen::declared).filter(Option::is_some)) {
+                for (name, reward) in &*rewards {
+                    let own = [Some(reward.id), declared].into_iter().flatten().collect::<Vec<_>>();
+                    scenarios.insert((name, declared), scenario(&reward.value, &own));
+                }
+                if untrained {
+                    let own: Vec<_> = declared.into_iter().collect();
+                    scenarios.insert((NO_REWARD, declared), scenario(&RewardRule::default(), &own));
+                }
+            }
+            let of = |controller: &ControllerKind, trained: &TrainingKey| {
+                let declared = chosen.iter().find(|each| each.is(controller)).and_then(Chosen::declared);
+                scenarios[&(trained.reward.as_str(), declared)].clone()
+            };
+            let evaluations = controllers.iter().map(|(controller, trained, needs)| {
+                let (scenario, origin) = of(controller, trained);
+                Job::from(Evaluation {
+                    origin: Origin { run: trained.run, needs: *needs, ..origin },
+                    controller: controller.clone(),
+                    trained: trained.clone(),
+                    first: (*controller == ControllerKind::First).then(|| first_of(campaign, trained)),
+                    town: place.town.name.clone(),
+                    policy: place.policy.name.clone(),
+                    vehicle: car.name.clone(),
+                    adversary: walker.name.clone(),
+                    scenario,
+                    episodes,
+                })
+            });
+            let evaluations: Vec<Job> = evaluations.collect();
+            campaign.jobs.extend(evaluations);
+        }
+    }
+}
+
+/// A member of the list of pedestrians.
+enum Chosen {
+    Trained,
+    Stochastic,
+    First,
+    Untrained {
+        controller: Controller,
+        /// Whether it draws, so that every run is another.
+        draws: bool,
+        /// The declaration that it comes from, if it is not built in.
+        declared: Option<DeclarationId>,
+    },
+}
+
+impl Chosen {
+    fn declared(&self) -> Option<DeclarationId> {
+        if let Self::Untrained { declared, .. } = self { *declared } else { None }
+    }
+
+    /// Whether it is this controller, which learns nothing.
+    fn is(&self, other: &ControllerKind) -> bool {
+        matches!((self, other), (Self::Untrained { controller, .. }, ControllerKind::Untrained(other)) if controller == other)
+    }
+}
+
+impl Lowering<'_> {
+    /// The chosen controllers; none after reporting what is wrong with a declared one.
+    fn chosen(&mut self, words: &[Value]) -> Option<Vec<Chosen>> {
+        let each = |word: &Value| match word {
+            Value::Choice(TRAINED) => Some(Chosen::Trained),
+            Value::Choice(STOCHASTIC) => Some(Chosen::Stochastic),
+            Value::Choice(UNTRAINED) => Some(Chosen::First),
+            Value::Reference(id) => {
+                let controller = self.controller(*id)?;
+                Some(Chosen::Untrained { controller, draws: false, declared: Some(*id) })
+            }
+            word => {
+                let found = self.catalog.walkers.iter().find(|kind| *word == Value::Choice(kind.word()));
+                let WalkerKind { controller, draws, .. } = found.expect("checked: the word is in the catalogue");
+                Some(Chosen::Untrained { controller: controller.clone(), draws: *draws, declared: None })
+            }
+        };
+        words.iter().map(each).collect()
+    }
+}
+
+/// A controller, its training, and the place of the job that it needs.
+type ControllerOf = (ControllerKind, Arc<TrainingKey>, Option<usize>);
+
+/// The controllers of a campaign without training: each once, for no reward.
+fn untrained_controllers(chosen: &[Chosen]) -> Vec<ControllerOf> {
+    let reward = NO_REWARD.to_string();
+    let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
+    let untrained = chosen.iter().filter_map(|each| match each {
+        Chosen::Untrained { controller, .. } => Some(ControllerKind::Untrained(controller.clone())),
+        Chosen::Trained | Chosen::Stochastic | Chosen::First => None,
+    });
+    untrained.map(|controller| (controller, key.clone(), None)).collect()
+}
+
+/// The key of a controller without training, whose rows are compared with those of a reward.
+fn without_place(key: &TrainingKey, run: u32) -> TrainingKey {
+    TrainingKey { town: String::new(), policy: String::new(), reward: key.reward.clone(), run }
+}
+
+/// The first training for the reward of a key with its run: its first networks stand for those of all such trainings.
+fn first_of(campaign: &Campaign, key: &TrainingKey) -> Arc<Training> {
+    let found = campaign.all::<Training>().find(|each| (&each.key.reward, each.key.run) == (&key.reward, key.run));
+    Arc::new(found.expect("the key is made of a training").clone())
+}
+
+/// The controllers of a campaign with trainings: every trained one, and for every run of a reward one that draws, with draws of its own, and
+/// the networks with which a training begins. One that draws nothing is evaluated once for each reward; so is a declared one.
+fn controllers(chosen: &[Chosen], jobs: &[Job]) -> Vec<ControllerOf> {
+    let mut all = Vec::new();
+    for each in chosen {
+        let mut seen = BTreeSet::new();
+        let trainings = jobs.iter().enumerate().filter_map(|(place, job)| Some((place, job.of::<Training>()?)));
+        for (index, Training { key, .. }) in trainings.filter(|(_, each)| each.drive.is_none()) {
+            let (controller, key) = match each {
+                Chosen::Trained => (ControllerKind::Trained, key.clone()),
+                Chosen::Stochastic => (ControllerKind::Stochastic, key.clone()),
+                Chosen::First => (ControllerKind::First, without_place(key, key.run)),
+                Chosen::Untrained { controller, draws, .. } => {
+                    let key = without_place(key, if *draws { key.run } else { 0 });
+                    (ControllerKind::Untrained(controller.clone()), key)
+                }
+            };
+            let key = Arc::new(key);
+            let is_trained = matches!(controller, ControllerKind::Trained | ControllerKind::Stochastic);
+            if seen.insert((controller.clone(), key.clone())) {
+                all.push((controller, key, is_trained.then_some(index)));
+            }
+        }
+    }
+    all
+}

@@ -1,0 +1,140 @@
+mod picture;
+mod section;
+mod table;
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Kind, Measurement};
+use crate::campaign::{Part, TaskError};
+use crate::report::Group;
+use compile::Cover;
+pub use section::percent_above;
+use table::{COVER_POINTS, COVERS, Covering};
+use world::env::{Outcome, Trace};
+use world::judge::{Blame, Judged};
+use world::likelihood::{BoxOfStarts, CoverConfig, Coverage, cover};
+
+/// Maximum number of episodes in a row in which a driver or a controller may fail; then no more are run.
+const MAX_ERRORS: u32 = 10;
+
+pub(super) const KIND: Kind = Kind {
+    doing: ["covering", "covered"],
+    unit: "episodes",
+    references: || vec![table::columns().reference(), table::point_columns().reference()],
+    tables: |found| {
+        let rows: Vec<Row<'_>> = found.finished.found_if_any()?;
+        let points =
+            rows.iter().flat_map(|(job, found)| (0..).zip(&found.coverage.points).map(move |point| (*job, point)));
+        let points: Vec<Covering<'_>> = points.map(|(job, (number, point))| (job, number, point)).collect();
+        Some(vec![(COVERS, table::columns().frame(&rows)), (COVER_POINTS, table::point_columns().frame(&points))])
+    },
+    section: Some((Group::Failures, section::covers)),
+    ..Kind::new::<Cover>("cover", "covers", "cover")
+};
+
+/// A cover, and what it found.
+type Row<'a> = (&'a Cover, &'a FoundInBox);
+
+/// What a cover found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FoundInBox {
+    pub coverage: Coverage,
+    /// The share of the box that the picture of the look with the least bound shows as failing; `None` when it ended before its first look.
+    pub shown: Option<f64>,
+    /// Points of the box for which no place on the road was found. They count as passed.
+    pub unplaced: u64,
+    /// Episodes that are left out ([`LeftOut`](world::env::LeftOut)). They count as passed.
+    pub left_out: u64,
+    /// Episodes in which a driver or a controller failed as a program. They count as passed.
+    pub errors: u64,
+    /// Simulator ticks of all episodes.
+    pub ticks: u64,
+}
+
+impl FoundInBox {
+    /// The bound of the share of the box that is worse than the picture; `None` before the first look has ended.
+    pub fn bound(&self) -> Option<f64> {
+        self.coverage.best().map(|look| look.bound)
+    }
+
+    /// Whether the bound is small enough for its cover.
+    pub fn is_covered(&self, cover: &Cover) -> bool {
+        self.bound().is_some_and(|bound| bound <= cover.epsilon)
+    }
+}
+
+impl Measurement for Cover {
+    type Found = FoundInBox;
+
+    const KIND: &'static Kind = &KIND;
+
+    /// It may end before its budget.
+    fn units_of(&self, _: Option<&FoundInBox>) -> u64 {
+        self.budget.into()
+    }
+
+    fn note(&self, found: &FoundInBox) -> String {
+        let coverage = &found.coverage;
+        let episodes = coverage.points.len();
+        match coverage.best() {
+            None => format!("{episodes} episodes, and no check"),
+            Some(look) => {
+                format!("{} failures, bound {} in {episodes} episodes", coverage.failures(), percent_above(look.bound))
+            }
+        }
+    }
+
+    fn is_whole(found: &FoundInBox) -> bool {
+        !found.coverage.stopped
+    }
+
+    fn errors(found: &FoundInBox) -> u64 {
+        found.errors
+    }
+
+    fn measure(&self, part: &Part<'_>) -> (Option<FoundInBox>, Option<TaskError>) {
+        let seed = self.seed(part.seed);
+        let walker = self.walker.walk_policy();
+        let mut starts = BoxOfStarts::new(&self.scenario, walker, seed.child("starts"));
+        let dimensions = starts.parameters().len();
+        let config = CoverConfig { dimensions, epsilon: self.epsilon, budget: self.budget.into() };
+        let [mut unplaced, mut left_out, mut errors, mut ticks] = [0; 4];
+        let (mut in_a_row, mut error) = (0, None);
+        let mut experiment = |at: &[f64], number: u64| {
+            part.progress(number);
+            error = part.limit(ticks);
+            if part.stop() || error.is_some() {
+                return ControlFlow::Break(());
+            }
+            let Some((outcome, trace)) = starts.run(at, number) else {
+                unplaced += 1;
+                return ControlFlow::Continue(false);
+            };
+            ticks += u64::from(outcome.ticks) + u64::from(outcome.run_up);
+            if outcome.fault().is_some() {
+                errors += 1;
+                in_a_row += 1;
+                if in_a_row == MAX_ERRORS {
+                    error = Some(TaskError::Hopeless);
+                    return ControlFlow::Break(());
+                }
+                return ControlFlow::Continue(false);
+            }
+            in_a_row = 0;
+            left_out += u64::from(outcome.left_out.is_some());
+            ControlFlow::Continue(outcome.counts() && has_failed(self, &outcome, trace))
+        };
+        let coverage: Coverage = cover(&config, &seed.child("points"), &mut experiment);
+        let shown = coverage.best().map(|look| coverage.shown(&coverage.picture(look)));
+        (Some(FoundInBox { coverage, shown, unplaced, left_out, errors, ticks }), error)
+    }
+}
+
+/// Whether an episode is what a cover counts.
+fn has_failed(cover: &Cover, outcome: &Outcome, trace: &Trace) -> bool {
+    let Cover { criterion, blame, scenario, .. } = cover;
+    let judged = || Judged::by(*criterion, outcome, &trace.main_pair(scenario));
+    criterion.is_met(outcome, trace.degrees()) && (*blame == Blame::Any || judged().is(*criterion, *blame))
+}

@@ -1,0 +1,108 @@
+use super::Row;
+use super::picture::pictures;
+use crate::report::Findings;
+use crate::report::table::{Column, Place, Section, Table, Value};
+
+/// What covers show: a row for each driver and town; `None` without a cover.
+pub fn covers(found: &Findings<'_>) -> Option<Section> {
+    let rows: Vec<Row<'_>> = found.finished.found_if_any()?;
+    let statements = rows.iter().map(|row| {
+        let (policy, town, spawn) = (&row.0.policy, &row.0.town, &row.0.spawn);
+        format!("*{policy} in {town}, box `{spawn}`:* {}.", statement(row))
+    });
+    let reading = [
+        "The *box* are the ranges of the spawn rule; equal parts of it are equally likely. Places on the road, what the pedestrian draws and what drivers draw \
+         are chance: a part of the bound, not of the box. A point of the box for which the road has no place counts as passed.",
+        "The *picture* is a local regression over the episodes before the check. The *check* runs fresh episodes, uniform in the box, and counts those that fail \
+         where the picture says that they pass. The bound is Clopper and Pearson's, one-sided; all checks of a box share the 5 %, so the last one may be \
+         believed. *Shown as failing* is the other side: a picture that shows everything as failing is never wrong, and says nothing.",
+        "It is about this box, this pedestrian and these towns. It is no statement about other starts, and none about people.",
+    ];
+    Some(Section {
+        id: "covers",
+        name: "Covered",
+        title: "What was not missed",
+        figures: pictures(&rows).into_iter().collect(),
+        tables: vec![table(&rows)],
+        notes: statements.chain(reading.map(String::from)).collect(),
+        ..Section::default()
+    })
+}
+
+/// What is shown, as a sentence without its end.
+pub fn statement((cover, found): &Row<'_>) -> String {
+    let Some(bound) = found.bound() else { return "Nothing is shown: it ended before its first check".into() };
+    let which = if found.coverage.failures() == 0 { "" } else { " that the picture does not show" };
+    let enough = match found.is_covered(cover) {
+        true => String::new(),
+        false => format!(", more than the {} asked for", percent_above(cover.epsilon)),
+    };
+    let (failure, bound) = (cover.failure_name(), percent_above(bound));
+    format!("With 95 % confidence no {failure}{which} occupies more than {bound} of the box{enough}")
+}
+
+/// A share in percent with two digits, rounded up.
+pub fn percent_above(share: f64) -> String {
+    let percent = share * 100.0;
+    let digits = if percent >= 10.0 {
+        0
+    } else if percent >= 1.0 {
+        1
+    } else {
+        2
+    };
+    let unit = libm::pow(10.0, f64::from(digits));
+    format!("{:.*} %", digits as usize, (percent * unit - 1e-9).ceil() / unit)
+}
+
+fn table(rows: &[Row<'_>]) -> Table {
+    let head = vec![
+        Column::text("driver"),
+        Column::text("town"),
+        Column::text("box"),
+        Column::text("pedestrian").detail(),
+        Column::text("counts").page_only(),
+        Column::text("not shown: at most"),
+        Column::text("worse than shown").page_only(),
+        Column::text("better than shown").detail(),
+        Column::number("shown as failing"),
+        Column::number("failures"),
+        Column::number("episodes"),
+        Column::number("checks").detail(),
+    ];
+    let row = |(cover, found): &Row<'_>| {
+        let none = || Value::from("–");
+        let (coverage, look) = (&found.coverage, found.coverage.best());
+        let bound = match found.bound().map(percent_above) {
+            Some(bound) if found.is_covered(cover) => bound.into(),
+            Some(bound) => Value::Warning(format!("{bound}, asked {}", percent_above(cover.epsilon))),
+            None => none(),
+        };
+        vec![
+            Value::from(&cover.policy),
+            Value::from(&cover.town),
+            format!("{}: {}", cover.spawn, cover.parameter_names().join(", ")).into(),
+            Value::from(&cover.pedestrian),
+            Value::from(cover.failure_name()),
+            bound,
+            look.map_or_else(none, |look| Value::Of(look.worse, look.points)),
+            look.map_or_else(none, |look| Value::Of(look.better, look.points)),
+            found.shown.map_or_else(none, Value::Percent),
+            Value::Count(coverage.failures()),
+            Value::Count(coverage.points.len() as u64),
+            Value::Count(coverage.looks.len() as u64),
+        ]
+    };
+    Table { place: Place::Everywhere, head, rows: rows.iter().map(row).collect(), ..Table::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bound_is_rounded_up() {
+        let shares = [0.0098, 0.00981, 0.01, 0.0123, 0.139, 0.5];
+        assert_eq!(shares.map(percent_above), ["0.98 %", "0.99 %", "1.0 %", "1.3 %", "14 %", "50 %"]);
+    }
+}

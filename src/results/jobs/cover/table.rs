@@ -1,0 +1,84 @@
+use super::Row;
+use crate::record::columns::{POLICY, RUN_ID, TOWN};
+use crate::record::{Column, Table};
+use compile::Cover;
+use world::env::StartParameter;
+use world::likelihood::{Look, Point};
+
+/// The stems of the files of the tables.
+pub const COVERS: &str = "covers";
+pub const COVER_POINTS: &str = "cover_points";
+
+/// The columns of `covers`.
+pub fn columns<'a>() -> Table<'a, Row<'a>> {
+    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
+    let look = |row: &Row<'_>, value: fn(&Look) -> u64| row.1.coverage.best().map(value);
+    Table::new(
+        COVERS,
+        "One row for each `cover` of a driver in a town: how much of a box of starts can fail where the picture says that it passes. Equal parts \
+         of the box are equally likely by the spawn rule.",
+    )
+    .column(RUN_ID.of(|row: &Row<'_>| row.0.origin.id.to_string()))
+    .column(TOWN.of(|row: &Row<'_>| row.0.town.clone()))
+    .column(POLICY.of(|row: &Row<'_>| row.0.policy.clone()))
+    .column(Column::<String>::new("spawn", "", "spawn rule whose ranges are the box").of(|row: &Row<'_>| row.0.spawn.clone()))
+    .column(Column::<String>::new("pedestrian", "", "who walks").of(|row: &Row<'_>| row.0.pedestrian.clone()))
+    .column(count("block", "", "number of the `cover` block in its campaign, from 0").of(|row: &Row<'_>| u64::from(row.0.origin.block)))
+    .column(Column::<String>::new("parameters", "", "parameters of the box").of(|row: &Row<'_>| row.0.parameter_names().join(" ")))
+    .column(Column::<String>::new("counts", "", "what counts as failed: `fault`, `collision` or the name of a requirement").of(|row: &Row<'_>| row.0.failure_name().to_string()))
+    .column(number("epsilon", "", "share of the box that is small enough").of(|row: &Row<'_>| row.0.epsilon))
+    .column(number("bound", "", "one-sided bound, with 95 % confidence over all checks together, of the share that fails where the picture says that it passes; missing without a check").of(|row: &Row<'_>| row.1.bound()))
+    .column(Column::<bool>::new("covered", "", "whether the bound is at most `epsilon`").of(|row: &Row<'_>| row.1.is_covered(row.0)))
+    .column(count("checked", "", "fresh episodes of the check with the least bound, uniform in the box").of(move |row: &Row<'_>| look(row, |look| look.points)))
+    .column(count("worse", "", "of these failed where the picture says that they pass").of(move |row: &Row<'_>| look(row, |look| look.worse)))
+    .column(count("better", "", "of these passed where the picture says that they fail").of(move |row: &Row<'_>| look(row, |look| look.better)))
+    .column(number("alpha", "", "share of the 5 % that this check may use").of(|row: &Row<'_>| row.1.coverage.best().map(|look| look.alpha)))
+    .column(count("learnt", "", "first episodes, from which that picture was learnt").of(move |row: &Row<'_>| look(row, |look| look.learnt)))
+    .column(number("shown", "", "share of the box that the picture shows as failing").of(|row: &Row<'_>| row.1.shown))
+    .column(count("checks", "", "number of checks").of(|row: &Row<'_>| row.1.coverage.looks.len() as u64))
+    .column(count("episodes", "", "episodes in all").of(|row: &Row<'_>| row.1.coverage.points.len() as u64))
+    .column(count("budget", "", "episodes that it might use").of(|row: &Row<'_>| u64::from(row.0.budget)))
+    .column(count("failures", "", "episodes that failed").of(|row: &Row<'_>| row.1.coverage.failures()))
+    .column(count("unplaced", "", "points of the box for which no place on the road was found; they count as passed").of(|row: &Row<'_>| row.1.unplaced))
+    .column(count("left_out_episodes", "", "episodes that are left out; they count as passed").of(|row: &Row<'_>| row.1.left_out))
+    .column(count("errors", "", "episodes in which a program failed; they count as passed").of(|row: &Row<'_>| row.1.errors))
+    .column(count("ticks", "", "simulator ticks in all").of(|row: &Row<'_>| row.1.ticks))
+}
+
+/// An episode of a cover, with its number.
+pub type Covering<'a> = (&'a Cover, u64, &'a Point);
+
+/// The columns of `cover_points`.
+pub fn point_columns<'a>() -> Table<'a, Covering<'a>> {
+    let of = |row: &Covering<'_>, parameter: StartParameter| {
+        let parameters = row.0.scenario.start_parameters();
+        let place = parameters.iter().position(|drawn| drawn.parameter == parameter)?;
+        Some(parameters[place].value(*row.2.at.get(place)?))
+    };
+    let value = |name, unit, doc, parameter| {
+        Column::<f64>::new(name, unit, doc).of(move |row: &Covering<'_>| of(row, parameter))
+    };
+    Table::new(
+        COVER_POINTS,
+        "One row for each episode of a `cover`, in their order, with its point in the box. Parameters that are no part of the box are missing.",
+    )
+    .column(RUN_ID.of(|row: &Covering<'_>| row.0.origin.id.to_string()))
+    .column(Column::<u64>::new("episode", "", "number of the episode, from 0").of(|row: &Covering<'_>| row.1))
+    .column(
+        Column::<String>::new(
+            "sampled",
+            "",
+            "why it was run: `design` to fill the box, `learning` where pass and fail were least sure, `look` to check the picture",
+        )
+        .of(|row: &Covering<'_>| row.2.sampled.name()),
+    )
+    .column(Column::<bool>::new("failed", "", "whether it failed").of(|row: &Covering<'_>| row.2.failed))
+    .column(value("bearing_rad", "rad", "bearing of the pedestrian from the car, positive to the left", StartParameter::Bearing))
+    .column(value("distance_m", "m", "distance between the centres", StartParameter::Distance))
+    .column(value("heading_rad", "rad", "first heading of the pedestrian from that of the car", StartParameter::Heading))
+    .column(value("ego_speed_mps", "m/s", "speed of the car at the start", StartParameter::EgoSpeed))
+    .column(value("approach", "", "share of its way that a target starts from", StartParameter::Approach))
+    .column(value("delay_s", "s", "time for which the pedestrian stands at the start of its path", StartParameter::Delay))
+    .column(value("walking_speed_mps", "m/s", "speed of a target", StartParameter::WalkingSpeed))
+    .column(value("turn_rad", "rad", "angle by which the line of a target is turned", StartParameter::Turn))
+}

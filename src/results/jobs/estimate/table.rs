@@ -1,0 +1,77 @@
+use super::Row;
+use crate::record::columns::{POLICY, TOWN};
+use crate::record::{Column, Table};
+use compile::Estimation;
+use world::likelihood::Estimate;
+
+/// What a reader must know about an estimate; empty if nothing.
+pub fn doubts(job: &Estimation, estimate: &Estimate) -> Vec<&'static str> {
+    let mut doubts = Vec::new();
+    if !job.origin.programs.is_empty() {
+        doubts.push("a program draws numbers of its own: over starts, pedestrian and the seeds that it is given");
+    }
+    if estimate.short {
+        doubts.push("error above the wanted");
+    }
+    doubts
+}
+
+/// The columns of the table: a row for each event of each estimate that ended.
+pub fn columns<'a>() -> Table<'a, Row<'a>> {
+    let text = Column::<String>::new;
+    let count = Column::<u64>::new;
+    let number = Column::<f64>::new;
+    let share = |name, doc| number(name, "", doc);
+    Table::new(
+        "estimates",
+        "One row for each event of each estimate: the probability of the event in an encounter with this pedestrian, from a start that the `spawn` draws, among encounters \
+         that count.",
+    )
+    .column(text("estimate", "", "short name of the estimate").of(|row: &Row<'_>| row.job.origin.id.to_string()))
+    .column(TOWN.of(|row: &Row<'_>| row.job.town.clone()))
+    .column(POLICY.of(|row: &Row<'_>| row.job.policy.clone()))
+    .column(text("pedestrian", "", "the pedestrian, who walks by itself").of(|row: &Row<'_>| row.job.pedestrian.clone()))
+    .column(
+        text("requirement", "", "the requirement whose violation is the failure; empty for collisions")
+            .of(|row: &Row<'_>| row.job.requirement.clone()),
+    )
+    .column(count("block", "", "number of the `estimate` block in its campaign, from 0").of(|row: &Row<'_>| u64::from(row.job.origin.block)))
+    .column(count("run", "", "number of the run, from 0").of(|row: &Row<'_>| u64::from(row.job.origin.run)))
+    .column(
+        text("event", "", "`failure`, `preventable` (a careful human would have avoided it) or `fault` (it counts against the driver)")
+            .of(|row: &Row<'_>| row.likelihood.event.name().to_string()),
+    )
+    .column(share("probability", "probability of the event in an encounter").of(|row: &Row<'_>| row.likelihood.probability))
+    .column(
+        share("probability_low", "low end of its 95 % interval; 0 where the event was never seen")
+            .of(|row: &Row<'_>| row.likelihood.low),
+    )
+    .column(
+        share("probability_high", "high end of its 95 % interval; where the event was never seen, the one-sided 95 % bound")
+            .of(|row: &Row<'_>| row.likelihood.high),
+    )
+    .column(
+        share("relative_error", "standard error as a fraction of the probability; missing if the event was never seen")
+            .of(|row: &Row<'_>| row.likelihood.relative_error),
+    )
+    .column(count("seen", "", "encounters in which it was seen").of(|row: &Row<'_>| row.likelihood.seen))
+    .column(count("encounters", "", "encounters that were simulated").of(|row: &Row<'_>| row.estimate.encounters))
+    .column(count("ticks", "", "simulator ticks that were used").of(|row: &Row<'_>| row.estimate.ticks))
+    .column(share("counting", "fraction of encounters that count").of(|row: &Row<'_>| row.estimate.counting()))
+    .column(
+        number("per_hour", "1/h", "events per hour, at the encounters per hour that the scenario states; missing without")
+            .of(|row: &Row<'_>| exposed(row, 0)),
+    )
+    .column(
+        number("per_1000_km", "", "events per 1,000 km, at the encounters per 1,000 km that the scenario states; missing without")
+            .of(|row: &Row<'_>| exposed(row, 1)),
+    )
+    .column(
+        text("doubts", "", "what a reader must know: a program that draws numbers of its own, an error that was not reached")
+            .of(|row: &Row<'_>| doubts(row.job, row.estimate).join("; ")),
+    )
+}
+
+fn exposed(row: &Row<'_>, unit: usize) -> Option<f64> {
+    row.job.exposure[unit].map(|encounters| encounters * row.likelihood.probability)
+}

@@ -1,0 +1,88 @@
+use super::Row;
+use crate::record::columns::{POLICY, RUN_ID};
+use crate::record::{Column, Table};
+use compile::Harden;
+use world::hardening::{Tested, Traffic};
+
+/// What a hardening changed, of one figure.
+pub struct Changed<'a> {
+    job: &'a Harden,
+    /// `key`, `walker`, `falsifier`, `progress` or `comfort`.
+    about: &'static str,
+    /// The key, the pedestrian, the falsifier, or the unit.
+    name: String,
+    /// The town of the test.
+    town: Option<String>,
+    /// Starts or encounters that count.
+    starts: Option<u64>,
+    before: Option<f64>,
+    after: Option<f64>,
+    /// Starts with a fault after and none before.
+    new: Option<u64>,
+    /// Episodes in which a program failed.
+    errors: Option<u64>,
+}
+
+/// The rows of a hardening.
+pub fn rows<'a>((job, found): Row<'a>) -> Vec<Changed<'a>> {
+    let row = |about, name: String| Changed {
+        job,
+        about,
+        name,
+        town: None,
+        starts: None,
+        before: None,
+        after: None,
+        new: None,
+        errors: None,
+    };
+    let keys = job.hardening.driver.keys.iter().zip(&found.values).map(|(key, after)| Changed {
+        before: Some(key.before),
+        after: Some(*after),
+        ..row("key", key.name.clone())
+    });
+    let tests = found.tests.iter().map(|test: &Tested| Changed {
+        town: Some(test.town.clone()),
+        starts: Some(test.starts),
+        before: Some(test.before as f64),
+        after: Some(test.after as f64),
+        new: Some(test.new),
+        errors: Some(test.errors),
+        ..row(if test.searches { "falsifier" } else { "walker" }, test.attacker.clone())
+    });
+    let [before, after] = &found.traffic;
+    let natural = |about, name: &str, figure: fn(&Traffic) -> Option<f64>| Changed {
+        starts: Some(after.episodes),
+        before: figure(before),
+        after: figure(after),
+        errors: Some(before.errors + after.errors),
+        ..row(about, name.into())
+    };
+    let traffic = [
+        natural("progress", "mean speed (m/s)", Traffic::speed),
+        natural("comfort", "share with hard braking", Traffic::braking_rate),
+        natural("comfort", "faults in natural traffic", |traffic| Some(traffic.faults as f64)),
+    ];
+    keys.chain(tests).chain(traffic).collect()
+}
+
+/// The columns of `hardened`.
+pub fn columns<'a>() -> Table<'a, Changed<'a>> {
+    let (count, number, text) = (Column::<u64>::new, Column::<f64>::new, Column::<String>::new);
+    Table::new(
+        "hardened",
+        "Several rows for each `harden` of a driver: its keys before and after, and what held-out tests show. Starts of a test are equal before and after.",
+    )
+    .column(RUN_ID.of(|row: &Changed<'_>| row.job.origin.id.to_string()))
+    .column(POLICY.of(|row: &Changed<'_>| row.job.written.name.clone()))
+    .column(count("block", "", "number of the `harden` block in its campaign, from 0").of(|row: &Changed<'_>| u64::from(row.job.origin.block)))
+    .column(count("run", "", "number of the run, from 0").of(|row: &Changed<'_>| u64::from(row.job.origin.run)))
+    .column(text("about", "", "`key`: a varied key, in SI. `walker`, `falsifier`: starts with a fault in a test with a pedestrian or a search. `progress`, `comfort`: natural encounters in the towns of the test").of(|row: &Changed<'_>| row.about.to_string()))
+    .column(text("name", "", "the key, who attacks, or the figure").of(|row: &Changed<'_>| row.name.clone()))
+    .column(text("town", "", "town of the test").of(|row: &Changed<'_>| row.town.clone()))
+    .column(count("starts", "", "starts that count, for both where they are pairs").of(|row: &Changed<'_>| row.starts))
+    .column(number("before", "", "value before").of(|row: &Changed<'_>| row.before))
+    .column(number("after", "", "value after").of(|row: &Changed<'_>| row.after))
+    .column(count("new_faults", "", "starts with a fault after and none before").of(|row: &Changed<'_>| row.new))
+    .column(count("errors", "", "episodes in which a program failed").of(|row: &Changed<'_>| row.errors))
+}

@@ -1,0 +1,121 @@
+use super::TrainingResult;
+use crate::report::svg::{Chart, Curve, Figure, short, thousands};
+use learn::UpdateLog;
+
+/// The points of a training's curve.
+type Points = Vec<(f64, f64)>;
+
+/// Approximate largest number of points of a curve.
+const POINTS: usize = 160;
+
+/// The learning curves: mean reward, shares of collisions and faults and mean length of episodes over the decisions of a training.
+pub fn learning(trainings: &[TrainingResult]) -> Vec<Figure> {
+    type Quantity = fn(&UpdateLog) -> Option<f64>;
+    let quantities: [(&str, &str, Quantity); 4] = [
+        ("learning_reward", "Reward of an episode while exploring, mean of the last 100", |log| log.mean_reward),
+        (
+            "learning_collisions",
+            "Share of the last 100 episodes with a collision, with drawn actions as of `stochastic`",
+            |log| log.success_rate,
+        ),
+        ("learning_faults", "Share of the last 100 episodes with a fault, with drawn actions", |log| log.fault_rate),
+        ("learning_length", "Length of an episode in decisions, mean of the last 100", |log| log.mean_length),
+    ];
+    quantities.into_iter().filter_map(|(name, title, value)| figure(trainings, name, title, value)).collect()
+}
+
+fn figure(
+    trainings: &[TrainingResult],
+    name: &str,
+    title: &str,
+    value: fn(&UpdateLog) -> Option<f64>,
+) -> Option<Figure> {
+    let mut groups: Vec<(String, Vec<Points>)> = Vec::new();
+    for training in trainings {
+        let Ok(trained) = &training.result else { continue };
+        let key = &training.key;
+        let group = format!("{} · {} · {}", key.reward, key.town, key.policy);
+        let stride = trained.learning_curve.len().div_ceil(POINTS).max(1);
+        let last = trained.learning_curve.len().saturating_sub(1);
+        let kept = trained.learning_curve.iter().enumerate().filter(|(place, _)| place % stride == 0 || *place == last);
+        let curve: Points = kept.filter_map(|(_, log)| Some((log.steps as f64, value(log)?))).collect();
+        if curve.is_empty() {
+            continue;
+        }
+        match groups.iter_mut().find(|(known, _)| *known == group) {
+            Some((_, curves)) => curves.push(curve),
+            None => groups.push((group, vec![curve])),
+        }
+    }
+    if groups.is_empty() {
+        return None;
+    }
+    let panels = groups.iter().map(|(group, curves)| {
+        let all = || curves.iter().flatten();
+        let span = |pick: fn(&(f64, f64)) -> f64| {
+            all().map(pick).fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)))
+        };
+        let (x, y) = (span(|point| point.0), span(|point| point.1));
+        let room = ((y.1 - y.0) * 0.06).max(1e-6);
+        let chart = Chart {
+            size: Chart::SMALL,
+            x: (0.0, x.1),
+            y: (y.0.min(0.0) - if y.0 < 0.0 { room } else { 0.0 }, y.1 + room),
+            x_label: "decisions".into(),
+            x_text: thousands,
+            y_text: short,
+        };
+        let mean = mean(curves);
+        let ends = mean.points.last().map_or(0.0, |point| point.1);
+        let begins = mean.points.first().map_or(0.0, |point| point.1);
+        let says = format!("{title}, {} trainings: from {} to {}.", curves.len(), short(begins), short(ends));
+        let thin = |points: &Points| Curve { thin: true, points: points.clone(), ..Curve::default() };
+        let mut drawn: Vec<Curve> = if curves.len() > 1 { curves.iter().map(thin).collect() } else { Vec::new() };
+        drawn.push(mean);
+        chart.panel(group.clone(), says, &drawn)
+    });
+    Some(Figure {
+        name: name.into(),
+        title: format!("{title}. Thick: mean over trainings, band ± 1 sd; thin: each training."),
+        panels: panels.collect(),
+        ..Figure::default()
+    })
+}
+
+/// The mean over curves where all have a value, and one standard deviation around it.
+fn mean(curves: &[Points]) -> Curve {
+    let mut mean = Curve::default();
+    for (x, _) in &curves[0] {
+        let values: Vec<f64> =
+            curves.iter().filter_map(|curve| curve.iter().find(|point| point.0 == *x)).map(|point| point.1).collect();
+        if values.len() < curves.len() {
+            continue;
+        }
+        let n = values.len() as f64;
+        let middle = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|value| (value - middle) * (value - middle)).sum::<f64>() / (n - 1.0).max(1.0);
+        mean.points.push((*x, middle));
+        if values.len() > 1 {
+            mean.band.push((middle - variance.sqrt(), middle + variance.sqrt()));
+        }
+    }
+    if mean.points.is_empty() {
+        mean.points = curves[0].clone();
+        mean.band.clear();
+    }
+    mean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_band_is_one_standard_deviation_about_the_mean() {
+        let curve = mean(&[vec![(0.0, 1.0), (5.0, 2.0)], vec![(0.0, 3.0), (9.0, 2.0)]]);
+        assert_eq!(curve.points, [(0.0, 2.0)], "only where all have a value");
+        let half = 2.0_f64.sqrt();
+        assert_eq!(curve.band, [(2.0 - half, 2.0 + half)]);
+        assert!(mean(&[vec![(1.0, 1.0)]]).band.is_empty());
+    }
+}

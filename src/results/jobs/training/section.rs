@@ -1,0 +1,86 @@
+use super::TrainingResult;
+use super::picture::learning;
+use crate::report::Findings;
+use crate::report::table::{Column, Section, Table, Value};
+use compile::TrainingKey;
+use learn::UpdateLog;
+
+/// The end of each training; `None` without any.
+pub fn trainings(found: &Findings<'_>) -> Option<Section> {
+    let trainings = found.finished.all::<TrainingResult>();
+    if trainings.is_empty() {
+        return None;
+    }
+    let mut head: Vec<Column> = ["reward", "town", "policy"].map(Column::text).into();
+    let is_judged = last_updates(trainings).any(|log| log.fault_rate.is_some());
+    head.extend(["runs", "decisions each", "mean reward at the end", "collision rate at the end"].map(Column::number));
+    head.extend(is_judged.then(|| Column::number("fault rate at the end")));
+    head.extend(["episode length at the end (decisions)", "failed"].map(Column::number));
+    let row = |(key, members): &(&TrainingKey, Vec<&TrainingResult>)| {
+        let ends: Vec<&UpdateLog> = last_updates(members.iter().copied()).collect();
+        let over =
+            |value: fn(&UpdateLog) -> Option<f64>| -> Vec<f64> { ends.iter().filter_map(|log| value(log)).collect() };
+        let mut row = vec![
+            Value::from(&key.reward),
+            Value::from(&key.town),
+            Value::from(&key.policy),
+            Value::Count(members.len() as u64),
+            decisions(&ends),
+            over_runs(&over(|log| log.mean_reward)),
+            over_runs(&over(|log| log.success_rate)),
+        ];
+        row.extend(is_judged.then(|| over_runs(&over(|log| log.fault_rate))));
+        row.push(over_runs(&over(|log| log.mean_length)));
+        row.push(Value::Count((members.len() - ends.len()) as u64));
+        row
+    };
+    Some(Section {
+        id: "trainings",
+        name: "Trainings",
+        title: "Trainings",
+        figures: learning(trainings),
+        tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
+        notes: vec![
+            "Means of the last episodes of each training, while the controller still explored. \"±\" is the standard deviation over trainings. \
+             `learning_*.svg` draw the whole course, `learning_curve.csv` has every update, \
+             `pedestrians/` has the networks."
+                .into(),
+        ],
+        ..Section::default()
+    })
+}
+
+/// The decisions of trainings: their number, or where they ended at a plateau of their own the mean over them.
+fn decisions(ends: &[&UpdateLog]) -> Value {
+    let first = ends.first().map_or(0, |log| log.steps);
+    if ends.iter().all(|log| log.steps == first) {
+        return Value::Count(first);
+    }
+    over_runs(&ends.iter().map(|log| log.steps as f64).collect::<Vec<_>>())
+}
+
+/// The last update of each training that did not fail.
+fn last_updates<'a>(trainings: impl IntoIterator<Item = &'a TrainingResult>) -> impl Iterator<Item = &'a UpdateLog> {
+    trainings.into_iter().filter_map(|training| training.result.as_ref().ok()?.learning_curve.last())
+}
+
+/// Trainings that differ only in their runs, in the order of the first.
+fn groups(trainings: &[TrainingResult]) -> Vec<(&TrainingKey, Vec<&TrainingResult>)> {
+    let mut groups: Vec<(&TrainingKey, Vec<&TrainingResult>)> = Vec::new();
+    for training in trainings {
+        let key = &training.key;
+        match groups.iter_mut().find(|(other, _)| other.is_of_same_cell(key)) {
+            Some((_, members)) => members.push(training),
+            None => groups.push((key, vec![training])),
+        }
+    }
+    groups
+}
+
+/// Mean and standard deviation.
+fn over_runs(values: &[f64]) -> Value {
+    let n = values.len() as f64;
+    let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / n);
+    let variance = |mean: f64| values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    Value::Spread(mean, mean.filter(|_| values.len() > 1).map(|mean| variance(mean).sqrt()))
+}

@@ -1,0 +1,130 @@
+use super::TrainingResult;
+use crate::record::columns::{REWARD, RUN, TRAIN_POLICY, TRAIN_TOWN};
+use crate::record::{Column, Table};
+use crate::report::{self, csv_text};
+use compile::TrainingKey;
+use learn::UpdateLog;
+
+type Update<'a> = (&'a TrainingKey, &'a UpdateLog);
+
+/// All updates of all trainings as a table, one row each.
+pub fn learning_curve(trainings: &[TrainingResult]) -> report::Table {
+    let trained = trainings.iter().filter_map(|training| Some((&training.key, training.result.as_ref().ok()?)));
+    let updates: Vec<Update<'_>> =
+        trained.flat_map(|(key, trained)| trained.learning_curve.iter().map(move |log| (key, log))).collect();
+    columns().frame(&updates)
+}
+
+/// Updates of one training as lines of CSV, the same as in the table of the report; with a line of names if `head`.
+pub fn learning_curve_lines(key: &TrainingKey, updates: &[UpdateLog], head: bool) -> Vec<u8> {
+    let rows: Vec<Update<'_>> = updates.iter().map(|log| (key, log)).collect();
+    let text = csv_text(&columns().frame(&rows));
+    let names = if head { 0 } else { text.find('\n').map_or(0, |end| end + 1) };
+    text[names..].into()
+}
+
+/// The columns of [`learning_curve`].
+pub fn columns<'a>() -> Table<'a, Update<'a>> {
+    type Row<'a> = Update<'a>;
+    let whole = Column::<u64>::new;
+    let number = Column::<f64>::new;
+    Table::new(
+        "learning_curve",
+        "One row for each PPO update of each training. The names in parentheses are those under which stable-baselines3 logs the same. A \
+         number that is infinite or not a number ends a training with the number of the update and the name of the quantity: observation, \
+         action, reward, loss, divergence or gradient.",
+    )
+    .column(REWARD.of(|row: &Row<'_>| row.0.reward.clone()))
+    .column(TRAIN_TOWN.of(|row: &Row<'_>| row.0.town.clone()))
+    .column(TRAIN_POLICY.of(|row: &Row<'_>| row.0.policy.clone()))
+    .column(RUN.of(|row: &Row<'_>| row.0.run))
+    .column(whole("update", "", "number of the update, from 1 (`time/iterations`)").of(|row: &Row<'_>| row.1.update))
+    .column(
+        whole("steps", "", "decisions up to its end, over all environments (`total_timesteps`)")
+            .of(|row: &Row<'_>| row.1.steps),
+    )
+    .column(whole("episodes", "", "episodes that ended in this update").of(|row: &Row<'_>| row.1.episodes as u64))
+    .column(
+        number(
+            "mean_reward",
+            "",
+            "mean reward of the last episodes that ended, up to 100; missing before the first; the scenario's \
+             reward, without any shaping (`rollout/ep_rew_mean`)",
+        )
+        .of(|row: &Row<'_>| row.1.mean_reward),
+    )
+    .column(
+        number("mean_length_decisions", "decisions", "mean length of the same episodes (`ep_len_mean`)")
+            .of(|row: &Row<'_>| row.1.mean_length),
+    )
+    .column(
+        number(
+            "collision_rate",
+            "",
+            "share of the same episodes that ended in a collision (`rollout/success_rate`); the pedestrian explores: its actions are drawn, as \
+             those of the controller `stochastic`, where `trained` takes the mean action",
+        )
+            .of(|row: &Row<'_>| row.1.success_rate),
+    )
+    .column(
+        number(
+            "fault_rate",
+            "",
+            "share of the same episodes that ended in a fault of the driver; missing where the reward asks for no judgement",
+        )
+        .of(|row: &Row<'_>| row.1.fault_rate),
+    )
+    .column(
+        number(
+            "approx_kl",
+            "nat",
+            "divergence between old and new policy, mean over the minibatches of the last epoch (`train/approx_kl`)",
+        )
+        .of(|row: &Row<'_>| row.1.approx_kl),
+    )
+    .column(
+        number(
+            "clip_fraction",
+            "",
+            "share of the decisions whose probability ratio left the clip interval (`train/clip_fraction`)",
+        )
+        .of(|row: &Row<'_>| row.1.clip_fraction),
+    )
+    .column(
+        number(
+            "explained_variance",
+            "",
+            "share of the returns' variance that the critic predicted, at most 1; missing if the returns do not vary \
+             (`train/explained_variance`)",
+        )
+        .of(|row: &Row<'_>| row.1.explained_variance),
+    )
+    .column(
+        number("entropy", "nat", "entropy of the policy (`train/entropy_loss`, negative)").of(|row: &Row<'_>| row.1.entropy),
+    )
+    .column(
+        number("policy_loss", "", "clipped surrogate (`train/policy_gradient_loss`)").of(|row: &Row<'_>| row.1.policy_loss),
+    )
+    .column(
+        number("value_loss", "", "mean squared error of the critic (`train/value_loss`)").of(|row: &Row<'_>| row.1.value_loss),
+    )
+    .column(
+        number("gradient_norm", "", "Euclidean norm of the gradient before it is clipped, mean over the gradient steps")
+            .of(|row: &Row<'_>| row.1.grad_norm),
+    )
+    .column(
+        whole(
+            "gradient_steps",
+            "",
+            "minibatches of the update; fewer than planned if `target_kl` ended it (differences of `train/n_updates`)",
+        )
+        .of(|row: &Row<'_>| row.1.gradient_steps),
+    )
+    .column(
+        number("learning_rate", "", "learning rate of this update (`train/learning_rate`)").of(|row: &Row<'_>| row.1.learning_rate),
+    )
+    .column(
+        number("action_sd", "as the actions", "mean standard deviation of the actions (`train/std`)")
+            .of(|row: &Row<'_>| row.1.std),
+    )
+}
