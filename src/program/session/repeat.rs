@@ -88,9 +88,9 @@ impl Source {
                 let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
                 // No column that is compared has the number of simulations or the violation.
                 let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation: None, cell };
-                let (key, scenario) = (&search.key, &*search.scenario);
+                let (id, key, scenario) = (search.origin.id, &search.key, &*search.scenario);
                 let (number, judged) = (name.number as usize, Some(&seen.judged));
-                report::failure_table().frame(&[Find { key, scenario, number, failure: &failure, judged }])
+                report::failure_table().frame(&[Find { id, key, scenario, number, failure: &failure, judged }])
             }
             None => Default::default(),
         };

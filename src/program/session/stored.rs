@@ -9,7 +9,7 @@ use super::error::short;
 use super::held_files::HeldFiles;
 use super::{Change, ChangedProgram, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
-use compile::{Campaign, Evaluation, Job, Planned, RunId, Search};
+use compile::{Campaign, Evaluation, Job, RunId, Search};
 use learn::ActorCritic;
 use results::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
 
