@@ -53,7 +53,7 @@ pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Those of [`bytes`], and bytes that are not UTF-8.
 pub fn text(path: &Path) -> io::Result<String> {
-    String::from_utf8(bytes(path)?).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    decoded(bytes(path)?)
 }
 
 /// The text of a stream without a known end, such as the standard input.
@@ -66,7 +66,24 @@ pub fn text_of(stream: impl Read) -> io::Result<String> {
     if bytes.len() as u64 > MAX_BYTES {
         return Err(too_long());
     }
-    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    decoded(bytes)
+}
+
+/// The text of bytes in UTF-8. The error names another encoding that the bytes show or their XML declares.
+fn decoded(bytes: Vec<u8>) -> io::Result<String> {
+    let other = |what: &str| Err(io::Error::new(io::ErrorKind::InvalidData, format!("{what}: save it as UTF-8")));
+    if matches!(bytes.as_slice(), [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, _, ..] | [_, 0, ..]) {
+        return other("it is UTF-16 text");
+    }
+    String::from_utf8(bytes).or_else(|error| {
+        let head = String::from_utf8_lossy(&error.as_bytes()[..error.as_bytes().len().min(200)]).into_owned();
+        let declared = head.split_once("?>").and_then(|(declaration, _)| declaration.split_once("encoding="));
+        let name = declared.and_then(|(_, name)| name.split(['"', '\'']).nth(1)).unwrap_or_default();
+        match name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter)) {
+            true if !name.is_empty() && !name.eq_ignore_ascii_case("utf-8") => other(&format!("it is {name} text")),
+            _ => other("it is not UTF-8 text"),
+        }
+    })
 }
 
 fn too_long() -> io::Error {
@@ -87,6 +104,13 @@ mod tests {
         assert_eq!(bytes(&folder.path().join("b")).unwrap_err().kind(), io::ErrorKind::NotFound);
         fs::write(&path, [0xff]).unwrap();
         assert_eq!(text(&path).unwrap_err().kind(), io::ErrorKind::InvalidData);
+        let said = |bytes: &[u8]| text_of(bytes).unwrap_err().to_string();
+        assert_eq!(said(b"caf\xe9"), "it is not UTF-8 text: save it as UTF-8");
+        let utf_16: Vec<u8> = "<?xml version".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        assert_eq!(said(&utf_16), "it is UTF-16 text: save it as UTF-8");
+        assert_eq!(said(&[&[0xff, 0xfe][..], &utf_16].concat()), "it is UTF-16 text: save it as UTF-8");
+        let latin = b"<?xml version=\"1.0\" encoding='ISO-8859-1'?><road name=\"Stra\xdfe\"/>";
+        assert_eq!(said(latin), "it is ISO-8859-1 text: save it as UTF-8");
         // Sparse, so that it takes no room.
         File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
         assert_eq!(bytes(&path).unwrap_err().to_string(), "it has more than 256 MiB");

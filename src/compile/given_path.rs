@@ -102,6 +102,7 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         test_speed: keys.test_speed,
         ego_route: keys.route.turns(),
         road_shape: RoadShape::Any,
+        lane_width: 0.0,
         ego_speed: keys.ego_speed.map_or(EgoSpeed::Steady, EgoSpeed::Drawn),
         heading: None,
         constraints: vec![Constraint::Clearance(CLEARANCE)],

@@ -162,6 +162,7 @@ pub fn lower(
         ego_start,
         ego_route: keys.route.turns(),
         road_shape: keys.ego_road,
+        lane_width: 0.0,
         test_speed: keys.test_speed,
         ego_speed: if steady { EgoSpeed::Steady } else { EgoSpeed::Drawn(ego_speed) },
         heading: keys.heading,

@@ -147,6 +147,7 @@ fn lower(
         test_speed: None,
         ego_route: Vec::new(),
         road_shape: RoadShape::Any,
+        lane_width: 0.0,
         ego_speed: EgoSpeed::Steady,
         heading: None,
         constraints: Vec::new(),

@@ -63,7 +63,7 @@ pub(super) fn map_file(of: &Town) -> Result<ExportFile, ExportError> {
 /// The OpenDRIVE map of a town.
 ///
 /// # Errors
-/// The town adds obstacles or signs to a map whose roads have no numbers.
+/// The town adds obstacles or signs to a map that is not the one it was read from.
 pub fn town(town: &Town) -> Result<String, ExportError> {
     match &town.map {
         Some(map) => with_additions(town, map),
@@ -96,7 +96,7 @@ fn with_additions(town: &Town, map: &str) -> Result<String, ExportError> {
         return Ok(map.to_owned());
     }
     opendrive::insert(map, &additions)
-        .ok_or_else(|| not_representable("obstacles or signs beside a road of a map that has no number as its id"))
+        .ok_or_else(|| not_representable("obstacles or signs beside a road that its map does not have"))
 }
 
 /// What stands beside a road, by the places of the lists of a town.

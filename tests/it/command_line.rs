@@ -100,6 +100,75 @@ fn a_map_that_is_no_map_is_an_error_of_the_scenario() {
     assert_eq!(error(&output).matches("error[unusable-map]").count(), 2, "{}", error(&output));
 }
 
+/// A scenario on `map.xodr`.
+const ON_A_MAP: &str = r#"edition 1
+import "std/pedestrians.scn"
+import "std/drivers.scn"
+town t = opendrive(file: "map.xodr")
+spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }
+episode brief { ticks: 100  hold: 10 }
+campaign c {
+  vehicle: model3  adversary: plausible  spawn: near  episode: brief
+  evaluate { towns: [t]  policies: [idm]  pedestrians: [intercept]  episodes: 4 }
+}
+"#;
+
+/// A road of 400 m whose outer lane has this type and these widths.
+fn map_with_lane(kind: &str, width: &str) -> String {
+    format!(
+        r#"<OpenDRIVE><road id="1" length="400" junction="-1"><planView><geometry s="0" x="0" y="0" hdg="0" length="400"><line/></geometry></planView><lanes><laneSection s="0"><right><lane id="-1" type="{kind}">{width}</lane></right></laneSection></lanes></road></OpenDRIVE>"#
+    )
+}
+
+#[test]
+fn a_map_on_which_no_car_can_start_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("drive.scn"), ON_A_MAP).unwrap();
+    let road = map_with_lane("driving", r#"<width a="3.5"/>"#);
+    let none = "no episode can start in `t`: the town has no driving lane outside junctions";
+    for (map, reason) in [
+        (map_with_lane("biking", r#"<width a="3.5"/>"#), none),
+        (road.replace(r#"junction="-1""#, r#"junction="9""#), none),
+        (road.replace("3.5", "1.2"), "the constraint that fails most is `lane as wide as the car`, which 0 satisfy"),
+        (road.replace("3.5", "3,5"), "lane as wide as the car"),
+    ] {
+        std::fs::write(folder.path().join("map.xodr"), map).unwrap();
+        for command in [&["check", "drive.scn"][..], &["run", "drive.scn"], &["preview", "--once", "drive.scn"]] {
+            let output = falsify(command, folder.path());
+            let said = error(&output) + &String::from_utf8_lossy(&output.stdout);
+            assert_eq!(output.status.code(), Some(3), "{command:?}: {said}");
+            assert!(said.contains(reason), "{command:?}: {said}");
+        }
+    }
+}
+
+#[test]
+fn no_car_starts_where_its_lane_is_narrower_than_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("drive.scn"), ON_A_MAP).unwrap();
+    let widths = r#"<width sOffset="0" a="0"/><width sOffset="200" a="0" b="0.035"/><width sOffset="300" a="3.5"/>"#;
+    std::fs::write(folder.path().join("map.xodr"), map_with_lane("driving", widths)).unwrap();
+    let output = falsify(&["check", "--sample", "2000", "drive.scn"], folder.path());
+    let said = String::from_utf8_lossy(&output.stdout);
+    // Of 400 m the first 200 m and the 62 m in which the lane is narrower than 2.16 m have no room.
+    let share = said.lines().find(|line| line.ends_with("lane as wide as the car")).expect("a share");
+    let share: f64 = share.split('%').next().unwrap().trim().parse().unwrap();
+    assert!((share - 34.6).abs() < 3.0, "{said}");
+    let output = falsify(&["run", "drive.scn"], folder.path());
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && !said.contains("left the road"), "{said}");
+}
+
+#[test]
+fn a_map_in_another_encoding_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = map_with_lane("driving", r#"<width a="3.5"/>"#);
+    let utf_16: Vec<u8> = std::iter::once(0xfeff).chain(map.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    std::fs::write(folder.path().join("map.xodr"), utf_16).unwrap();
+    let said = error(&falsify(&["preview", "map.xodr"], folder.path()));
+    assert!(said.contains("cannot use the map `map.xodr`: it is UTF-16 text: save it as UTF-8"), "{said}");
+}
+
 #[test]
 fn a_file_without_a_campaign_runs_nothing() {
     let folder = tempfile::tempdir().unwrap();

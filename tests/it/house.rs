@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_860),
+    ("src/base", 3_881),
     ("src/learn", 5_650),
-    ("src/world", 31_260),
+    ("src/world", 31_490),
     ("src/ported", 4_650),
     ("src/lang", 6_330),
-    ("src/compile", 7_740),
+    ("src/compile", 7_750),
     ("src/process", 780),
     ("src/export", 3_780),
     ("src/results", 26_510),
     ("src/program", 11_420),
-    ("tests", 23_280),
+    ("tests", 23_640),
 ];
 
 /// Crates that only some places may name.

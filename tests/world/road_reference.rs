@@ -394,9 +394,17 @@ impl Case {
     }
 }
 
+/// Whether the signals of a map are read as CARLA reads them: those of its own maps. Those of other tools mean what the standard says.
+fn has_carla_signals(case: &Case) -> bool {
+    case.town.map.as_deref().is_some_and(|map| map.contains("vendor=\"VectorZero\""))
+}
+
 #[test]
 fn speed_signs_agree_with_the_reference() {
     with_tables("landmarks", |case, found| {
+        if !has_carla_signals(case) {
+            return;
+        }
         let mut wanted: BTreeMap<i64, i64> = BTreeMap::new();
         for row in case.table.rows.iter().filter(|row| case.table.text(row, "type") == "274") {
             found.compared += 1;
@@ -424,6 +432,9 @@ fn speed_signs_agree_with_the_reference() {
 #[test]
 fn traffic_lights_agree_with_the_reference() {
     with_tables("landmarks", |case, found| {
+        if !has_carla_signals(case) {
+            return;
+        }
         let town = &case.town;
         let mut wanted = BTreeSet::new();
         // Types for vehicles; CARLA has all of them as traffic lights.

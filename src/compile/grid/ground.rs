@@ -65,7 +65,7 @@ impl Place<'_> {
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
             cast: Cast::pair(VehicleRole { blueprint, policy: self.policy.value.clone(), start: None }, walker.clone()),
-            spawn: self.spawn.value.clone(),
+            spawn: for_car(&self.spawn.value, car),
             reward: reward.clone(),
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
             episode: rule.clone(),
@@ -103,6 +103,11 @@ impl Usual {
     }
 }
 
+/// The rule with room for a car on its lane.
+fn for_car(spawn: &SpawnRule, car: &VehicleBlueprint) -> SpawnRule {
+    SpawnRule { lane_width: 2.0 * car.half_width, ..spawn.clone() }
+}
+
 impl Lowering<'_> {
     /// The ground of a block, on which a pedestrian with each of these bodies can be placed; none after reporting what is wrong
     /// with the starts of episodes.
@@ -118,9 +123,10 @@ impl Lowering<'_> {
         let ground = Ground { towns: self.towns(&places.towns), policies: self.policies(&places.policies), spawn };
         self.compare_ticks(episode, block, &places.policies);
         let place = if start.spawn.is_some() { block.place("spawn") } else { campaign.place("spawn") };
-        self.probe(place, &ground.towns, &ground.spawn.value, bodies);
-        let EpisodeKeys { tick, ticks, .. } = self.program.get(episode).block.keys();
-        self.warn_of_far_starts(place, &ground, bodies, f64::from(ticks) * tick);
+        if self.probe(place, &ground.towns, &ground.spawn.value, bodies) {
+            let EpisodeKeys { tick, ticks, .. } = self.program.get(episode).block.keys();
+            self.warn_of_far_starts(place, &ground, bodies, f64::from(ticks) * tick);
+        }
         Some(ground)
     }
 
@@ -139,14 +145,15 @@ impl Lowering<'_> {
         }
     }
 
-    /// Checks that a pedestrian can be placed in every town, and not inside any of the cars.
+    /// Checks that the car and a pedestrian can be placed in every town, and the pedestrian not inside any of the cars; false after reporting
+    /// that they cannot.
     fn probe(
         &mut self,
         place: Span,
         towns: &[Axis<BuiltTown>],
         spawn: &SpawnRule,
         bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
-    ) {
+    ) -> bool {
         for (Axis { name, value: car, .. }, Axis { value: walker, .. }) in bodies {
             let corner = (car.half_length * car.half_length + car.half_width * car.half_width).sqrt();
             let reach = corner + walker.body.reach();
@@ -157,11 +164,15 @@ impl Lowering<'_> {
                     short(nearest)
                 );
                 self.said.push(diagnostics::contradiction(place, message));
-                return;
+                return false;
             }
         }
         let looks = |first: &FirstHeading| bodies.iter().any(|(_, walker)| walker.value.first_heading == *first);
         let headings = [FirstHeading::Random, FirstHeading::TowardsEgo].into_iter().filter(looks);
+        let widest =
+            bodies.iter().max_by(|(one, _), (other, _)| one.value.half_width.total_cmp(&other.value.half_width));
+        let spawn = widest.map_or_else(|| spawn.clone(), |(car, _)| for_car(spawn, &car.value));
+        let mut can_start = true;
         for town in towns {
             let probe = |first: FirstHeading| {
                 let mut stream = Seed::root(0).child("probe").stream();
@@ -175,11 +186,13 @@ impl Lowering<'_> {
                     }
                     Err(error) => {
                         self.said.push(diagnostics::unplaceable(place, &town.name, &error.to_string()));
+                        can_start = false;
                         break;
                     }
                 }
             }
         }
+        can_start
     }
 }
 

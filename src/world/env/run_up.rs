@@ -90,7 +90,13 @@ impl RunUp {
         self.lanes.push(here);
         let mut walked = 0.0;
         while walked < self.length && self.lanes.len() < MAX_LANES {
+            let known = self.lanes.len();
             let Some(before) = self.step_back(town, here, stream, true) else { break };
+            // A lane that begins narrower than the car begins where the car has room.
+            if town.lane_width(before) < 2.0 * blueprint.half_width {
+                self.lanes.truncate(known);
+                break;
+            }
             (here, walked) = (before, walked + STEP);
         }
         self.lanes.push(here);

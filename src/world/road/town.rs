@@ -66,7 +66,7 @@ impl Town {
             start: lane.waypoint(lane.driving_ends().0),
             length: (lane.end - lane.start).max(0.0),
         };
-        let driving_lanes = driving.map(stretch).collect();
+        let driving_lanes = driving.map(stretch).filter(|stretch| stretch.length > 0.0).collect();
         let has_ends =
             network.lanes().iter().any(|lane| lane.kind == LaneKind::Driving && network.next(lane).is_empty());
         let has_limits = parts.roads.iter().flat_map(|road| &road.sections).any(LaneSection::has_limits);

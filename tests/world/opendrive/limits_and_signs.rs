@@ -38,7 +38,7 @@ fn limits_of_lanes_overrule_those_of_road_types() {
 #[test]
 fn a_speed_sign_overrules_the_limit_of_its_lane_up_to_the_end_of_the_road() {
     let sign = |s: u32, limit: u32| {
-        format!(r#"<signal id="{s}" s="{s}" t="-3" type="274" subtype="{limit}" orientation="-"/>"#)
+        format!(r#"<signal id="{s}" s="{s}" t="-3" type="274" subtype="{limit}" orientation="+"/>"#)
     };
     let fifty = r#"<type s="0" type="town"><speed max="50" unit="km/h"/></type>"#;
     let places = [10.0, 30.0, 70.0];

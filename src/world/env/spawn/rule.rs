@@ -36,6 +36,8 @@ pub struct SpawnRule {
     pub ego_start: EgoStart,
     /// The stretches of road on which the ego may start.
     pub road_shape: RoadShape,
+    /// The width of the ego's lane at the start (m) at least, unless the pose is given: that of the car.
+    pub lane_width: f64,
     /// Speed of the ego at the start.
     pub ego_speed: EgoSpeed,
     /// The speed that the driver is to hold before the start (m/s); `None` if it comes at its own speed.
@@ -240,7 +242,7 @@ impl SpawnRule {
     ) -> Option<Spawn> {
         (0..egos).find_map(|_| {
             let mut poses = (0..MAX_POSES).map(|_| self.ego_start.sample(town, stream));
-            let ego = poses.find(|ego| self.road_shape.admits(town, ego))?;
+            let ego = poses.find(|ego| self.has_room(town, ego) && self.road_shape.admits(town, ego))?;
             (0..tries).find_map(|_| {
                 *tried += 1;
                 let place = self.place(&ego, stream);
@@ -254,6 +256,14 @@ impl SpawnRule {
                 all.then_some(spawn)
             })
         })
+    }
+
+    /// Whether the lane at a pose of the ego has room for the car.
+    pub(super) fn has_room(&self, town: &Town, ego: &Pose) -> bool {
+        let lane = || town.nearest_lane(ego.position(), LaneFilter::Driving);
+        self.lane_width <= 0.0
+            || matches!(self.ego_start, EgoStart::Poses(_))
+            || lane().is_some_and(|lane| town.lane_width(lane) >= self.lane_width)
     }
 
     /// Draws a place in the sector about the ego.

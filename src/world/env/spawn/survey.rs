@@ -57,7 +57,7 @@ impl SpawnRule {
         names.extend(self.constraints.iter().map(ToString::to_string));
         let mut passed = vec![0; names.len()];
         let mut spawns = Vec::new();
-        let mut tried = 0;
+        let (mut tried, mut with_room) = (0, 0);
         while tried < count && (spawns.len() as u32) < enough {
             tried += 1;
             let ego = ego(stream);
@@ -65,7 +65,8 @@ impl SpawnRule {
             let spawn = self.complete(&ego, place, first, stream);
             let road = shaped.then(|| self.road_shape.admits(town, &ego));
             let others = self.constraints.iter().map(|constraint| constraint.admits(&spawn, town, obstacles));
-            let mut all = true;
+            let mut all = self.has_room(town, &ego);
+            with_room += u32::from(all);
             for (count, admitted) in passed.iter_mut().zip(road.into_iter().chain(others)) {
                 *count += u32::from(admitted);
                 all &= admitted;
@@ -74,7 +75,8 @@ impl SpawnRule {
                 spawns.push(spawn);
             }
         }
-        let constraints = names.into_iter().zip(passed).collect();
+        let narrow = (with_room < tried).then(|| ("lane as wide as the car".to_owned(), with_room));
+        let constraints = narrow.into_iter().chain(names.into_iter().zip(passed)).collect();
         Survey { tried, accepted: spawns.len() as u32, constraints, spawns }
     }
 }

@@ -27,10 +27,23 @@ pub(super) struct Context<'x> {
     lines_before: Vec<u32>,
     /// Whether limits of lanes and road types have no effect, as in CARLA's maps.
     pub only_signs_limit: bool,
+    /// Whether the map is read as CARLA reads its own.
+    pub of_carla: bool,
     /// Why the file cannot be used.
     pub refused: Option<OpenDriveError>,
-    /// What is not used: the line of the first one, and their number.
-    unused: BTreeMap<String, (u32, u32)>,
+    /// What is counted: the line of the first one, and their number.
+    counted: BTreeMap<(Counted, String), (u32, u32)>,
+}
+
+/// What is counted instead of being listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Counted {
+    /// Lanes for cars on which no car drives here.
+    NotDriven,
+    /// Limits of less than [`LOW_LIMIT`](super::limits::LOW_LIMIT).
+    LowLimit,
+    /// What has no effect.
+    NotUsed,
 }
 
 impl<'x> Context<'x> {
@@ -48,8 +61,9 @@ impl<'x> Context<'x> {
             xml,
             lines_before: lines_before.collect(),
             only_signs_limit: false,
+            of_carla: false,
             refused: None,
-            unused: BTreeMap::new(),
+            counted: BTreeMap::new(),
         }
     }
 
@@ -73,20 +87,29 @@ impl<'x> Context<'x> {
 
     /// Counts an element that has no effect, under what it is.
     pub fn not_used(&mut self, node: Node, what: String) {
-        let line = self.line(node);
-        if self.unused.len() < MAX_WARNINGS || self.unused.contains_key(&what) {
-            self.unused.entry(what).or_insert((line, 0)).1 += 1;
+        self.count(node, Counted::NotUsed, what);
+    }
+
+    /// Counts an element under what it is.
+    pub fn count(&mut self, node: Node, counted: Counted, what: String) {
+        let (line, key) = (self.line(node), (counted, what));
+        if self.counted.len() < MAX_WARNINGS || self.counted.contains_key(&key) {
+            self.counted.entry(key).or_insert((line, 0)).1 += 1;
         }
     }
 
     /// All warnings, the last ones about what is not used.
     pub fn into_warnings(self) -> Vec<OpenDriveWarning> {
-        let unused = self.unused.into_iter().map(|(what, (line, count))| OpenDriveWarning {
+        let counted = self.counted.into_iter().map(|((counted, what), (line, count))| OpenDriveWarning {
             road: None,
             line,
-            problem: OpenDriveProblem::NotUsed { what, count },
+            problem: match counted {
+                Counted::NotDriven => OpenDriveProblem::NotDriven { what, count },
+                Counted::LowLimit => OpenDriveProblem::LowLimit { limit: what, count },
+                Counted::NotUsed => OpenDriveProblem::NotUsed { what, count },
+            },
         });
-        self.warnings.into_iter().chain(unused).collect()
+        self.warnings.into_iter().chain(counted).collect()
     }
 
     /// A number, or none after a warning.

@@ -10,8 +10,12 @@ pub enum OpenDriveError {
     TooLarge { what: &'static str, most: f64 },
     #[error("line {line}, road {road}: lane {lane} is {width:.0} m wide at one place; the most is {most} m")]
     TooWide { line: u32, road: String, lane: i32, width: f64, most: f64 },
-    #[error("no usable road among {found}")]
-    NoRoads { found: usize },
+    #[error("no usable road among {found}{}", first.as_ref().map_or_else(String::new, |first| format!(": {first}")))]
+    NoRoads {
+        found: usize,
+        /// The first thing that is wrong with them.
+        first: Option<OpenDriveWarning>,
+    },
 }
 
 /// Something in a file that was skipped or guessed.
@@ -38,7 +42,7 @@ impl std::fmt::Display for OpenDriveWarning {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenDriveProblem {
-    #[error("`{attribute}` of `{element}` is `{text}`, not a usable number; skipped")]
+    #[error("`{attribute}` of `{element}` is `{text}`, not a usable number{}; skipped", comma(text))]
     BadNumber { element: String, attribute: &'static str, text: String },
     #[error("`{element}` has no `{attribute}`")]
     MissingAttribute { element: String, attribute: &'static str },
@@ -59,20 +63,35 @@ pub enum OpenDriveProblem {
     NoWidth { lane: i32 },
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
+    #[error("the road is {length} m long, and its geometry ends at {drawn} m; the shorter one counts")]
+    OtherLength { length: String, drawn: String },
+    #[error("no geometry between {from} m and {to} m; these metres lie on one point")]
+    Gap { from: String, to: String },
     /// A link names a junction by a number that a road has too, or a road by a number that a junction has too.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
     AmbiguousLink { element: &'static str, wanted: &'static str, found: &'static str, id: String },
     #[error("`{element}` {id} is there twice; the first one counts")]
     Duplicate { element: &'static str, id: String },
+    #[error("{count} signals have the id `{id}`; each counts where it stands, and references take the last one")]
+    RepeatedSignal { id: String, count: usize },
     #[error("`{element}` refers to {id}, which is not there; ignored")]
     UnknownReference { element: String, id: String },
     /// A connection has no lane links; they were taken from the links of the connecting road's lanes.
     #[error("a connection without lane links; those of the connecting road's lanes are taken")]
     GuessedLaneLinks,
+    #[error("cars do not drive on {count} × {what}")]
+    NotDriven { what: String, count: u32 },
+    #[error("a limit of {limit} km/h, {count} times: is its unit right?")]
+    LowLimit { limit: String, count: u32 },
     #[error("not used: {count} × {what}")]
     NotUsed { what: String, count: u32 },
-    #[error("the id `{id}` is not a whole number; {given} stands for it")]
+    #[error("the id `{id}` is not a number below 2^32 that it has alone; the free number {given} stands for it")]
     IdNotNumber { id: String, given: u32 },
+}
+
+/// What is said of a number with a decimal comma.
+fn comma(text: &str) -> &'static str {
+    if text.contains(',') { ": decimals are written with a point" } else { "" }
 }
 
 impl OpenDriveProblem {

@@ -33,13 +33,15 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     }
     budget::check_roads(root)?;
     let mut context = Context::new(xml);
-    context.only_signs_limit = signals::are_of_carla(root);
+    context.only_signs_limit = signals::has_carla_signs(root);
+    context.of_carla = signals::is_of_carla(root);
     let mut roads = roads::read(&mut context, root);
     if let Some(error) = context.refused.take() {
         return Err(error);
     }
     if roads.roads.is_empty() {
-        return Err(OpenDriveError::NoRoads { found: children(root, "road").count() });
+        let first = context.warnings.into_iter().next();
+        return Err(OpenDriveError::NoRoads { found: children(root, "road").count(), first });
     }
     let junctions = junctions::read(&mut context, root, &roads);
     roads.link(&mut context, &junctions.by_id);
@@ -48,7 +50,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     let (speed_signs, on_lanes) = signals::speed_signs(&mut context, &roads, &network, &signals);
     limits::follow_signs(&mut roads.roads, &network, on_lanes);
     let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
-    let traffic_lights = traffic_lights::read(root, &roads, &junctions, &network, &signals);
+    let traffic_lights = traffic_lights::read(&context, root, &roads, &junctions, &network, &signals);
     let give_way_signs = give_way::read(&mut context, &roads, &network, &signals, &traffic_lights);
     let obstacles = obstacles::read(&mut context, &roads, &network);
     unused::note(&mut context, root);

@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::attributes::Context;
+use super::attributes::{Context, child};
 use super::roads::Roads;
-use super::signals::{Signal, driving_lanes, validities};
+use super::signals::{Signal, driving_lanes};
 use super::traffic_lights::before_junction;
 use crate::geometry::wrap_angle;
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
-use crate::road::{GiveWay, GiveWaySign, LaneId, TrafficLight};
+use crate::road::{GiveWay, GiveWaySign, TrafficLight};
 
 /// A light is one of the sign's lane if it stops cars this near to the sign's line (m).
 const SAME_STOP: f64 = 15.0;
@@ -17,7 +17,7 @@ const SAME_STOP: f64 = 15.0;
 /// counts.
 ///
 /// The line is beside the sign. For a sign inside a junction it is the end of each lane that leads there. A sign applies to the lanes of its
-/// validities, and otherwise to those on its side of the road: writers do not agree on what its orientation means.
+/// validities, otherwise to those of its orientation, and in CARLA's maps or without one to those on its side of the road.
 ///
 /// # Source
 /// The catalogue of OpenDRIVE 1.4, appendix "Signal types": 206 and 205, as in the German road traffic regulations.
@@ -34,13 +34,14 @@ pub(super) fn read(
         let Some(kind) = definition.attribute("type").and_then(GiveWay::of_signal) else { continue };
         read.push((*definition, kind));
         let road = &roads.roads[at.road.0 as usize];
-        let ranges = validities(context, at.node);
         let t = context.number_or_zero(at.node, "t");
-        let own = |id: LaneId| match ranges.is_empty() {
-            true => t == 0.0 || (id > 0) == (t > 0.0),
-            false => ranges.iter().any(|(a, b)| (*a.min(b)..=*a.max(b)).contains(&id)),
+        let directed = !context.of_carla && matches!(at.node.attribute("orientation"), Some("+" | "-"));
+        let lanes = if directed || child(at.node, "validity").is_some() {
+            at.lanes.clone()
+        } else {
+            driving_lanes(network, road, at.road, at.s, |id| t == 0.0 || (id > 0) == (t > 0.0))
         };
-        for slot in driving_lanes(network, road, at.road, at.s, own) {
+        for slot in lanes {
             placed.insert(definition.range().start);
             let inside = network.lane(slot).in_junction;
             let approaches = if inside { before_junction(network, slot) } else { vec![slot] };

@@ -2,8 +2,9 @@ use std::collections::BTreeMap;
 
 use roxmltree::{Document, Node};
 
-use super::attributes::child;
+use super::attributes::{child, children};
 use super::budget;
+use super::roads::{id_of, numbers};
 
 /// Elements that are added to a road of a map, as XML.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -14,15 +15,16 @@ pub struct Addition {
     pub signals: String,
 }
 
-/// The text of a map with elements added to its roads, which are named by their numbers; every other byte stays as it is.
+/// The text of a map with elements added to its roads, which are named by the numbers that stand for their ids; every other byte stays as it is.
 ///
 /// `None` if the map is not XML or a road has no such number.
 pub fn insert(map: &str, additions: &BTreeMap<u32, Addition>) -> Option<String> {
     let document = Document::parse_with_options(map, budget::parsing(map)).ok()?;
     let mut places: Vec<(usize, usize, String)> = Vec::new();
+    let numbers = numbers(children(document.root_element(), "road").map(id_of));
     for (number, addition) in additions {
-        let named = |node: &Node| node.attribute("id").and_then(|id| id.trim().parse().ok()) == Some(*number);
-        let road = document.root_element().children().find(|node| node.tag_name().name() == "road" && named(node))?;
+        let named = |node: &Node| numbers.get(id_of(*node)) == Some(number);
+        let road = children(document.root_element(), "road").find(named)?;
         let after_lanes = child(road, "lanes")?.range().end;
         let after_objects = child(road, "objects").map_or(after_lanes, |objects| objects.range().end);
         for (name, content, place) in

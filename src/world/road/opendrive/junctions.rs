@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::OpenDriveProblem;
 use super::attributes::{Context, children};
-use super::roads::{Roads, contact, number_of};
+use super::roads::{Roads, contact, id_of, number_of, numbers};
 use crate::road::{Connection, Junction, JunctionIndex, LaneId, Road, RoadEnd};
 
 pub(super) struct Junctions<'a> {
@@ -17,8 +17,10 @@ pub(super) struct Junctions<'a> {
 /// Reads the junctions, and creates those that only roads mention.
 pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>, roads: &Roads<'a, 'x>) -> Junctions<'a> {
     let mut found = Junctions { junctions: Vec::new(), by_id: BTreeMap::new(), controllers: Vec::new() };
+    let own = children(root, "junction").map(id_of);
+    let numbers = numbers(own.chain(roads.nodes.iter().filter_map(|road| junction_of(*road))));
     for node in children(root, "junction") {
-        let id = node.attribute("id").unwrap_or_default();
+        let id = id_of(node);
         if found.by_id.contains_key(id) {
             context.warn(node, OpenDriveProblem::Duplicate { element: "junction", id: id.to_owned() });
             continue;
@@ -30,20 +32,25 @@ pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>, roads:
             .filter_map(|node| Some((context.number_or_zero(node, "sequence"), node.attribute("id")?)))
             .collect();
         controllers.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let number = number_of(context, node, id, found.junctions.len());
+        let number = number_of(context, node, id, &numbers);
         found.add(id, number, node.attribute("name").unwrap_or_default(), connections);
         found.controllers.push(controllers.into_iter().map(|(_, id)| id).collect());
     }
     for node in &roads.nodes {
-        let Some(id) = node.attribute("junction").filter(|id| !matches!(id.trim(), "-1" | "")) else { continue };
+        let Some(id) = junction_of(*node) else { continue };
         if !found.by_id.contains_key(id) {
             context.warn(*node, OpenDriveProblem::UnknownReference { element: "road".to_owned(), id: id.to_owned() });
-            let number = number_of(context, *node, id, found.junctions.len());
+            let number = number_of(context, *node, id, &numbers);
             found.add(id, number, "", Vec::new());
             found.controllers.push(Vec::new());
         }
     }
     found
+}
+
+/// The `id` of the junction in which a road lies.
+fn junction_of<'a>(road: Node<'a, '_>) -> Option<&'a str> {
+    road.attribute("junction").filter(|id| !matches!(id.trim(), "-1" | ""))
 }
 
 impl<'a> Junctions<'a> {

@@ -1,12 +1,12 @@
 use roxmltree::Node;
 
-use super::attributes::{Context, child, children};
+use super::attributes::{Context, Counted, child, children};
 use super::limits::{self, Limits};
 use super::{OpenDriveError, OpenDriveProblem};
 use crate::road::{Cubic, Lane, LaneId, LaneKind, LaneSection, Profile};
 
 /// Larger lane numbers are treated as errors.
-const MAX_ID: LaneId = 1000;
+const MAX_ID: u32 = 1000;
 /// The greatest width of a lane (m).
 const WIDEST: f64 = 1000.0;
 
@@ -38,7 +38,7 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
     let mut found: Vec<(LaneId, Node)> = Vec::new();
     let sides = node.children().filter(|side| matches!(side.tag_name().name(), "left" | "center" | "right"));
     for lane in sides.flat_map(|side| children(side, "lane")) {
-        match context.whole(lane, "id").filter(|id| id.abs() <= MAX_ID) {
+        match context.whole(lane, "id").filter(|id| id.unsigned_abs() <= MAX_ID) {
             None => {
                 context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" });
             }
@@ -49,7 +49,7 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
         }
     }
     // Borders need the lanes nearer to the middle, so each side is read from the middle outwards.
-    found.sort_by_key(|(id, _)| id.abs());
+    found.sort_by_key(|(id, _)| id.unsigned_abs());
     let mut edges = [Profile::constant(0.0), Profile::constant(0.0)];
     let mut lanes: Vec<Lane> = Vec::with_capacity(found.len());
     for (id, node) in found {
@@ -67,7 +67,7 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
         };
         lanes.push(Lane {
             id,
-            kind: LaneKind::from_opendrive(node.attribute("type").unwrap_or_default()),
+            kind: kind(context, node),
             width,
             limits: limits::of_lane(context, node, (start, end), types),
             predecessor: linked(context, "predecessor"),
@@ -76,6 +76,37 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
     }
     lanes.sort_by_key(|lane| std::cmp::Reverse(lane.id));
     LaneSection { start, end, lanes }
+}
+
+/// The use of a lane. One for driving that denies cars is reserved for others; CARLA's maps are read without such rules, as in CARLA.
+fn kind(context: &mut Context, lane: Node) -> LaneKind {
+    match LaneKind::from_opendrive(lane.attribute("type").unwrap_or_default()) {
+        LaneKind::Driving if !context.of_carla && denies_cars(lane) => {
+            context.count(lane, Counted::NotDriven, "lane of type driving whose `access` denies cars".to_owned());
+            LaneKind::Special
+        }
+        kind => kind,
+    }
+}
+
+/// Whether a lane denies cars, or allows others alone.
+///
+/// # Source
+/// ASAM OpenDRIVE 1.7, "Lane access": a rule that is missing denies, as in 1.4; the road users are in an attribute or, since 1.7, in elements.
+fn denies_cars(lane: Node) -> bool {
+    let (mut allowed, mut others) = (false, false);
+    for access in children(lane, "access") {
+        let listed = children(access, "restriction").filter_map(|user| user.attribute("type"));
+        let mut users = access.attribute("restriction").into_iter().chain(listed).map(str::trim);
+        let is_car = |user: &str| matches!(user, "passengerCar" | "autonomousTraffic");
+        if access.attribute("rule").map(str::trim) == Some("allow") {
+            others = true;
+            allowed |= users.any(|user| is_car(user) || matches!(user, "simulator" | "throughTraffic" | "none"));
+        } else if users.any(is_car) {
+            return true;
+        }
+    }
+    others && !allowed
 }
 
 /// The width of a lane: from its widths, or else from its borders and the edge of the lanes nearer to the middle.

@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::OpenDriveProblem;
-use super::attributes::{Context, child, children};
+use super::attributes::{Context, Counted, child, children};
 use crate::road::lane_index::{LaneFilter, LaneIndex, Lanes};
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
 use crate::road::{LaneSection, Road, SpeedSign, TownParts};
@@ -12,8 +12,8 @@ use crate::road::{LaneSection, Road, SpeedSign, TownParts};
 const NO_LIMIT: f64 = 130.0 / 3.6;
 /// Greater limits are mistakes (m/s).
 const MAX_LIMIT: f64 = 150.0;
-/// A mile per hour (m/s).
-const MPH: f64 = 0.44704;
+/// Limits below this are named: most come from a wrong unit (m/s).
+pub(super) const LOW_LIMIT: f64 = 10.0 / 3.6;
 
 /// Where each limit begins along the road (m), in order, and what it is (m/s); `None` if it is undefined.
 pub(super) type Limits = Vec<(f64, Option<f64>)>;
@@ -67,20 +67,34 @@ fn limit(context: &mut Context, speed: Node) -> Option<f64> {
         _ => {}
     }
     let number = context.optional(speed, "max")?;
-    let limit = match speed.attribute("unit").map(str::trim) {
-        None | Some("" | "m/s") => number,
-        Some("km/h") => number / 3.6,
-        Some("mph") => number * MPH,
-        Some(unit) => {
-            context.warn(speed, OpenDriveProblem::UnknownUnit { unit: unit.chars().take(40).collect() });
-            return None;
-        }
+    let unit = speed.attribute("unit").map(str::trim).filter(|unit| !unit.is_empty()).unwrap_or("m/s");
+    let Some(limit) = in_unit(number, unit) else {
+        context.warn(speed, OpenDriveProblem::UnknownUnit { unit: unit.chars().take(40).collect() });
+        return None;
     };
     let usable = limit > 0.0 && limit <= MAX_LIMIT;
     if !usable {
         context.bad(speed, "max", text);
     }
+    note_low(context, speed, limit);
     usable.then_some(limit)
+}
+
+/// A speed in a unit of OpenDRIVE (m/s); `None` for other units.
+pub(super) fn in_unit(number: f64, unit: &str) -> Option<f64> {
+    match unit {
+        "m/s" => Some(number),
+        "km/h" => Some(number / 3.6),
+        "mph" => Some(number * 0.44704),
+        _ => None,
+    }
+}
+
+/// Names a limit (m/s) that hardly is one.
+pub(super) fn note_low(context: &mut Context, node: Node, limit: f64) {
+    if limit > 0.0 && limit < LOW_LIMIT - 1e-9 {
+        context.count(node, Counted::LowLimit, format!("{:.1}", limit * 3.6));
+    }
 }
 
 /// Adds a speed sign to a town. Where its map has limits of lanes or road types, it overrules those of the lane beside it, as the signs of the map do.

@@ -1,11 +1,14 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
 use super::budget::MAX_LENGTH;
 use super::{OpenDriveProblem, lanes, limits, plan_view};
-use crate::road::{Cubic, JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
+use crate::road::{Cubic, JunctionIndex, PlanView, Profile, Road, RoadEnd, RoadIndex, RoadLink};
+
+/// A road may be this much longer or shorter than its geometry, as lengths are rounded (m).
+const ROUNDED: f64 = 0.1;
 
 /// The roads of a file, with the elements they come from.
 pub(super) struct Roads<'a, 'x> {
@@ -17,15 +20,16 @@ pub(super) struct Roads<'a, 'x> {
 /// Reads all usable roads, without their links.
 pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>) -> Roads<'a, 'x> {
     let mut found = Roads { roads: Vec::new(), nodes: Vec::new(), by_id: BTreeMap::new() };
+    let numbers = numbers(children(root, "road").map(id_of));
     for node in children(root, "road") {
-        let id = node.attribute("id").unwrap_or_default();
+        let id = id_of(node);
         context.road = Some(id.to_owned());
         if found.by_id.contains_key(id) {
             context.warn(node, OpenDriveProblem::Duplicate { element: "road", id: id.to_owned() });
             continue;
         }
         let Some(mut road) = road(context, node) else { continue };
-        road.id = number_of(context, node, id, found.roads.len());
+        road.id = number_of(context, node, id, &numbers);
         found.by_id.insert(id, RoadIndex(found.roads.len() as u32));
         found.roads.push(road);
         found.nodes.push(node);
@@ -34,13 +38,34 @@ pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>) -> Roa
     found
 }
 
-/// The number that is used for an `id`, which may be any text.
-pub(super) fn number_of(context: &mut Context, node: Node, id: &str, place: usize) -> u32 {
-    id.trim().parse().unwrap_or_else(|_| {
-        let given = place as u32;
+/// The `id` of an element; empty if it has none.
+pub(super) fn id_of<'a>(node: Node<'a, '_>) -> &'a str {
+    node.attribute("id").unwrap_or_default()
+}
+
+/// The number that is used for each `id`, which may be any text: the number that it is, or else a free one.
+pub(super) fn numbers<'a>(ids: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, u32> {
+    let ids: Vec<&str> = ids.collect();
+    let (mut found, mut taken) = (BTreeMap::new(), BTreeSet::new());
+    for id in ids.iter().copied() {
+        if let Some(number) = id.trim().parse().ok().filter(|number| !found.contains_key(id) && taken.insert(*number)) {
+            found.insert(id, number);
+        }
+    }
+    let mut free = (0..).filter(|number| !taken.contains(number));
+    for id in ids {
+        found.entry(id).or_insert_with(|| free.next().unwrap_or(u32::MAX));
+    }
+    found
+}
+
+/// The number that is used for an `id`, with a warning if it is another one than the file gives.
+pub(super) fn number_of(context: &mut Context, node: Node, id: &str, numbers: &BTreeMap<&str, u32>) -> u32 {
+    let given = numbers.get(id).copied().unwrap_or_default();
+    if id.trim().parse() != Ok(given) {
         context.warn(node, OpenDriveProblem::IdNotNumber { id: id.to_owned(), given });
-        given
-    })
+    }
+    given
 }
 
 fn road(context: &mut Context, node: Node) -> Option<Road> {
@@ -50,7 +75,15 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         return None;
     };
     let drawn = last.s + last.length;
-    let length = context.optional(node, "length").filter(|length| *length > 0.0).unwrap_or(drawn);
+    note_gaps(context, node, &plan_view);
+    let mut length = context.optional(node, "length").filter(|length| *length > 0.0).unwrap_or(drawn);
+    if (length - drawn).abs() > ROUNDED {
+        let (length, drawn) = (metres(length), metres(drawn));
+        context.warn(node, OpenDriveProblem::OtherLength { length, drawn });
+    }
+    if length > drawn + ROUNDED {
+        length = drawn;
+    }
     if !(length > 0.0 && length <= MAX_LENGTH) {
         context.warn(node, OpenDriveProblem::NoReferenceLine);
         return None;
@@ -74,6 +107,22 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         predecessor: None,
         successor: None,
     })
+}
+
+/// Names the parts of a road that no geometry draws.
+fn note_gaps(context: &mut Context, road: Node, plan_view: &PlanView) {
+    let mut drawn = 0.0_f64;
+    for piece in plan_view.pieces() {
+        if piece.s > drawn + ROUNDED {
+            context.warn(road, OpenDriveProblem::Gap { from: metres(drawn), to: metres(piece.s) });
+        }
+        drawn = drawn.max(piece.s + piece.length);
+    }
+}
+
+/// A length to the centimetre, without zeros at its end.
+fn metres(length: f64) -> String {
+    ((length * 100.0).round() / 100.0).to_string()
 }
 
 /// Reads the height of a road; empty if it is level at 0.

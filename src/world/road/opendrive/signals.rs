@@ -6,6 +6,7 @@ use roxmltree::Node;
 
 use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
+use super::limits::{in_unit, note_low};
 use super::obstacles::trigger;
 use super::roads::Roads;
 use crate::geometry::{OrientedBox, Vector};
@@ -60,10 +61,6 @@ pub(super) struct Signal<'a, 'x> {
 }
 
 /// Finds all signals: first those at their own places, then those that references put elsewhere.
-///
-/// # Source
-/// CARLA `road/MapBuilder.cpp`, `AddSignal`: an `id` names one signal of the whole file. If several have the same `id`, the last one
-/// counts for all of them.
 pub(super) fn signals<'a, 'x: 'a>(
     context: &mut Context,
     roads: &Roads<'a, 'x>,
@@ -71,20 +68,34 @@ pub(super) fn signals<'a, 'x: 'a>(
 ) -> Vec<Signal<'a, 'x>> {
     let of =
         |name| move |road: &Node<'a, 'x>| child(*road, "signals").into_iter().flat_map(move |all| children(all, name));
-    let definitions: BTreeMap<&str, Node<'a, 'x>> =
-        roads.nodes.iter().flat_map(of("signal")).filter_map(|node| Some((node.attribute("id")?, node))).collect();
-    let definition = |node: Node<'a, 'x>| node.attribute("id").and_then(|id| definitions.get(id).copied());
+    let mut definitions: BTreeMap<&str, (Node<'a, 'x>, usize)> = BTreeMap::new();
+    for (id, node) in roads.nodes.iter().flat_map(of("signal")).filter_map(|node| Some((node.attribute("id")?, node))) {
+        let count = definitions.get(id).map_or(0, |(_, count)| *count);
+        definitions.insert(id, (node, count + 1));
+    }
+    for (id, (last, count)) in definitions.iter().filter(|(_, (_, count))| *count > 1) {
+        context.warn(*last, OpenDriveProblem::RepeatedSignal { id: (*id).to_owned(), count: *count });
+    }
     let own = placed(context, roads, network, ["signals", "signal"], |_| true);
-    let others = placed(context, roads, network, ["signals", "signalReference"], |_| true);
-    let own = own.into_iter().map(|at| Signal { definition: definition(at.node).unwrap_or(at.node), at });
-    let others = others.into_iter().filter_map(|at| Some(Signal { definition: definition(at.node)?, at }));
-    own.chain(others).collect()
+    let mut found: Vec<Signal> = own.into_iter().map(|at| Signal { definition: at.node, at }).collect();
+    for at in placed(context, roads, network, ["signals", "signalReference"], |_| true) {
+        let id = at.node.attribute("id").unwrap_or_default();
+        match definitions.get(id) {
+            Some((definition, _)) => found.push(Signal { definition: *definition, at }),
+            None => {
+                let (element, id) = ("signalReference".to_owned(), id.to_owned());
+                context.warn(at.node, OpenDriveProblem::UnknownReference { element, id });
+            }
+        }
+    }
+    found
 }
 
-/// The driving lanes that a sign or signal applies to: those of its validities, or without any those of its side.
+/// The driving lanes that a sign or signal applies to: those of its validities, or without any those of its direction, or else all.
 ///
 /// # Source
-/// CARLA `road/MapBuilder.cpp`: orientation `+` selects left lanes, `-` right ones, anything else both.
+/// ASAM OpenDRIVE 1.4 to 1.8: orientation `+` is for traffic along the reference line, `-` for traffic against it. In CARLA's maps `+` is for
+/// left lanes, and `-` for right ones (CARLA `road/MapBuilder.cpp`).
 fn lanes(
     context: &mut Context,
     node: Node,
@@ -95,17 +106,18 @@ fn lanes(
 ) -> Vec<LaneSlot> {
     let ranges = validities(context, node);
     let orientation = node.attribute("orientation").unwrap_or_default();
+    let along = |id: LaneId| if context.of_carla { id > 0 } else { road.is_forward(id) };
     let holds = |id: LaneId| match orientation {
         _ if !ranges.is_empty() => ranges.iter().any(|(a, b)| (*a.min(b)..=*a.max(b)).contains(&id)),
-        "+" => id > 0,
-        "-" => id < 0,
+        "+" => along(id),
+        "-" => !along(id),
         _ => true,
     };
     driving_lanes(network, road, index, s, holds)
 }
 
 /// The ranges of lanes of an element.
-pub(super) fn validities(context: &mut Context, node: Node) -> Vec<(LaneId, LaneId)> {
+fn validities(context: &mut Context, node: Node) -> Vec<(LaneId, LaneId)> {
     children(node, "validity")
         .filter_map(|node| Some((context.whole(node, "fromLane")?, context.whole(node, "toLane")?)))
         .collect()
@@ -127,13 +139,20 @@ pub(super) fn driving_lanes(
 
 /// Whether a map has speed signs as CARLA's maps have them: objects with names such as `Speed_30`. CARLA drives by them alone and ignores the
 /// limits of road types, so here they count alone, too.
-pub(super) fn are_of_carla(root: Node) -> bool {
+pub(super) fn has_carla_signs(root: Node) -> bool {
     let objects = children(root, "road").flat_map(|road| children(road, "objects"));
     objects.flat_map(|objects| children(objects, "object")).any(|object| limit(object).is_some())
 }
 
-/// Reads speed signs: objects named `Speed_NN` or `speed_NN` and signals of type 274, in km/h whatever their unit. Beside them it returns each
-/// limit (m/s) with its lane and its place along the road (m).
+/// Whether a map is one of CARLA's: it has speed signs as CARLA's have them, or its vendor is `VectorZero`, whose editor wrote CARLA's maps. In
+/// all of those that we have, an orientation of `+` goes with the validity of left lanes.
+pub(super) fn is_of_carla(root: Node) -> bool {
+    let vendor = child(root, "header").and_then(|header| header.attribute("vendor"));
+    vendor == Some("VectorZero") || has_carla_signs(root)
+}
+
+/// Reads speed signs: objects named `Speed_NN` or `speed_NN` and signals of type 274. Beside them it returns each limit (m/s) with its lane and
+/// its place along the road (m).
 ///
 /// A sign that stands far from its own lanes counts on the lane beside which it stands, if there is one. CARLA lets it count on its own road, where
 /// no driver can see it.
@@ -149,7 +168,14 @@ pub(super) fn speed_signs(
     let signals = signals.iter().map(|signal| (signal.definition, &signal.at));
     let (mut found, mut on_lanes) = (Vec::new(), Vec::new());
     for (definition, sign) in objects.chain(signals) {
-        let Some(limit) = limit(definition) else { continue };
+        let Some(limit) = limit(definition) else {
+            let unit = definition.attribute("unit").unwrap_or_default();
+            if definition.attribute("type") == Some(SPEED_LIMIT) && in_unit(0.0, unit).is_none() && !unit.is_empty() {
+                context.warn(sign.node, OpenDriveProblem::UnknownUnit { unit: unit.chars().take(40).collect() });
+            }
+            continue;
+        };
+        note_low(context, sign.node, limit);
         if sign.lanes.is_empty() {
             context.not_used(sign.node, "speed sign beside no driving lane".to_owned());
         }
@@ -168,28 +194,34 @@ pub(super) fn speed_signs(
                 }
             }
             let lane = network.lane(slot);
-            on_lanes.push((limit / 3.6, slot, s));
+            on_lanes.push((limit, slot, s));
             let half = HALF_SIZE * network.width(lane, s).max(0.0);
             let upstream = if lane.forward() { s - half } else { s + half };
             let pose = network.pose(&roads.roads, lane, upstream.max(lane.start).min(lane.end));
             let trigger = trigger(definition).unwrap_or_else(|| OrientedBox::new(pose, half, half));
-            found.push(SpeedSign { limit: limit / 3.6, trigger });
+            found.push(SpeedSign { limit, trigger });
         }
     }
     (found, on_lanes)
 }
 
-/// The limit of a speed sign (km/h); `None` for other elements.
+/// The limit of a speed sign (m/s): of a signal its value in its unit, or without a value the limit of its subtype; `None` for other elements.
+///
+/// # Source
+/// The German catalogue of signs (VzKat): up to 2017, subtype 51 was 10 km/h, 57 was 70 km/h, and 63 was 130 km/h. Those that no sign of today
+/// has are read so; other subtypes are km/h.
 pub(super) fn limit(node: Node) -> Option<f64> {
-    let text = match node.attribute("type") {
-        Some(SPEED_LIMIT) => node
-            .attribute("subtype")
-            .filter(|text| text.parse::<f64>().is_ok_and(|n| n > 0.0))
-            .or(node.attribute("value"))?,
-        _ => {
-            let name = node.attribute("name")?;
-            name.strip_prefix("Speed_").or_else(|| name.strip_prefix("speed_"))?
+    let number = |text: &str| text.trim().parse().ok().filter(|limit: &f64| *limit > 0.0 && *limit < 1000.0);
+    if node.attribute("type") == Some(SPEED_LIMIT) {
+        if let Some(value) = node.attribute("value").and_then(number) {
+            let unit = node.attribute("unit").map(str::trim).filter(|unit| !unit.is_empty());
+            return in_unit(value, unit.unwrap_or("km/h"));
         }
-    };
-    text.trim().parse().ok().filter(|limit: &f64| *limit > 0.0 && *limit < 1000.0)
+        let subtype = node.attribute("subtype").and_then(number)?;
+        let old = (51.0..=63.0).contains(&subtype) && subtype != 60.0;
+        return Some(if old { 10.0 * (subtype - 50.0) / 3.6 } else { subtype / 3.6 });
+    }
+    let name = node.attribute("name")?;
+    let limit = name.strip_prefix("Speed_").or_else(|| name.strip_prefix("speed_"))?;
+    number(limit).map(|limit| limit / 3.6)
 }

@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use super::attributes::children;
+use super::attributes::{Context, children};
 use super::junctions::Junctions;
 use super::roads::Roads;
 use super::signals::Signal;
@@ -17,6 +17,8 @@ use crate::road::{JunctionIndex, TrafficLight};
 const LIGHTS: [&str; 4] = ["1000001", "1000009", "1000010", "1000011"];
 /// How far before the end of the approach lane the trigger box's centre is (m).
 const BEFORE_END: f64 = 3.0;
+/// A signal at least this far before the end of its lane stops cars where it stands, as at a crosswalk (m). CARLA puts each at the end.
+const MIDWAY: f64 = 20.0;
 /// Half the length of the trigger box (m).
 const HALF_LENGTH: f64 = 1.5;
 /// Half the width of the trigger box, as a share of the lane's width.
@@ -28,11 +30,14 @@ const MAX_LANES: usize = 64;
 struct Approach<'a> {
     signal: &'a str,
     slot: LaneSlot,
+    /// The place of the signal along the road of its lane (m); `None` in a junction and in CARLA's maps.
+    s: Option<f64>,
     junction: Option<JunctionIndex>,
 }
 
 /// Reads traffic lights: for each signal one on each lane that leads to the lanes it applies to.
 pub(super) fn read<'a, 'x: 'a>(
+    context: &Context,
     root: Node<'a, 'x>,
     roads: &Roads<'a, 'x>,
     junctions: &Junctions<'a>,
@@ -42,11 +47,12 @@ pub(super) fn read<'a, 'x: 'a>(
     let mut approaches: Vec<Approach> = Vec::new();
     let mut known = BTreeSet::new();
     for Signal { at, .. } in signals.iter().filter(|signal| is_light(signal.definition)) {
-        let Some(signal) = at.node.attribute("id") else { continue };
+        let signal = at.node.attribute("id").unwrap_or_default();
+        let junction = roads.roads[at.road.0 as usize].junction;
+        let s = (junction.is_none() && !context.of_carla).then_some(at.s);
         for slot in at.lanes.iter().flat_map(|slot| before_junction(network, *slot)) {
             if known.insert((signal, slot)) {
-                let junction = roads.roads[at.road.0 as usize].junction;
-                approaches.push(Approach { signal, slot, junction });
+                approaches.push(Approach { signal, slot, s, junction });
             }
         }
     }
@@ -100,7 +106,7 @@ fn light(roads: &Roads, network: &LaneNetwork, (group, turn, turns): Place, appr
     let lane = network.lane(approach.slot);
     let (_, end) = lane.driving_ends();
     let s = if lane.forward() { end - BEFORE_END } else { end + BEFORE_END };
-    let s = s.max(lane.start).min(lane.end);
+    let s = approach.s.filter(|own| (own - end).abs() >= MIDWAY).unwrap_or(s).max(lane.start).min(lane.end);
     let stop = network.pose(&roads.roads, lane, s);
     let trigger = OrientedBox::new(stop, HALF_LENGTH, HALF_WIDTH * network.width(lane, s).max(0.0));
     TrafficLight { signal: approach.signal.to_owned(), group, turn, turns, road: lane.road, stop, trigger }

@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::attributes::Context;
+use super::attributes::{Context, Counted};
 use super::obstacles::is_obstacle;
 use super::{signals, traffic_lights};
 use crate::road::{GiveWay, LaneKind};
@@ -28,14 +28,28 @@ const SIGNALS: [(&str, &str); 14] = [
     ("1000014", "light for trams"),
 ];
 
+/// Types of lanes for cars, in lower case, on which no car drives here: CARLA's cars do not, and one for both directions has none of its own.
+const NOT_DRIVEN: [&str; 9] =
+    ["bidirectional", "entry", "exit", "mwyentry", "mwyexit", "onramp", "offramp", "connectingramp", "sliplane"];
+
 /// Counts everything that has no effect.
 pub(super) fn note(context: &mut Context, root: Node) {
     let by_signs = context.only_signs_limit;
     for node in root.descendants().filter(Node::is_element) {
-        if let Some(what) = unused(node, by_signs) {
+        if is_not_driven(node) {
+            let kind = node.attribute("type").unwrap_or_default();
+            context.count(node, Counted::NotDriven, format!("lane of type {kind}"));
+        } else if let Some(what) = unused(node, by_signs) {
             context.not_used(node, what);
         }
     }
+}
+
+/// Whether an element is a lane for cars on which no car drives here.
+fn is_not_driven(node: Node) -> bool {
+    let beside = node.parent_element().is_some_and(|side| matches!(side.tag_name().name(), "left" | "right"));
+    let kind = || node.attribute("type").unwrap_or_default().to_ascii_lowercase();
+    beside && node.tag_name().name() == "lane" && NOT_DRIVEN.contains(&kind().as_str())
 }
 
 /// What an element is, if it has no effect; `by_signs` if limits have none.

@@ -1,0 +1,267 @@
+//! What maps of other tools mean by the standard, and what is named because it cannot be used.
+
+use super::{BEND, eastbound, town};
+use world::geometry::Point;
+use world::road::opendrive::{Addition, insert, read};
+use world::road::{LaneKind, TownParts};
+
+/// A lane of each direction, 3.5 m wide.
+const LANES: &str = r#"<left><lane id="1" type="driving"><width a="3.5"/></lane></left><right><lane id="-1" type="driving"><width a="3.5"/></lane></right>"#;
+
+/// A straight road of 300 m to the east from the origin, with these attributes, lanes, and parts after the lanes.
+fn road(attributes: &str, lanes: &str, parts: &str) -> String {
+    format!(
+        r#"<road {attributes} junction="-1"><planView><geometry s="0" x="0" y="0" hdg="0" length="300"><line/></geometry></planView><lanes><laneSection s="0">{lanes}</laneSection></lanes>{parts}</road>"#
+    )
+}
+
+fn map(roads: &str) -> String {
+    format!(r#"<OpenDRIVE><header revMajor="1" revMinor="6"/>{roads}</OpenDRIVE>"#)
+}
+
+fn parts(map: &str) -> TownParts {
+    read(map, "map").unwrap()
+}
+
+fn warnings(map: &str) -> Vec<String> {
+    parts(map).warnings.iter().map(|warning| warning.problem.to_string()).collect()
+}
+
+fn with_signals(attributes: &str, signals: &str) -> String {
+    map(&road(&format!(r#"id="1" length="300" {attributes}"#), LANES, &format!("<signals>{signals}</signals>")))
+}
+
+/// The places at which lights stop cars, to the metre: x, y, and whether eastbound cars.
+fn stops(map: &str) -> Vec<(f64, f64, bool)> {
+    let lights = parts(map).traffic_lights;
+    let each = lights.iter().map(|light| (light.stop.x.round(), light.stop.y, light.stop.yaw.abs() < 1.0));
+    each.collect()
+}
+
+#[test]
+fn an_orientation_without_a_validity_is_the_direction_of_traffic() {
+    let light = |attributes: &str, s: u32, orientation: &str| {
+        let signal = format!(r#"<signal id="7" type="1000001" dynamic="yes" s="{s}" t="-4" {orientation}/>"#);
+        stops(&with_signals(attributes, &signal))
+    };
+    let (plus, minus) = (r#"orientation="+""#, r#"orientation="-""#);
+    assert_eq!(light("", 297, plus), [(297.0, -1.75, true)]);
+    assert_eq!(light("", 3, minus), [(3.0, 1.75, false)]);
+    assert_eq!(light("", 297, "").len(), 2);
+    assert_eq!(light("", 297, r#"orientation="none""#).len(), 2);
+    // Traffic on the left drives along the reference line on the left lanes.
+    assert_eq!(light(r#"rule="LHT""#, 297, plus), [(297.0, 1.75, true)]);
+    assert_eq!(light(r#"rule="LHT""#, 3, minus), [(3.0, -1.75, false)]);
+    // One far before the end of its lane stops cars where it stands.
+    assert_eq!(light("", 120, plus), [(120.0, -1.75, true)]);
+    assert_eq!(light("", 120, minus), [(120.0, 1.75, false)]);
+}
+
+#[test]
+fn an_orientation_is_the_side_of_the_lanes_in_maps_of_carlas_editor() {
+    let light = r#"<signal id="7" type="1000001" dynamic="yes" s="120" t="-4" orientation="-"/>"#;
+    let of_carla = with_signals("", light).replace("<header", r#"<header vendor="VectorZero""#);
+    assert_eq!(stops(&of_carla), [(297.0, -1.75, true)]);
+    // A validity says it in both.
+    let valid = with_signals("", &light.replace("/>", r#"><validity fromLane="1" toLane="1"/></signal>"#));
+    assert_eq!(stops(&valid), [(120.0, 1.75, false)]);
+}
+
+#[test]
+fn signs_follow_their_orientation() {
+    let sign = |kind: &str, t: i32, orientation: &str| {
+        with_signals("", &format!(r#"<signal id="7" type="{kind}" value="50" s="100" t="{t}" {orientation}/>"#))
+    };
+    let lanes = |map: &str| parts(map).give_way_signs.iter().map(|sign| sign.line.lane).collect::<Vec<_>>();
+    for kind in ["205", "206"] {
+        assert_eq!(lanes(&sign(kind, -4, r#"orientation="+""#)), [-1]);
+        assert_eq!(lanes(&sign(kind, 4, r#"orientation="+""#)), [-1], "a sign across the road");
+        assert_eq!(lanes(&sign(kind, 4, r#"orientation="-""#)), [1]);
+        assert_eq!(lanes(&sign(kind, 4, "")), [1], "without an orientation its side counts");
+    }
+    let limit = |orientation: &str| parts(&sign("274", -4, orientation)).speed_signs[0].trigger.pose.y;
+    assert_eq!((limit(r#"orientation="+""#), limit(r#"orientation="-""#)), (-1.75, 1.75));
+}
+
+#[test]
+fn signals_with_one_id_count_where_they_stand() {
+    let signals = r#"<signal id="0" s="120" t="-5" orientation="+" type="274" value="60" unit="km/h"/>
+        <signal id="0" s="290" t="-5" orientation="+" type="1000001" dynamic="yes"/><signal id="0" s="200" t="-5" orientation="+" type="206"/>
+        <signal s="3" t="5" orientation="-" type="1000001" dynamic="yes"/><signalReference id="9" s="5" t="0" orientation="+"/>"#;
+    let found = parts(&with_signals("", signals));
+    let [sign] = &found.speed_signs[..] else { panic!("{:?}", found.speed_signs) };
+    assert!((sign.limit * 3.6 - 60.0).abs() < 1e-9 && sign.trigger.pose.y == -1.75);
+    assert_eq!((found.traffic_lights.len(), found.give_way_signs.len()), (2, 1));
+    let said = warnings(&with_signals("", signals));
+    let repeated = "3 signals have the id `0`; each counts where it stands, and references take the last one";
+    assert!(said.iter().any(|warning| warning == repeated), "{said:?}");
+    assert!(said.iter().any(|warning| warning.contains("`signalReference` refers to 9")), "{said:?}");
+}
+
+#[test]
+fn the_value_and_unit_of_a_speed_sign_come_before_its_subtype() {
+    let kmh = |sign: &str| {
+        let signal = format!(r#"<signal id="7" type="274" s="50" t="-5" orientation="+" {sign}/>"#);
+        parts(&with_signals("", &signal)).speed_signs.first().map(|sign| (sign.limit * 36.0).round() / 10.0)
+    };
+    for (sign, limit) in [
+        (r#"subtype="57" value="70" unit="km/h""#, Some(70.0)),
+        (r#"subtype="57" value="-1""#, Some(70.0)),
+        (r#"subtype="50" value="-1.0e+0""#, Some(50.0)),
+        (r#"subtype="-1" value="30" unit="mph""#, Some(48.3)),
+        (r#"subtype="50" value="13.89" unit="m/s""#, Some(50.0)),
+        (r#"value="60""#, Some(60.0)),
+        (r#"value="60" unit="""#, Some(60.0)),
+        (r#"subtype="30" value="60" unit="knots""#, None),
+        (r#"subtype="-1""#, None),
+    ] {
+        assert_eq!(kmh(sign), limit, "{sign}");
+    }
+    let knots = with_signals("", r#"<signal id="7" type="274" s="50" t="-5" value="60" unit="knots"/>"#);
+    assert!(warnings(&knots)[0].starts_with("the unit `knots` of a speed limit"), "{:?}", warnings(&knots));
+}
+
+#[test]
+fn limits_below_ten_kilometres_an_hour_are_named() {
+    let low = |limit: &str, count: u32| format!("a limit of {limit} km/h, {count} times: is its unit right?");
+    let lane = |speed: &str| {
+        let lanes = LANES.replace("</lane>", &format!("<speed {speed}/></lane>"));
+        warnings(&map(&road(r#"id="1" length="300""#, &lanes, "")))
+    };
+    assert_eq!(lane(r#"max="8.33" unit="km/h""#), [low("8.3", 2)]);
+    assert_eq!(lane(r#"max="2.5""#), [low("9.0", 2)]);
+    assert_eq!(lane(r#"max="5" unit="mph""#), [low("8.0", 2)]);
+    assert_eq!(lane(r#"max="10" unit="km/h""#), [""; 0]);
+    let of_type = r#"<type s="0" type="town"><speed max="5" unit="km/h"/></type><planView>"#;
+    assert_eq!(warnings(&with_signals("", "").replace("<planView>", of_type)), [low("5.0", 1)]);
+    let sign = with_signals("", r#"<signal id="7" type="274" s="50" t="-5" value="5" unit="km/h"/>"#);
+    assert_eq!(warnings(&sign), [low("5.0", 1)]);
+}
+
+#[test]
+fn a_road_ends_where_its_geometry_ends() {
+    let of_length = |length: &str| map(&road(&format!(r#"id="1" length="{length}""#), LANES, ""));
+    let long = parts(&of_length("800"));
+    assert_eq!((long.roads[0].length, long.roads[0].sections[0].end), (300.0, 300.0));
+    let said = |length: &str| warnings(&of_length(length));
+    assert_eq!(said("800"), ["the road is 800 m long, and its geometry ends at 300 m; the shorter one counts"]);
+    assert_eq!(said("250"), ["the road is 250 m long, and its geometry ends at 300 m; the shorter one counts"]);
+    assert_eq!(parts(&of_length("250")).roads[0].length, 250.0);
+    // A rounded length is kept.
+    assert_eq!((said("300.05").len(), parts(&of_length("300.05")).roads[0].length), (0, 300.05));
+    let gap = of_length("300")
+        .replace(r#"s="0" x="0""#, r#"s="40" x="40""#)
+        .replace(r#"length="300"><line"#, r#"length="260"><line"#);
+    assert_eq!(warnings(&gap), ["no geometry between 0 m and 40 m; these metres lie on one point"]);
+}
+
+#[test]
+fn a_crosswalk_without_an_outline_is_a_box() {
+    let corners = |object: &str| {
+        let objects = format!(r#"<objects><object id="1" type="crosswalk" s="150" {object}/></objects>"#);
+        parts(&map(&road(r#"id="1" length="300""#, LANES, &objects))).crosswalks
+    };
+    let near = |found: &[Vec<Point>], wanted: [(f64, f64); 4]| {
+        assert_eq!(found.len(), 1);
+        for (corner, (x, y)) in found[0].iter().zip(wanted) {
+            assert!((corner - Point::new(x, y)).norm() < 1e-6, "{found:?}");
+        }
+    };
+    near(&corners(r#"t="0" length="4" width="7" hdg="0""#), [(148.0, -3.5), (152.0, -3.5), (152.0, 3.5), (148.0, 3.5)]);
+    let turned = corners(r#"t="1" length="7" width="4" hdg="1.5707963267948966""#);
+    near(&turned, [(152.0, -2.5), (152.0, 4.5), (148.0, 4.5), (148.0, -2.5)]);
+    let sizeless = r#"<objects><object id="1" type="crosswalk" s="9" t="0"/></objects>"#;
+    let said = warnings(&map(&road(r#"id="1" length="300""#, LANES, sizeless)));
+    assert_eq!(said, ["not used: 1 × crosswalk without an outline or a size"]);
+}
+
+#[test]
+fn lanes_for_cars_that_no_car_uses_are_named() {
+    let of_type = |kind: &str| {
+        let lanes = format!(r#"{LANES}<right><lane id="-2" type="{kind}"><width a="3.5"/></lane></right>"#);
+        parts(&map(&road(r#"id="1" length="300""#, &lanes, "")))
+    };
+    for kind in
+        ["bidirectional", "entry", "exit", "mwyEntry", "mwyExit", "onRamp", "offRamp", "connectingRamp", "slipLane"]
+    {
+        let found = of_type(kind);
+        let said: Vec<String> = found.warnings.iter().map(|warning| warning.problem.to_string()).collect();
+        assert_eq!(said, [format!("cars do not drive on 1 × lane of type {kind}")]);
+        assert!(!found.warnings[0].problem.is_unused(), "`check` names it");
+    }
+    assert!(of_type("shoulder").warnings.is_empty());
+}
+
+#[test]
+fn lanes_that_deny_cars_are_not_driven() {
+    let kind = |access: &str| {
+        let lanes =
+            LANES.replace(r#"<width a="3.5"/></lane></right>"#, &format!(r#"<width a="3.5"/>{access}</lane></right>"#));
+        let found = parts(&map(&road(r#"id="1" length="300""#, &lanes, "")));
+        let lane = found.roads[0].sections[0].lane(-1).unwrap().kind;
+        assert_eq!(found.warnings.len(), usize::from(lane != LaneKind::Driving), "{:?}", found.warnings);
+        lane
+    };
+    let (driving, reserved) = (LaneKind::Driving, LaneKind::Special);
+    for (access, wanted) in [
+        (r#"<access sOffset="0" restriction="passengerCar"/>"#, reserved),
+        (r#"<access sOffset="0" rule="deny" restriction="passengerCar"/>"#, reserved),
+        (r#"<access sOffset="0" rule="deny" restriction="autonomousTraffic"/>"#, reserved),
+        (r#"<access sOffset="0" rule="allow" restriction="bus"/>"#, reserved),
+        (r#"<access rule="deny"><restriction type="bus"/><restriction type="passengerCar"/></access>"#, reserved),
+        (r#"<access rule="allow" restriction="bus"/><access rule="allow" restriction="passengerCar"/>"#, driving),
+        (r#"<access sOffset="0" rule="deny" restriction="truck"/>"#, driving),
+        (r#"<access sOffset="0" restriction="pedestrian"/>"#, driving),
+        ("", driving),
+    ] {
+        assert_eq!(kind(access), wanted, "{access}");
+    }
+}
+
+#[test]
+fn other_ids_get_free_numbers() {
+    let roads = |ids: &[&str]| {
+        let roads: String = ids.iter().map(|id| road(&format!(r#"id="{id}" length="300""#), LANES, "")).collect();
+        map(&roads)
+    };
+    let numbers = |ids: &[&str]| parts(&roads(ids)).roads.iter().map(|road| road.id).collect::<Vec<_>>();
+    assert_eq!(numbers(&["West", "Ost", "0"]), [1, 2, 0]);
+    assert_eq!(numbers(&["12345678901234567890", "1", "01", "-3", "0"]), [2, 1, 3, 4, 0]);
+    let said = warnings(&roads(&["West", "0"]));
+    assert_eq!(said, ["the id `West` is not a number below 2^32 that it has alone; the free number 1 stands for it"]);
+    let inside = |id: &str| {
+        road(&format!(r#"id="{id}" length="300""#), LANES, "")
+            .replace(r#"junction="-1""#, &format!(r#"junction="{id}""#))
+    };
+    let junctions = format!(r#"{}{}<junction id="north"/><junction id="0"/>"#, inside("0"), inside("north"));
+    let found: Vec<u32> = parts(&map(&junctions)).junctions.iter().map(|junction| junction.id).collect();
+    assert_eq!(found, [1, 0]);
+    // What is added to a road of a text id stands on that road.
+    let added = Addition { objects: "<object id=\"new\"/>\n".to_owned(), signals: String::new() };
+    let text = insert(&roads(&["West", "0"]), &std::iter::once((1, added)).collect()).unwrap();
+    assert!(text.find("new").unwrap() < text.find(r#"<road id="0""#).unwrap());
+}
+
+#[test]
+fn the_smallest_whole_number_is_no_id_of_a_lane() {
+    for id in ["-2147483648", "2147483647", "99999999999"] {
+        let found = parts(&BEND.replace(r#"<lane id="2""#, &format!(r#"<lane id="{id}""#)));
+        assert_eq!(found.roads[0].sections[0].lanes.len(), 3, "{id}");
+        assert!(!found.warnings.is_empty());
+    }
+    let town = town(&BEND.replace(r#"<predecessor id="-1"/>"#, r#"<predecessor id="-2147483648"/>"#));
+    assert!(town.nearest_lane(Point::new(30.0, -2.0), world::road::LaneFilter::Driving) == Some(eastbound(30.0)));
+}
+
+#[test]
+fn a_map_without_a_usable_road_says_why() {
+    let error = |map: &str| read(map, "map").unwrap_err().to_string();
+    let comma = map(&road(r#"id="1" length="300,0""#, LANES, "")).replace(r#"length="300">"#, r#"length="300,0">"#);
+    assert_eq!(
+        error(&comma),
+        "no usable road among 1: line 1, road 1: `length` of `geometry` is `300,0`, not a usable number: decimals are written with a point; skipped"
+    );
+    let bare = map(&road(r#"id="1" length="300""#, LANES, "")).replace("laneSection", "section");
+    assert_eq!(error(&bare), "no usable road among 1: line 1, road 1: no lane section; the road is left out");
+    assert_eq!(error("<OpenDRIVE/>"), "no usable road among 0");
+}
