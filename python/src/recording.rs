@@ -62,6 +62,11 @@ fn dictionary<'py>(py: Python<'py>, found: &Encountered) -> PyResult<Bound<'py, 
     dict.set_item("touch_s", found.touch.unwrap_or(f64::NAN))?;
     dict.set_item("impact_speed_mps", verdict.map_or(f64::NAN, |verdict| verdict.impact_speed))?;
     episode::verdict_of(&dict, verdict)?;
+    if found.begins_late.is_some() {
+        dict.set_item("verdict", "cannot_tell")?;
+    }
+    dict.set_item("begins_late_s", found.begins_late.unwrap_or(f64::NAN))?;
+    dict.set_item("counts_as", verdict.map_or("", |verdict| verdict.class().name()))?;
     let avoided = PyDict::new(py);
     if let Some(verdict) = verdict {
         for reference in Reference::ALL {

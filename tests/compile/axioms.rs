@@ -103,8 +103,9 @@ impl Human {
     fn notices(&self, scenario: &Scenario, state: &PedestrianState, speed: f64, way: f64) -> bool {
         let (half, radius) = (scenario.cast.ego().blueprint.half_length, scenario.cast.pedestrian().body.radius);
         let reach = scenario.cast.ego().blueprint.half_width + radius;
-        let brake = DelayedBrake::new(Some(Gate::CAREFUL), BrakeProfile::careful_human(self.wait));
-        let own = OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * half };
+        let human = DelayedBrake::new(Some(Gate::CAREFUL), BrakeProfile::careful_human(self.wait));
+        let brake = scenario.cast.ego().blueprint.greatest_deceleration();
+        let own = OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * half, brake };
         [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].into_iter().any(|share| {
             let place = state.pose.position() + state.velocity * (share * DT);
             let (ahead, aside) = (place.x - way - speed * share * DT, place.y);
@@ -117,7 +118,7 @@ impl Human {
                 along: state.velocity.x,
                 towards: -side * state.velocity.y,
             };
-            ahead + radius > -half && threat.gap < self.sight && brake.notices(&own, &threat)
+            ahead + radius > -half && threat.gap < self.sight && human.notices(&own, &threat)
         })
     }
 
@@ -125,11 +126,12 @@ impl Human {
     fn drive(&self, scenario: &Scenario, walk: &Walk) -> Vec<VehicleState> {
         let mut noticed: Option<usize> = None;
         let profile = BrakeProfile { full: self.full, ..BrakeProfile::careful_human(self.wait) };
+        let brake = scenario.cast.ego().blueprint.greatest_deceleration();
         drive(self.speed, walk.states.len(), |tick, speed, way| {
             if noticed.is_none() && self.notices(scenario, &walk.states[tick], speed, way) {
                 noticed = Some(tick);
             }
-            noticed.map_or(0.0, |noticed| profile.reached((tick - noticed + 1) as f64 * DT))
+            noticed.map_or(0.0, |noticed| profile.reached((tick - noticed + 1) as f64 * DT).min(brake))
         })
     }
 }

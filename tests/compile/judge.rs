@@ -149,7 +149,7 @@ fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
             assert!(trial.least_gap >= 0.0 && verdict.reduction(reference) <= impact_speed);
             assert!(trial.is_avoided() || trial.least_gap == 0.0);
         }
-        assert!(!verdict.foreseeable, "at 3.5 m/s at once");
+        assert!(!verdict.foreseeable || verdict.fast, "at 3.5 m/s at once");
         labels.push(verdict.label);
     }
     assert!(labels.contains(&Label::Bump) && labels.iter().any(|label| *label != Label::Bump), "{labels:?}");
@@ -193,12 +193,12 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
 fn the_danger_begins_when_the_pedestrian_can_be_seen() {
     let (scenario, open) = run_out(&[], |_| 1.39);
     let verdict = judge(&open.main_pair(&scenario)).unwrap();
-    // The gate opens 24.1 m before the touch. The careful human needs 20.97 m from 10 m/s, the attentive one 16.97 m.
+    // The gate opens 24.6 m before the touch. The careful human needs 21.3 m from 10 m/s with the brake of this car, the attentive one 17.3 m.
     assert!((verdict.warning - 3.0).abs() < 1e-9 && verdict.label == Label::Preventable, "{verdict:?}");
-    assert!((verdict.margin(Reference::CarefulHuman) - 3.1).abs() < 0.1, "{verdict:?}");
-    // Without any reaction time it needs 9.47 m, so 1.46 s are left.
+    assert!((verdict.margin(Reference::CarefulHuman) - 3.3).abs() < 0.1, "{verdict:?}");
+    // Without any reaction time it needs 9.9 m, so 1.47 s are left.
     let latest = verdict.latest_reaction.unwrap();
-    assert!((latest - 1.46).abs() < 0.03, "{latest}");
+    assert!((latest - 1.47).abs() < 0.03, "{latest}");
     assert_eq!(verdict.preventable_probability(), share_of_drivers(latest));
     assert_eq!((verdict.side, verdict.walked_into, verdict.is_hard()), (ContactSide::Front, false, true));
     // A wall along the lane, 1.9 m from the middle, that ends a metre before the pedestrian's path.

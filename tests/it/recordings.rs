@@ -52,7 +52,34 @@ fn a_recorded_touch_has_a_verdict() {
     std::fs::write(folder.path().join("trace.csv"), crossing(8.0, 1.4, 0.05)).unwrap();
     let output = falsify(&["judge", "trace.csv"], folder.path());
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.contains("verdict: fault\nthe pedestrian moved as people do: the touch counts"), "{text}");
+    assert!(
+        text.contains("verdict: fault\ncounts as fault: it counts against the driver, since a careful human avoids it"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_recording_that_begins_too_late_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = crossing(14.0, 0.0, 0.05);
+    assert_eq!(judged(folder.path(), &whole, &[])["counts_as"], "fault");
+    // A person stands in the lane, and the recording begins a second before the touch.
+    let rows: Vec<&str> = whole.lines().collect();
+    let late = [&rows[..1], &rows[35..]].concat().join("\n");
+    let found = judged(folder.path(), &late, &[]);
+    assert_eq!(found["verdict"], "cannot_tell", "{found}");
+    assert!(found["fault"].is_null() && found["counts_as"].is_null() && found["foreseeable"].is_null(), "{found}");
+    // The gate of the careful human opens at 1.75 s + v/2a, with the brake of the car.
+    let (missing, begins) = (found["begins_late_s"].as_f64().unwrap(), found["touch_s"].as_f64().unwrap());
+    assert!((missing + begins - (1.75 + 14.0 / (2.0 * 7.01))).abs() < 0.02, "{found}");
+    let output = falsify(&["judge", "trace.csv"], folder.path());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.contains(
+            "verdict: cannot tell. The danger was under way when the recording begins; give at least 1.8 s more"
+        ),
+        "{text}"
+    );
 }
 
 #[test]
@@ -71,9 +98,19 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
         (good.replace("note", "pedestrian_speed_mps"), "there is no column `pedestrian_yaw_deg`"),
         (changed(5, "0.15,40"), "line 5: there are 2 fields; the header has 8"),
         (changed(5, "0.15,40,-6,fast,0,0,8,x"), "line 5, column `ego_x_m`: `fast` is not a number"),
-        (changed(5, "0.19,40,-6,1.2,0,0,8,x"), "line 5: the time is 0.19 s; with the mean step of 0.05"),
+        (
+            changed(5, "0.19,40,-6,1.2,0,0,8,x"),
+            "line 5: the time is 0.19 s, 0.09 s after the row before; the others are 0.05 s apart",
+        ),
         (changed(5, "0.15,40,-6,NaN,0,0,8,x"), "instant 3: the x of the car (m) is NaN"),
-        (changed(5, "0.15,40,-6,1.2,0,0,-8,x"), "instant 3: the speed of the car (m/s) is -8; give 0 to 150"),
+        (changed(5, "0.15,40,-6,1.2,0,0,-800,x"), "instant 3: the speed of the car (m/s) is -800; give -150 to 150"),
+        (
+            rows[..5].iter().chain(&rows[6..]).copied().collect::<Vec<_>>().join("\n"),
+            "line 6: the time is 0.25 s, 0.1 s after the row before",
+        ),
+        (changed(6, rows[4]), "line 6: the time is 0.15 s, as in the row before"),
+        (good.replace("note", "ego_speed_mps"), "the column `ego_speed_mps` is there twice; give one"),
+        (good.replace(",0,0,8,x", ",0,180,8,x"), "the car moves at 180 deg from its heading"),
         (changed(5, "0.15,40,-6,9000,0,0,8,x"), "instant 3: the car has moved 89"),
         (
             format!("{}\n{}", rows[0], vec![rows[1]; 100_001].join("\n")),

@@ -47,7 +47,7 @@ impl Crossing {
                 along: 0.0,
                 towards: if front + back < 0.0 { self.speed } else { -self.speed },
             };
-            let own = OwnMotion { speed, acceleration, intended: 0.0, length: 4.358 };
+            let own = OwnMotion { speed, acceleration, intended: 0.0, length: 4.358, brake: f64::INFINITY };
             let braking = driver.brake(&own, seen.then_some(&threat), dt).unwrap_or(0.0);
             bumper += speed * dt - braking * dt * dt / 2.0;
             speed = (speed - braking * dt).max(0.0);
@@ -116,7 +116,7 @@ fn a_hidden_child_is_hit_by_a_careful_human_and_not_by_a_good_machine() {
 }
 
 fn own(speed: f64, intended: f64) -> OwnMotion {
-    OwnMotion { speed, acceleration: 0.0, intended, length: 4.5 }
+    OwnMotion { speed, acceleration: 0.0, intended, length: 4.5, brake: f64::INFINITY }
 }
 
 fn walker(gap: f64, offset: f64, towards: f64) -> Threat {
@@ -248,7 +248,7 @@ fn distances_are_those_of_ad_rss() {
 
 #[test]
 fn it_brakes_for_a_person_in_the_way_from_the_start() {
-    let own = OwnMotion { speed: 5.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
+    let own = OwnMotion { speed: 5.0, acceleration: 0.0, intended: 0.0, length: 4.5, brake: f64::INFINITY };
     let standing = |gap| Threat { gap, length: 0.4, offset: 0.0, reach: 1.25, along: 0.0, towards: 0.0 };
     let mut rss = Rss::default();
     // 15.78 m of the car and 0.5 m of the pedestrian, which may start towards it.
@@ -259,7 +259,7 @@ fn it_brakes_for_a_person_in_the_way_from_the_start() {
 
 #[test]
 fn it_goes_on_when_the_pedestrian_was_to_stop() {
-    let own = OwnMotion { speed: 8.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
+    let own = OwnMotion { speed: 8.0, acceleration: 0.0, intended: 0.0, length: 4.5, brake: f64::INFINITY };
     let walking =
         |aside, towards| Threat { gap: 8.0, length: 0.4, offset: 1.25 + aside, reach: 1.25, along: 0.0, towards };
     let mut rss = Rss::default();

@@ -10,13 +10,22 @@ fn states(velocities: &[(f64, f64)]) -> Vec<PedestrianState> {
     velocities.iter().map(state).collect()
 }
 
+/// A pedestrian with these velocities for as many seconds each, at a tick of 50 ms.
+fn walked(legs: &[(f64, (f64, f64))]) -> Vec<PedestrianState> {
+    let velocities: Vec<_> =
+        legs.iter().flat_map(|(time, velocity)| vec![*velocity; (time / 0.05).round() as usize]).collect();
+    states(&velocities)
+}
+
 #[test]
 fn turning_counts_as_much_as_speeding_up() {
     // A quarter turn at 1.4 m/s in one tick of 50 ms.
-    let motion = PedestrianMotion::of(&states(&[(1.4, 0.0), (1.4, 0.0), (0.0, 1.4)]), 0.05);
-    assert_eq!(motion.peak_speed, 1.4);
-    assert!((motion.peak_acceleration - 1.4 * 2.0_f64.sqrt() / 0.05).abs() < 1e-9);
-    assert!((motion.velocity_change - 1.4 * 2.0_f64.sqrt()).abs() < 1e-12);
+    let motion = PedestrianMotion::of(&walked(&[(1.0, (1.4, 0.0)), (1.0, (0.0, 1.4))]), 0.05);
+    let change = 1.4 * 2.0_f64.sqrt();
+    assert!((motion.peak_speed - 1.4).abs() < 1e-12, "{motion:?}");
+    assert!((motion.peak_acceleration - change / 0.5).abs() < 1e-9, "{motion:?}");
+    assert!((motion.velocity_change - change).abs() < 1e-12, "{motion:?}");
+    assert!(motion.unsteadiness > change / 2.0, "{motion:?}");
     assert!(!motion.is_foreseeable());
     let still = PedestrianMotion::of(&states(&[(0.0, 0.0)]), 0.05);
     assert!(still == PedestrianMotion::default() && still.is_foreseeable());
@@ -25,7 +34,7 @@ fn turning_counts_as_much_as_speeding_up() {
 
 #[test]
 fn each_bound_alone_decides() {
-    let kept = PedestrianMotion::FORESEEABLE;
+    let kept = PedestrianMotion { unsteadiness: 1.0, ..PedestrianMotion::FORESEEABLE };
     assert!(kept.is_foreseeable());
     for motion in [
         PedestrianMotion { peak_speed: 2.23, ..kept },
@@ -34,44 +43,34 @@ fn each_bound_alone_decides() {
     ] {
         assert!(!motion.is_foreseeable(), "{motion:?}");
     }
+    let steady = PedestrianMotion { peak_speed: 4.2, unsteadiness: 0.29, ..kept };
+    assert!(steady.is_foreseeable() && steady.is_fast());
 }
 
 #[test]
-fn a_detour_within_a_second_is_found_where_its_ends_are_equal() {
-    // 0.8 m/s forwards within half a second and back: after a second the velocity is the same.
-    let there_and_back: Vec<(f64, f64)> =
-        (0..=10).map(|tick| (f64::from(5 - i32::abs(tick - 5)) * 0.16, 0.0)).collect();
-    let motion = PedestrianMotion::of(&states(&there_and_back), 0.1);
-    assert!((motion.velocity_change - 0.8).abs() < 1e-12, "{motion:?}");
+fn a_motion_is_one_of_half_a_second_in_the_last_three() {
+    // A sudden start is one, with a state before it or without.
+    for before in [0.05, 1.0] {
+        let start = PedestrianMotion::of(&walked(&[(before, (0.0, 0.0)), (1.0, (1.4, 0.0))]), 0.05);
+        assert!((start.peak_acceleration - 2.8).abs() < 1e-9 && !start.is_foreseeable(), "{start:?}");
+    }
+    // A stumble of a tick is none.
+    let stumble = walked(&[(1.0, (1.4, 0.0)), (0.05, (0.0, 0.0)), (1.0, (1.4, 0.0))]);
+    assert!(PedestrianMotion::of(&stumble, 0.05).is_foreseeable());
+    // What is more than three seconds ago is forgotten: a jogger who stopped at once, and now stands.
+    for (stands, foreseeable) in [(2.0, false), (3.5, true)] {
+        let stopped = PedestrianMotion::of(&walked(&[(2.0, (2.8, 0.0)), (stands, (0.0, 0.0))]), 0.05);
+        assert_eq!(stopped.is_foreseeable(), foreseeable, "{stands} s: {stopped:?}");
+    }
+    // A jogger who keeps the speed is foreseeable, one who changes it is not.
+    assert!(PedestrianMotion::of(&walked(&[(4.0, (2.8, 0.0))]), 0.05).is_foreseeable());
+    assert!(!PedestrianMotion::of(&walked(&[(2.0, (2.8, 0.0)), (2.0, (2.0, 0.0))]), 0.05).is_foreseeable());
     // Ticks longer than a second: only neighbours are compared.
     let slow = PedestrianMotion::of(&states(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]), 1.5);
     assert_eq!(slow.velocity_change, 1.0);
 }
 
-/// By comparing every pair of states.
-fn by_pairs(states: &[PedestrianState], longest: usize) -> f64 {
-    let near = |(i, a): (usize, &PedestrianState)| {
-        let later = states[i..].iter().take(longest + 1);
-        later.map(|b| (b.velocity - a.velocity).norm()).fold(0.0, f64::max)
-    };
-    states.iter().enumerate().map(near).fold(0.0, f64::max)
-}
-
 proptest! {
-    #[test]
-    fn stretches_give_what_a_comparison_of_all_states_gives(
-        steps in prop::collection::vec((-1.0..1.0_f64, -1.0..1.0_f64, any::<bool>()), 0..80),
-    ) {
-        let mut velocity = (0.0, 0.0);
-        let walked: Vec<(f64, f64)> = steps.iter().map(|(x, y, turns)| {
-            velocity = if *turns { (*x, *y) } else { velocity };
-            velocity
-        }).collect();
-        let states = states(&walked);
-        let motion = PedestrianMotion::of(&states, 0.05);
-        prop_assert!((motion.velocity_change - by_pairs(&states, 20)).abs() < 1e-12);
-    }
-
     #[test]
     fn the_plausible_pedestrian_is_foreseeable_in_free_space_whatever_it_is_commanded(
         commands in prop::collection::vec((-3.2..3.2_f64, 0.0..=8.0 / 3.6, 1_u32..25), 1..60),

@@ -22,11 +22,12 @@ Examples:
 The columns, in any order, others are ignored:
   time_s                                     time, with a constant step of 0.001 s to 0.5 s
   ego_x_m, ego_y_m                           middle of the car's box
-  ego_yaw_deg, ego_speed_mps                 its heading, from x to y, and its speed along it
+  ego_yaw_deg, ego_speed_mps                 its heading, from x to y, and its speed along it: negative when it reverses
   pedestrian_x_m, pedestrian_y_m             middle of the pedestrian
   pedestrian_yaw_deg, pedestrian_speed_mps   direction and speed of its motion; without both they come from the positions
 
 The frame is right-handed. Of recordings from CARLA change the signs of y and of the heading.
+A recording begins before the pedestrian is a danger. It cannot say that it was dark or wet, or that something hid the pedestrian.
 
 Exit codes: 0 it was judged   2 the file cannot be read, or is no recording";
 
@@ -99,6 +100,14 @@ fn paper() -> Result<Scenario, Error> {
 /// Prints the result for people.
 fn tell(found: &Encountered) {
     let near = &found.near_miss;
+    if let (Some(touch), Some(late)) = (found.touch, found.begins_late) {
+        console::say(&format!("touch after {touch:.2} s"));
+        console::say(&format!(
+            "verdict: cannot tell. The danger was under way when the recording begins; give at least {} s more before it",
+            (late * 10.0).ceil() / 10.0
+        ));
+        return;
+    }
     let (Some(touch), Some(verdict)) = (found.touch, &found.verdict) else {
         console::say(&format!("no touch; the least distance is {:.2} m", found.least_gap));
         if let Some(ttc) = near.min_ttc {
@@ -111,14 +120,15 @@ fn tell(found: &Encountered) {
     };
     console::say(&format!("touch after {touch:.2} s, the car drives {:.2} m/s", verdict.impact_speed));
     console::say(&format!("verdict: {}", verdict.word()));
-    let moved = if verdict.foreseeable { "moved as people do" } else { "did not move as people do" };
     let counts = if verdict.is_fault() { "counts" } else { "does not count" };
-    console::say(&format!("the pedestrian {moved}: the touch {counts} against the driver"));
+    let class = verdict.class();
+    console::say(&format!("counts as {}: it {counts} against the driver, since {}", class.name(), class.reason()));
     console::say(&format!("the danger started {:.2} s before the touch", verdict.warning));
     for reference in Reference::ALL {
         let result = if verdict.trial(reference).is_avoided() { "avoids it" } else { "does not avoid it" };
         console::say(&format!("  {:<14}{result}", reference.name()));
     }
+    console::say("assumed: daylight, a dry road, and nothing that hides the pedestrian");
 }
 
 /// Makes an object of the result, with the names of the table of episodes; what does not apply is null.
@@ -131,7 +141,9 @@ fn as_json(found: &Encountered) -> serde_json::Value {
     json!({
         "touch_s": found.touch,
         "impact_speed_mps": verdict.map(|verdict| verdict.impact_speed),
-        "verdict": verdict.map(|verdict| verdict.label.name()),
+        "verdict": verdict.map(|verdict| verdict.label.name()).or(found.begins_late.map(|_| "cannot_tell")),
+        "begins_late_s": found.begins_late,
+        "counts_as": verdict.map(|verdict| verdict.class().name()),
         "foreseeable": verdict.map(|verdict| verdict.foreseeable),
         "fault": verdict.map(Verdict::is_fault),
         "warning_s": verdict.map(|verdict| verdict.warning),

@@ -130,9 +130,9 @@ pub const VERDICT: Column<String> = Column::new(
 pub const FORESEEABLE: Column<bool> = Column::new(
     "foreseeable",
     "",
-    "whether the pedestrian moved as people do up to the touch: never faster than 8 km/h, never accelerated by more than 2.12 m/s² within a \
-     tick, and its velocity changed by at most 1.65 m/s within any second (Euro NCAP's running adult, and recorded walking). Turning and \
-     stopping are acceleration. A pedestrian that obeys at once is foreseeable only if it stands",
+    "whether the pedestrian moved as people do in the last 3 s before the touch: not faster than 8 km/h unless it kept its velocity, its velocity changed by \
+     at most 2.12 m/s² over 0.5 s and by at most 1.65 m/s within any second (Euro NCAP's running adult, and recorded walking). Turning and \
+     stopping are acceleration",
 );
 pub const FAULT: Column<bool> = Column::new(
     "fault",
@@ -144,23 +144,23 @@ pub const COUNTS_AS: Column<String> = Column::new(
     "counts_as",
     "",
     "`fault`, or the first reason why it is none: `bump` (the car stood), `not_preventable`, `unforeseeable`, `flank` (the pedestrian walked \
-     into the flank or the rear), `slow` (below 1 m/s), `narrow` (a careful human has less than 0.1 m to spare)",
+     into the flank or the rear), `slow` (below 1 m/s), `narrow` (a careful human has less than 0.1 m to spare). `runner` is a fault, too: somebody faster than 8 km/h at a steady speed",
 );
 pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "avoidable_injury",
     "",
     "of a fault its `severe_injury_risk`, which a careful human would have spared the pedestrian; otherwise 0",
 );
-pub const PEAK_SPEED: Column<f64> = Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian");
+pub const PEAK_SPEED: Column<f64> = Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian in the last 3 s, mean over 0.5 s");
 pub const PEAK_ACCELERATION: Column<f64> = Column::new(
     "peak_acceleration_mps2",
     "m/s²",
-    "greatest change of the pedestrian's velocity within a tick, divided by its length; turns count",
+    "greatest change of the pedestrian's velocity within 0.5 s, divided by that time, in the last 3 s; turns count",
 );
 pub const VELOCITY_CHANGE: Column<f64> = Column::new(
     "velocity_change_1s_mps",
     "m/s",
-    "greatest difference of two velocities of the pedestrian that are at most a second apart; turns count",
+    "greatest difference of two velocities of the pedestrian that are at most a second apart, in the last 3 s; turns count",
 );
 pub const WARNING: Column<f64> = Column::new("warning_s", "s", "time from the start of the danger to the touch");
 pub const HIDDEN_SHARE: Column<f64> = Column::new(

@@ -55,6 +55,7 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
                 latest_reaction: Some(0.9),
                 warning: 2.0,
                 foreseeable: true,
+                fast: false,
                 sight: Sight { hidden: 0.5, seen: 1.0 },
                 impact_speed: 4.0,
                 trials: [trial; Reference::COUNT],

@@ -89,7 +89,8 @@ impl CarefulHuman {
         let speed = perception.ego.speed();
         let wants_more = speed < perception.speed_limit;
         let owns = PUSHES.map(|push| if wants_more { push } else { 0.0 });
-        let owns = owns.map(|intended| OwnMotion { speed, acceleration: 0.0, intended, length });
+        let brake = perception.blueprint.greatest_deceleration();
+        let owns = owns.map(|intended| OwnMotion { speed, acceleration: 0.0, intended, length, brake });
         perception.pedestrians.iter().any(|actor| {
             let seen = perception.in_sight_of_eye(actor);
             let times = || [0.0, perception.dt, EARLIER].into_iter();

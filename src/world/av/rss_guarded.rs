@@ -69,9 +69,10 @@ impl RssGuarded {
             towards: -side * actor.velocity.y,
         };
         if walks {
-            return !self
-                .rule
-                .is_safe(&OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * ego.half.x }, &threat);
+            return !self.rule.is_safe(
+                &OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * ego.half.x, brake: f64::INFINITY },
+                &threat,
+            );
         }
         let (response, acceleration, braking, margin) = SIDEWAYS;
         let aside = lateral_distance(0.0, -threat.towards, response, acceleration, braking, margin);

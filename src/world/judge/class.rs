@@ -12,9 +12,10 @@ choice! {
     /// | `bump` | the car was at most 0.1 m/s fast |
     /// | `not_preventable` | a careful human touches the pedestrian, too |
     /// | `unforeseeable` | the pedestrian did not move as people do |
-    /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear |
+    /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear. One that kept its velocity and is touched within half a metre behind the bumper did not |
     /// | `slow` | the car was slower than [`WALKING_PACE`] |
     /// | `narrow` | a careful human has less than [`CLEAR`] to spare |
+    /// | `runner` | none of these, and somebody at a steady speed above 8 km/h was hit, such as a jogger or a cyclist: it counts against the driver |
     /// | `fault` | none of these: the collision counts against the driver |
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
     pub enum Class {
@@ -30,6 +31,8 @@ choice! {
         Slow = "slow",
         /// A careful human has less than 0.1 m to spare.
         Narrow = "narrow",
+        /// It counts against the driver, who hit somebody faster than a pedestrian.
+        Runner = "runner",
         /// It counts against the driver.
         Fault = "fault",
     }
@@ -44,6 +47,8 @@ pub(super) struct Facts {
     pub preventable: bool,
     /// Whether the pedestrian moved as people do.
     pub foreseeable: bool,
+    /// Whether it was faster than 8 km/h.
+    pub fast: bool,
     /// Whether the pedestrian walked into the flank or the rear.
     pub walked_into: bool,
     /// The car's speed (m/s).
@@ -61,7 +66,29 @@ impl Class {
             Facts { walked_into: true, .. } => Self::Flank,
             Facts { speed, .. } if *speed < WALKING_PACE => Self::Slow,
             Facts { margin, .. } if *margin < CLEAR => Self::Narrow,
+            Facts { fast: true, .. } => Self::Runner,
             _ => Self::Fault,
+        }
+    }
+
+    /// Whether it counts against the driver: whether it is a fault.
+    pub fn is_fault(self) -> bool {
+        matches!(self, Self::Runner | Self::Fault)
+    }
+
+    /// Why it counts against the driver, or why not: the end of a sentence.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::Bump => "the car stood",
+            Self::NotPreventable => "a careful human touches the pedestrian, too",
+            Self::Unforeseeable => "the pedestrian did not move as people do",
+            Self::Flank => "the pedestrian walked into the flank or the rear after the front had passed",
+            Self::Slow => "the car was slower than 1 m/s",
+            Self::Narrow => "a careful human has less than 0.1 m to spare",
+            Self::Runner => {
+                "a careful human avoids it; the person was faster than 8 km/h and kept its speed, as runners and cyclists do"
+            }
+            Self::Fault => "a careful human avoids it, and the pedestrian moved as people do",
         }
     }
 }
@@ -72,10 +99,18 @@ mod tests {
 
     #[test]
     fn one_fact_is_enough_to_take_a_fault_away() {
-        let fault =
-            Facts { moved: true, preventable: true, foreseeable: true, walked_into: false, speed: 1.0, margin: CLEAR };
+        let fault = Facts {
+            moved: true,
+            preventable: true,
+            foreseeable: true,
+            fast: false,
+            walked_into: false,
+            speed: 1.0,
+            margin: CLEAR,
+        };
         for (facts, class) in [
             (fault, Class::Fault),
+            (Facts { fast: true, ..fault }, Class::Runner),
             (Facts { margin: 0.09, ..fault }, Class::Narrow),
             (Facts { speed: 0.99, ..fault }, Class::Slow),
             (Facts { walked_into: true, ..fault }, Class::Flank),

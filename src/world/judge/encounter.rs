@@ -91,8 +91,8 @@ pub struct Encounter<'a> {
     pub half: Vector,
     /// Radius of the pedestrian (m).
     pub radius: f64,
-    /// The greatest deceleration that the road lets a driver reach (m/s²); infinite on a dry one.
-    pub grip: f64,
+    /// The greatest deceleration that the car and the road let a driver reach (m/s²).
+    pub brake: f64,
     /// The pedestrian after the recording; `None` if there is nothing after it.
     pub(super) walker: Option<Walker<'a>>,
     /// The number of steps with those after the recording.
@@ -187,7 +187,10 @@ impl<'a> Encounter<'a> {
         let blueprint = pair.blueprint();
         let half = Vector::new(blueprint.half_length, blueprint.half_width);
         let motion = CarMotion { speeds, ways: ways[ticks].to_vec() };
-        Self { grip: blueprint.grip, ..Self::of_steps(path, motion, steps, (half, pair.body().radius), pair.dt()) }
+        Self {
+            brake: blueprint.greatest_deceleration(),
+            ..Self::of_steps(path, motion, steps, (half, pair.body().radius), pair.dt())
+        }
     }
 
     /// An encounter of a car with these half extents and a pedestrian of this radius (m) in ticks of `dt` (s).
@@ -201,9 +204,9 @@ impl<'a> Encounter<'a> {
         let CarMotion { speeds, ways } = motion;
         let warning = (steps.len() - 1) as f64 * dt;
         let step_count = steps.len();
-        let grip = f64::INFINITY;
+        let brake = f64::INFINITY;
         let (start, walker) = (ways[0], None);
-        Self { path, start, speeds, steps, warning, dt, half, radius, grip, walker, step_count, ways }
+        Self { path, start, speeds, steps, warning, dt, half, radius, brake, walker, step_count, ways }
     }
 
     /// Whether there is a pedestrian at this tick, for at most five seconds after the recorded touch.

@@ -3,7 +3,7 @@ use super::reaction::{MAX_REACTION, share_of_drivers};
 use super::reference::Model;
 use super::trial::{FreeRun, Notice, STANDING};
 use super::{Class, ContactSide, Encounter, Label, PedestrianMotion, Reference, Sight, Trial, Verdict, contact_side};
-use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate};
+use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion};
 use crate::env::Pair;
 use crate::sim::Contact;
 
@@ -92,6 +92,32 @@ impl<'a> Inquiry<'a> {
         self.contact.impact_speed > STANDING
     }
 
+    /// How much earlier the episode would have to begin for a verdict (s): the danger was under way at its start, a careful human notices it there and
+    /// does not avoid the touch, and nobody knows since when it could be seen. `None` if that is not so.
+    ///
+    /// It is the time by which the gate had opened before, if both had kept their velocities.
+    pub fn begins_late(&mut self) -> Option<f64> {
+        let length = (self.pair.len() - 2) as f64 + self.contact.fraction;
+        let encounter = &self.encounter;
+        let is_whole = (encounter.warning / encounter.dt - length).abs() < 0.5;
+        if !is_whole || encounter.speeds[0] <= STANDING || !self.has_moved() || self.is_preventable() {
+            return None;
+        }
+        let human = DelayedBrake::careful_human();
+        let notice = self.free.noticed(&self.encounter, &human).filter(|notice| notice.time == 0.0)?;
+        debug_assert!(!notice.stands, "the car drives");
+        let (encounter, car) = (&self.encounter, self.encounter.car(0, 0.0));
+        let own = OwnMotion {
+            speed: car.speed,
+            acceleration: car.acceleration,
+            intended: encounter.intended(0, 0.0),
+            length: 2.0 * encounter.half.x,
+            brake: encounter.brake,
+        };
+        let threat = encounter.threat(0, 0.0, car.way)?;
+        Some((Gate::CAREFUL.opens(&own) - threat.time_to_collision(&own)).max(encounter.dt))
+    }
+
     /// The longest reaction time (s), counted from the gate, with which a driver who brakes like UN R157's human avoids the touch, at most 5 s.
     /// `None` if such a driver touches the pedestrian even if it brakes at once, and when the car stood.
     ///
@@ -126,31 +152,42 @@ impl<'a> Inquiry<'a> {
 
     /// What the touch counts as.
     pub fn class(&mut self) -> Class {
-        let (_, walked_into) = self.touched();
+        let motion = PedestrianMotion::new(&self.pair);
+        let (_, walked_into) = self.touched(&motion);
         let moved = self.has_moved();
         let preventable = self.is_preventable();
         let margin = match preventable {
             true => Label::humans().map(|human| self.trial(human).least_gap).into_iter().fold(f64::INFINITY, f64::min),
             false => 0.0,
         };
-        let foreseeable = PedestrianMotion::new(&self.pair).is_foreseeable();
-        Class::of(&Facts { moved, preventable, foreseeable, walked_into, speed: self.contact.impact_speed, margin })
+        let (foreseeable, fast) = (motion.is_foreseeable(), motion.is_fast());
+        Class::of(&Facts {
+            moved,
+            preventable,
+            foreseeable,
+            fast,
+            walked_into,
+            speed: self.contact.impact_speed,
+            margin,
+        })
     }
 
     /// The side of the touch, and whether the pedestrian walked into the car.
-    fn touched(&self) -> (ContactSide, bool) {
-        contact_side::touched(&self.pair).expect("checked: they touched")
+    fn touched(&self, motion: &PedestrianMotion) -> (ContactSide, bool) {
+        contact_side::touched(&self.pair, motion).expect("checked: they touched")
     }
 
     pub fn verdict(mut self) -> Verdict {
-        let (side, walked_into) = self.touched();
+        let motion = PedestrianMotion::new(&self.pair);
+        let (side, walked_into) = self.touched(&motion);
         Verdict {
             label: self.label(),
             side,
             walked_into,
             warning: self.encounter.warning,
             danger_speed: self.encounter.speeds[0],
-            foreseeable: PedestrianMotion::new(&self.pair).is_foreseeable(),
+            foreseeable: motion.is_foreseeable(),
+            fast: motion.is_fast(),
             sight: Sight::new(&self.pair),
             impact_speed: self.contact.impact_speed,
             latest_reaction: self.latest_reaction(),

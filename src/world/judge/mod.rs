@@ -27,8 +27,8 @@
 //!
 //! [`FalseAlarms`] asks the same drivers about episodes that ended well. [`NearMiss`] measures how near any episode came to a touch, [`LaneDeparture`] whether the car stayed in its lane, and [`PedestrianMotion`] whether the pedestrian moved as people do.
 //!
-//! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, not with those
-//! of the car's brake.
+//! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, as far as
+//! the car's brake and the road allow.
 
 mod driven_path;
 mod sight;

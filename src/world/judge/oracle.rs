@@ -1,4 +1,4 @@
-use super::{Class, Inquiry, Reference, Sight};
+use super::{Inquiry, Reference, Sight};
 use crate::env::{Judgement, Pair, TestOracle};
 
 /// The verdict of the reference drivers as a test oracle for rewards.
@@ -11,7 +11,7 @@ impl TestOracle for ReferenceOracle {
         let human = inquiry.trial(Reference::CarefulHuman);
         Judgement {
             preventable: inquiry.is_preventable(),
-            fault: inquiry.class() == Class::Fault,
+            fault: inquiry.class().is_fault(),
             preventability: inquiry.preventable_probability(),
             avoidable_speed: inquiry.reduction(Reference::CarefulHuman),
             margin: human.least_gap,

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
-use super::recording_units::{Misfit, misfit};
-use super::{NearMiss, Verdict, ViolationVerdict, judge};
+use super::recording_units::{Misfit, TrackOf, misfit};
+use super::{Inquiry, NearMiss, Verdict, ViolationVerdict, judge};
 use crate::env::{Driven, OtherDrive, Scenario, Trace, VehicleFrame, is_about_map};
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::requirement::{Degree, NamedRequirement};
@@ -17,6 +17,11 @@ pub struct Recording {
     ego: Vec<VehicleState>,
     pedestrian: Vec<PedestrianState>,
 }
+
+/// A car whose speed is never negative may still move backwards, up to this speed (m/s).
+pub(super) const MAX_UNSIGNED_REVERSING: f64 = 5.0;
+/// Time (s) before the touch in which the direction of the car's motion is looked for.
+const DIRECTION: f64 = 0.5;
 
 /// Sizes in the place of those of a scenario (m).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -84,8 +89,11 @@ pub struct Encountered {
     pub least_gap: f64,
     /// How near the two came to a touch.
     pub near_miss: NearMiss,
-    /// The verdict; `None` without a touch.
+    /// The verdict; `None` without a touch, and if the recording begins too late to tell.
     pub verdict: Option<Verdict>,
+    /// How much earlier the recording must begin for a verdict (s): the danger was under way at its start, and a careful human who saw it there does not
+    /// avoid the touch. `None` if it can be judged.
+    pub begins_late: Option<f64>,
     /// The requirements of the scenario.
     pub requirements: Vec<RecordedRequirement>,
 }
@@ -109,12 +117,14 @@ impl Recording {
     const MAX_SPEED: f64 = 150.0;
     /// How far a step may be, as a multiple of what the speed explains, and besides (m): recordings are noisy.
     const SLACK: (f64, f64) = (1.5, 2.0);
+    /// The noise of a velocity that is taken from positions (m/s), where half a second is long enough for it.
+    const VELOCITY_NOISE: f64 = 0.05;
 
-    /// Checks the states of both at instants that are `dt` (s) apart.
+    /// Checks the states of both at instants that are `dt` (s) apart. A car that reverses has a negative speed.
     ///
     /// # Errors
     /// The tracks have not 2 to [`Recording::MAX_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, a
-    /// speed is not 0 to 150 m/s, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
+    /// speed is above 150 m/s, that of the pedestrian is negative, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
     /// are longer or shorter than the speed explains, or are not along the heading.
     pub fn new(
         dt: f64,
@@ -133,7 +143,7 @@ impl Recording {
                 ("x of the car (m)", car.pose.x, far),
                 ("y of the car (m)", car.pose.y, far),
                 ("heading of the car (rad)", car.pose.yaw, far),
-                ("speed of the car (m/s)", car.speed, (0.0, Self::MAX_SPEED)),
+                ("speed of the car (m/s)", car.speed, (-Self::MAX_SPEED, Self::MAX_SPEED)),
                 ("x of the pedestrian (m)", walker.pose.x, far),
                 ("y of the pedestrian (m)", walker.pose.y, far),
                 ("heading of the pedestrian (rad)", walker.pose.yaw, far),
@@ -147,17 +157,21 @@ impl Recording {
         for (instant, (cars, walkers)) in ego.windows(2).zip(pedestrian.windows(2)).enumerate() {
             let car = (cars[1].pose.position() - cars[0].pose.position()).norm();
             let walker = (walkers[1].pose.position() - walkers[0].pose.position()).norm();
-            let speeds = [cars[0].speed.max(cars[1].speed), walkers[0].speed().max(walkers[1].speed())];
+            let speeds = [cars[0].speed.abs().max(cars[1].speed.abs()), walkers[0].speed().max(walkers[1].speed())];
             for (who, moved, speed) in [("car", car, speeds[0]), ("pedestrian", walker, speeds[1])] {
                 if moved > Self::SLACK.0 * speed * dt + Self::SLACK.1 {
                     return Err(RecordingError::Jump { instant: instant + 1, who, moved, speed });
                 }
             }
         }
-        let cars: Vec<_> = ego.iter().map(|state| (state.pose, state.speed)).collect();
+        let led = |state: &VehicleState| if state.speed < 0.0 { state.reversed() } else { *state };
+        let cars: Vec<_> = ego.iter().map(led).map(|state| (state.pose, state.speed)).collect();
         let walkers: Vec<_> = pedestrian.iter().map(|state| (state.pose, state.speed())).collect();
-        for (who, track) in [("car", cars), ("pedestrian", walkers)] {
-            match misfit(&track, dt) {
+        let reverses = if ego.iter().any(|state| state.speed < 0.0) { 0.0 } else { MAX_UNSIGNED_REVERSING };
+        for (who, track, track_of) in
+            [("car", cars, TrackOf::Car { reverses }), ("pedestrian", walkers, TrackOf::Pedestrian)]
+        {
+            match misfit(&track, dt, track_of) {
                 None => {}
                 Some(Misfit::Speed { ratio, likely }) => return Err(RecordingError::Units { who, ratio, dt, likely }),
                 Some(Misfit::Heading { degrees, likely }) => {
@@ -174,11 +188,18 @@ impl Recording {
     }
 
     /// The states of a pedestrian that was at these positions, `dt` (s) apart. Its velocity is that of the step to each position; the first one
-    /// has the velocity of the second.
+    /// has the velocity of the second. The noisier the positions, the longer the way that a velocity is taken from: up to half a second around it. A
+    /// velocity below three standard deviations of its noise is none.
     pub fn walked(positions: &[Point], dt: f64) -> Vec<PedestrianState> {
+        let last = positions.len().max(1) - 1;
+        let noise = noise(positions);
+        let span = (noise / (Self::VELOCITY_NOISE * dt)).ceil().clamp(1.0, (0.5 / dt).max(1.0)) as usize;
+        let span = span.min(last);
+        let time = span.max(1) as f64 * dt;
         let state = |(instant, position): (usize, &Point)| {
-            let later = instant.max(1);
-            let velocity = positions.get(later).map_or(Vector::zeros(), |to| (to - positions[later - 1]) / dt);
+            let from = instant.saturating_sub(span - span / 2).min(last - span);
+            let moved = positions[from + span] - positions[from];
+            let velocity = if moved.norm() < 3.0 * noise { Vector::zeros() } else { moved / time };
             let yaw = libm::atan2(velocity.y, velocity.x);
             PedestrianState { velocity, ..PedestrianState::standing(Pose::new(position.x, position.y, yaw)) }
         };
@@ -203,7 +224,9 @@ impl Recording {
             RecordedRequirement { named: named.clone(), degree, verdict }
         });
         let requirements = requirements.collect();
-        Encountered { touch, least_gap, near_miss: NearMiss::new(&pair), verdict: judge(&pair), requirements }
+        let begins_late = Inquiry::new(&pair).and_then(|mut inquiry| inquiry.begins_late());
+        let verdict = judge(&pair).filter(|_| begins_late.is_none());
+        Encountered { touch, least_gap, near_miss: NearMiss::new(&pair), verdict, begins_late, requirements }
     }
 
     /// Judges the first touch on a plane without obstacles: see [`Recording::judged`].
@@ -211,20 +234,56 @@ impl Recording {
         self.judged(scenario, Arc::new(Obstacles::new(&[])))
     }
 
+    /// Whether a car moves backwards in the last half second of some states.
+    fn reverses(&self, ego: &[VehicleState]) -> bool {
+        let last = &ego[ego.len().saturating_sub((DIRECTION / self.dt) as usize + 2)..];
+        let ways = last.windows(2).map(|pair| {
+            let moved = pair[1].pose.position() - pair[0].pose.position();
+            (moved.dot(&pair[0].pose.forward()), pair[0].speed.abs() * self.dt)
+        });
+        let (moved, explained) = ways.fold((0.0, 0.0), |sum, way| (sum.0 + way.0, sum.1 + way.1));
+        moved < -explained / 2.0 && explained > 0.0
+    }
+
     /// The tracks up to the first touch.
     fn trace(&self, scenario: &Scenario) -> Trace {
         let (blueprint, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
-        let steps = self.ego.windows(2).zip(self.pedestrian.windows(2)).enumerate();
-        let touch = steps.map(|(step, (cars, walkers))| {
-            let contact = Contact::of_ego_in_step([&cars[0], &cars[1]], blueprint, [&walkers[0], &walkers[1]], body);
-            (step, contact)
-        });
-        let touch = touch.into_iter().find_map(|(step, contact)| Some((step, contact?)));
+        let touched = |ego: &[VehicleState]| {
+            let mut steps = ego.windows(2).zip(self.pedestrian.windows(2)).enumerate();
+            steps.find_map(|(step, (cars, walkers))| {
+                let contact =
+                    Contact::of_ego_in_step([&cars[0], &cars[1]], blueprint, [&walkers[0], &walkers[1]], body);
+                Some((step, contact?))
+            })
+        };
+        let mut touch = touched(&self.ego);
         let instants = touch.map_or(self.ego.len(), |(step, _)| step + 2);
-        let driving =
-            self.ego[..instants].iter().map(|state| VehicleFrame { state: *state, driven: Driven::default() });
+        let mut ego = self.ego[..instants].to_vec();
+        // The end that leads is the front: a car that reverses is turned round.
+        if touch.is_some() && self.reverses(&ego) {
+            let is_signed = ego.iter().any(|state| state.speed < 0.0);
+            for state in &mut ego {
+                let speed = state.speed;
+                *state = state.reversed();
+                if !is_signed {
+                    state.speed = speed;
+                }
+            }
+            touch = touched(&ego);
+        }
+        let driving = ego.iter().map(|state| VehicleFrame { state: *state, driven: Driven::default() });
         let walking = &self.pedestrian[..instants];
         let decisions = walking[1..].iter().map(|state| WalkCommand { heading: state.pose.yaw, speed: state.speed() });
         Trace::recorded(driving.collect(), walking.to_vec(), decisions.collect(), touch.map(|(_, contact)| contact))
     }
+}
+
+/// The standard deviation of the difference of two positions by noise (m), from the median of their second differences: a body changes its velocity
+/// little between two instants.
+fn noise(positions: &[Point]) -> f64 {
+    let mut changes: Vec<f64> =
+        positions.windows(3).map(|near| ((near[2] - near[1]) - (near[1] - near[0])).norm()).collect();
+    changes.sort_by(f64::total_cmp);
+    // Each coordinate of a second difference deviates by the square root of 6; half of all pairs of normal numbers are shorter than 1.177.
+    changes.get(changes.len() / 2).map_or(0.0, |median| median / (1.177 * 6.0_f64.sqrt()) * 2.0_f64.sqrt())
 }

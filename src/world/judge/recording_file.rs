@@ -17,16 +17,16 @@ const UNEVEN: f64 = 0.1;
 pub enum RecordingFileError {
     #[error("there is no column `{column}`; there is {}", if found.is_empty() { "none".to_owned() } else { found.join(", ") })]
     Column { column: &'static str, found: Vec<String> },
+    #[error("the column `{column}` is there twice; give one")]
+    Repeated { column: &'static str },
     #[error("line {line}: there are {found} fields; the header has {wanted}")]
     Fields { line: usize, found: usize, wanted: usize },
     #[error("line {line}: there are more than {most} rows; cut the recording", most = Recording::MAX_INSTANTS)]
     Long { line: usize },
     #[error("line {line}, column `{column}`: `{text}` is not a number")]
     Number { line: usize, column: &'static str, text: String },
-    #[error(
-        "line {line}: the time is {time} s; with the mean step of {step:.6} s it is {wanted:.6} s. Give rows at a constant step"
-    )]
-    Uneven { line: usize, time: f64, step: f64, wanted: f64 },
+    #[error("line {line}: the time is {time} s, {}; the others are {step} s apart. Give rows at a constant step", since(*.found))]
+    Uneven { line: usize, time: f64, found: f64, step: f64 },
     #[error("{0}; instant 0 is line 2")]
     Recording(#[from] RecordingError),
 }
@@ -48,6 +48,11 @@ impl Recording {
             let found = header.iter().take(40).map(|name| name.chars().take(40).collect()).collect();
             RecordingFileError::Column { column, found }
         };
+        if let Some(column) =
+            NEEDED.iter().chain(&VELOCITY).find(|name| header.iter().filter(|is| is == name).count() > 1)
+        {
+            return Err(RecordingFileError::Repeated { column });
+        }
         let mut places: Vec<(&'static str, usize)> = Vec::new();
         for column in NEEDED {
             places.push((column, place(column).ok_or_else(|| absent(column))?));
@@ -95,13 +100,32 @@ fn fields(line: &str) -> impl Iterator<Item = &str> {
 /// The constant step of some times (s); not a number for fewer than two.
 fn step(times: &[(usize, f64)]) -> Result<f64, RecordingFileError> {
     let [(_, first), .., (_, last)] = times else { return Ok(f64::NAN) };
-    let dt = (last - first) / (times.len() - 1) as f64;
-    for (instant, (line, time)) in times.iter().enumerate() {
-        let wanted = first + instant as f64 * dt;
-        let is_even = (time - wanted).abs() <= UNEVEN * dt.abs();
-        if !is_even {
-            return Err(RecordingFileError::Uneven { line: *line, time: *time, step: dt, wanted });
-        }
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
+    let mean = (last - first) / steps.len() as f64;
+    let found = steps.clone();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps[steps.len() / 2];
+    // Times that are rounded to as few decimals as a step has differ from it by as much.
+    let is_even = |(instant, (_, time)): (usize, &(usize, f64))| {
+        (time - first - instant as f64 * mean).abs() <= UNEVEN * mean.abs()
+    };
+    if times.iter().enumerate().all(is_even) {
+        return Ok(mean);
     }
-    Ok(dt)
+    let deviates = |step: &f64| (step - usual).abs() > UNEVEN * usual.abs() || step.is_nan();
+    // Without a step that deviates by itself, many small ones add up: the largest is named.
+    let worst = || (0..found.len()).max_by(|a, b| (found[*a] - usual).abs().total_cmp(&(found[*b] - usual).abs()));
+    let at = found.iter().position(deviates).or_else(worst).unwrap_or(0);
+    let (line, time) = times[at + 1];
+    let rounded = |number: f64| (number * 1e6).round() / 1e6;
+    Err(RecordingFileError::Uneven { line, time, found: rounded(found[at]), step: rounded(usual) })
+}
+
+/// How a time (s) follows on the one before.
+fn since(step: f64) -> String {
+    match step {
+        0.0 => "as in the row before".to_owned(),
+        step if step < 0.0 => format!("{} s before the row before", -step),
+        step => format!("{step} s after the row before"),
+    }
 }

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::encounter::{CarMotion, Step};
 use super::trial::FreeRun;
 use super::*;
-use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate};
+use crate::av::reference_drivers::{BrakeProfile, DelayedBrake, Gate, OwnMotion};
 use crate::geometry::{Point, Pose, Vector};
 
 const HALF: Vector = Vector::new(2.2, 0.9);
@@ -22,6 +22,11 @@ fn crossing(speed: f64, gap: f64, aside: f64, velocity: Vector) -> Encounter<'st
     Encounter::of_steps(path.clone(), CarMotion::of_speeds(vec![speed], dt), steps.collect(), (HALF, RADIUS), dt)
 }
 
+/// A car at a constant speed (m/s) on a dry road.
+fn own(speed: f64) -> OwnMotion {
+    OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * HALF.x, brake: f64::INFINITY }
+}
+
 fn trial(encounter: &Encounter<'static>, reference: Reference) -> Trial {
     Trial::new(&mut encounter.clone(), reference.driver().as_mut())
 }
@@ -36,7 +41,7 @@ fn for_somebody_who_stands_in_the_way_the_closed_forms_hold() {
     ] {
         for speed in [2.0, 5.0, 8.0, 14.0] {
             let needed = profile.stopping_distance(speed);
-            assert!(needed < Gate::CAREFUL.opens(speed) * speed, "the gate opens in time");
+            assert!(needed < Gate::CAREFUL.opens(&own(speed)) * speed, "the gate opens in time");
             let before = trial(&crossing(speed, needed + 0.02, 0.0, Vector::zeros()), reference);
             assert!(before.is_avoided() && (before.least_gap - 0.02).abs() < 5e-3, "{reference:?} {speed}: {before:?}");
             let short = 0.5;
@@ -54,8 +59,8 @@ fn for_somebody_who_stands_in_the_way_the_closed_forms_hold() {
 fn a_careful_human_starts_to_react_in_time_to_stop() {
     // At 8 m/s the gate opens 2.277 s ahead, whatever the distance at which the danger started.
     let opens = 1.75 + 8.0 / (2.0 * 0.774 * 9.81);
-    assert_eq!(Gate::CAREFUL.opens(8.0), opens);
-    assert_eq!(Gate::CAREFUL.opens(1.0), 2.0);
+    assert_eq!(Gate::CAREFUL.opens(&own(8.0)), opens);
+    assert_eq!(Gate::CAREFUL.opens(&own(1.0)), 2.0);
     for (reference, wait) in [(Reference::CarefulHuman, 1.15), (Reference::AttentiveHuman, 0.75)] {
         let needed = BrakeProfile::careful_human(wait).stopping_distance(8.0);
         for gap in [20.0, 40.0, 60.0] {

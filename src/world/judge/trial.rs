@@ -192,7 +192,13 @@ impl FreeRun {
             (0..STEPS).map(|step| f64::from(step) * part).find_map(|share| {
                 let car = encounter.car(tick, share);
                 let intended = encounter.intended(tick, share);
-                let own = OwnMotion { speed: car.speed, acceleration: car.acceleration, intended, length };
+                let own = OwnMotion {
+                    speed: car.speed,
+                    acceleration: car.acceleration,
+                    intended,
+                    length,
+                    brake: encounter.brake,
+                };
                 let threat = encounter.threat(tick, share, car.way)?;
                 let notice = Notice { time: (tick as f64 + share) * encounter.dt, stands: own.stands() };
                 driver.notices(&own, &threat).then_some(notice)
@@ -258,8 +264,13 @@ impl Trial {
                 let time = (number as f64 + share) * tick;
                 let next = encounter.car(number, share + part);
                 let intended = if car.own.is_some() { 0.0 } else { encounter.intended(number, share) };
-                let own =
-                    OwnMotion { speed: car.speed, acceleration: car.acceleration, intended, length: 2.0 * half.x };
+                let own = OwnMotion {
+                    speed: car.speed,
+                    acceleration: car.acceleration,
+                    intended,
+                    length: 2.0 * half.x,
+                    brake: encounter.brake,
+                };
                 let threat = encounter.threat(number, share, car.way);
                 let braking = driver.brake(&own, threat.as_ref(), dt);
                 let stood = car.has_stopped();
@@ -268,7 +279,7 @@ impl Trial {
                         Some(_) => 0.0,
                         None => encounter.fastest_since(time - driver.noticed_for(), time),
                     };
-                    car.brake(braking.unwrap_or(0.0).min(encounter.grip), noticed_at, &next, dt);
+                    car.brake(braking.unwrap_or(0.0).min(encounter.brake), noticed_at, &next, dt);
                 } else {
                     car.follow(&next);
                 }

@@ -80,8 +80,10 @@ pub struct Verdict {
     pub warning: f64,
     /// The car's speed when the danger started (m/s).
     pub danger_speed: f64,
-    /// Whether the pedestrian moved as people do up to the touch: [`PedestrianMotion::is_foreseeable`](super::PedestrianMotion::is_foreseeable).
+    /// Whether the pedestrian moved as people do in the last three seconds before the touch: [`PedestrianMotion::is_foreseeable`](super::PedestrianMotion::is_foreseeable).
     pub foreseeable: bool,
+    /// Whether it was faster than 8 km/h: [`PedestrianMotion::is_fast`](super::PedestrianMotion::is_fast).
+    pub fast: bool,
     /// Whether the pedestrian could be seen before the touch.
     pub sight: Sight,
     /// The car's speed at the recorded touch (m/s).
@@ -109,6 +111,7 @@ impl Verdict {
             moved: !self.is_bump(),
             preventable: self.is_preventable(),
             foreseeable: self.foreseeable,
+            fast: self.fast,
             walked_into: self.walked_into,
             speed: self.impact_speed,
             margin: Label::humans().map(|human| self.margin(human)).into_iter().fold(f64::INFINITY, f64::min),
@@ -122,7 +125,7 @@ impl Verdict {
 
     /// Whether it counts against the driver.
     pub fn is_fault(&self) -> bool {
-        self.class() == Class::Fault
+        self.class().is_fault()
     }
 
     /// The risk of a severe injury that the driver would have spared the pedestrian by driving as a careful human does: that of the impact for

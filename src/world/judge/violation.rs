@@ -1,5 +1,5 @@
 use super::trial::{FreeRun, STANDING, Seen, Watch};
-use super::{Class, Encounter, Inquiry, Label, PedestrianMotion, Reference};
+use super::{Encounter, Inquiry, Label, PedestrianMotion, Reference};
 use crate::av::reference_drivers::DelayedBrake;
 use crate::env::{OtherDrive, Pair, is_about_braking, is_about_pedestrian};
 use crate::geometry::{Point, Pose};
@@ -72,7 +72,7 @@ impl ViolationVerdict {
         }
         let foreseeable = PedestrianMotion::new(&pair).is_foreseeable();
         let touch = pair.contact().filter(|touch| touch.impact_speed > STANDING && sample + 1 >= pair.len());
-        let counts = |_: &_| Inquiry::new(&pair).is_some_and(|mut inquiry| inquiry.class() == Class::Fault);
+        let counts = |_: &_| Inquiry::new(&pair).is_some_and(|mut inquiry| inquiry.class().is_fault());
         let fault = preventable && foreseeable && touch.as_ref().is_none_or(counts);
         Some(Self { preventable, foreseeable, fault, danger: danger as u32 })
     }

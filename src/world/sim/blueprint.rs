@@ -172,6 +172,11 @@ impl VehicleBlueprint {
         self.demanded(control, speed).clamp(-self.grip, self.grip)
     }
 
+    /// The greatest deceleration of the brake on this road (m/s²), but for what the car gains below [`VehicleBlueprint::low_speed`].
+    pub fn greatest_deceleration(&self) -> f64 {
+        self.full_brake.min(self.grip)
+    }
+
     /// The acceleration that the pedals demand, whatever the road (m/s²).
     fn demanded(&self, control: Control, speed: f64) -> f64 {
         let lines = self.throttle.iter().map(|line| (line.throttle, line.at_rest + line.slope * speed));

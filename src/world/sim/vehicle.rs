@@ -1,3 +1,5 @@
+use std::f64::consts::PI;
+
 use super::VehicleBlueprint;
 use crate::geometry::{OrientedBox, Pose, wrap_angle};
 
@@ -22,7 +24,7 @@ impl Control {
 pub struct VehicleState {
     /// Centre of its box, half way between the axles, and its heading.
     pub pose: Pose,
-    /// Speed along its heading (m/s), never negative.
+    /// Speed along its heading (m/s). It is negative only in recordings of cars that reverse.
     pub speed: f64,
     /// Time since it was placed (s); a new vehicle stands until it is in gear.
     pub age: f64,
@@ -31,6 +33,12 @@ pub struct VehicleState {
 impl VehicleState {
     pub fn outline(&self, blueprint: &VehicleBlueprint) -> OrientedBox {
         OrientedBox::new(self.pose, blueprint.half_length, blueprint.half_width)
+    }
+
+    /// The same motion of a car that is turned round: its rear is its front.
+    pub fn reversed(self) -> Self {
+        let pose = Pose { yaw: wrap_angle(self.pose.yaw + PI), ..self.pose };
+        Self { pose, speed: -self.speed, ..self }
     }
 
     /// Simulates one tick: a kinematic bicycle about the middle of the wheelbase.

@@ -261,6 +261,7 @@ mod tests {
             danger_speed: 2.0,
             warning: 2.0,
             foreseeable: front,
+            fast: false,
             sight: Sight { hidden: 0.0, seen: 3.0 },
             impact_speed,
             trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5, moved: true, braked: true, stopped: true };

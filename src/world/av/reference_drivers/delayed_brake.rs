@@ -19,11 +19,11 @@ impl Gate {
     /// that a person who stands in the lane in full view would be no fault of any driver. A driver that looks ahead sees that person earlier: our choice.
     pub const CAREFUL: Self = Self { least: 2.0, in_time: true, longer: 0.0 };
 
-    /// The time to collision (s) at which it opens at a speed (m/s): at least [`Gate::least`], and time enough for the careful human to stop, with
+    /// The time to collision (s) at which it opens: at least [`Gate::least`], and time enough for the careful human to stop with this car, with
     /// its evaluation, its reaction, and a ramp in which it does not brake yet.
-    pub fn opens(&self, speed: f64) -> f64 {
+    pub fn opens(&self, own: &OwnMotion) -> f64 {
         let human = BrakeProfile::careful_human(DelayedBrake::CAREFUL);
-        let stop = human.wait + human.ramp + speed / (2.0 * human.full);
+        let stop = human.wait + human.ramp + own.speed / (2.0 * human.full.min(own.brake));
         self.longer + if self.in_time { self.least.max(stop) } else { self.least }
     }
 }
@@ -80,7 +80,7 @@ impl DelayedBrake {
     pub fn notices(&self, own: &OwnMotion, threat: &Threat) -> bool {
         match self.gate {
             None => threat.is_on_its_way(),
-            Some(gate) => threat.time_to_collision(own) <= gate.opens(own.speed) && threat.is_on_course(own),
+            Some(gate) => threat.time_to_collision(own) <= gate.opens(own) && threat.is_on_course(own),
         }
     }
 

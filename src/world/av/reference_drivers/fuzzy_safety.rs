@@ -165,7 +165,7 @@ mod tests {
     fn it_waits_brakes_within_its_jerk_and_then_keeps_its_speed() {
         let mut model = FuzzySafety::default();
         model.begin();
-        let own = OwnMotion { speed: 8.33, acceleration: 0.0, intended: 0.0, length: 4.0 };
+        let own = OwnMotion { speed: 8.33, acceleration: 0.0, intended: 0.0, length: 4.0, brake: f64::INFINITY };
         let near = Threat { gap: 10.0, length: 0.4, offset: 0.0, reach: 1.25, along: 0.0, towards: 0.0 };
         let asked: Vec<Option<f64>> = (0..140).map(|_| model.brake(&own, Some(&near), 0.01)).collect();
         assert!(asked[..75].iter().all(Option::is_none));
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn somebody_who_will_be_too_late_is_let_be() {
-        let own = OwnMotion { speed: 10.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
+        let own = OwnMotion { speed: 10.0, acceleration: 0.0, intended: 0.0, length: 4.5, brake: f64::INFINITY };
         let walker =
             |aside| Threat { gap: 8.0, length: 0.5, offset: 1.25 + aside, reach: 1.25, along: 0.0, towards: 1.0 };
         assert!(crosses_in_time(&own, &walker(1.39)) && !crosses_in_time(&own, &walker(1.41)));

@@ -10,6 +10,8 @@ pub struct OwnMotion {
     pub intended: f64,
     /// Length of the car (m).
     pub length: f64,
+    /// The greatest deceleration that the car and the road allow (m/s²).
+    pub brake: f64,
 }
 
 impl OwnMotion {

@@ -82,7 +82,7 @@ pub fn results(found: &Findings<'_>) -> Markup {
                 em { "Preventable" }
                 ": both careful human drivers would have avoided it. "
                 em { "Fault" }
-                ": preventable, and the pedestrian moved as people do. Controllers of a place meet the same starts. \
+                ": preventable, with a foreseeable pedestrian, not walked into, at walking pace or more, and not narrowly. Controllers of a place meet the same starts. \
                  Untrained controllers do the same for every reward, so they are here once."
                 @if scale.name().is_some() {
                     " The thin line above a bar is the scale: from the best driver with this controller in this town to "

@@ -13,15 +13,16 @@ const READING: [&str; 4] = [
      - **contested**: some reference drivers avoid it and some do not.\n\
      - **machine preventable**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
      - **unpreventable**: braking at once with 0.85 g does not avoid it.",
-    "*Fault* is preventable and foreseeable: these failures count against the driver under test. Two more shares say what else was true of a \
+    "*Fault* is preventable and foreseeable, at walking pace or more, not walked into, and not narrowly: these failures count against the driver under test. \
+     Two more shares say what else was true of a \
      collision, whatever its verdict. *Into the side*: the front had passed, and the pedestrian walked into the side or the rear. *Foreseeable*: the \
-     pedestrian never walked faster than 8 km/h, never accelerated by more than 2.12 m/s² within a tick, and its velocity changed by at most 1.65 m/s \
-     within any second, as in Euro NCAP's tests and recorded walking. Turns and stops count. A pedestrian without inertia is never foreseeable; \
+     pedestrian kept its velocity in the last 3 s, or was not faster than 8 km/h and changed its velocity by at most 2.12 m/s² over 0.5 s and 1.65 m/s \
+     within any second, as in Euro NCAP's tests and recorded walking. Turns and stops count. A pedestrian without inertia seldom is; \
      `std/pedestrians.scn` has pedestrians that are. *Expected* is the share of drivers who would have avoided it, summed over the collisions and \
      divided by the episodes: reaction times are lognormal with a mean of 1.21 s.",
     "The careful human is that of UN R157. It notices a pedestrian who is on course into the car's path when the time to collision is at most 2 s, or what \
      it needs to stop if that is more, \
-     and must avoid the collision in both readings: braking 1.15 s after that, and 0.75 s after that, each time with 0.6 s to reach 0.774 g. The others are the \
+     and must avoid the collision in both readings: braking 1.15 s after that, and 0.75 s after that, each time with 0.6 s to reach 0.774 g, or what this car can if that is less. The others are the \
      Fuzzy Safety Model (0.75 s, up to 6 m/s²), RSS (ad-rss-lib's parameters, 4 m/s²), an ideal emergency brake (0.35 s, 0.6 s to reach 0.85 g) and \
      physics (0.85 g at once). R157 is not written for roads with pedestrians: read the labels as a comparison, not as a finding of law.",
 ];
