@@ -151,7 +151,8 @@ pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "",
     "of a fault its `severe_injury_risk`, which a careful human would have spared the pedestrian; otherwise 0",
 );
-pub const PEAK_SPEED: Column<f64> = Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian in the last 3 s, mean over 0.5 s");
+pub const PEAK_SPEED: Column<f64> =
+    Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian in the last 3 s, mean over 0.5 s");
 pub const PEAK_ACCELERATION: Column<f64> = Column::new(
     "peak_acceleration_mps2",
     "m/s²",

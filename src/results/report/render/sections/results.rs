@@ -11,7 +11,7 @@ const READING: &str = "\"±\" is the standard deviation over runs. Each run is a
     The interval is Wilson's over the starts, which the runs share. It does not say what further trainings would show. \
     In a collision the car moves. *With bumps*: share of the episodes in which car and pedestrian touch, also while the car \
     stands; *front*: share of these in the front sector. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
-    *Fault*: those of them in which the pedestrian moved as people do. The column after it is the fault rate as a share of that of the driver \
+    *Fault*: those of them that count against the driver. The column after it is the fault rate as a share of that of the driver \
     that sees no pedestrians, or of the worst driver, with the same controller in the same town. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
     An untrained controller walks the same for every reward, so it has one row. \
     *Left out* (if there are any): share of the episodes that are in no rate, since the driver did not reach its start or left the road before it could see a pedestrian.";
