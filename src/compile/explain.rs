@@ -1,31 +1,29 @@
 use std::fmt::Write;
 
-use super::{Catalog, interface_pages};
-use base::signature::{Event, Param, Signature, Variable};
+use super::{Catalog, interface_pages, reference};
+use base::signature::Signature;
 use base::units::{Dimension, UNIT_NAMES, parse_unit};
 use lang::error_index::{Mistake, mistakes};
 use lang::keywords::{WORDS, Word};
-use lang::nearest;
-use lang::{DIMENSIONS, functions, library, temporal_operators};
+use lang::{DIMENSIONS, functions, library, nearest, temporal_operators};
 
 /// Something that can be explained, under the words that lead to it.
 struct Page {
     /// Such as `policy`, `idm`, `margin`.
     path: Vec<&'static str>,
     text: String,
+    /// Whether its word means nothing else: a message, a topic or a form.
+    is_whole: bool,
 }
 
-/// A word, and the text that explains it.
-type Topic = (&'static str, fn(&Catalog) -> String);
-
-/// Pages about several things.
-const TOPICS: [Topic; 6] = [
-    ("events", Catalog::events),
-    ("variables", Catalog::variables),
-    ("functions", |_| all_functions()),
-    ("units", |_| units()),
-    ("state", |_| interface_pages::state()),
-    ("action", |_| interface_pages::action()),
+/// Pages about several things, with what they are about.
+const TOPICS: [(&str, &str); 6] = [
+    ("events", "what rewards answer to"),
+    ("variables", "what formulas can name"),
+    ("functions", "what formulas can call"),
+    ("units", "what quantities are written in"),
+    ("state", "what the controller of a pedestrian gets"),
+    ("action", "what it chooses"),
 ];
 
 impl Catalog {
@@ -40,30 +38,22 @@ impl Catalog {
         let parts = words.iter().flat_map(|word| word.split([' ', '\t', point(word)]));
         let words: Vec<&str> = parts.filter(|word| !word.is_empty()).collect();
         let Some((last, before)) = words.split_last() else { return Ok(self.topics()) };
-        let pages = self.pages();
-        let leads = |page: &&Page| {
+        let mut pages = self.pages();
+        if let Some(whole) = pages.iter().find(|page| page.is_whole && page.path == words) {
+            return Ok(whole.text.clone());
+        }
+        pages.retain(|page| {
             let mut path = page.path[..page.path.len() - 1].iter();
             before.iter().all(|word| path.any(|known| known == word))
-        };
-        let mut found: Vec<String> = Vec::new();
-        if before.is_empty() {
-            if let Some(page) = self.whole_page(last) {
-                return Ok(page);
-            }
-            found.extend(unit(last));
-        }
-        found.extend(
-            pages.iter().filter(leads).filter(|page| page.path.last() == Some(last)).map(|page| page.text.clone()),
-        );
-        if before.is_empty() {
-            found.extend(in_library(last));
-        }
+        });
+        let alone = before.is_empty().then_some(last);
+        let mut found: Vec<String> = alone.and_then(|word| unit(word)).into_iter().collect();
+        found.extend(pages.iter().filter(|page| page.path.last() == Some(last)).map(|page| page.text.clone()));
+        found.extend(alone.into_iter().flat_map(|word| in_library(word)));
         if !found.is_empty() {
             return Ok(found.join("\n"));
         }
-        let codes = mistakes().into_iter().map(|mistake| mistake.code);
-        let single = codes.chain(TOPICS.map(|(name, _)| name)).filter(|_| before.is_empty());
-        let known = single.chain(pages.iter().filter(leads).filter_map(|page| page.path.last().copied()));
+        let known = pages.iter().filter_map(|page| page.path.last().copied());
         let (words, before) = (words.join(" "), before.iter().map(|word| format!("{word} ")).collect::<String>());
         Err(match nearest(last, known) {
             Some(near) => format!("nothing is known of `{words}`; did you mean `{before}{near}`?"),
@@ -71,33 +61,31 @@ impl Catalog {
         })
     }
 
-    /// The page of a message, a topic or a form.
-    fn whole_page(&self, word: &str) -> Option<String> {
-        if let Some(mistake) = mistakes().iter().find(|mistake| mistake.code == word) {
-            return Some(explain_mistake(mistake));
-        }
-        if let Some((_, page)) = TOPICS.iter().find(|(name, _)| *name == word) {
-            return Some(page(self));
-        }
-        self.forms.iter().any(|form| form.name == word).then(|| self.form(word))
+    /// The text about what exactly these words lead to, or about a unit.
+    pub fn page(&self, path: &[&str]) -> Option<String> {
+        let exact = self.pages().into_iter().find(|page| page.path == path).map(|page| page.text);
+        exact.or_else(|| path.first().and_then(|word| unit(word)))
     }
 
-    /// Words of the language, events, variables, functions, types, and all kinds, blocks, keys and words of choices.
+    /// Messages, topics, forms, words of the language, events, variables, functions, types, and all kinds, blocks, keys and words of choices.
     fn pages(&self) -> Vec<Page> {
         let mut pages = Vec::new();
-        let mut add = |path: &[&'static str], text| pages.push(Page { path: path.to_vec(), text });
-        WORDS.iter().for_each(|word| add(&[word.name], explain_word(word)));
-        self.vocabulary.events.iter().for_each(|each| add(&["on", each.name], event(each)));
-        self.vocabulary.variables.iter().for_each(|each| add(&[each.name], variable(each)));
-        functions().chain(temporal_operators()).for_each(|(name, doc)| add(&[name], function(name, doc)));
-        DIMENSIONS.iter().for_each(|(name, of)| add(&[name], dimension(name, *of)));
+        let mut add = |path: &[&'static str], text, is_whole| pages.push(Page { path: path.to_vec(), text, is_whole });
+        mistakes().iter().for_each(|mistake| add(&[mistake.code], explain_mistake(mistake), true));
+        TOPICS.iter().for_each(|(word, about)| add(&[word], self.topic(word, about), true));
+        self.forms.iter().for_each(|form| add(&[form.name], reference::form(form), true));
+        WORDS.iter().for_each(|word| add(&[word.name], explain_word(word), false));
+        self.vocabulary.events.iter().for_each(|each| add(&["on", each.name], reference::event(each), false));
+        self.vocabulary.variables.iter().for_each(|each| add(&[each.name], reference::variable(each), false));
+        functions().chain(temporal_operators()).for_each(|each| add(&[each.0], reference::function(each), false));
+        DIMENSIONS.iter().for_each(|(name, of)| add(&[name], dimension(name, *of), false));
         for form in &self.forms {
             for kind in &form.kinds {
-                let head = format!("{} name = {}(…)", form.name, kind.name);
-                signature_pages(&[form.name, kind.name], &head, kind, &mut pages);
+                add(&[form.name, kind.name], reference::signature(&reference::head(form, Some(kind)), kind), false);
+                inside(&[form.name, kind.name], &reference::head(form, Some(kind)), kind, &mut add);
             }
             if let Some(plain) = &form.plain {
-                signature_pages(&[form.name], &format!("{} name {{ … }}", form.name), plain, &mut pages);
+                inside(&[form.name], &reference::head(form, None), plain, &mut add);
             }
         }
         pages
@@ -111,59 +99,26 @@ impl Catalog {
             let _ = writeln!(page, "  {:10}  {}", form.name, kinds.join(", "));
         }
         let words: Vec<&str> = WORDS.iter().map(|word| word.name).collect();
-        let _ = writeln!(page, "\nWords; `falsify explain WORD`:\n\n  {}", words.join(", "));
-        page.push_str("\n  events      what rewards answer to\n  variables   what formulas can name\n");
-        page.push_str("  functions   what formulas can call\n  units       what quantities are written in\n");
-        page.push_str("  state       what the controller of a pedestrian gets\n  action      what it chooses\n\n");
-        page.push_str("Diagnostics; `falsify explain CODE`:\n\n");
+        let _ = writeln!(page, "\nWords; `falsify explain WORD`:\n\n  {}\n", words.join(", "));
+        page.extend(TOPICS.map(|(word, about)| format!("  {word:10}  {about}\n")));
+        page.push_str("\nDiagnostics; `falsify explain CODE`:\n\n");
         for mistake in mistakes() {
             let _ = writeln!(page, "  {:22}  {}", mistake.code, first_sentence(mistake.text));
         }
         page
     }
 
-    fn form(&self, name: &str) -> String {
-        let mut page = String::new();
-        for form in self.forms.iter().filter(|form| form.name == name) {
-            let _ = writeln!(page, "{}: {}\n", form.name, form.doc);
-            if let Some(plain) = &form.plain {
-                page.push_str(&contents(&format!("{} name {{ … }}", form.name), plain));
-            }
-            for kind in &form.kinds {
-                let _ = writeln!(page, "{} name = {}(…)\n    {}", form.name, kind.name, kind.doc);
-            }
-            if !form.kinds.is_empty() {
-                let _ = writeln!(page, "\n`falsify explain {} KIND` lists the keys of a kind.", form.name);
-            }
-        }
-        page
+    fn topic(&self, word: &str, about: &str) -> String {
+        let list: String = match word {
+            "state" => return interface_pages::state(),
+            "action" => return interface_pages::action(),
+            "events" => self.vocabulary.events.iter().map(reference::event).collect(),
+            "variables" => self.vocabulary.variables.iter().map(reference::variable).collect(),
+            "functions" => functions().chain(temporal_operators()).map(reference::function).collect(),
+            _ => UNIT_NAMES.iter().map(|(name, unit)| format!("- `{name}`: {}\n", unit.dimension)).collect(),
+        };
+        format!("**{word}** {about}\n\n{list}")
     }
-
-    fn events(&self) -> String {
-        let all = self.vocabulary.events.iter().map(|each| format!("\n{}", event(each)));
-        std::iter::once("Events: `on event => formula` inside a reward.\n".to_string()).chain(all).collect()
-    }
-
-    fn variables(&self) -> String {
-        let mut page = String::from("Variables: what formulas can name.\n\n");
-        self.vocabulary.variables.iter().for_each(|each| page.push_str(&variable(each)));
-        page
-    }
-}
-
-fn event(event: &Event) -> String {
-    let head =
-        if event.answered { format!("on {}", event.name) } else { format!("{} (for conditions alone)", event.name) };
-    let mut page = format!("{head}\n    {}\n", event.doc);
-    if !event.words.is_empty() {
-        let _ = writeln!(page, "    words: {}", event.words.join(", "));
-    }
-    let _ = writeln!(page, "    variables: {}", event.variables.join(", "));
-    page
-}
-
-fn variable(variable: &Variable) -> String {
-    format!("{} ({})\n    {}\n", variable.name, variable.within(), variable.doc)
 }
 
 fn explain_word(word: &Word) -> String {
@@ -172,14 +127,6 @@ fn explain_word(word: &Word) -> String {
 
 fn indented(text: &str) -> String {
     text.lines().map(|line| format!("    {line}\n")).collect()
-}
-
-fn units() -> String {
-    let mut page = String::from("Units, which `/`, `*` and `^` combine, as in `km/h` and `m/s^2`.\n\n");
-    for (name, unit) in UNIT_NAMES {
-        let _ = writeln!(page, "{name:8}  {}", unit.dimension);
-    }
-    page
 }
 
 /// What a unit measures, and its size.
@@ -194,28 +141,16 @@ fn unit(word: &str) -> Option<String> {
         None if unit.dimension == Dimension::RATIO => format!("; 1 {word} = {}", unit.factor),
         None => String::new(),
     };
-    Some(format!("{word} (unit)\n    {}{si}\n", unit.dimension))
+    Some(format!("`{word}` (unit): {}{si}\n", unit.dimension))
 }
 
 /// The values that a type of parameters accepts.
 fn dimension(name: &str, dimension: Dimension) -> String {
     let units = match dimension.usual_units() {
         [] => "without a unit".to_string(),
-        units => format!("in {}", units.join(", ")),
+        units => format!("in `{}`", units.join("`, `")),
     };
-    format!(
-        "param name: {name} = …\n    {}, {units}; a range or a distribution may stand for it as well.\n",
-        if dimension == Dimension::ANGLE { "An angle".into() } else { format!("A {dimension}") }
-    )
-}
-
-fn function(name: &str, doc: &str) -> String {
-    format!("{name}(…)\n    {doc}\n")
-}
-
-fn all_functions() -> String {
-    let all = functions().chain(temporal_operators()).map(|(name, doc)| function(name, doc));
-    std::iter::once("Functions of formulas.\n\n".to_string()).chain(all).collect()
+    format!("`param name: {name} = …`: {dimension} {units}; a range or a distribution may stand for it as well.\n")
 }
 
 /// The declarations of the standard library under a name.
@@ -224,59 +159,23 @@ fn in_library(word: &str) -> Vec<String> {
     library::statements(word).map(shown).collect()
 }
 
-/// The pages of a signature, its keys with the words that they accept, and its blocks.
-fn signature_pages(path: &[&'static str], head: &str, signature: &Signature, pages: &mut Vec<Page>) {
-    pages.push(Page { path: path.to_vec(), text: contents(head, signature) });
+/// Adds the pages of the keys of a signature, with the words that they accept, and of its blocks.
+fn inside(
+    path: &[&'static str],
+    head: &str,
+    signature: &Signature,
+    add: &mut impl FnMut(&[&'static str], String, bool),
+) {
     for param in &signature.params {
-        let text = format!("{head}\n\n{}", key(param));
-        let words = param.ty.words().iter().map(|word| [path, &[param.name, *word][..]].concat());
-        let paths = std::iter::once([path, &[param.name][..]].concat()).chain(words);
-        pages.extend(paths.map(|path| Page { path, text: text.clone() }));
+        let text = format!("`{head}`\n\n{}", reference::key(param));
+        add(&[path, &[param.name]].concat(), text.clone(), false);
+        param.ty.words().iter().for_each(|word| add(&[path, &[param.name, *word]].concat(), text.clone(), false));
     }
     for child in &signature.children {
-        let head = format!("{head}, inside: {} {{ … }}", child.name);
-        signature_pages(&[path, &[child.name][..]].concat(), &head, child, pages);
+        let path = [path, &[child.name]].concat();
+        add(&path, format!("`{head}`, inside:\n\n{}", reference::block(child)), false);
+        inside(&path, &format!("{head}, inside: {} {{ … }}", child.name), child, add);
     }
-}
-
-fn contents(head: &str, signature: &Signature) -> String {
-    let mut page = format!("{head}\n");
-    if !signature.doc.is_empty() {
-        let _ = writeln!(page, "    {}", signature.doc);
-    }
-    if !signature.surrogate.is_empty() {
-        let _ = writeln!(page, "\n    A surrogate. {}", signature.surrogate);
-    }
-    page.push('\n');
-    for param in &signature.params {
-        page.push_str(&key(param));
-    }
-    if signature.clauses {
-        page.push_str("on event => formula\n    see `falsify explain events`\n");
-    }
-    page.extend(signature.rising.iter().map(|[low, high]| format!("{low} is at most {high}.\n")));
-    page.extend(signature.tick.map(|tick| format!("Made for ticks of {tick} s.\n")));
-    for child in &signature.children {
-        let keys: Vec<&str> = child.params.iter().map(|param| param.name).collect();
-        let _ = writeln!(
-            page,
-            "{} {{ … }}, {}\n    {}\n    keys: {}",
-            child.name,
-            child.occurrence(),
-            child.doc,
-            keys.join(", ")
-        );
-    }
-    page
-}
-
-fn key(param: &Param) -> String {
-    let default = match param.default {
-        None => "must be given".into(),
-        Some("") => "may be left out".into(),
-        Some(text) => format!("default {text}"),
-    };
-    format!("{}: {}; {default}\n    {}\n", param.name, param.ty.describe_bounded(), param.doc)
 }
 
 fn first_sentence(text: &str) -> &str {

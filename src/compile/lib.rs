@@ -55,6 +55,7 @@ pub use plan::{
 pub use policy_kind::PolicyKind;
 pub use programs::{ExternalProgram, Programs, changed_files};
 pub use published::published_columns;
+pub use reference::{block, key, short_key};
 pub use run_id::{NoRunId, RunId};
 pub use town::TownKind;
 pub use walker::WalkerKind;

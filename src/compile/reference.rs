@@ -1,75 +1,98 @@
+//! What the language offers as Markdown, each thing rendered in one place: the language reference, `falsify explain` and editors show it.
+
 use std::fmt::Write;
 
 use super::Catalog;
-use base::signature::{Param, Signature};
+use base::signature::{Event, Form, Param, Signature, Variable};
 
 impl Catalog {
     /// The part of the language reference that lists forms, kinds, keys, events and variables, as Markdown.
     pub fn reference(&self) -> String {
         let mut page = String::new();
-        for form in &self.forms {
-            let _ = writeln!(page, "## `{}`\n\n{}\n", form.name, form.doc);
-            if let Some(plain) = &form.plain {
-                let _ = writeln!(page, "`{} name {{ … }}`\n", form.name);
-                contents(&mut page, plain);
-            }
-            for kind in &form.kinds {
-                let _ =
-                    writeln!(page, "### `{}`\n\n`{} name = {}(…)`: {}\n", kind.name, form.name, kind.name, kind.doc);
-                if !kind.surrogate.is_empty() {
-                    let _ = writeln!(page, "**A surrogate.** {}\n", kind.surrogate);
-                }
-                contents(&mut page, kind);
+        for each in &self.forms {
+            let _ = writeln!(page, "## `{}`\n\n{}\n", each.name, each.doc);
+            page.extend(each.plain.iter().map(|plain| signature(&head(each, None), plain)));
+            for kind in &each.kinds {
+                let _ = write!(page, "### `{}`\n\n{}", kind.name, signature(&head(each, Some(kind)), kind));
             }
         }
-        page.push_str("## Events\n\n`on event => formula` inside a `reward`.\n\n| event | words | variables | when |\n|---|---|---|---|\n");
-        for event in self.vocabulary.events.iter().filter(|event| event.answered) {
-            let words = quoted(event.words);
-            let _ = writeln!(page, "| `{}` | {words} | {} | {} |", event.name, quoted(&event.variables), event.doc);
-        }
-        page.push_str("\n## Variables\n\n| variable | measures | meaning |\n|---|---|---|\n");
-        for variable in &self.vocabulary.variables {
-            let _ = writeln!(page, "| `{}` | {} | {} |", variable.name, variable.measures(), variable.doc);
-        }
+        page.push_str("## Events\n\n`on event => formula` inside a `reward`.\n\n");
+        page.extend(self.vocabulary.events.iter().filter(|each| each.answered).map(event));
+        page.push_str("\n## Variables\n\n");
+        page.extend(self.vocabulary.variables.iter().map(variable));
         page
     }
 }
 
-fn quoted(words: &[&str]) -> String {
-    words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+/// A declaration of a form, perhaps of one of its kinds.
+pub(super) fn head(form: &Form, kind: Option<&Signature>) -> String {
+    match kind {
+        Some(kind) => format!("{} name = {}(…)", form.name, kind.name),
+        None => format!("{} name {{ … }}", form.name),
+    }
 }
 
-fn contents(page: &mut String, signature: &Signature) {
-    if !signature.params.is_empty() {
-        page.push_str("| key | value | default | meaning |\n|---|---|---|---|\n");
-        for param in &signature.params {
-            let _ = writeln!(
-                page,
-                "| `{}` | {} | {} | {} |",
-                param.name,
-                param.ty.describe_bounded(),
-                default(param),
-                param.doc
-            );
-        }
+/// A form with its keys, and its kinds without theirs.
+pub(super) fn form(form: &Form) -> String {
+    let mut page = format!("**{}** {}\n\n", form.name, form.doc);
+    page.extend(form.plain.iter().map(|plain| signature(&head(form, None), plain)));
+    page.extend(form.kinds.iter().map(|kind| format!("- `{}`: {}\n", head(form, Some(kind)), kind.doc)));
+    if !form.kinds.is_empty() {
+        let _ = writeln!(page, "\n`falsify explain {} KIND` lists the keys of a kind.", form.name);
+    }
+    page
+}
+
+/// A kind, or a block, with its keys and its blocks.
+pub(super) fn signature(head: &str, of: &Signature) -> String {
+    let colon = if of.doc.is_empty() { "" } else { ": " };
+    let mut page = format!("`{head}`{colon}{}\n\n", of.doc);
+    if !of.surrogate.is_empty() {
+        let _ = writeln!(page, "**A surrogate.** {}\n", of.surrogate);
+    }
+    page.extend(of.params.iter().map(key));
+    page.extend(of.clauses.then_some("- `on event => formula`: see `falsify explain events`.\n"));
+    page.extend(of.rising.iter().map(|[low, high]| format!("- `{low}` is at most `{high}`.\n")));
+    page.extend(of.tick.map(|tick| format!("- Made for ticks of {tick} s.\n")));
+    if !page.ends_with("\n\n") {
         page.push('\n');
     }
-    for [low, high] in &signature.rising {
-        let _ = writeln!(page, "`{low}` is at most `{high}`.\n");
-    }
-    if let Some(tick) = signature.tick {
-        let _ = writeln!(page, "Made for ticks of {tick} s.\n");
-    }
-    for child in &signature.children {
-        let _ = writeln!(page, "Block `{}`, {}: {}\n", child.name, child.occurrence(), child.doc);
-        contents(page, child);
-    }
+    page.extend(of.children.iter().map(block));
+    page
 }
 
-fn default(param: &Param) -> String {
-    match param.default {
+/// A block with its keys.
+pub fn block(child: &Signature) -> String {
+    signature(&format!("{} {{ … }}", child.name), child).replacen("`:", &format!("`, {}:", child.occurrence()), 1)
+}
+
+/// A key with its type, units, default and meaning, as a line of a list.
+pub fn key(param: &Param) -> String {
+    format!("- {}. {}\n", short_key(param), param.doc)
+}
+
+/// A key with its type, units and default.
+pub fn short_key(param: &Param) -> String {
+    let default = match param.default {
         None => "must be given".into(),
-        Some("") => "–".into(),
-        Some(text) => format!("`{text}`"),
-    }
+        Some("") => "may be left out".into(),
+        Some(text) => format!("default `{text}`"),
+    };
+    format!("`{}`: {}; {default}", param.name, param.ty.describe_bounded())
+}
+
+pub(super) fn event(event: &Event) -> String {
+    let head = if event.answered { "on " } else { "" };
+    let only = if event.answered { "" } else { " Only for conditions." };
+    let quoted = |words: &[&str]| words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
+    let words = if event.words.is_empty() { String::new() } else { format!(" Words: {}.", quoted(event.words)) };
+    format!("- `{head}{}`: {}{only}{words} Variables: {}.\n", event.name, event.doc, quoted(&event.variables))
+}
+
+pub(super) fn variable(variable: &Variable) -> String {
+    format!("- `{}` ({}): {}\n", variable.name, variable.within(), variable.doc)
+}
+
+pub(super) fn function((name, doc): (&str, &str)) -> String {
+    format!("- `{name}(…)`: {doc}\n")
 }

@@ -173,7 +173,7 @@ fn words_are_explained_where_they_stand() {
         ("child", "one of"),
         ("hit(", "touch"),
         ("v_c", "speed"),
-        ("m/s)", "**m/s**: speed"),
+        ("m/s)", "`m/s` (unit): speed"),
         ("front)", "`front` within the front sector"),
         ("vehicle:", "name of a vehicle; must be given"),
         ("train {", "Trains one pedestrian"),
@@ -492,7 +492,7 @@ fn parameters_and_imported_names_are_explained_and_found() {
     for (mark, part, line) in [
         ("far: length", "param far: length = 30 m", Some(4)),
         ("length =", "`m`", None),
-        ("adversary =", "The name of one", None),
+        ("adversary =", "a pedestrian", None),
         ("suicidal, near", "Someone.", Some(4)),
         ("near_you from", "param near_you: length = 7 m", Some(2)),
         ("suicidal\nparam", "Someone.", Some(4)),

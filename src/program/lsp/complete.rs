@@ -3,12 +3,12 @@ use std::path::Path;
 use lsp_types::{CompletionItem, CompletionItemKind, Documentation, InsertTextFormat};
 
 use super::cursor::{Cursor, Place};
-use super::hover::{one_line, referred};
+use super::hover::referred;
 use super::visible::{Visible, dimension as measured, fits};
 use super::workspace::beside;
 use base::signature::{Param, Signature, Type};
 use base::units::{Dimension, UNIT_NAMES};
-use compile::Catalog;
+use compile::{Catalog, short_key};
 use lang::{DIMENSIONS, OTHER_TYPES, ast, distributions, functions, library, temporal_operators};
 
 /// The possible completions at the cursor of a file.
@@ -88,7 +88,7 @@ fn snippet(label: &str, doc: &str, text: String) -> CompletionItem {
 
 fn keys(signature: &Signature) -> Vec<CompletionItem> {
     let keys = signature.params.iter().map(|param| CompletionItem {
-        detail: Some(one_line(param)),
+        detail: Some(short_key(param)),
         insert_text: Some(format!("{}: ", param.name)),
         ..item(param.name, CompletionItemKind::PROPERTY, param.doc)
     });
