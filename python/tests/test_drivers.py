@@ -240,22 +240,6 @@ def test_a_network_drives_as_in_the_language(tmp_path):
         assert one["least_gap_m"] == pytest.approx(two["least_gap_m"], abs=0.05)
 
 
-def test_the_constants_of_a_network_may_be_in_a_file_beside_it(tmp_path):
-    networks = REPOSITORY / "tests/reference/onnx"
-    text = Path(__file__).with_name("short.scn").read_text()
-    ends = []
-    for name in ("follow.onnx", "follow_apart.onnx"):
-        (tmp_path / name).write_bytes((networks / name).read_bytes())
-        named = text.replace("episode ten", f'policy net = onnx(model: "{name}")\nepisode ten', 1).replace("[behavior, blind]", "[net]", 1)
-        (tmp_path / "net.scn").write_text(named)
-        if "apart" in name:
-            with pytest.raises(falsify_av.ScenarioError, match="its constants are in `follow_apart.onnx.data`: there is no such file"):
-                falsify_av.make(tmp_path / "net.scn", **{**CHOICE, "policy": "net"})
-            (tmp_path / f"{name}.data").write_bytes((networks / f"{name}.data").read_bytes())
-        ends.append([end["digest"] for end in walk(falsify_av.make(tmp_path / "net.scn", **{**CHOICE, "policy": "net"}), 4)])
-    assert ends[0] == ends[1]
-
-
 def test_a_network_gets_the_car_s_view():
     pytest.importorskip("onnxruntime")
     driver = drivers.OnnxDriver(REPOSITORY / "tests/reference/onnx/follow.onnx")

@@ -18,8 +18,6 @@ keys! {
         end_when: Option<Formula> as Condition("step"),
         /// A hit is frontal when the pedestrian's bearing from the ego's middle is at most this.
         front: f64 as within(ANGLE, 0.0, PI) = "60 deg",
-        /// The ego counts as moving above this speed.
-        moving_above: f64 as non_negative(SPEED) = "0.1 m/s",
         /// Friction of the road: no car brakes, accelerates or turns with more than this times 9.81 m/s^2. Without it the
         /// figures of the `vehicle` alone hold, which are those of a dry road.
         friction: Option<f64> as within(RATIO, 0.02, 2.0),
@@ -52,7 +50,6 @@ pub fn lower(keys: EpisodeKeys) -> EpisodeRule {
         ticks: keys.ticks,
         end_when: keys.end_when,
         front_half_angle: keys.front,
-        moving_above: keys.moving_above,
         friction: keys.friction,
         traffic_lights: keys.traffic_lights,
         light_cycle: LightCycle { green: keys.light_green, yellow: keys.light_yellow, red: keys.light_red },

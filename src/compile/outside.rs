@@ -1,6 +1,5 @@
 //! Kinds of driving policies that need a program or a file in addition to their arguments.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::lowering::Lowering;
@@ -10,7 +9,7 @@ use lang::hir::Declaration;
 use lang::{Reader, diagnostics, reason};
 use world::av::BrakeKeys;
 use world::av::external::{External, ExternalKeys, Opener, Program, ProgramKeys, Settings};
-use world::av::onnx::{Model, Onnx, OnnxKeys, with_external_data};
+use world::av::onnx::{Model, Onnx, OnnxKeys};
 
 /// A program, if the user allows programs. It is not started here. Other arguments may have other parameters for it.
 pub fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
@@ -69,7 +68,7 @@ impl Lowering<'_> {
         Some((program, opener))
     }
 
-    /// The network in the file of the key `model`, with its constants in files beside it. It is tried before it is loaded; `None` after reporting what is wrong.
+    /// The network in the file of the key `model`. It is tried before it is loaded; `None` after reporting what is wrong.
     pub fn network<T>(
         &mut self,
         declaration: &Declaration,
@@ -78,14 +77,11 @@ impl Lowering<'_> {
     ) -> Option<T> {
         let place = declaration.block.place("model");
         let file = self.beside(declaration, path);
-        let read = |file: &Path| self.read.bytes(file).map_err(|error| reason(&error));
         let mut is_missing = false;
-        let model = self.read.bytes(&file).map_err(|error| {
+        let bytes = self.read.bytes(&file).map_err(|error| {
             is_missing = error.kind() == std::io::ErrorKind::NotFound;
             reason(&error)
         });
-        let bytes =
-            model.and_then(|bytes| with_external_data(bytes, &mut |constants| read(&file.with_file_name(constants))));
         if let (Ok(bytes), Some(trial)) = (&bytes, &self.catalog.network_trial)
             && let Err(reason) = trial(bytes)
         {

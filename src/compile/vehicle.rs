@@ -13,9 +13,7 @@ keys! {
         wheelbase: Option<f64> as within(LENGTH, 0.2, 30.0),
         /// Deceleration at full brake. model3 7.01 m/s^2, mkz_2017 9.8 m/s^2 (C); generic 9 m/s^2.
         full_brake: Option<f64> as within(ACCELERATION, 0.1, 100.0),
-        /// Below this speed CARLA's cars brake harder: 5 m/s (that they do B, the value D).
-        low_speed: Option<f64> as within(SPEED, 0.0, 100.0),
-        /// By this factor; a report without an explanation: 2 (D); generic 1.
+        /// Factor by which CARLA's cars brake harder below 5 m/s (that they do B, the speed D); a report without an explanation: 2 (D); generic 1.
         low_speed_braking: Option<f64> as within(RATIO, 0.01, 100.0),
         /// How long it stands after it has appeared at rest: 2 s (reports of 2 to 2.5 s, B); generic 0 s.
         start_up_pause: Option<f64> as within(TIME, 0.0, 10_000.0),
@@ -55,7 +53,6 @@ pub fn lower(kind: &str, keys: VehicleKeys) -> VehicleBlueprint {
     set(&mut blueprint.half_width, keys.width.map(|width| width / 2.0));
     set(&mut blueprint.wheelbase, keys.wheelbase);
     set(&mut blueprint.full_brake, keys.full_brake);
-    set(&mut blueprint.low_speed, keys.low_speed);
     set(&mut blueprint.low_speed_braking, keys.low_speed_braking);
     set(&mut blueprint.start_up_pause, keys.start_up_pause);
     set(&mut blueprint.steering_response, keys.steering_response);

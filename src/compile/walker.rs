@@ -1,10 +1,8 @@
-use std::fmt::Debug;
-
 use super::falsifier::FalsifierKind;
 use base::signature::Keys;
 use world::falsifier::{
-    Controller, Homing, HomingKeys, Intercept, InterceptKeys, Natural, Random, RandomKeys, Scripted, ScriptedKeys,
-    WalkPolicy, Walking,
+    Controlled, Controller, Homing, HomingKeys, Intercept, InterceptKeys, Natural, Random, RandomKeys, Scripted,
+    ScriptedKeys, WalkPolicy,
 };
 
 /// A kind of pedestrian that walks without having learnt. `pedestrians` of an `evaluate` block name it by its word, and it is a kind of
@@ -26,11 +24,14 @@ impl WalkerKind {
     pub fn new<K, W>(make: impl Fn(K) -> W + Send + Sync + 'static) -> Self
     where
         K: Keys,
-        W: WalkPolicy + Clone + Debug + Default + Send + Sync + 'static,
+        W: WalkPolicy + Clone + Default + Sync + 'static,
     {
         Self {
             controller: Controller::new(K::KIND, || Box::new(W::default())),
-            falsifier: FalsifierKind::new(move |keys| Walking::new(make(keys))),
+            falsifier: FalsifierKind::new(move |keys| {
+                let walker = make(keys);
+                Controlled::new(Controller::new(K::KIND, move || Box::new(walker.clone())))
+            }),
             draws: false,
             is_scripted: false,
         }

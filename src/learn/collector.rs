@@ -1,6 +1,7 @@
 //! Acting in environments to fill rollouts.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -67,7 +68,7 @@ impl Collector {
     }
 
     /// Fills one rollout for every environment with the policy's experience, including advantages and returns. Returns the
-    /// episodes that ended.
+    /// episodes that ended; `None` if `stop` was true, which is asked before every step.
     ///
     /// # Source
     /// `collect_rollouts` and `VecNormalize.step_wait` of stable-baselines3: statistics include the observations and
@@ -77,13 +78,22 @@ impl Collector {
         envs: &mut [E],
         policy: &mut ActorCritic,
         rollouts: &mut [Rollout],
-    ) -> Result<Vec<FinishedEpisode>, Quantity> {
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Vec<FinishedEpisode>>, Quantity> {
+        let stopped = AtomicBool::new(false);
+        let is_stopped = || {
+            stopped.fetch_or(stop(), Ordering::Relaxed);
+            stopped.load(Ordering::Relaxed)
+        };
         let (steps, gamma, lambda, path) = (rollouts[0].len(), self.gamma, self.lambda, self.path);
         self.lanes.iter_mut().for_each(|lane| lane.prepare(policy));
         if self.return_moments.is_none() && policy.observation_moments().is_none() {
             let policy = &*policy;
             side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
                 for t in 0..steps {
+                    if is_stopped() {
+                        return;
+                    }
                     let input = lane.look(policy, rollout, t);
                     lane.ask(policy, input);
                     if let Err(quantity) = lane.step(env, rollout, t, gamma) {
@@ -97,6 +107,9 @@ impl Collector {
             self.failure()?;
         } else {
             for t in 0..steps {
+                if is_stopped() {
+                    return Ok(None);
+                }
                 self.think(policy, rollouts, t);
                 side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
                     lane.failure = lane.step(env, rollout, t, gamma).err().map(|quantity| (t, quantity));
@@ -109,7 +122,7 @@ impl Collector {
                 lane.finish(policy, rollout, gamma, lambda, path);
             });
         }
-        Ok(self.finished())
+        Ok((!stopped.into_inner()).then(|| self.finished()))
     }
 
     /// Asks the actor for the means of the next actions of all environments at once.
@@ -249,7 +262,7 @@ mod tests {
         let mut rollouts = vec![Rollout::new(config.rollout_steps, config.frame_stack, 1); envs.len()];
         let mut collector = Collector::new(&envs, &policy, config, &Seed::root(3), Path::widest());
         collector.begin(&mut envs, &mut policy).unwrap();
-        let finished = collector.collect(&mut envs, &mut policy, &mut rollouts).unwrap();
+        let finished = collector.collect(&mut envs, &mut policy, &mut rollouts, &|| false).unwrap().unwrap();
         (rollouts, finished, policy, envs, collector)
     }
 

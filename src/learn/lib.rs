@@ -52,14 +52,12 @@ mod loss;
 mod adam;
 mod cloning;
 mod log;
-mod event_file;
 
 pub use actor_critic::{ActorCritic, Scratch};
 pub use checkpoint::CheckpointError;
 pub use cloning::{Fitted, fit};
 pub use config::{PpoConfig, UnsuitableNetworks};
 pub use env::{Env, Step};
-pub use event_file::{event_file_start, event_of_update};
 pub use frame_stack::FrameStack;
 pub use log::{FinishedEpisode, UpdateLog};
 pub use moments::RunningMoments;

@@ -112,20 +112,37 @@ impl Trainer {
     /// # Errors
     /// [`TrainError::NonFinite`] at the first number that is not finite; the trainer is of no use after that.
     pub fn update<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<&UpdateLog, TrainError> {
-        self.collect(envs)?.learn()
+        self.update_unless(envs, &|| false)
     }
 
-    /// Does the first half of [`Trainer::update`]: collects a rollout with the present policy.
+    /// As [`Trainer::update`], but gives up in the middle of the rollout when `stop` is true, which is asked at every decision.
     ///
     /// # Errors
-    /// As [`Trainer::update`].
-    pub fn collect<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<Experience<'_>, TrainError> {
+    /// As [`Trainer::update`]; [`TrainError::Stopped`] when it gave up. The trainer is of no use after that.
+    pub fn update_unless<E: Env + Send>(
+        &mut self,
+        envs: &mut [E],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<&UpdateLog, TrainError> {
+        self.collect(envs, stop)?.learn()
+    }
+
+    /// Does the first half of [`Trainer::update_unless`]: collects a rollout with the present policy.
+    ///
+    /// # Errors
+    /// As [`Trainer::update_unless`].
+    pub fn collect<E: Env + Send>(
+        &mut self,
+        envs: &mut [E],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Experience<'_>, TrainError> {
         assert!(envs.len() == self.rollouts.len(), "a training keeps its environments");
         self.set_curriculum(envs);
         let update = self.updates() + 1;
-        let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts);
+        let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts, stop);
         match finished {
-            Ok(finished) => Ok(Experience { trainer: self, finished }),
+            Ok(Some(finished)) => Ok(Experience { trainer: self, finished }),
+            Ok(None) => Err(TrainError::Stopped { update: update - 1 }),
             Err(quantity) => Err(TrainError::NonFinite { update, quantity }),
         }
     }

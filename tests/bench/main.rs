@@ -140,7 +140,7 @@ fn rollout(bencher: Bencher<'_, '_>) {
     let mut envs = [PedestrianEnv::new(training.scenario.clone(), Seed::root(1))];
     let mut trainer = Trainer::new(&mut envs, &training.config, &Seed::root(1)).expect("states are finite");
     bencher.counter(ItemsCount::new(training.config.rollout_steps)).bench_local(|| {
-        trainer.collect(&mut envs).map(drop).expect("rewards are finite");
+        trainer.collect(&mut envs, &|| false).map(drop).expect("rewards are finite");
     });
 }
 

@@ -39,7 +39,7 @@ fn main() {
         let (mut rollout, mut update) = (0.0, 0.0);
         while !trainer.is_done() {
             let before = clock.seconds();
-            let experience = trainer.collect(&mut worlds).expect("rewards are finite");
+            let experience = trainer.collect(&mut worlds, &|| false).expect("rewards are finite");
             let between = clock.seconds();
             experience.learn().expect("losses are finite");
             rollout += between - before;

@@ -30,7 +30,6 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rten", &["world/av"]),
     ("rten_tensor", &["world/av"]),
     ("safetensors", &["learn"]),
-    ("crc32c", &["learn"]),
     ("prost", &["learn", "export"]),
     ("gif", &["export"]),
     ("font8x8", &["export"]),

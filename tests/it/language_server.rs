@@ -492,7 +492,7 @@ fn parameters_and_imported_names_are_explained_and_found() {
     for (mark, part, line) in [
         ("far: length", "param far: length = 30 m", Some(4)),
         ("length =", "`m`", None),
-        ("adversary =", "a pedestrian", None),
+        ("adversary =", "The pedestrian that attacks", None),
         ("suicidal, near", "Someone.", Some(4)),
         ("near_you from", "param near_you: length = 7 m", Some(2)),
         ("suicidal\nparam", "Someone.", Some(4)),

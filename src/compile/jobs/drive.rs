@@ -40,8 +40,6 @@ keys! {
         lane: f64 as within(RATIO, 0.0, 1e6) = "0.05",
         /// Cost a second of standing without a road user or a light ahead.
         standing: f64 as within(RATIO, 0.0, 1e6) = "0.03",
-        /// Cost of a red light that is passed.
-        red_light: f64 as within(RATIO, 0.0, 1e6) = "3",
         /// Cost of a collision at low speed, twice as much at 10 m/s; and of leaving the route.
         collision: f64 as within(RATIO, 0.0, 1e6) = "5",
         /// Trainings, with different seeds.
@@ -93,7 +91,6 @@ impl Lowering<'_> {
                 comfort: keys.comfort,
                 lane: keys.lane,
                 standing: keys.standing,
-                red_light: keys.red_light,
                 collision: keys.collision,
             },
         });

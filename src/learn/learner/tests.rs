@@ -35,7 +35,7 @@ fn learner_and_rollout(config: &PpoConfig) -> (Learner, Vec<Rollout>) {
     let mut envs = [Echo(Seed::root(40).stream(), 0.0)];
     let mut collector = Collector::new(&envs, &policy, config, &Seed::root(2), Path::widest());
     collector.begin(&mut envs, &mut policy).unwrap();
-    collector.collect(&mut envs, &mut policy, &mut rollouts).unwrap();
+    collector.collect(&mut envs, &mut policy, &mut rollouts, &|| false).unwrap().unwrap();
     (Learner::new(policy, config, 150, Path::widest()), rollouts)
 }
 

@@ -134,7 +134,7 @@ impl NewestUpdate {
 }
 
 /// The name of a training in files: `r1-harbour-idm-0`, that is reward, town, driver and run.
-pub(super) fn training_name(key: &TrainingKey) -> String {
+fn training_name(key: &TrainingKey) -> String {
     format!("{}-{}-{}-{}", key.reward, key.town, key.policy, key.run)
 }
 

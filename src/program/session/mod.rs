@@ -17,7 +17,6 @@ mod campaign_report;
 mod manifest;
 mod other_report;
 mod growing_curves;
-mod event_files;
 mod tasks;
 mod run;
 mod overview;

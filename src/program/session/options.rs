@@ -50,9 +50,6 @@ pub struct RunOptions {
     /// Stop them after this number of simulator ticks.
     #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..), help_heading = "Work")]
     pub max_ticks: Option<u64>,
-    /// Also write the learning curves as event files for TensorBoard, a folder in DIR/CAMPAIGN for each training.
-    #[arg(long, value_name = "DIR", help_heading = "Output")]
-    pub tensorboard: Option<PathBuf>,
     /// Conditions under which a campaign fails.
     #[arg(skip)]
     pub gates: Vec<Gate>,
@@ -78,7 +75,6 @@ impl Default for RunOptions {
             checkpoint: 5.0,
             task_time: None,
             max_ticks: None,
-            tensorboard: None,
             gates: Vec::new(),
             command: String::new(),
         }

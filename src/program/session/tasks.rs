@@ -1,10 +1,8 @@
 //! Runs tasks of a campaign while others listen: the observer of the session, and the files of growing learning curves.
 
 use std::any::Any;
-use std::path::Path;
 use std::sync::Arc;
 
-use super::event_files::EventFiles;
 use super::growing_curves::GrowingCurves;
 use super::run::CampaignRun;
 use super::{Event, Observer, Stop};
@@ -19,12 +17,10 @@ impl CampaignRun<'_> {
     /// Runs tasks of the campaign until they are finished or the stop flag is raised.
     pub fn run_tasks(&self, tasks: &[Task], results: &CampaignStore<'_>) -> Finished {
         let Self { session, options, campaign, store, name, .. } = self;
-        let event_files = |folder: &Path| EventFiles::new(folder.join(name), session.observer.clone());
         let listener = Listener {
             campaign,
             observer: session.observer.clone(),
             curves: GrowingCurves::new(store.learning(name), session.observer.clone()),
-            event_files: options.tensorboard.as_deref().map(event_files),
             stop: session.stop.clone(),
         };
         session.tell(Event::TasksBegun(campaign, tasks));
@@ -39,7 +35,6 @@ struct Listener<'a> {
     campaign: &'a Campaign,
     observer: Arc<dyn Observer>,
     curves: GrowingCurves,
-    event_files: Option<EventFiles>,
     stop: Arc<Stop>,
 }
 
@@ -50,7 +45,6 @@ impl Listener<'_> {
             self.observer.event(&Event::CurvesGrow(folder));
         }
         self.curves.restart(plan, curve);
-        self.event_files.iter().for_each(|files| files.restart(plan, curve));
     }
 }
 
@@ -58,10 +52,7 @@ impl campaign::Observer for Listener<'_> {
     fn event(&self, event: &campaign::Event<'_>) {
         let plan = |task: Task| self.campaign.jobs[task.job].of::<Training>().expect("only trainings have curves");
         match *event {
-            campaign::Event::Curve { task, curve, has_grown: true } => {
-                self.curves.grow(plan(task), curve);
-                self.event_files.iter().for_each(|files| files.grow(plan(task), curve));
-            }
+            campaign::Event::Curve { task, curve, has_grown: true } => self.curves.grow(plan(task), curve),
             campaign::Event::Curve { task, curve, has_grown: false } => self.begin_curve(plan(task), curve),
             campaign::Event::Reused { task, result } => {
                 if let Some(TrainingResult { result: Ok(trained), .. }) = (result as &dyn Any).downcast_ref() {

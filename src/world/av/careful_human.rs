@@ -14,12 +14,8 @@ keys! {
         ..lane: LaneKeys,
         /// Time for which it evaluates a risk before it reacts.
         evaluation: f64 as non_negative(TIME) = "0.4 s",
-        /// Time from then until it begins to brake.
-        reaction: f64 as non_negative(TIME) = "0.75 s",
         /// Time from none to full braking.
         ramp: f64 as non_negative(TIME) = "0.6 s",
-        /// Its full braking: 0.774 g.
-        full_braking: f64 as positive(ACCELERATION) = "7.593 m/s^2",
         /// How far it sees a pedestrian; 0 m for a driver that sees no pedestrian.
         range: f64 as non_negative(LENGTH) = "200 m",
         ..at_crosswalks: CrosswalkKeys,
@@ -41,6 +37,9 @@ pub struct CarefulHuman {
     range: f64,
 }
 
+/// Time from the end of its evaluation until it begins to brake (s), and its full braking (m/s²): 0.774 g.
+const REACTION: f64 = 0.75;
+const FULL_BRAKING: f64 = 7.593;
 /// How much farther to the side (m) and ahead in time (s) than the reference it looks.
 const ASIDE: f64 = 0.2;
 const EARLIER: f64 = 0.1;
@@ -53,8 +52,8 @@ const PATIENCE: f64 = 5.0;
 
 impl CarefulHuman {
     pub fn new(keys: CarefulHumanKeys) -> Guarded<Self> {
-        let wait = keys.evaluation + keys.reaction;
-        let profile = BrakeProfile { wait, ramp: keys.ramp, full: keys.full_braking };
+        let wait = keys.evaluation + REACTION;
+        let profile = BrakeProfile { wait, ramp: keys.ramp, full: FULL_BRAKING };
         let human = Self { brake: DelayedBrake::new(Some(Gate::CAREFUL), profile), range: keys.range };
         Guarded::new(human, keys.lane, keys.at_crosswalks)
     }

@@ -22,8 +22,6 @@ keys! {
         ..lane: LaneKeys,
         /// Whether people may do anything from now on, or keep their velocity.
         assumes: Assumption = "any_motion",
-        /// With `any_motion`, how fast people run in any direction; the adversary's greatest by default.
-        running_speed: f64 as non_negative(SPEED) = "3.5 m/s",
         ..at_crosswalks: CrosswalkKeys,
     }
 }
@@ -34,7 +32,7 @@ keys! {
 /// In every tick it checks whether it would touch a road user before it stands if it continued for one more tick and then braked
 /// fully. If so it brakes now. It has two models of where road users can be:
 ///
-/// - `any_motion`: every place that a pedestrian running at `running_speed` can reach from now on. No pedestrian can run into this car
+/// - `any_motion`: every place that a pedestrian running at 3.5 m/s can reach from now on. No pedestrian can run into this car
 ///   while it moves, if it starts safely and stands still for pedestrians that stay near.
 /// - `same_velocity`: the places they reach at their present velocity, and only if continuing without braking would touch them. It is
 ///   late by design: it hits a pedestrian that turns at the last moment.
@@ -44,9 +42,10 @@ keys! {
 #[derive(Debug, Clone)]
 pub struct OracleBrake {
     any_motion: bool,
-    running: f64,
 }
 
+/// How fast people run in any direction (m/s): the default maximum of an adversary.
+const RUNNING: f64 = 3.5;
 /// How far ahead the oracle looks for a touch without braking (s).
 const HORIZON: f64 = 6.0;
 /// Slack for the car's offset from its lane's centre and the turn within a tick (m).
@@ -54,8 +53,7 @@ const SLACK: f64 = 0.15;
 
 impl OracleBrake {
     pub fn new(keys: OracleBrakeKeys) -> Guarded<Self> {
-        let oracle = Self { any_motion: keys.assumes == Assumption::AnyMotion, running: keys.running_speed };
-        Guarded::new(oracle, keys.lane, keys.at_crosswalks)
+        Guarded::new(Self { any_motion: keys.assumes == Assumption::AnyMotion }, keys.lane, keys.at_crosswalks)
     }
 
     /// Whether it may touch an actor before it stands, with this acceleration (m/s²) for some ticks and full braking after them.
@@ -79,7 +77,7 @@ impl OracleBrake {
             speed = (speed + gain * dt).max(0.0);
             let Some((middle, ahead)) = trace.at(along) else { return false };
             let (then, grown) =
-                if self.any_motion { (place, size + self.running * time) } else { (place + velocity * time, size) };
+                if self.any_motion { (place, size + RUNNING * time) } else { (place + velocity * time, size) };
             if distance_to_box(then, middle, &ahead, &ego.half) < grown {
                 return true;
             }

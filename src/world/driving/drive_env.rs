@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::wheel::{ACTION_BOUNDS, ACTION_SCALES, Seat, inputs};
 use super::{DriveReward, DriveRule, Pupil};
 use crate::av::view::View;
-use crate::env::{Draw, PedestrianEnv, Phase, Scenario, Simulation, VehicleRole};
+use crate::env::{Draw, MOVING_ABOVE, PedestrianEnv, Phase, Scenario, Simulation, VehicleRole};
 use crate::falsifier::{Controller, WalkPolicy, advance};
 use crate::geometry::Pose;
 use crate::sim::{ActorId, ActorStart, Contact, LightColour, WalkCommand};
@@ -54,6 +54,8 @@ const JERK: f64 = 40.0;
 const LATERAL: f64 = 3.0;
 const BRAKING: f64 = 6.0;
 const TURNING: f64 = 2.0;
+/// What passing a red light costs, once.
+const RED_LIGHT: f64 = 3.0;
 /// A car that is slower stands (m/s); a road user or a light so far ahead (m) and so far aside (m) is a reason.
 const STANDING: f64 = 0.5;
 const AHEAD: f64 = 20.0;
@@ -123,7 +125,7 @@ impl DriveEnv {
         self.env.prepare();
         let is_lost = self.aside().is_none_or(|aside| aside > LOST);
         let collided = contact.filter(|contact| contact.pair.0 == ActorId::EGO);
-        let hit = collided.filter(|hit| hit.impact_speed > self.env.scenario().episode.moving_above);
+        let hit = collided.filter(|hit| hit.impact_speed > MOVING_ABOVE);
         let is_over = ended == Some(true) || is_lost;
         self.is_collision = hit.is_some();
         let DriveReward { collision, .. } = self.rule.reward;
@@ -142,7 +144,7 @@ impl DriveEnv {
         self.env.tick();
         let restarted = self.env.phase() != Phase::RunUp && self.env.world().run_up == 0;
         // A car that was placed among others, that stood or that waited too long is cut off.
-        let is_fast = self.last.speed > self.env.scenario().episode.moving_above;
+        let is_fast = self.last.speed > MOVING_ABOVE;
         let ticks = self.env.run_up_ticks();
         let touched = SETTLED < ticks && ticks < self.env.scenario().most_run_up();
         (restarted.then_some(is_fast && touched), None)
@@ -207,7 +209,7 @@ impl DriveEnv {
             - rule.comfort * discomfort
             - rule.lane * bounded(aside, 1.0)
             - rule.standing * f64::from(speed < STANDING && !has_reason);
-        let reward = each_second * dt - if passed { rule.red_light } else { 0.0 };
+        let reward = each_second * dt - if passed { RED_LIGHT } else { 0.0 };
         self.last = Last { speed, acceleration, steer, red: now };
         reward
     }

@@ -29,8 +29,6 @@ pub struct DriveReward {
     pub lane: f64,
     /// Against it: standing without a road user or a light ahead.
     pub standing: f64,
-    /// Against it, once: passing a red light.
-    pub red_light: f64,
     /// Against it, once: a collision, half as much again at 5 m/s and twice as much at 10 m/s; and leaving the route, which ends the episode.
     pub collision: f64,
 }

@@ -64,6 +64,7 @@ pub use pair::{Frame, Pair};
 pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};
+pub(crate) use scenario::MOVING_ABOVE;
 pub use scenario::{EpisodeRule, Scenario};
 pub use scene::Scene;
 pub use signal::{

@@ -35,7 +35,7 @@ impl Observers {
             tally: Tally::new(),
             road: RoadWatch::new(rule.count_all),
             motions: (0..asked).map(|number| Motion::new(world, number)).collect(),
-            signals: wanted(scenario).map(|wanted| SignalMeter::new(wanted, rule.moving_above, world, samples)),
+            signals: wanted(scenario).map(|wanted| SignalMeter::new(wanted, world, samples)),
             requirements: RequirementWatch::new(scenario, samples),
             trace: scenario.oracle.is_some().then(|| Trace::new(scenario)),
         }

@@ -42,7 +42,7 @@ impl<'a> OtherDrive<'a> {
             pair,
             requirement,
             first,
-            meter: SignalMeter::new(wanted, scenario.episode.moving_above, &world, room),
+            meter: SignalMeter::new(wanted, &world, room),
             world,
             margins: Margins::new(requirement, room),
             samples: 0,

@@ -8,6 +8,9 @@ use crate::sim::LightCycle;
 use base::seed::Seed;
 use base::signature::{Distribution, Formula};
 
+/// The ego counts as moving above this speed (m/s).
+pub const MOVING_ABOVE: f64 = 0.1;
+
 /// The duration of an episode, and the conditions that end it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EpisodeRule {
@@ -21,8 +24,6 @@ pub struct EpisodeRule {
     pub end_when: Option<Formula>,
     /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this (rad).
     pub front_half_angle: f64,
-    /// The ego counts as moving above this speed (m/s).
-    pub moving_above: f64,
     /// The friction of the road, which bounds what the tyres of all cars transmit; `None` for CARLA's dry road.
     pub friction: Option<f64>,
     /// Whether the town's traffic lights work.

@@ -151,7 +151,7 @@ variables! {
     crosswalk_waiting: RATIO, (0.0, 1.0), 1.0, Condition;
     /// Whether the driver's eye can see the middle or an edge of the pedestrian.
     in_sight: RATIO, (0.0, 1.0), 1.0, Condition;
-    /// Whether the ego moves: faster than the episode's `moving_above`.
+    /// Whether the ego moves: faster than 0.1 m/s.
     moving: RATIO, (0.0, 1.0), 1.0, Condition;
 }
 

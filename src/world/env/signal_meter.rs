@@ -1,3 +1,4 @@
+use super::MOVING_ABOVE;
 use super::lane_watch::{LanePlace, LaneWatch};
 use super::motion::STANDING;
 use super::signal::{AHEAD, HORIZON, Situation, Wanted};
@@ -22,8 +23,6 @@ const LANE_WIDTHS: f64 = 2.0;
 #[derive(Debug, Clone)]
 pub(super) struct SignalMeter {
     wanted: Wanted,
-    /// The ego moves above this speed (m/s).
-    moving_above: f64,
     now: Situation,
     /// The last tick: the ego's speed (m/s), its acceleration (m/s²) if it is known, and the pedestrians' velocities (m/s).
     speed: f64,
@@ -35,10 +34,9 @@ pub(super) struct SignalMeter {
 
 impl SignalMeter {
     /// A meter of the wanted signals, with memory for this number of samples.
-    pub(super) fn new(wanted: Wanted, moving_above: f64, world: &World, samples: usize) -> Self {
+    pub(super) fn new(wanted: Wanted, world: &World, samples: usize) -> Self {
         Self {
             wanted,
-            moving_above,
             now: Situation::default(),
             speed: 0.0,
             acceleration: None,
@@ -107,7 +105,7 @@ impl SignalMeter {
         let (ego, walker) = (world.ego(), &world.pedestrians[number]);
         let speed = hit.map_or(ego.state.speed, |hit| hit.impact_speed);
         let place = walker.state.pose.position();
-        now.moving = f64::from(speed > self.moving_above);
+        now.moving = f64::from(speed > MOVING_ABOVE);
         if wanted.gap {
             now.gap = if hit.is_some() { 0.0 } else { world.gap(0, number) };
         }

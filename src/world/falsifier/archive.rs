@@ -25,10 +25,6 @@ keys! {
         /// Discount for repeated failures from one start, as a fraction of their reward: with 0 a start is left
         /// after its first fault, with 1 more faults of one start count like those of others.
         again: f64 as share() = "0.3",
-        /// Exponent of the preference for failures of a kind that was seldom found; 0 for none.
-        novelty: f64 as within(RATIO, 0.0, 5.0) = "0.5",
-        /// Most crossings that are kept of one kind of failure.
-        elites: usize as whole(1, 1000) = "16",
         /// Share of the budget that compares what was found with `intercept` and `homing`, to choose the controller.
         choice: f64 as within(RATIO, 0.0, 0.5) = "0.1",
     }
@@ -177,6 +173,10 @@ struct Lately {
     gain: f64,
 }
 
+/// Maximum number of crossings that are kept of one kind of failure.
+const MAX_ELITES: usize = 16;
+/// Exponent of the preference for failures of a kind that was seldom found.
+const NOVELTY: f64 = 0.5;
 /// Share of the starts that are tried although they promise little. Without it a search whose starts cost no tick might never end.
 const SECOND_LOOK: f64 = 0.1;
 /// Number of the last tries whose gain is compared with what a start promises.
@@ -200,9 +200,9 @@ const FINALISTS: usize = 32;
 
 impl Elites {
     /// Adds a failure; of a full cell the elite with the least value leaves.
-    fn add(&mut self, elite: Elite, most: usize) {
+    fn add(&mut self, elite: Elite) {
         let cell = self.all.iter().enumerate().filter(|(_, each)| each.cell == elite.cell);
-        if cell.clone().count() < most {
+        if cell.clone().count() < MAX_ELITES {
             self.all.push(elite);
         } else if let Some((place, _)) = cell.min_by(|a, b| a.1.value().total_cmp(&b.1.value())) {
             self.all[place] = elite;
@@ -297,7 +297,7 @@ impl Archive {
     /// A goal for a start.
     fn propose(&self, elites: &Elites, context: &Context, worth: &Worth, stream: &mut Stream) -> Proposal {
         let explore = stream.random::<f64>() < self.keys.explore;
-        let parent = if explore { None } else { elites.draw(context, self.keys.novelty, stream) };
+        let parent = if explore { None } else { elites.draw(context, NOVELTY, stream) };
         let Some(parent) = parent else {
             // Before the first failure two thirds of the tries are those of the scripted controllers.
             let uniform = Goal::new(std::array::from_fn(|_| stream.random()));
@@ -307,7 +307,7 @@ impl Archive {
         };
         let mut parents = [parent; CANDIDATES];
         for other in &mut parents[1..] {
-            *other = elites.draw(context, self.keys.novelty, stream).unwrap_or(parent);
+            *other = elites.draw(context, NOVELTY, stream).unwrap_or(parent);
         }
         let goals = parents.map(|parent| {
             let varied =
@@ -333,7 +333,7 @@ impl Archive {
         elites: &mut Elites,
         stream: &mut Stream,
     ) -> Option<()> {
-        let mut worth = Worth { best: 0.0, again: self.keys.again, novelty: self.keys.novelty, of_search: true };
+        let mut worth = Worth { best: 0.0, again: self.keys.again, novelty: NOVELTY, of_search: true };
         for number in 0..self.keys.tries {
             if !simulator.begin(start) {
                 return None;
@@ -368,7 +368,7 @@ impl Archive {
                 elites.all[parent].tries += 1.0;
             }
             if let Some(cell) = cell.filter(|_| reward > 0.0) {
-                elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 }, self.keys.elites);
+                elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 });
             }
         }
         Some(())

@@ -69,7 +69,7 @@ impl Ord for Controller {
     }
 }
 
-/// A declared controller as a falsifier: it runs one episode from every start.
+/// A controller as a falsifier: it runs one episode from every start.
 #[derive(Debug, Clone)]
 pub struct Controlled {
     controller: Controller,
@@ -102,5 +102,9 @@ impl Falsifier for Controlled {
             }
         }
         Ok(Some(walker))
+    }
+
+    fn walk_policy(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(self.controller.walk_policy())
     }
 }

@@ -1,7 +1,6 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::TrainError;
 use super::hard_start::is_hard;
@@ -9,7 +8,7 @@ use super::training_ground::TrainingGround;
 use crate::driving::{DriveRule, imitate};
 use crate::env::{Cast, HardStarts, Scenario, StartBank};
 use base::seed::Seed;
-use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
+use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Trained, Trainer, UpdateLog};
 
 /// A training of a pedestrian between two updates, with its environments.
 ///
@@ -120,14 +119,8 @@ impl TrainingRun {
     /// # Errors
     /// As [`TrainingRun::update`]; [`learn::TrainError::Stopped`] when it gave up, with the number of the last whole update.
     pub fn update_unless(&mut self, stop: &(dyn Fn() -> bool + Sync)) -> Result<&UpdateLog, TrainError> {
-        let given_up = AtomicBool::new(false);
-        let mut envs: Vec<Stoppable> =
-            self.envs.iter_mut().map(|env| Stoppable { env, stop, given_up: &given_up }).collect();
         let update = self.trainer.updates();
-        let log = self.trainer.update(&mut envs).map_err(|error| match given_up.load(Ordering::Relaxed) {
-            true => learn::TrainError::Stopped { update },
-            false => error,
-        })?;
+        let log = self.trainer.update_unless(&mut self.envs, stop)?;
         if self.envs.iter().any(TrainingGround::is_stopped) {
             return Err(learn::TrainError::Stopped { update }.into());
         }
@@ -180,59 +173,6 @@ impl TrainingRun {
 /// The networks with which a training of such actors begins, before its first decision; `seed` is that of [`TrainingRun::begin`].
 pub fn first_networks(cast: &Cast, config: &PpoConfig, seed: &Seed) -> ActorCritic {
     learn::first_networks(cast.obs_dim() * config.frame_stack, cast.action_bounds().len(), config, &seed.child("ppo"))
-}
-
-/// An environment in which a rollout ends early: its next reward is not a number, which ends the update.
-struct Stoppable<'a> {
-    env: &'a mut TrainingGround,
-    stop: &'a (dyn Fn() -> bool + Sync),
-    given_up: &'a AtomicBool,
-}
-
-impl Env for Stoppable<'_> {
-    fn obs_dim(&self) -> usize {
-        self.env.obs_dim()
-    }
-
-    fn action_bounds(&self) -> Vec<(f64, f64)> {
-        self.env.action_bounds()
-    }
-
-    fn reset(&mut self, obs: &mut [f64]) {
-        self.env.reset(obs);
-    }
-
-    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
-        if self.env.is_stopped() || (self.stop)() {
-            self.given_up.store(true, Ordering::Relaxed);
-            return Step { reward: f64::NAN, terminated: true, truncated: false };
-        }
-        self.env.step(action, obs)
-    }
-
-    fn is_success(&self) -> bool {
-        self.env.is_success()
-    }
-
-    fn is_fault(&self) -> Option<bool> {
-        self.env.is_fault()
-    }
-
-    fn potential(&self) -> f64 {
-        self.env.potential()
-    }
-
-    fn set_curriculum(&mut self, share: f64) {
-        self.env.set_curriculum(share);
-    }
-
-    fn save(&self) -> Option<Vec<u8>> {
-        self.env.save()
-    }
-
-    fn load(&mut self, state: &[u8]) -> bool {
-        self.env.load(state)
-    }
 }
 
 impl std::fmt::Debug for TrainingRun {

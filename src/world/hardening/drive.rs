@@ -18,9 +18,10 @@ pub struct TrafficRule {
     pub progress: f64,
     /// What the share of encounters with hard braking may rise by.
     pub comfort: f64,
-    /// Deceleration over half a second above which braking is hard (m/s²).
-    pub hard_braking: f64,
 }
+
+/// Deceleration over half a second above which braking is hard (m/s²).
+const HARD_BRAKING: f64 = 4.0;
 
 /// Encounters with natural pedestrians.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -85,7 +86,7 @@ pub(super) struct Drive {
 }
 
 impl Drive {
-    pub fn new(scenario: &Scenario, outcome: &Outcome, trace: &Trace, hard_braking: f64) -> Self {
+    pub fn new(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> Self {
         let judged = Judged::by(Criterion::Collision, outcome, &trace.main_pair(scenario));
         let frames = trace.vehicle(0);
         let dt = scenario.episode.tick;
@@ -98,7 +99,7 @@ impl Drive {
             counts: outcome.counts(),
             error: outcome.fault().is_some(),
             fault: outcome.counts() && judged.is(Criterion::Collision, Blame::Fault),
-            hard_braking: hardest > hard_braking,
+            hard_braking: hardest > HARD_BRAKING,
             distance: steps.map(|(one, next)| (next.state.pose.position() - one.state.pose.position()).norm()).sum(),
             time: outcome.duration,
             ticks: u64::from(outcome.ticks) + u64::from(outcome.run_up),
@@ -112,10 +113,9 @@ pub(super) fn drives(
     walker: &mut dyn WalkPolicy,
     episodes: u32,
     seed: &Seed,
-    hard_braking: f64,
     stop: &dyn Fn() -> bool,
 ) -> Vec<Drive> {
-    let mut note = |_: u32, outcome: &Outcome, trace: &Trace| Drive::new(scenario, outcome, trace, hard_braking);
+    let mut note = |_: u32, outcome: &Outcome, trace: &Trace| Drive::new(scenario, outcome, trace);
     let mut go_on = |_: u32| if stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let (starts, drawn) = (seed.child("starts"), seed.child("walker"));
     evaluate_observed(walker, scenario, 0..episodes, &starts, &drawn, &mut note, &mut go_on)

@@ -149,7 +149,6 @@ fn meet(
 ) -> Candidate {
     let scenarios: Vec<Arc<Scenario>> =
         plan.towns.iter().map(|(_, town)| plan.driver.scenario(town, &values)).collect();
-    let hard = plan.rule.hard_braking;
     let mut all: Vec<Drive> = Vec::new();
     for kept in &lessons.kept {
         if stop() {
@@ -157,15 +156,15 @@ fn meet(
         }
         let scenario = &scenarios[kept.town];
         let met = walk_again(scenario, kept.seed, kept.start, &kept.commands);
-        all.extend(met.map(|(outcome, trace)| Drive::new(scenario, &outcome, &trace, hard)));
+        all.extend(met.map(|(outcome, trace)| Drive::new(scenario, &outcome, &trace)));
     }
     for (town, seed, walker) in &mut lessons.walkers {
-        all.extend(drives(&scenarios[*town], walker.as_mut(), plan.lessons, seed, hard, stop));
+        all.extend(drives(&scenarios[*town], walker.as_mut(), plan.lessons, seed, stop));
     }
     let mut traffic = Traffic::default();
     for ((name, _), scenario) in plan.towns.iter().zip(&scenarios) {
         let mut walker = plan.natural.walk_policy();
-        let met = drives(scenario, walker.as_mut(), plan.traffic, &natural.child(name), hard, stop);
+        let met = drives(scenario, walker.as_mut(), plan.traffic, &natural.child(name), stop);
         met.iter().for_each(|drive| traffic.add(drive));
         all.extend(met);
     }

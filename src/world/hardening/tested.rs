@@ -40,19 +40,18 @@ pub(super) fn test(
 ) -> Result<Option<Findings>, TrainError> {
     let sides = [plan.driver.before(), values.to_vec()];
     let both = |scenario: &Arc<Scenario>| sides.each_ref().map(|values| plan.driver.scenario(scenario, values));
-    let hard = plan.rule.hard_braking;
     let (mut tests, mut traffic) = (Vec::new(), [Traffic::default(); 2]);
     for (place, (town, scenario)) in plan.test_towns.iter().enumerate() {
         let natural = seed.child("natural").child(town);
         for (scenario, traffic) in both(scenario).iter().zip(&mut traffic) {
             let mut walker = plan.natural.walk_policy();
-            let met = drives(scenario, walker.as_mut(), plan.episodes, &natural, hard, stop);
+            let met = drives(scenario, walker.as_mut(), plan.episodes, &natural, stop);
             met.iter().for_each(|drive| traffic.add(drive));
         }
         for controller in &plan.walkers {
             let seed = seed.child("walkers").child(town).child(controller.name());
             let [before, after] = both(scenario)
-                .map(|scenario| drives(&scenario, controller.walk_policy().as_mut(), plan.episodes, &seed, hard, stop));
+                .map(|scenario| drives(&scenario, controller.walk_policy().as_mut(), plan.episodes, &seed, stop));
             tests.push(pairs(town, controller.name(), &before, &after));
         }
         for (name, falsifier, scenarios) in &plan.rivals {

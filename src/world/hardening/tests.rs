@@ -2,7 +2,7 @@ use super::drive::{Traffic, TrafficRule};
 
 #[test]
 fn limits_are_about_speed_and_hard_braking() {
-    let rule = TrafficRule { progress: 0.05, comfort: 0.02, hard_braking: 4.0 };
+    let rule = TrafficRule { progress: 0.05, comfort: 0.02 };
     let traffic = |distance: f64, hard_braking: u64| Traffic {
         episodes: 100,
         hard_braking,

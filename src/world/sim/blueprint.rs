@@ -11,6 +11,9 @@ pub struct ThrottleLine {
     pub slope: f64,
 }
 
+/// Below this speed (m/s) CARLA's cars brake harder than the brake pedal demands.
+const LOW_SPEED: f64 = 5.0;
+
 /// Size and dynamics of a car model.
 ///
 /// Every figure is a parameter because CARLA has them in binary assets. Many independent programs printed the sizes, one program printed
@@ -34,9 +37,7 @@ pub struct VehicleBlueprint {
     pub throttle: Vec<ThrottleLine>,
     /// Deceleration at full brake (m/s²); linear in the brake.
     pub full_brake: f64,
-    /// Below this speed (m/s) CARLA's cars brake harder than the brake pedal demands.
-    pub low_speed: f64,
-    /// The factor of that.
+    /// The factor by which CARLA's cars brake harder below 5 m/s than the brake pedal demands.
     pub low_speed_braking: f64,
     /// Time for which a car stands after it has been placed at rest (s).
     pub start_up_pause: f64,
@@ -115,7 +116,6 @@ impl VehicleBlueprint {
                 ThrottleLine { throttle: 1.0, at_rest: 4.0, slope: -0.05 },
             ],
             full_brake: 9.0,
-            low_speed: 5.0,
             low_speed_braking: 1.0,
             start_up_pause: 0.0,
             grip: f64::INFINITY,
@@ -132,7 +132,6 @@ impl VehicleBlueprint {
             greatest_wheel_angle: 70.0_f64.to_radians(),
             steering_response: 0.7,
             steering_curve: vec![(0.0, 1.0), (20.0 * KMH, 0.9), (60.0 * KMH, 0.8), (120.0 * KMH, 0.7)],
-            low_speed: 5.0,
             low_speed_braking: 2.0,
             start_up_pause: 2.0,
             ..Self::generic()
@@ -181,7 +180,7 @@ impl VehicleBlueprint {
     fn demanded(&self, control: Control, speed: f64) -> f64 {
         let lines = self.throttle.iter().map(|line| (line.throttle, line.at_rest + line.slope * speed));
         let push = interpolate(lines, control.throttle.clamp(0.0, 1.0)).unwrap_or(0.0);
-        let jump = if speed < self.low_speed { self.low_speed_braking } else { 1.0 };
+        let jump = if speed < LOW_SPEED { self.low_speed_braking } else { 1.0 };
         push - control.brake.clamp(0.0, 1.0) * self.full_brake * jump
     }
 

@@ -50,8 +50,6 @@ save("follow", nodes, inputs, [("control", ["n", 2])], [
     constant("w1", first), constant("b1", np.zeros(6)), constant("w2", second), constant("b2", np.zeros(2)),
     constant("scale", [4.0, 1.0]),
 ])
-# The same, with its constants in a file beside it, as torch writes it.
-onnx.save(onnx.load("follow.onnx"), "follow_apart.onnx", save_as_external_data=True, location="follow_apart.onnx.data", size_threshold=0)
 save("no_driver", [helper.make_node("Relu", ["image"], ["labels"])], [("image", [1, 3])], [("labels", [1, 3])], [])
 save("five", [helper.make_node("Concat", ["ego", "one"], ["control"], axis=1)], [("ego", [1, 4])], [("control", [1, 5])],
      [constant("one", [[1.0]])])

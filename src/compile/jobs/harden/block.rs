@@ -49,10 +49,8 @@ keys! {
         traffic: u32 as whole(1, 100_000) = "50",
         /// Share of the mean speed in natural encounters that a repair may cost.
         progress: f64 as share() = "5 percent",
-        /// What the share of natural encounters with hard braking may rise by.
+        /// What the share of natural encounters with hard braking, above 4 m/s^2 over half a second, may rise by.
         comfort: f64 as share() = "5 percent",
-        /// Deceleration over half a second above which braking is hard.
-        hard_braking: f64 as positive(ACCELERATION) = "4 m/s^2",
         /// Towns of the test, in which nothing is repaired.
         test_towns: Vec<DeclarationId> as Reference("town"),
         // The catalogue adds the words.
@@ -132,7 +130,7 @@ impl Lowering<'_> {
             lessons: keys.lessons,
             traffic: keys.traffic,
             natural,
-            rule: TrafficRule { progress: keys.progress, comfort: keys.comfort, hard_braking: keys.hard_braking },
+            rule: TrafficRule { progress: keys.progress, comfort: keys.comfort },
             test_towns: places(&tests, &body, usual, &plain),
             walkers: walkers.iter().map(|(walker, _): &(Controller, _)| walker.clone()).collect(),
             rivals: attacked(&tests, &rivals),

@@ -10,17 +10,13 @@ pub enum Content<'a> {
     Bytes(&'a [u8]),
 }
 
-/// A field: its number, its content, and its bytes as they stand.
-pub type Field<'a> = (u32, Content<'a>, &'a [u8]);
-
-/// Takes the next field of a message: its number, its content, and its bytes as they stand; `None` at the end.
+/// Takes the next field of a message: its number and its content; `None` at the end.
 ///
 /// # Errors
 /// The bytes are no field.
-pub fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<Field<'a>>, Refusal> {
+fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u32, Content<'a>)>, Refusal> {
     let short = || "it ends in the middle of a value".to_owned();
-    let whole = *bytes;
-    if whole.is_empty() {
+    if bytes.is_empty() {
         return Ok(None);
     }
     let tag = u32::try_from(varint(bytes)?).map_err(|_| "it has a field without a number")?;
@@ -37,36 +33,21 @@ pub fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<Field<'a>>, Refusal> {
     if tag >> 3 == 0 {
         return Err("it has a field without a number".into());
     }
-    Ok(Some((tag >> 3, content, &whole[..whole.len() - bytes.len()])))
+    Ok(Some((tag >> 3, content)))
 }
 
 /// Calls a function with each field of a message.
 ///
 /// # Errors
-/// Those of [`field`] and of the function.
+/// The bytes are no fields, and those of the function.
 pub fn fields<'a>(
     mut bytes: &'a [u8],
     each: &mut dyn FnMut(u32, Content<'a>) -> Result<(), Refusal>,
 ) -> Result<(), Refusal> {
-    while let Some((number, content, _)) = field(&mut bytes)? {
+    while let Some((number, content)) = field(&mut bytes)? {
         each(number, content)?;
     }
     Ok(())
-}
-
-/// Appends a field with bytes.
-pub fn put(to: &mut Vec<u8>, number: u32, bytes: &[u8]) {
-    put_varint(to, u64::from(number << 3 | 2));
-    put_varint(to, bytes.len() as u64);
-    to.extend_from_slice(bytes);
-}
-
-fn put_varint(to: &mut Vec<u8>, mut number: u64) {
-    while number > 0x7f {
-        to.push(number as u8 | 0x80);
-        number >>= 7;
-    }
-    to.push(number as u8);
 }
 
 fn split<'a>(bytes: &mut &'a [u8], length: usize) -> Result<&'a [u8], Refusal> {

@@ -15,14 +15,11 @@
 //! A file goes through `vetting`, which trusts no length in it and refuses results whose sizes are not constant. So all evaluations take the
 //! memory and about the time of the first one, which has no bound here: a caller that reads untrusted files tries them in another process first.
 //!
-//! Constants may stand in other files of the folder: [`with_external_data`] puts them into the file first.
-//!
 //! A [`Network`] is a network of plain numbers, without the meaning that a driver's have: a pedestrian is one.
 
 mod inputs;
 mod model;
 mod encoding;
-mod external_data;
 mod vetting;
 mod engine;
 mod driver;
@@ -30,7 +27,6 @@ mod network;
 
 pub(crate) use driver::control;
 pub use driver::{Onnx, OnnxKeys};
-pub use external_data::with_external_data;
 pub(crate) use inputs::Input;
 pub use model::{Model, ModelError};
 pub use network::{Network, NetworkError, Runner};

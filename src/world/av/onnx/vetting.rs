@@ -232,7 +232,9 @@ fn tensor(bytes: &[u8]) -> Result<String, Refusal> {
             (8, Content::Bytes(name)) => tensor.name = text(name),
             (9, Content::Bytes(raw)) => tensor.raw = raw.len() as u64,
             (13, _) => {
-                return Err("a constant inside an operator of it is in another file; export it as one file".into());
+                return Err(
+                    "a constant of it is in another file; export it as one file (torch: `external_data=False`)".into(),
+                );
             }
             (2 | 6 | 8 | 9, _) => return Err("a part of it has the wrong type".into()),
             _ => {}

@@ -1,7 +1,7 @@
 use super::PedestrianEnv;
 use crate::av::Fault;
 use crate::env::reward::{Hit, HitClass};
-use crate::env::{Ending, Outcome, RewardRule, Simulation, Situation};
+use crate::env::{Ending, MOVING_ABOVE, Outcome, RewardRule, Simulation, Situation};
 use crate::sim::Contact;
 use learn::Step;
 
@@ -29,7 +29,7 @@ impl PedestrianEnv {
         let mut is_fault = false;
         let (earned, ending) = match (hit, contact) {
             (Some(hit), _) => {
-                let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > rule.moving_above);
+                let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > MOVING_ABOVE);
                 let judged = Hit { front, moving, judgement };
                 is_fault = counts && judged.is(HitClass::Fault);
                 let earned = if counts { worth(reward.for_hit(&judged)) } else { 0.0 };
