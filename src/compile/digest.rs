@@ -2,9 +2,10 @@
 
 use super::fingerprint::Fingerprint;
 use super::lowering::Lowering;
-use base::signature::{DeclarationId, Distribution, Formula, Value};
+use super::reached::requirements_in;
+use base::signature::{DeclarationId, Formula, Value};
 use lang::hir::{Block, Declaration};
-use world::env::robustness_of;
+use world::env::robustness;
 
 /// Optional keys that were added to the language later. Where they are left out they change no digest, so that tasks keep their names.
 const ADDED: &[&str] = &["from", "hard_starts", "parameters"];
@@ -97,113 +98,39 @@ impl Lowering<'_> {
         }
     }
 
+    /// A value in the words of `Debug`, which tell all values apart; what it names by its digest or its contents.
     fn value(&mut self, out: &mut Vec<u8>, declaration: &Declaration, value: &Value) {
         match value {
-            Value::Absent => tag(out, 0),
-            Value::Number(number) => numbers(out, 1, &[*number]),
-            Value::Range(low, high) => numbers(out, 2, &[*low, *high]),
-            Value::Distribution(distribution) => {
-                tag(out, 3);
-                drawn(out, distribution);
+            Value::Reference(id) => out.extend_from_slice(&self.digest(*id)),
+            Value::List(members) => {
+                text(out, &members.len().to_string());
+                members.iter().for_each(|member| self.value(out, declaration, member));
             }
-            Value::Integer(number) => {
-                tag(out, 4);
-                out.extend_from_slice(&number.to_le_bytes());
-            }
-            Value::Boolean(truth) => tag(out, 5 + u8::from(*truth)),
-            Value::Choice(word) => {
-                tag(out, 7);
-                text(out, word);
-            }
+            Value::Formula(formula) => self.formula(out, formula),
             Value::Text(words) => {
-                tag(out, 8);
                 text(out, words);
                 // If it names a file, its contents.
                 out.extend_from_slice(&self.read.seen(&self.beside(declaration, words)).unwrap_or_default());
             }
-            Value::Point(x, y) => numbers(out, 9, &[*x, *y]),
-            Value::Pose(x, y, yaw) => numbers(out, 10, &[*x, *y, *yaw]),
-            Value::Reference(id) => {
-                tag(out, 11);
-                out.extend_from_slice(&self.digest(*id));
-            }
-            Value::List(members) => {
-                tag(out, 12);
-                out.extend_from_slice(&(members.len() as u64).to_le_bytes());
-                members.iter().for_each(|member| self.value(out, declaration, member));
-            }
-            Value::Formula(condition) => {
-                tag(out, 13);
-                self.formula(out, condition);
-            }
-            // The whole of it, down to the scale of each comparison.
-            Value::Requirement(requirement) => {
-                tag(out, 14);
-                text(out, &format!("{requirement:?}"));
-            }
+            other => text(out, &format!("{other:?}")),
         }
     }
 
     fn formula(&mut self, out: &mut Vec<u8>, whole: &Formula) {
-        match whole {
-            Formula::Constant(value) => numbers(out, 0, &[*value]),
-            Formula::Variable(id) => match robustness_of(*id) {
-                Some(requirement) => {
-                    tag(out, 6);
-                    out.extend_from_slice(&self.digest(DeclarationId(requirement)));
-                }
-                None => numbers(out, 1, &[id.0 as f64]),
-            },
-            Formula::Negate(inner) => {
-                tag(out, 2);
-                self.formula(out, inner);
-            }
-            Formula::Not(inner) => {
-                tag(out, 3);
-                self.formula(out, inner);
-            }
-            Formula::Binary(operator, left, right) => {
-                out.extend_from_slice(&[4, *operator as u8]);
-                self.formula(out, left);
-                self.formula(out, right);
-            }
-            Formula::Call(function, arguments) => {
-                out.extend_from_slice(&[5, *function as u8, arguments.len() as u8]);
-                arguments.iter().for_each(|argument| self.formula(out, argument));
-            }
+        let mut words = format!("{whole:?}");
+        let mut named = Vec::new();
+        requirements_in(whole, &mut named);
+        for id in named {
+            let digest = format!("{:?}", self.digest(id));
+            words = words.replace(&format!("{:?}", robustness(id.0)), &digest);
         }
+        text(out, &words);
     }
-}
-
-fn tag(out: &mut Vec<u8>, kind: u8) {
-    out.push(kind);
 }
 
 fn text(out: &mut Vec<u8>, text: &str) {
     out.extend_from_slice(&(text.len() as u64).to_le_bytes());
     out.extend_from_slice(text.as_bytes());
-}
-
-fn numbers(out: &mut Vec<u8>, kind: u8, numbers: &[f64]) {
-    tag(out, kind);
-    for number in numbers {
-        out.extend_from_slice(&number.to_bits().to_le_bytes());
-    }
-}
-
-fn drawn(out: &mut Vec<u8>, distribution: &Distribution) {
-    match distribution {
-        Distribution::Constant(value) => numbers(out, 0, &[*value]),
-        Distribution::Uniform(low, high) => numbers(out, 1, &[*low, *high]),
-        Distribution::Normal { mean, deviation, low, high } => numbers(out, 2, &[*mean, *deviation, *low, *high]),
-        Distribution::Mixture(parts) => {
-            numbers(out, 3, &[parts.len() as f64]);
-            for (weight, part) in parts.iter() {
-                numbers(out, 4, &[*weight]);
-                drawn(out, part);
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub(super) fn reaches(program: &Program, from: DeclarationId, setting: &Setting)
 }
 
 /// The requirements of which a formula names the robustness.
-fn requirements_in(formula: &Formula, found: &mut Vec<DeclarationId>) {
+pub(super) fn requirements_in(formula: &Formula, found: &mut Vec<DeclarationId>) {
     let named = RefCell::new(Vec::new());
     formula.mentions(&|id| {
         named.borrow_mut().extend(robustness_of(id).map(DeclarationId));

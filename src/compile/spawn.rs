@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::given_path::GivenPathKeys;
-use super::sector::{self, Sector};
+use super::sector;
 use super::target_walk::{AlongTestKeys, CrossingTestKeys};
 use super::{given_path, target_walk};
 use base::diagnostic::{Diagnostic, Sources};
@@ -137,8 +137,8 @@ pub fn lower(
         Sight::Visible => constraints.push(Constraint::Sight(true)),
         Sight::Hidden => constraints.push(Constraint::Sight(false)),
     }
-    let speed = keys.ego_speed.as_ref().unwrap_or(&at_rest);
-    let mut sector = Sector::new(vocabulary, &keys.bearing, &keys.distance, speed);
+    let speed = keys.ego_speed.unwrap_or(at_rest);
+    let mut drawn = [("bearing", keys.bearing), ("distance", keys.distance), ("ego_speed", speed)];
     for (condition, span) in keys.require.into_iter().flatten().zip(block.members("require").iter().copied()) {
         if steady && sector::names(&condition, vocabulary, "ego_speed") {
             let message = "`ego_speed` is not drawn here: the driver comes at its own speed".to_string();
@@ -146,14 +146,11 @@ pub fn lower(
             said.push(diagnostics::contradiction(span, message).help(help));
             continue;
         }
-        match sector.require(&condition, span) {
-            Ok(Some(condition)) => constraints.push(Constraint::Require { condition, text: sources.plain_text(span) }),
-            Ok(None) => {}
-            Err(diagnostic) => said.push(*diagnostic),
-        }
+        let left = sector::narrow(&mut drawn, &condition, vocabulary);
+        constraints.extend(left.map(|condition| Constraint::Require { condition, text: sources.plain_text(span) }));
     }
     let ego_start = ego_start(block, keys.ego_poses, said);
-    let [bearing, distance, ego_speed] = sector.into_distributions();
+    let [bearing, distance, ego_speed] = drawn.map(|(_, distribution)| distribution);
     (said.len() == before).then(|| SpawnRule {
         name: declaration.name.clone(),
         bearing,

@@ -14,7 +14,6 @@ const OTHERS: &[(&str, &str)] = &[
     ("an undeclared parameter", "edition 1\nparam far: length = 30 m\nspawn s { distance: 7 m .. fra }\n"),
     ("a forgotten comma", "edition 1\npolicy p = idm(limit_share: 1 margin: 1 m)\n"),
     ("a forgotten value", "edition 1\nspawn s { distance: 7 m ..\n  clearance: 1 m }\n"),
-    ("a condition that is never true", "edition 1\nspawn s { require: 7 m > 30 m }\n"),
     ("an emoji in a formula", "edition 1\nreward r { on hit => 1 🚗🚗 }\n"),
     ("an import that is being typed", "edition 1\nimport \"lib/\nreward r { on hit => 1 }\n"),
     ("a model that is not there", "edition 1\npolicy p = onnx(model: \"nowhere.onnx\")\n"),

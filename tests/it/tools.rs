@@ -151,7 +151,7 @@ fn towns_are_shown_where_no_pedestrian_can_be_placed_and_what_is_given_outside_i
 fn explanations_are_printed() {
     let folder = tempfile::tempdir().unwrap();
     let output = falsify(&["explain", "policy", "idm", "margin"], folder.path());
-    assert!(said(&output).0.contains("default 0.5 m"), "{output:?}");
+    assert!(said(&output).0.contains("default `0.5 m`"), "{output:?}");
     let output = falsify(&["explain", "polcy"], folder.path());
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output).1.contains("did you mean `policy`?"));

@@ -6,6 +6,7 @@ use crate::lowering::{BuiltTown, Lowering};
 use crate::{adversary, episode, reward, training, vehicle};
 use base::signature::DeclarationId;
 use lang::diagnostics;
+use lang::hir::Block;
 use learn::PpoConfig;
 use world::env::{EpisodeRule, PedestrianRole, PolicyMaker, RewardRule, SpawnRule};
 use world::requirement::NamedRequirement;
@@ -113,6 +114,22 @@ impl Lowering<'_> {
 
     pub(crate) fn spawn(&mut self, id: DeclarationId) -> Option<Axis<SpawnRule>> {
         Some(Axis { id, name: self.axis_name(id), value: self.spawn_rule(id)? })
+    }
+
+    /// The requirements of a campaign with one that a key of a block names, and its place among them.
+    pub(crate) fn requirements_with(
+        &mut self,
+        block: &Block,
+        key: &'static str,
+        id: DeclarationId,
+        usual: &Usual,
+    ) -> (Arc<[NamedRequirement]>, usize) {
+        let Required { ids, all } = &usual.requirements;
+        if let Some(place) = ids.iter().position(|other| *other == id) {
+            return (all.clone(), place);
+        }
+        let own = self.requirements(block, key, &[id], &usual.rule.value);
+        ([&all[..], &own].concat().into(), all.len())
     }
 
     fn axis_name(&self, id: DeclarationId) -> Arc<str> {

@@ -3,16 +3,13 @@
 //! A panic of a thread that a library has started, such as one of the table library, would leave all others waiting for it. So every panic
 //! ends the process at once, unless [`contained`](base::contained) makes it an error.
 
-use std::backtrace::Backtrace;
+use std::backtrace::{Backtrace, BacktraceStatus};
 use std::panic::PanicHookInfo;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::console;
 use crate::exit_code::ExitCode;
 use base::contained;
-
-/// Maximum number of functions of this program that are named.
-const MAX_FRAMES: usize = 12;
 
 /// Whether a thread already ends the process.
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -43,9 +40,10 @@ fn end(panic: &PanicHookInfo, message: &str, no_thread: bool) {
     } else {
         let place = panic.location().map_or(String::new(), |place| format!(" at {place}"));
         console::note(&format!("panic{place}: {message}"));
-        frames(&Backtrace::force_capture().to_string())
-            .iter()
-            .for_each(|frame| console::note(&format!("  in {frame}")));
+        let trace = Backtrace::capture();
+        if trace.status() == BacktraceStatus::Captured {
+            console::note(&trace.to_string());
+        }
         console::fail("this is a bug in falsify; what was finished before is not lost");
     }
     std::process::exit(ExitCode::Internal as i32)
@@ -65,35 +63,9 @@ fn is_about_threads(message: &str) -> bool {
         && ["spawn", "resource temporarily unavailable"].iter().any(|words| message.contains(words))
 }
 
-/// The packages of this program.
-const OUR_PACKAGES: [&str; 10] =
-    ["base", "compile", "export", "lang", "learn", "ported", "process", "program", "results", "world"];
-
-/// The functions of this program in a backtrace, innermost first.
-fn frames(backtrace: &str) -> Vec<&str> {
-    let name = |line: &'_ str| line.trim().split_once(": ").map_or("", |(_, name)| name).len();
-    let named = backtrace.lines().map(|line| {
-        let line = line.trim();
-        &line[line.len() - name(line)..]
-    });
-    let is_ours = |name: &&str| {
-        let package = name.trim_start_matches('<').split("::").next().unwrap_or_default();
-        OUR_PACKAGES.contains(&package)
-    };
-    let ours = named.filter(is_ours);
-    ours.filter(|name| !name.contains("::crash::")).take(MAX_FRAMES).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn only_own_functions_are_named() {
-        let backtrace = "   0: std::panicking::begin\n   1: program::cli::crash::listen\n   2: <world::road::Town as X>::new\n             at src/x.rs:3\n   3: main\n";
-        assert_eq!(frames(backtrace), ["<world::road::Town as X>::new"]);
-        assert!(frames("").is_empty());
-    }
 
     #[test]
     fn messages_about_threads_are_known() {

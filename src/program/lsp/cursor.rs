@@ -7,7 +7,7 @@ use super::visible::dimension as measured;
 use base::signature::{Param, Signature, Type};
 use base::units::Dimension;
 use compile::Catalog;
-use lang::tokens::{TokenKind, is_word, tokens};
+use lang::tokens::{self, TokenKind, is_word, tokens};
 
 /// The cursor's context, as the text before it determines it.
 #[derive(Debug)]
@@ -98,13 +98,37 @@ struct Frame<'a> {
     closed: Option<&'a Signature>,
 }
 
+/// What has been read of a text.
+struct Reading<'a> {
+    frames: Vec<Frame<'a>>,
+    /// Whether the next token is the first on its line.
+    first: bool,
+}
+
+impl<'a> Reading<'a> {
+    fn new() -> Self {
+        Self { frames: vec![Frame { keys: true, ..Frame::default() }], first: true }
+    }
+
+    /// Reads one more token of the text.
+    fn read(&mut self, text: &'a str, token: tokens::Token, catalog: &'a Catalog) {
+        if token.kind == TokenKind::Blank {
+            self.first |= token.text(text).contains('\n');
+        } else if !token.kind.is_trivia() && token.kind != TokenKind::Doc {
+            let at_margin = is_at_margin(text, token.start);
+            let (text, kind, end) = (token.text(text), token.kind, token.end);
+            take(&mut self.frames, Token { text, kind, end, first: self.first, at_margin }, catalog);
+            self.first = false;
+        }
+    }
+}
+
 /// Finds the context of a byte of a text.
 pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a> {
     let byte = text.floor_char_boundary(byte);
     let mut start = byte - text[..byte].bytes().rev().take_while(|b| is_word(*b)).count();
     let end = byte + text[byte..].bytes().take_while(|b| is_word(*b)).count();
-    let mut frames = vec![Frame { keys: true, ..Frame::default() }];
-    let mut first = true;
+    let mut reading = Reading::new();
     for token in tokens(text).take_while(|token| token.start < byte) {
         let inside = match token.kind {
             TokenKind::Text | TokenKind::BlockComment => start < token.end,
@@ -114,31 +138,21 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
             _ => false,
         };
         if inside {
-            let last = frames.last().and_then(|frame| frame.tokens.last());
+            let last = reading.frames.last().and_then(|frame| frame.tokens.last());
             let is_text = matches!(token.kind, TokenKind::Text | TokenKind::OpenText);
             let import = is_text && last.is_some_and(|last| matches!(last.text, "import" | "from"));
             let place = if import { Place::Import(&text[(token.start + 1).min(byte)..byte]) } else { Place::Nothing };
             return Cursor { word: &text[start..end], place, signature: None };
         }
-        if token.kind == TokenKind::Blank {
-            first |= token.text(text).contains('\n');
-            continue;
-        }
-        if token.kind.is_trivia() || token.kind == TokenKind::Doc {
-            continue;
-        }
-        if token.end > start {
+        if token.end > start && !token.kind.is_trivia() && token.kind != TokenKind::Doc {
             // A unit has several words: `m/s^2`.
             start = if token.kind == TokenKind::Unit { token.start } else { start };
             break;
         }
-        let at_margin = is_at_margin(text, token.start);
-        let (text, kind, end) = (token.text(text), token.kind, token.end);
-        take(&mut frames, Token { text, kind, end, first, at_margin }, catalog);
-        first = false;
+        reading.read(text, token, catalog);
     }
-    let place = role(&frames, text, start..end, catalog);
-    let frame = frames.last().expect("the file is never closed");
+    let place = role(&reading.frames, text, start..end, catalog);
+    let frame = reading.frames.last().expect("the file is never closed");
     // A unit may continue after its first word: `m/s^2`.
     let rest = match place {
         Place::Unit(_) => text[end..].bytes().take_while(|b| is_word(*b) || matches!(b, b'/' | b'*' | b'^')).count(),
@@ -149,28 +163,12 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
 
 /// The words of a text that are not in a comment or in quotes, each with its role.
 pub fn places<'a>(text: &'a str, catalog: &'a Catalog) -> Vec<(Range<usize>, Place<'a>)> {
-    let mut frames = vec![Frame { keys: true, ..Frame::default() }];
-    let (mut all, mut first) = (Vec::new(), true);
+    let (mut all, mut reading) = (Vec::new(), Reading::new());
     for token in tokens(text) {
-        if token.kind == TokenKind::Blank {
-            first |= token.text(text).contains('\n');
-            continue;
-        }
-        if token.kind.is_trivia() || token.kind == TokenKind::Doc {
-            continue;
-        }
         if matches!(token.kind, TokenKind::Name | TokenKind::Keyword) {
-            all.push((token.range(), role(&frames, text, token.range(), catalog)));
+            all.push((token.range(), role(&reading.frames, text, token.range(), catalog)));
         }
-        let token = Token {
-            text: token.text(text),
-            kind: token.kind,
-            end: token.end,
-            first,
-            at_margin: is_at_margin(text, token.start),
-        };
-        take(&mut frames, token, catalog);
-        first = false;
+        reading.read(text, token, catalog);
     }
     all
 }

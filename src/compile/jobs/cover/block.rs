@@ -106,17 +106,8 @@ impl Lowering<'_> {
             Value::Choice(FAULT) => collision(Blame::Fault),
             Value::Choice(COLLISION) => collision(Blame::Any),
             Value::Reference(id) => {
-                let mut requirements = own.all.to_vec();
-                let place = own.ids.iter().position(|other| other == id).unwrap_or_else(|| {
-                    requirements.extend(self.requirements(block, "failure", &[*id], &usual.rule.value));
-                    requirements.len() - 1
-                });
-                Counted {
-                    criterion: Criterion::Violation(place),
-                    blame: Blame::Any,
-                    requirements: requirements.into(),
-                    declared: Some(*id),
-                }
+                let (requirements, place) = self.requirements_with(block, "failure", *id, usual);
+                Counted { criterion: Criterion::Violation(place), blame: Blame::Any, requirements, declared: Some(*id) }
             }
             other => unreachable!("checked: {other:?} is a word or a requirement"),
         }

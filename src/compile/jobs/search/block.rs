@@ -112,17 +112,9 @@ impl Lowering<'_> {
             }
             return SearchGoal { requirements: own.all.clone(), criterion: Criterion::Collision, declared: Vec::new() };
         };
-        let known = own.ids.iter().position(|other| *other == id);
-        let mut requirements = own.all.to_vec();
-        let place = known.unwrap_or_else(|| {
-            requirements.extend(self.requirements(block, "goal", &[id], &usual.rule.value));
-            requirements.len() - 1
-        });
-        SearchGoal {
-            requirements: requirements.into(),
-            criterion: Criterion::Violation(place),
-            declared: vec![id; 1 + usize::from(known.is_none())],
-        }
+        let is_new = !own.ids.contains(&id);
+        let (requirements, place) = self.requirements_with(block, "goal", id, usual);
+        SearchGoal { requirements, criterion: Criterion::Violation(place), declared: vec![id; 1 + usize::from(is_new)] }
     }
 
     pub(crate) fn falsifiers(
