@@ -3,6 +3,7 @@
 pub mod record;
 pub mod campaign;
 pub mod jobs;
+pub mod failure;
 pub mod analysis;
 pub mod report;
 pub mod store;

@@ -265,12 +265,12 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         session.failures(&options).unwrap().into_iter().map(|found| found.failure).collect::<Vec<_>>()
     };
     let slow = failures(&["slow_pass"]);
-    let evaluated: Vec<_> = slow.iter().filter(|failure| !failure.searched).collect();
+    let evaluated: Vec<_> = slow.iter().filter(|failure| !failure.is_of_search()).collect();
     let rows =
         |column: &str| before.lines().filter(|line| line.contains(",slow_pass,") && line.contains(column)).count();
     assert_eq!(evaluated.len(), rows(",slow_pass,2,true,"));
-    assert!(!evaluated.is_empty() && slow.iter().any(|failure| failure.searched), "{slow:?}");
-    let searched = slow.iter().filter(|failure| failure.searched).count();
+    assert!(!evaluated.is_empty() && slow.iter().any(|failure| failure.is_of_search()), "{slow:?}");
+    let searched = slow.iter().filter(|failure| failure.is_of_search()).count();
     assert_eq!(searched, table(&again, "search_failures.csv").lines().count() - 1, "those that end in a bump, too");
     let metrics = table(&again, "metrics.csv");
     let violations: f64 = metrics
@@ -295,12 +295,12 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
         session.failures(&options).unwrap().into_iter().map(|found| found.failure).collect::<Vec<_>>()
     };
     let blamed = listed("fault");
-    assert_eq!(faults as usize, blamed.iter().filter(|failure| !failure.searched).count());
+    assert_eq!(faults as usize, blamed.iter().filter(|failure| !failure.is_of_search()).count());
     assert!(blamed.iter().all(|failure| failure.word() == "fault"), "{blamed:?}");
     let page = table(&again, "report.html");
     let link = page.split("href=\"#play-").skip(1).filter_map(|rest| rest.split_once('"'));
     let links: std::collections::BTreeSet<&str> = link.map(|(name, _)| name).collect();
-    let is_played = |failure: &&results::report::ListedFailure| {
+    let is_played = |failure: &&results::failure::Failure| {
         links.contains(failure.name().replace(':', "-").as_str()) && page.contains(&failure.name())
     };
     assert!(evaluated.iter().copied().filter(|failure| is_played(failure)).count() > 0, "{links:?}");
@@ -309,7 +309,7 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     }
     let avoidable = listed("preventable");
     assert!(!avoidable.is_empty() && avoidable.len() >= blamed.len() && listed("no_verdict").is_empty());
-    let found = slow.iter().filter(|failure| failure.searched && failure.fault).count();
+    let found = slow.iter().filter(|failure| failure.is_of_search() && failure.fault).count();
     let searches = table(&again, "searches.csv");
     let column = searches.lines().next().unwrap().split(',').position(|name| name == "faults").unwrap();
     let counted: usize = searches.lines().nth(1).unwrap().split(',').nth(column).unwrap().parse().unwrap();
@@ -321,7 +321,7 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     };
     assert_eq!(named("no_collision"), 0);
     assert!(all.len() > slow.len());
-    for failure in [evaluated[0], slow.iter().find(|failure| failure.searched).unwrap()] {
+    for failure in [evaluated[0], slow.iter().find(|failure| failure.is_of_search()).unwrap()] {
         let options = ReplayOptions {
             name: failure.name().parse().unwrap(),
             report: again.clone(),

@@ -8,7 +8,7 @@ use base::seed::Seed;
 use compile::{Campaign, Catalog, Evaluation, compile};
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use results::jobs::watch;
-use results::record::{EpisodeRow, RunKey, episodes};
+use results::record::{EpisodeRow, EpisodeTable, RunKey, episodes};
 use results::report::{FailureModes, csv_text, failure_modes};
 use world::judge::{Judged, NearMiss, judge};
 
@@ -60,7 +60,9 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
 /// The table of failure modes of these runs as CSV.
 fn modes(campaign: &Campaign, seed: &Seed, runs: &[DataFrame]) -> String {
     let mut modes = FailureModes::new(campaign, &[], seed);
-    runs.iter().for_each(|run| modes.add(run).unwrap());
+    for table in runs.iter().filter(|run| run.height() > 0).map(|run| EpisodeTable::new(run).unwrap()) {
+        modes.add(&table.key().unwrap(), &table);
+    }
     csv_text(&failure_modes(&modes.finish()))
 }
 

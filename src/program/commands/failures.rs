@@ -9,7 +9,9 @@ use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{Error, Session};
-use results::report::{self, FailureOrder, ListedFailure, StoredReport};
+use results::failure::{Failure, FailureOrder};
+use results::record::CellKey;
+use results::report::{self, StoredReport};
 use world::judge::Label;
 
 /// Number of failures that a table shows by default.
@@ -123,7 +125,7 @@ fn verdict(text: &str) -> Result<String, String> {
 impl FailuresArgs {
     /// Whether a failure is listed. Bumps are listed only if `verdict` names them, and a violation at the touch of a collision only if
     /// `requirement` names it; else it is listed as the collision.
-    fn allows(&self, failure: &ListedFailure) -> bool {
+    fn allows(&self, failure: &Failure) -> bool {
         let among = |words: &[String], word: &str| words.is_empty() || words.iter().any(|each| each == word);
         let verdict = |word: &String| match (word.as_str(), &failure.violation) {
             ("fault", _) => failure.fault,
@@ -142,8 +144,8 @@ impl FailuresArgs {
         let kind = failure.kind();
         let has = |word: &String| kind.split(", ").any(|part| part == word.replace('_', " "));
         (self.verdict.is_empty() && !failure.is_bump() || self.verdict.iter().any(verdict))
-            && among(&self.driver, &failure.policy)
-            && among(&self.controller, &failure.controller)
+            && among(&self.driver, &failure.key.cell.policy)
+            && among(&self.controller, &failure.key.cell.controller)
             && self.kind.iter().all(has)
             && failure.impact_speed >= self.min_speed
             && violated
@@ -155,7 +157,7 @@ impl FailuresArgs {
 pub struct FoundFailure {
     /// The folder of the report.
     pub report: PathBuf,
-    pub failure: ListedFailure,
+    pub failure: Failure,
 }
 
 /// The words that reports have for a filter.
@@ -169,7 +171,7 @@ struct KnownWords {
 
 impl KnownWords {
     /// Adds those of a report with these failures.
-    fn add(&mut self, report: &StoredReport, failures: &[ListedFailure]) -> Result<(), Error> {
+    fn add(&mut self, report: &StoredReport, failures: &[Failure]) -> Result<(), Error> {
         for run in report.run_rows()? {
             self.drivers.insert(run.key.cell.policy);
             self.controllers.insert(run.key.cell.controller);
@@ -235,8 +237,8 @@ impl Session {
         if options.distinct {
             let mut seen = BTreeSet::new();
             found.retain(|FoundFailure { report, failure }| {
-                let ListedFailure { town, policy, start, .. } = failure;
-                seen.insert((report.clone(), town.clone(), policy.clone(), *start))
+                let CellKey { town, policy, .. } = &failure.key.cell;
+                seen.insert((report.clone(), town.clone(), policy.clone(), failure.start))
             });
         }
         Ok(found)
@@ -250,7 +252,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
     let shown = options.top.unwrap_or(if is_table { SHOWN } else { usize::MAX });
     let all = found.len();
     let listed = found.into_iter().take(shown).map(|FoundFailure { report, failure }| (report, failure));
-    let listed: Vec<(PathBuf, ListedFailure)> = listed.collect();
+    let listed: Vec<(PathBuf, Failure)> = listed.collect();
     match options.format {
         _ if options.names => {
             listed
@@ -265,7 +267,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
 }
 
 /// Prints a table for people, how much it leaves out, and how to see the first failure again.
-fn tell(listed: &[(PathBuf, ListedFailure)], all: usize) {
+fn tell(listed: &[(PathBuf, Failure)], all: usize) {
     let Some((folder, first)) = listed.first() else {
         return console::say("no failure");
     };

@@ -12,6 +12,7 @@ use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, reasons};
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
+use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
 use world::judge::JudgedDegree;
 
@@ -185,20 +186,19 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     let degrees = scenario.requirements.iter().zip(&repeated.judged.degrees);
     let requirements: Vec<_> = degrees
         .map(|(named, JudgedDegree { degree, verdict })| {
-            let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
             json!({
                 "requirement": &*named.name,
                 "violated": degree.is_violated(),
                 "robustness": degree.robustness,
-                "unit": report::unit_of(named),
+                "unit": unit_of(named),
                 "scaled": named.requirement.is_scaled(),
                 "instant_s": (f64::from(degree.sample) * scenario.episode.tick).min(outcome.duration),
-                "part": part.map(|part| &part.text),
+                "part": part_of(named, degree),
                 "preventable": verdict.map(|verdict| verdict.preventable),
                 "foreseeable": verdict.map(|verdict| verdict.foreseeable),
                 "fault": verdict.map(|verdict| verdict.fault),
                 "danger_s": verdict.map(|verdict| f64::from(verdict.danger) * scenario.episode.tick),
-                "no_verdict": report::no_verdict(named),
+                "no_verdict": no_verdict(named),
             })
         })
         .collect();

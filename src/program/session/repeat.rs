@@ -71,7 +71,7 @@ impl Source {
     fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
         let stored = self.report.search_failure(name.run, name.number)?;
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
-        let followed = report::failure(&stored).and_then(|failure| {
+        let followed = report::searched(&stored).ok().and_then(|mut found| found.pop()).and_then(|failure| {
             let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
             Some((repeatable.repeat(&self.seed)?, failure))
         });
@@ -85,7 +85,7 @@ impl Source {
         // If it is no failure now, there is no row to compare.
         let again = match FailureCell::of_pair(&pair, outcome.last_mode) {
             Some(cell) => {
-                let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
+                let (start, ticks, commands) = (failure.start, failure.found_after, failure.commands);
                 // No column that is compared has the number of simulations or the violation.
                 let failure = Failure { start, ticks, simulations: 0, commands, outcome, violation: None, cell };
                 let (id, key, scenario) = (search.origin.id, &search.key, &*search.scenario);

@@ -228,8 +228,7 @@ impl<'a> CampaignRun<'a> {
             return Ok(None);
         }
         self.notice_errors(&gathered);
-        let failed = |source| self.options.keep(WriteError::Table { name: "metrics".into(), source });
-        let found = Findings::new(campaign, finished, gathered, modes, self.options.smoke).map_err(failed)?;
+        let found = Findings::new(campaign, finished, gathered, modes, self.options.smoke);
         for caution in &found.cautions {
             let caution = Box::new(caution.clone());
             self.session.notice(&Notice::Caution { campaign: self.name.clone(), caution });
@@ -272,9 +271,7 @@ impl<'a> CampaignRun<'a> {
 
     /// The gates, each with its judgement of each row of the table that it is about.
     fn judge_gates(&self, found: &Findings<'_>) -> Vec<(Gate, Vec<Judged>)> {
-        let searched = report::search_cell_table(&found.searches);
-        let table = |gate: &Gate| if gate.is_about_searches() { &searched } else { &found.cell_table };
-        self.options.gates.iter().map(|gate| (gate.clone(), gate.judge(table(gate)))).collect()
+        self.options.gates.iter().map(|gate| (gate.clone(), gate.judge_campaign(found))).collect()
     }
 
     /// Reports errors of episodes to the observer.

@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 
 use super::clusters::clusters;
-use super::{Approach, Failure, Kind, Stability};
+use super::{Approach, Kind, Stability};
+use crate::failure::Failure;
 
 /// A mode of collisions: those of one kind with similar approaches.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +35,9 @@ pub struct FailureMode {
 pub fn failure_modes(failures: &[Failure]) -> Vec<FailureMode> {
     let mut kinds: BTreeMap<Kind, Vec<usize>> = BTreeMap::new();
     for (place, failure) in failures.iter().enumerate() {
-        kinds.entry(failure.kind).or_default().push(place);
+        if let Some(kind) = Kind::of(failure) {
+            kinds.entry(kind).or_default().push(place);
+        }
     }
     let mut modes: Vec<FailureMode> =
         kinds.into_iter().flat_map(|(kind, places)| modes_of(kind, &places, failures)).collect();
@@ -76,7 +79,7 @@ fn modes_of(kind: Kind, places: &[usize], failures: &[Failure]) -> Vec<FailureMo
     }
     let points: Vec<Vec<f64>> = approaches.iter().map(|approach| approach.features()).collect();
     // Episodes of equal numbers have equal starts, in every run.
-    let groups: Vec<u32> = known.iter().map(|place| failures[*place].episode).collect();
+    let groups: Vec<u32> = known.iter().map(|place| failures[*place].number as u32).collect();
     let found = clusters(&points, &groups);
     let count = found.labels.iter().max().map_or(1, |most| most + 1);
     let mut heaps: Vec<Vec<usize>> = vec![Vec::new(); count];

@@ -2,6 +2,7 @@ use serde_json::Value;
 
 use super::approach::Station;
 use super::*;
+use crate::failure::{Failure, Impact};
 use world::av::DrivingMode;
 use world::judge::Label;
 
@@ -28,8 +29,9 @@ fn from_the_side(side: f64) -> Approach {
 }
 
 fn failure(episode: u32, impact: Impact, approach: Option<Approach>) -> Failure {
-    let kind = Kind { impact, verdict: Label::Preventable, occluded: false, mode: DrivingMode::Cruise };
-    Failure { run: 0, episode, kind, impact_speed: f64::from(episode % 10), length: 4.0, approach }
+    let found = crate::failure::tests::failure(Some(Label::Preventable), false, f64::from(episode % 10));
+    let driving_mode = Some(DrivingMode::Cruise);
+    Failure { number: episode.into(), impact: Some(impact), driving_mode, length: 4.0, approach, ..found }
 }
 
 #[test]
@@ -48,7 +50,7 @@ fn ways_from_both_sides_are_two_modes_of_one_kind() {
     assert_eq!((left.failures, left.members.len(), left.cluster, left.clusters), (90, 60, 0, 2));
     assert_eq!((right.failures, right.members.len(), right.cluster), (90, 30, 1));
     assert!((left.share - 0.6).abs() < 1e-12 && (right.share - 0.3).abs() < 1e-12);
-    assert!(!failures[left.medoid].episode.is_multiple_of(3) && failures[right.medoid].episode.is_multiple_of(3));
+    assert!(!failures[left.medoid].number.is_multiple_of(3) && failures[right.medoid].number.is_multiple_of(3));
     assert!(left.spread.unwrap() < 0.5 && left.stability.unwrap().halves > 0.99);
     assert_eq!((rear.kind.impact, rear.members.len(), rear.spread, rear.stability), (Impact::Rear, 10, None, None));
     assert_eq!(rear.impact_speed, [0.9, 4.5, 8.1], "0 to 9 m/s");
@@ -78,6 +80,6 @@ fn kinds_are_named_for_people() {
     let standing =
         Kind { impact: Impact::Rear, verdict: Label::Bump, occluded: true, mode: DrivingMode::EmergencyStop };
     assert_eq!(standing.to_string(), "rear, bump, occluded, emergency stop");
-    let front = failure(0, Impact::Front, None).kind;
+    let front = Kind::of(&failure(0, Impact::Front, None)).unwrap();
     assert_eq!(front.to_string(), "front, preventable, cruise");
 }

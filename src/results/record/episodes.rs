@@ -8,7 +8,7 @@ use super::columns::{
     VEHICLE, VELOCITY_CHANGE,
 };
 use super::reference_drivers::{is_of_reference_driver, reference_columns};
-use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
+use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
 use world::env::{Ending, LeftOut, Outcome};
 use world::judge::{LaneDeparture, NearMiss, PedestrianMotion};
 
@@ -57,26 +57,6 @@ pub fn episode_references() -> TableReference {
     let mut table = episode_table().reference();
     table.columns.retain(|column| !is_of_reference_driver(&column.name));
     table
-}
-
-/// The names of the columns of a cell's key.
-pub fn cell_key_names() -> impl Iterator<Item = String> {
-    cell_key_references().into_iter().map(|column| column.name.into_owned())
-}
-
-/// The names of the columns of a run's key, as the table of runs has them: the number of the run comes last.
-pub fn run_key_names() -> impl Iterator<Item = String> {
-    run_key_references().into_iter().map(|column| column.name.into_owned())
-}
-
-/// The references of the columns of a cell's key.
-pub fn cell_key_references() -> Vec<ColumnReference> {
-    cell_key(|key: &CellKey| key).iter().map(|entry| entry.reference().clone()).collect()
-}
-
-/// The references of the columns of a run's key, in the order of [`run_key_names`].
-pub fn run_key_references() -> Vec<ColumnReference> {
-    [vec![RUN_ID.reference()], cell_key_references(), vec![RUN.reference()]].concat()
 }
 
 /// Episodes as a table, one row each, in the order given.

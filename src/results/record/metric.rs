@@ -1,9 +1,9 @@
 //! The metrics that runs and cells have of the columns of episodes.
 
-use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32Chunked};
+use polars::prelude::DataType;
 
 use super::episodes::named;
-use super::{Column, ColumnReference, Family, Kind, columns};
+use super::{Column, ColumnReference, Entry, Family, columns};
 use world::env::LeftOut;
 use world::judge::Label;
 
@@ -131,14 +131,6 @@ impl Count {
     pub const fn new(name: &'static str, which: Which, doc: &'static str) -> Self {
         Self { name, doc, which }
     }
-
-    /// Its values in a table of runs or cells.
-    ///
-    /// # Errors
-    /// The table has no such column, or it holds something else.
-    pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a UInt32Chunked> {
-        u32::array(table.column(self.name)?)
-    }
 }
 
 impl Mean {
@@ -157,14 +149,6 @@ impl Rate {
     /// A ratio of two counts, in a column of this name.
     pub const fn new(name: &'static str, part: Count, whole: Count, doc: &'static str) -> Self {
         Self { name, part, whole, doc }
-    }
-
-    /// The ends of its interval in a table of runs or cells.
-    ///
-    /// # Errors
-    /// The table has no such columns, or they hold something else.
-    pub fn interval<'a>(&self, table: &'a DataFrame) -> PolarsResult<(&'a Float64Chunked, &'a Float64Chunked)> {
-        Ok((WILSON_LOW.read(self.name, table)?, WILSON_HIGH.read(self.name, table)?))
     }
 }
 
@@ -187,9 +171,13 @@ impl Metric {
         }
     }
 
-    /// Whether a cell has its mean and standard deviation over the runs.
-    pub fn is_averaged(&self) -> bool {
-        !matches!(self, Self::Count(_))
+    /// Its column in a table whose rows give its value.
+    pub fn entry<'t, R>(&self, value: impl Fn(&R) -> Option<f64> + 't) -> Entry<'t, R> {
+        let ColumnReference { name, unit, doc, .. } = self.reference();
+        match self {
+            Self::Count(_) => Entry::new::<u32, _>(name, unit, doc, move |row| value(row).map(|count| count as u32)),
+            _ => Entry::new::<f64, _>(name, unit, doc, value),
+        }
     }
 
     pub fn reference(&self) -> ColumnReference {
@@ -326,10 +314,3 @@ pub const EPISODE_LENGTH: Mean = Mean::new(&columns::EPISODE_LENGTH, "mean lengt
 pub const IMPACT_SPEED: Mean =
     Mean { over: Over::Collisions, ..Mean::new(&columns::IMPACT_SPEED, "mean speed of the car at a collision") };
 pub const MEAN: Family<f64> = Family::new("_mean", "", "mean over the runs of the cell");
-pub const SD: Family<f64> = Family::new("_sd", "", "sample standard deviation over the runs of the cell");
-pub const WILSON_LOW: Family<f64> = Family::new(
-    "_wilson_low",
-    "",
-    "Wilson's 95 % interval of that rate, over the starts, which the runs of the cell share (of a share or `front_rate`: over their collisions)",
-);
-pub const WILSON_HIGH: Family<f64> = Family::new("_wilson_high", "", WILSON_LOW.doc());

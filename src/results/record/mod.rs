@@ -17,14 +17,11 @@ mod stored;
 mod degrees;
 mod parquet_reader;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Table, TableReference};
 pub use degrees::{DEGREES, parse as parse_degrees, with_degrees};
-pub use episodes::{
-    EPISODES, IN_ERROR, cell_key, cell_key_names, cell_key_references, episode_references, episode_table, episodes,
-    run_key_names, run_key_references,
-};
+pub use episodes::{EPISODES, IN_ERROR, cell_key, episode_references, episode_table, episodes};
 pub use key::{CellKey, RunKey};
 pub use metric::{Metric, metrics};
 pub use parquet_reader::read_parquet;

@@ -4,14 +4,14 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEFT_OUT, MIN_GAP,
-    MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID,
-    RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FORESEEABLE, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEFT_OUT,
+    OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN, TRAIN_POLICY,
+    TRAIN_TOWN, VEHICLE, VERDICT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
 use world::av::DrivingMode;
-use world::env::{Ending, LeftOut, Outcome, Spawn};
+use world::env::{LeftOut, Spawn};
 use world::geometry::Pose;
 use world::judge::{Label, Reference};
 
@@ -48,83 +48,56 @@ impl RunKey {
     }
 }
 
-/// A table of episodes, read row by row.
-///
-/// Missing numbers are `None` if the type allows it, else 0.
-#[derive(Debug, Clone, Copy)]
-pub struct EpisodeTable<'a> {
-    table: &'a DataFrame,
-    episode: &'a UInt32Chunked,
-    outcome: &'a StringChunked,
-    error: &'a StringChunked,
-    left_out: &'a StringChunked,
-    front: &'a BooleanChunked,
-    on_crosswalk: &'a BooleanChunked,
-    fault: &'a BooleanChunked,
-    impact_speed: &'a Float64Chunked,
-    impact_bearing: &'a Float64Chunked,
-    reward: &'a Float64Chunked,
-    length: &'a Float64Chunked,
-    ticks: &'a UInt32Chunked,
-    least_gap: &'a Float64Chunked,
-    min_ttc: &'a Float64Chunked,
-    pet: &'a Float64Chunked,
-    driving_mode: &'a StringChunked,
-    ego_x: &'a Float64Chunked,
-    ego_y: &'a Float64Chunked,
-    ego_yaw: &'a Float64Chunked,
-    ego_speed: &'a Float64Chunked,
-    run_up: &'a UInt32Chunked,
-    start: &'a StringChunked,
-    pedestrian_x: &'a Float64Chunked,
-    pedestrian_y: &'a Float64Chunked,
-    pedestrian_yaw: &'a Float64Chunked,
-    digest: &'a StringChunked,
-    trail: &'a StringChunked,
-    verdict: &'a StringChunked,
-    in_sight: &'a Float64Chunked,
+macro_rules! episode_table {
+    ($($field:ident: $array:ty = $column:ident),+ $(,)?) => {
+        /// A table of episodes, read row by row.
+        ///
+        /// Missing numbers are `None` if the type allows it, else 0.
+        #[derive(Debug, Clone, Copy)]
+        pub struct EpisodeTable<'a> {
+            table: &'a DataFrame,
+            $($field: &'a $array),+
+        }
+
+        impl<'a> EpisodeTable<'a> {
+            /// Reads a table.
+            ///
+            /// # Errors
+            /// A column is missing or holds something else.
+            pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
+                Ok(Self { table, $($field: $column.read(table)?),+ })
+            }
+        }
+    };
+}
+
+episode_table! {
+    episode: UInt32Chunked = EPISODE,
+    outcome: StringChunked = OUTCOME,
+    error: StringChunked = ERROR,
+    left_out: StringChunked = LEFT_OUT,
+    front: BooleanChunked = FRONT,
+    foreseeable: BooleanChunked = FORESEEABLE,
+    fault: BooleanChunked = FAULT,
+    impact_speed: Float64Chunked = IMPACT_SPEED,
+    impact_bearing: Float64Chunked = IMPACT_BEARING,
+    reward: Float64Chunked = EPISODE_REWARD,
+    length: Float64Chunked = EPISODE_LENGTH,
+    ticks: UInt32Chunked = TICKS,
+    driving_mode: StringChunked = DRIVING_MODE,
+    ego_x: Float64Chunked = EGO_X,
+    ego_y: Float64Chunked = EGO_Y,
+    ego_yaw: Float64Chunked = EGO_YAW,
+    ego_speed: Float64Chunked = EGO_SPEED,
+    pedestrian_x: Float64Chunked = PEDESTRIAN_X,
+    pedestrian_y: Float64Chunked = PEDESTRIAN_Y,
+    pedestrian_yaw: Float64Chunked = PEDESTRIAN_YAW,
+    digest: StringChunked = DIGEST,
+    verdict: StringChunked = VERDICT,
+    in_sight: Float64Chunked = IN_SIGHT,
 }
 
 impl<'a> EpisodeTable<'a> {
-    /// Reads a table.
-    ///
-    /// # Errors
-    /// A column is missing or holds something else.
-    pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
-        Ok(Self {
-            table,
-            episode: EPISODE.read(table)?,
-            outcome: OUTCOME.read(table)?,
-            error: ERROR.read(table)?,
-            left_out: LEFT_OUT.read(table)?,
-            front: FRONT.read(table)?,
-            on_crosswalk: ON_CROSSWALK.read(table)?,
-            fault: FAULT.read(table)?,
-            impact_speed: IMPACT_SPEED.read(table)?,
-            impact_bearing: IMPACT_BEARING.read(table)?,
-            reward: EPISODE_REWARD.read(table)?,
-            length: EPISODE_LENGTH.read(table)?,
-            ticks: TICKS.read(table)?,
-            least_gap: MIN_GAP.read(table)?,
-            min_ttc: MIN_TTC.read(table)?,
-            pet: PET.read(table)?,
-            driving_mode: DRIVING_MODE.read(table)?,
-            ego_x: EGO_X.read(table)?,
-            ego_y: EGO_Y.read(table)?,
-            ego_yaw: EGO_YAW.read(table)?,
-            ego_speed: EGO_SPEED.read(table)?,
-            run_up: RUN_UP.read(table)?,
-            start: START.read(table)?,
-            pedestrian_x: PEDESTRIAN_X.read(table)?,
-            pedestrian_y: PEDESTRIAN_Y.read(table)?,
-            pedestrian_yaw: PEDESTRIAN_YAW.read(table)?,
-            digest: DIGEST.read(table)?,
-            trail: STATE_HASHES.read(table)?,
-            verdict: VERDICT.read(table)?,
-            in_sight: IN_SIGHT.read(table)?,
-        })
-    }
-
     pub fn rows(&self) -> std::ops::Range<usize> {
         0..self.table.height()
     }
@@ -171,6 +144,11 @@ impl<'a> EpisodeTable<'a> {
         self.front.get(row).unwrap_or_default()
     }
 
+    /// Whether the pedestrian of a collision moved as people do.
+    pub fn is_foreseeable(&self, row: usize) -> bool {
+        self.foreseeable.get(row).unwrap_or_default()
+    }
+
     /// Whether it counts against the driver: preventable, with a foreseeable pedestrian.
     pub fn is_fault(&self, row: usize) -> bool {
         self.fault.get(row).unwrap_or_default()
@@ -199,16 +177,6 @@ impl<'a> EpisodeTable<'a> {
     /// Simulator ticks; none if it was not run.
     pub fn ticks(&self, row: usize) -> Option<u32> {
         self.ticks.get(row)
-    }
-
-    /// Least time to collision (s).
-    pub fn min_ttc(&self, row: usize) -> Option<f64> {
-        self.min_ttc.get(row)
-    }
-
-    /// Post-encroachment time (s).
-    pub fn pet(&self, row: usize) -> Option<f64> {
-        self.pet.get(row)
     }
 
     /// The driver's action in the last tick.
@@ -247,36 +215,5 @@ impl<'a> EpisodeTable<'a> {
             ego_speed: of(self.ego_speed),
             pedestrian: Pose::new(of(self.pedestrian_x), of(self.pedestrian_y), of(self.pedestrian_yaw).to_radians()),
         }
-    }
-
-    /// The outcome; none if the episode is in error.
-    pub fn outcome(&self, row: usize) -> Option<Outcome> {
-        let ending = match self.outcome.get(row)? {
-            touch if named::is_touch(touch) => Ending::Touch {
-                front: self.front.get(row)?,
-                moving: touch == named::COLLISION,
-                impact_speed: self.impact_speed(row).unwrap_or_default(),
-                bearing: self.impact_bearing(row).unwrap_or_default(),
-            },
-            named::OTHER_CONTACT => Ending::OtherContact,
-            named::LOST => Ending::Lost,
-            named::TIMEOUT => Ending::Timeout,
-            _ => return None,
-        };
-        Some(Outcome {
-            spawn: self.spawn(row),
-            start: u64::from_str_radix(self.start.get(row)?, 16).ok()?,
-            run_up: self.run_up.get(row)?,
-            left_out: self.left_out(row),
-            ending,
-            reward: self.reward(row).unwrap_or_default(),
-            ticks: self.ticks(row)?,
-            duration: self.length(row).unwrap_or_default(),
-            least_gap: self.least_gap.get(row).unwrap_or_default(),
-            on_crosswalk: self.on_crosswalk.get(row).unwrap_or(false),
-            last_mode: self.driving_mode(row)?,
-            digest: u64::from_str_radix(self.digest(row), 16).ok()?,
-            state_hashes: self.trail.get(row).and_then(|hashes| hashes.parse().ok()).unwrap_or_default(),
-        })
     }
 }

@@ -9,7 +9,7 @@ use world::env::{Ending, Outcome, Spawn};
 use world::geometry::Pose;
 use world::judge::{ContactSide, FalseAlarms, Judged, Label, NearMiss, Reference, Sight, Trial, Verdict};
 
-fn key() -> RunKey {
+pub(crate) fn key() -> RunKey {
     let cell = CellKey {
         block: 2,
         town: "harbour".into(),
@@ -24,7 +24,8 @@ fn key() -> RunKey {
     RunKey { id: "1a2b3c4d".parse().unwrap(), cell, run: 3 }
 }
 
-fn row(episode: u32, ending: Ending) -> EpisodeRow {
+/// An episode of [`key`] with this end.
+pub(crate) fn row(episode: u32, ending: Ending) -> EpisodeRow {
     let hit = matches!(ending, Ending::Touch { .. });
     let spawn = Spawn { ego: Pose::new(1.0, -2.0, 0.0), ego_speed: 7.0, pedestrian: Pose::new(5.0, 6.5, 0.0) };
     let trial = Trial { impact_speed: None, time: 1.0, least_gap: 0.5, moved: true, braked: true, stopped: true };
@@ -81,13 +82,13 @@ fn rows_that_are_read_back_are_those_that_were_written() {
     assert_eq!(read.rows(), 0..4);
     assert_eq!(read.key().unwrap(), key());
     for (place, row) in rows.iter().enumerate().take(3) {
-        assert_eq!(read.outcome(place).as_ref(), Some(&row.judged.outcome));
+        let outcome = &row.judged.outcome;
+        assert_eq!((read.spawn(place), read.is_collision(place)), (outcome.spawn, outcome.is_collision()));
+        assert_eq!(read.digest(place), format!("{:016x}", outcome.digest));
         assert_eq!((read.episode(place), read.error(place)), (row.episode, None));
         assert_eq!(read.label(place), row.judged.verdict.map(|verdict| verdict.label));
-        assert_eq!(read.min_ttc(place), Some(0.75));
     }
-    assert_eq!(read.outcome(3), None);
-    assert!(read.error(3).is_some_and(|error| !error.is_empty()) && read.min_ttc(3).is_none());
+    assert!(read.error(3).is_some_and(|error| !error.is_empty()) && !read.counts(3));
     assert_eq!(read.avoided(Reference::ALL[0]).count(), 1);
 }
 

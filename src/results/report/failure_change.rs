@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use serde::Serialize;
 
-use super::{FailureClass, ListedFailure};
+use crate::failure::{Failure, FailureClass};
 
 /// A start from which at least one of two drivers has a collision.
 #[derive(Debug, Clone)]
@@ -38,8 +38,8 @@ pub struct SideCollision {
     pub impact_speed: f64,
 }
 
-impl From<&ListedFailure> for SideCollision {
-    fn from(failure: &ListedFailure) -> Self {
+impl From<&Failure> for SideCollision {
+    fn from(failure: &Failure) -> Self {
         Self {
             class: failure.class(),
             verdict: failure.word(),
@@ -52,7 +52,7 @@ impl From<&ListedFailure> for SideCollision {
 
 impl SideEnd {
     /// The end of an episode in a report.
-    pub fn of_report(name: String, failure: Option<&ListedFailure>) -> Self {
+    pub fn of_report(name: String, failure: Option<&Failure>) -> Self {
         Self { name, collision: failure.map(SideCollision::from) }
     }
 }
@@ -113,7 +113,7 @@ impl FailureChange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::listed_failure::tests::failure;
+    use crate::failure::tests::failure;
     use world::judge::Label;
 
     #[test]

@@ -1,12 +1,9 @@
-use polars::prelude::{DataFrame, PolarsResult};
-
-use super::aggregate::with_rates;
+use super::aggregate::cells;
 use super::caution::{Caution, cautions};
 use super::failure_modes::CellModes;
-use super::metric_table::metric_table;
 use super::{
-    Cell, Doubt, DriverResult, FailureModes, Gathered, Metrics, ProtocolCell, PublishedComparison, SearchCell,
-    SearchComparison, beside, doubts, driver_results, evident_cells, layer_cells, search_cells, search_comparisons,
+    Cell, Doubt, DriverResult, FailureModes, Gathered, ProtocolCell, PublishedComparison, SearchCell, SearchComparison,
+    beside, doubts, driver_results, layer_cells, search_cells, search_comparisons,
 };
 use crate::campaign::Finished;
 use crate::jobs::SearchResult;
@@ -19,12 +16,6 @@ pub struct Findings<'a> {
     pub finished: &'a Finished,
     /// What one pass over the episodes gave.
     pub gathered: Gathered,
-    /// The table `runs`.
-    pub runs: DataFrame,
-    /// The table `metrics`.
-    pub metrics: DataFrame,
-    /// One row for each cell, with all its metrics and its evidence: what gates read.
-    pub cell_table: DataFrame,
     pub cells: Vec<Cell>,
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
@@ -46,27 +37,17 @@ pub struct Findings<'a> {
 
 impl<'a> Findings<'a> {
     /// Works them out.
-    ///
-    /// # Errors
-    /// Those of polars; none for what [`gather`](super::gather) has gathered.
     pub fn new(
         campaign: &'a Campaign,
         finished: &'a Finished,
         gathered: Gathered,
         modes: FailureModes<'_>,
         smoke: bool,
-    ) -> PolarsResult<Self> {
-        let metrics = Metrics::of_runs(gathered.runs.clone())?;
-        let cells = metrics.cells()?;
+    ) -> Self {
+        let cells = cells(&gathered.runs);
         let evidence = &gathered.evidence.cells;
         let searches = search_cells(finished.all::<SearchResult>());
-        let required = &gathered.requirements;
-        let keys: Vec<_> = cells.iter().map(|cell| &cell.key).collect();
-        let cell_table = with_rates(evident_cells(&metrics.cells, evidence)?, &keys, required)?;
-        Ok(Self {
-            runs: metrics.runs.clone(),
-            metrics: metric_table(&cell_table, &cells, evidence, required)?,
-            cell_table,
+        Self {
             drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>()),
             modes: modes.finish(),
             published: beside(&campaign.published, &cells, evidence),
@@ -79,6 +60,6 @@ impl<'a> Findings<'a> {
             finished,
             cells,
             gathered,
-        })
+        }
     }
 }

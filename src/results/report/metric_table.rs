@@ -1,16 +1,15 @@
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::DataFrame;
 
-use super::aggregate::{Cell, CellRequirement, Counted};
+use super::aggregate::{Cell, CellRequirement, Counted, Measured};
 use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, remaining_rate};
-use crate::record::metric::{MEAN, SD};
 use crate::record::{CellKey, Column, ColumnReference, Interval, Metric, Table, TableReference, cell_key, metrics};
-use base::statistics::{ClusteredCount, wilson};
+use base::statistics::wilson;
 use world::judge::Reference;
 
 /// The stem of the files of the table of metrics.
 pub const METRICS: &str = "metrics";
 
-const TRAININGS_DISAGREE: Column<f64> = Column::new(
+pub const TRAININGS_DISAGREE: Column<f64> = Column::new(
     "trainings_disagree",
     "",
     "1 where the trainings of the cell differ by far more than their episodes explain and by more than half of what they gained, else 0; missing for \
@@ -34,72 +33,57 @@ struct Row<'a> {
     interval: &'static str,
 }
 
+impl<'a> Row<'a> {
+    /// A value without an interval.
+    fn new(key: &'a CellKey, metric: ColumnReference, of: Size, value: Option<f64>) -> Self {
+        Self { key, metric, of, value, sd: None, ends: None, interval: "" }
+    }
+}
+
 /// All that is known of each cell in one long table: a row for each metric, and one more where it has a second interval.
-///
-/// # Errors
-/// Those of polars; none for the table and the evidence of these cells.
-pub fn metric_table(
-    frame: &DataFrame,
-    cells: &[Cell],
-    evidence: &[CellEvidence],
-    requirements: &[CellRequirement],
-) -> PolarsResult<DataFrame> {
-    let metrics = metrics();
+pub fn metric_table(cells: &[Cell], evidence: &[CellEvidence], requirements: &[CellRequirement]) -> DataFrame {
     let mut rows = Vec::new();
-    for (place, (cell, found)) in cells.iter().zip(evidence).enumerate() {
-        for metric in &metrics {
-            of_metric(metric, frame, place, (cell, found), &mut rows)?;
+    for (cell, found) in cells.iter().zip(evidence) {
+        for (metric, measured) in &cell.metrics {
+            of_metric(metric, measured, (cell, found), &mut rows);
         }
         of_evidence(cell, found, &mut rows);
         requirements.iter().filter(|each| each.key == cell.key).for_each(|each| of_requirement(cell, each, &mut rows));
     }
-    Ok(columns().frame(&rows))
+    columns().frame(&rows)
 }
 
 /// Adds the rows of a metric of episodes.
 fn of_metric<'a>(
     metric: &Metric,
-    frame: &DataFrame,
-    place: usize,
+    measured: &Measured,
     (cell, found): (&'a Cell, &CellEvidence),
     rows: &mut Vec<Row<'a>>,
-) -> PolarsResult<()> {
+) {
     let runs = Size("runs", u64::from(cell.runs));
-    let episodes = Size("episodes", u64::from(cell.episodes));
-    let reference = metric.reference();
-    let name = metric.name();
-    let row = |of: Size, value: Option<f64>| Row {
-        key: &cell.key,
-        metric: reference.clone(),
-        of,
-        value,
-        sd: None,
-        ends: None,
-        interval: "",
-    };
-    if let Metric::Count(count) = *metric {
-        rows.push(row(episodes, count.read(frame)?.get(place).map(f64::from)));
-        return Ok(());
-    }
-    let value = MEAN.read(name, frame)?.get(place);
-    let sd = SD.read(name, frame)?.get(place);
-    let across = Figure::ALL.into_iter().find(|figure| figure.name() == name).map(|figure| found.between(figure));
-    let student = across.and_then(|across| across.interval);
-    if let Metric::Rate(rate) = *metric {
-        let whole = u64::from(rate.whole.read(frame)?.get(place).unwrap_or_default());
-        let part = u64::from(rate.part.read(frame)?.get(place).unwrap_or_default());
-        // The runs of a cell share their starts.
-        let of_runs = |count: u64| ClusteredCount::from(count).of_clusters(f64::from(cell.runs));
-        let of = Size(if rate.whole.name == "collisions" { "collisions" } else { "episodes" }, whole);
-        rows.push(Row { sd, ends: Some(wilson(of_runs(part), of_runs(whole))), interval: "wilson", ..row(of, value) });
-        if student.is_some() {
-            rows.push(Row { sd, ends: student, interval: "student", ..row(runs, value) });
+    let key = &cell.key;
+    let row = |of: Size, value: Option<f64>| Row::new(key, metric.reference(), of, value);
+    let average = match measured {
+        Measured::Count(count) => {
+            rows.push(row(Size("episodes", u64::from(cell.episodes)), Some(f64::from(*count))));
+            return;
         }
-    } else {
-        let interval = if student.is_some() { "student" } else { "" };
-        rows.push(Row { sd, ends: student, interval, ..row(runs, value) });
+        Measured::Average(average) => average,
+    };
+    let across =
+        Figure::ALL.into_iter().find(|figure| figure.name() == metric.name()).map(|figure| found.between(figure));
+    let student = across.and_then(|across| across.interval);
+    let of_runs = Row { sd: average.sd, ..row(runs, average.value) };
+    if let Metric::Rate(rate) = *metric {
+        let of = if rate.whole.name == "collisions" { "collisions" } else { "episodes" };
+        let of = Size(of, u64::from(cell.count(rate.whole)));
+        rows.push(Row { of, ends: average.interval, interval: "wilson", ..of_runs.clone() });
     }
-    Ok(())
+    if student.is_some() {
+        rows.push(Row { ends: student, interval: "student", ..of_runs });
+    } else if average.interval.is_none() {
+        rows.push(of_runs);
+    }
 }
 
 /// Adds the rows of a requirement.
@@ -110,15 +94,7 @@ fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Ro
         }
         let [count, rate] = violation_metrics(words, &found.name);
         let ((part, all), rate_of_runs) = (found.sums(counted), found.rate(counted));
-        let row = Row {
-            key: &cell.key,
-            metric: count,
-            of: Size("episodes", u64::from(all)),
-            value: Some(f64::from(part)),
-            sd: None,
-            ends: None,
-            interval: "",
-        };
+        let row = Row::new(&cell.key, count, Size("episodes", u64::from(all)), Some(f64::from(part)));
         rows.push(row.clone());
         rows.push(Row {
             metric: rate,
@@ -174,15 +150,7 @@ fn violation_metrics(words: Words, requirement: &str) -> [ColumnReference; 2] {
 
 /// Adds the rows of impact speeds, of the reference drivers, and of what trainings say of each other.
 fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>) {
-    let row = |metric: ColumnReference, of: Size, value: Option<f64>| Row {
-        key: &cell.key,
-        metric,
-        of,
-        value,
-        sd: None,
-        ends: None,
-        interval: "",
-    };
+    let row = |metric: ColumnReference, of: Size, value: Option<f64>| Row::new(&cell.key, metric, of, value);
     let (p90, collisions) = found.impact_speed_p90;
     rows.push(row(IMPACT_SPEED_P90.reference(), Size("collisions", collisions), p90));
     let disagree = found.learning.as_ref().and_then(Learning::disagree);

@@ -1,4 +1,4 @@
-//! Rows in, files out: tables, metrics, figures, summary, page, manifest.
+//! Rows in, files out: tables, figures, summary, page, manifest.
 //!
 //! Four jobs, a folder each: `aggregate` makes runs and cells of episodes, `infer` their evidence for further trainings, `render`
 //! text and pictures, and `read` reads a report back. `failure_modes` finds kinds of collisions. The rest writes files.
@@ -13,6 +13,7 @@ mod render;
 mod read;
 mod catalogue;
 mod caution;
+mod cell_table;
 mod manifest;
 mod scenario_files;
 mod parquet;
@@ -23,7 +24,7 @@ mod folder;
 mod overview;
 mod off_road;
 mod findings;
-mod listed_failure;
+mod grouped;
 mod metric_table;
 mod replayed;
 mod write;
@@ -31,8 +32,7 @@ mod write;
 // What was found: rates, cells, drivers, searches.
 pub use aggregate::{
     Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results,
-    failure_table, gather, metrics, no_verdict, published, search_cell_table, search_cells, search_failures, searches,
-    ticks, unit_of, worst_failure,
+    failure_table, gather, published, search_cell_table, search_cells, search_failures, searches, ticks, worst_failure,
 };
 pub(crate) use aggregate::{
     SEARCH_COMPARISONS, search_cell_columns, search_comparison_columns, search_comparison_table, search_table,
@@ -45,9 +45,6 @@ pub use findings::Findings;
 pub use infer::{Doubt, Learning, Learnt, Reason, Untrained, doubts};
 pub use metric_table::{METRICS, metric_references};
 
-// Failures, and one that is repeated to be shown.
-pub use listed_failure::{FailureOrder, ListedFailure};
-
 // Reports side by side, and old failures with a new driver.
 pub use compare::{
     Changed, ComparedCell, ComparedSearch, ReportComparison, Side, compare_reports, compared_cells,
@@ -55,7 +52,7 @@ pub use compare::{
 };
 pub use overview::{Found, Overview, Variant};
 pub use recheck::{
-    CrossedStarts, Encounter, FoundIn, Met, Recheck, RecheckNote, RecheckedFailures, WalkedBy, crossed_reference,
+    CrossedStarts, Encounter, Encounters, Met, Recheck, RecheckNote, RecheckedFailures, WalkedBy, crossed_reference,
     crossed_table, rechecked_reference, rechecked_table,
 };
 
@@ -71,8 +68,8 @@ pub use text_forms::{csv_text, json_rows};
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_new_file, write_table};
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use read::{
-    Difference, Gate, GateError, Judged, ReadError, StoredReport, TooFewRuns, differences, divergence, failure,
-    failure_list,
+    Difference, Gate, GateError, Judged, ReadError, StoredReport, TooFewRuns, differences, divergence, failure_list,
+    searched,
 };
 pub use scenario_files::{MAX_HELD_BYTES, held_places};
 pub use staging::staging_file;
@@ -83,10 +80,9 @@ pub(crate) type Table = polars::prelude::DataFrame;
 
 // What the modules here share.
 pub(crate) use aggregate::{
-    CellRequirement, Metrics, ProtocolCell, PublishedComparison, SearchComparison, layer_cells, search_comparisons,
+    CellRequirement, ProtocolCell, PublishedComparison, SearchComparison, layer_cells, search_comparisons,
 };
-pub(crate) use infer::{CellEvidence, Comparison, Evidence, Figure, Gathering, Test, evident_cells};
-pub(crate) use listed_failure::FailureClass;
+pub(crate) use infer::{CellEvidence, Comparison, Evidence, Figure, Gathering, Test};
 pub(crate) use recheck::StartFaults;
 pub(crate) use render::{search_section, svg, table, town_map};
 pub(crate) use replayed::PlayedFailure;

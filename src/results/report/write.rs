@@ -1,10 +1,11 @@
-use super::aggregate::{PROTOCOL, RESULTS, RUNS, protocol_table, results};
+use super::aggregate::{PROTOCOL, RESULTS, RUNS, protocol_table, results, run_table};
 use super::failure_modes;
-use super::metric_table::METRICS;
+use super::metric_table::{METRICS, metric_table};
 use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
 use super::{Findings, Manifest, ReportFolder, WriteError, infer, published, town_map};
 use crate::jobs::KINDS;
+use crate::record::metrics;
 use base::seed::Seed;
 
 /// Fills a report's folder with all files of a campaign, except the table of episodes, which [`gather`](super::gather) has written.
@@ -19,9 +20,9 @@ pub fn write(
 ) -> Result<(), WriteError> {
     let Findings { campaign, gathered, .. } = found;
     let evidence = &gathered.evidence;
-    folder.table(RUNS, &found.runs)?;
+    folder.table(RUNS, &run_table(&metrics()).frame(&gathered.runs))?;
     folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
-    folder.table(METRICS, &found.metrics)?;
+    folder.table(METRICS, &metric_table(&found.cells, &evidence.cells, &gathered.requirements))?;
     folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
     folder.table("failure_modes", &failure_modes::failure_modes(&found.modes))?;
     folder.table("explanations", &failure_modes::explanations(&found.modes))?;

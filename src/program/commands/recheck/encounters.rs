@@ -6,12 +6,13 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::driver_pairs::with_driver;
-use crate::session::{EpisodeName, Error, Source};
+use crate::session::Source;
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
 use learn::ActorCritic;
+use results::failure::Failure;
 use results::jobs::Repeatable;
-use results::report::{self, Encounter, ListedFailure, Met, WalkedBy};
+use results::report::{Encounter, Encounters, Met, WalkedBy};
 use world::env::{Criterion, Outcome, Scenario, Trace, VehicleRole};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
 use world::judge::Judged;
@@ -37,7 +38,7 @@ impl Source {
     /// Meets a failure of an evaluation again. `old` says whether the old driver can be run.
     pub(super) fn meet_episode(
         &self,
-        failure: &ListedFailure,
+        failure: &Failure,
         (evaluation, trained): (&Evaluation, Option<&ActorCritic>),
         role: &VehicleRole,
         old: bool,
@@ -59,22 +60,14 @@ impl Source {
     }
 
     /// Meets a failure of a search again. `old` says whether the old driver can be run.
-    pub(super) fn meet_failure(
-        &self,
-        failure: &ListedFailure,
-        search: &Search,
-        role: &VehicleRole,
-        old: bool,
-    ) -> Result<MetAgain, Error> {
-        let EpisodeName { run, number } = EpisodeName::of_table(failure.name())?;
-        let stored = self.report.search_failure(run, number)?.as_ref().and_then(report::failure);
-        let Some(stored) = stored.filter(|stored| !stored.commands.is_empty()) else {
-            return Ok(MetAgain { is_damaged: true, ..MetAgain::default() });
-        };
+    pub(super) fn meet_failure(&self, failure: &Failure, search: &Search, role: &VehicleRole, old: bool) -> MetAgain {
+        if failure.commands.is_empty() {
+            return MetAgain { is_damaged: true, ..MetAgain::default() };
+        }
         let seed = search.starts(&self.seed);
         let after = with_driver(&search.scenario, role);
-        let follow = |scenario| walk_again(scenario, seed, stored.start, &stored.commands);
-        let walker = search.falsifier.walk_policy().zip(u32::try_from(stored.start).ok());
+        let follow = |scenario| walk_again(scenario, seed, failure.start, &failure.commands);
+        let walker = search.falsifier.walk_policy().zip(u32::try_from(failure.start).ok());
         let has_no_controller = walker.is_none();
         let walked = walker.and_then(|(mut walker, start)| {
             let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
@@ -85,7 +78,7 @@ impl Source {
         });
         let before = old.then(|| follow(&search.scenario)).flatten();
         let ends = [(WalkedBy::Controller, walked), (WalkedBy::Commands, follow(&after))];
-        Ok(MetAgain { has_no_controller, ..met_again(failure, &search.scenario, before, ends) })
+        MetAgain { has_no_controller, ..met_again(failure, &search.scenario, before, ends) }
     }
 }
 
@@ -94,7 +87,7 @@ fn end(scenario: &Scenario, outcome: &Outcome, trace: &Trace) -> Met {
 }
 
 fn met_again(
-    failure: &ListedFailure,
+    failure: &Failure,
     scenario: &Scenario,
     before: Option<Played>,
     ends: [(WalkedBy, Option<Played>); 2],
@@ -130,7 +123,7 @@ pub(super) fn cross(
     starts: u32,
     seed: Seed,
     played: &(dyn Fn() + Sync),
-) -> Vec<Encounter> {
+) -> Encounters {
     let parts = starts.min(rayon::current_num_threads() as u32);
     let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, Met)> {
         // Products of starts and parts may exceed 32 bits.
@@ -160,5 +153,5 @@ pub(super) fn cross(
             after,
         })
     };
-    all(after).into_iter().enumerate().filter_map(encounter).collect()
+    Encounters(all(after).into_iter().enumerate().filter_map(encounter).collect())
 }

@@ -9,9 +9,8 @@ use super::driver_pairs::{DriverPair, driver_pairs, new_role, with_driver};
 use super::encounters::{MetAgain, cross};
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
 use compile::{Campaign, Evaluation, RunId, Search};
-use results::report::{
-    CrossedStarts, Encounter, FoundIn, ListedFailure, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy,
-};
+use results::failure::{Failure, FoundBy};
+use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
 use world::env::Scenario;
 use world::falsifier::{Goal, crossings};
 
@@ -120,7 +119,7 @@ struct Setup<'a> {
 }
 
 /// The rows that encounters with a pair of drivers belong to.
-type Sets = BTreeMap<(String, FoundIn, WalkedBy), Vec<Encounter>>;
+type Sets = BTreeMap<(String, FoundBy, WalkedBy), Encounters>;
 
 impl Sides {
     /// Whether an old driver can be run as it was.
@@ -136,16 +135,15 @@ impl Sides {
     ) -> Result<Vec<RecheckedFailures>, Error> {
         let mut rows = Vec::new();
         let [mut other_now, mut other_start, mut damaged, mut commands_alone] = [0; 4];
-        let mut found: Vec<(&DriverPair, BTreeMap<RunId, Vec<ListedFailure>>)> = Vec::new();
+        let mut found: Vec<(&DriverPair, BTreeMap<RunId, Vec<Failure>>)> = Vec::new();
         for pair in pairs {
-            let mut runs: BTreeMap<RunId, Vec<ListedFailure>> = BTreeMap::new();
+            let mut runs: BTreeMap<RunId, Vec<Failure>> = BTreeMap::new();
             // A violation of a requirement that is no collision has no verdict to compare.
-            let is_collision = |failure: &ListedFailure| {
-                failure.policy == pair.before && failure.violation.is_none() && failure.is_failure()
+            let is_collision = |failure: &Failure| {
+                failure.key.cell.policy == pair.before && failure.violation.is_none() && failure.is_failure()
             };
             for failure in self.old.report.failures()?.into_iter().filter(is_collision) {
-                let name = EpisodeName::of_table(failure.name())?;
-                runs.entry(name.run).or_default().push(failure);
+                runs.entry(failure.key.id).or_default().push(failure);
             }
             found.push((pair, runs));
         }
@@ -154,14 +152,16 @@ impl Sides {
         for (pair, runs) in found {
             let mut sets = Sets::new();
             for (run, failures) in runs {
-                let found_in = if failures[0].searched { FoundIn::Search } else { FoundIn::Evaluation };
                 for (failure, met) in failures.iter().zip(self.meet_run(run, &failures, pair, &tally)?) {
                     other_now += u64::from(met.is_other_now);
                     other_start += u64::from(met.has_other_start);
                     damaged += u64::from(met.is_damaged);
                     commands_alone += u64::from(met.has_no_controller);
                     for (walked_by, encounter) in met.encounters {
-                        sets.entry((failure.town.clone(), found_in, walked_by)).or_default().push(encounter);
+                        sets.entry((failure.key.cell.town.clone(), failure.found_by, walked_by))
+                            .or_default()
+                            .0
+                            .push(encounter);
                     }
                 }
             }
@@ -188,7 +188,7 @@ impl Sides {
     fn meet_run(
         &self,
         run: RunId,
-        failures: &[ListedFailure],
+        failures: &[Failure],
         pair: &DriverPair,
         tally: &Tally<'_>,
     ) -> Result<Vec<MetAgain>, Error> {
@@ -200,7 +200,7 @@ impl Sides {
             let role =
                 new_role(&self.new, &pair.after, &evaluation.town, Some(&evaluation.vehicle)).ok_or_else(gone)?;
             let of_run = (evaluation, trained.as_ref());
-            let meet = |failure: &ListedFailure| {
+            let meet = |failure: &Failure| {
                 let met = self.old.meet_episode(failure, of_run, role, is_old_there);
                 tally.add();
                 met
@@ -209,12 +209,12 @@ impl Sides {
         }
         let search = self.old.search(run).ok_or_else(gone)?;
         let role = new_role(&self.new, &pair.after, &search.key.town, None).ok_or_else(gone)?;
-        let meet = |failure: &ListedFailure| {
+        let meet = |failure: &Failure| {
             let met = self.old.meet_failure(failure, search, role, is_old_there);
             tally.add();
             met
         };
-        failures.par_iter().map(meet).collect()
+        Ok(failures.par_iter().map(meet).collect())
     }
 
     fn cross_all(
@@ -240,7 +240,7 @@ impl Sides {
         let tally = Tally::new(session, RecheckStage::Crossings, all);
         for (pair, setup) in setups {
             let row = self.cross(pair, &setup, &goals, starts, &tally);
-            other_start += of_setup - row.encounters.len() as u64;
+            other_start += of_setup - row.encounters.0.len() as u64;
             rows.push(row);
         }
         if other_start > 0 {

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use crate::cli::console;
 use crate::session::{CampaignReport, OverviewFiles};
-use results::report::{self, ListedFailure};
+use results::failure::Failure;
+use results::record::CellKey;
+use results::report;
 
 /// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
 pub fn show(report: &CampaignReport) {
@@ -46,8 +48,8 @@ pub fn show_overview(overview: &OverviewFiles) {
 }
 
 /// A failure in a line, and the commands that show it.
-fn look_at(worst: &ListedFailure, folder: &Path, options: &str) -> String {
-    let ListedFailure { policy, town, impact_speed, .. } = worst;
+fn look_at(worst: &Failure, folder: &Path, options: &str) -> String {
+    let (CellKey { policy, town, .. }, impact_speed) = (&worst.key.cell, worst.impact_speed);
     let class = worst.word();
     let name = worst.name();
     let folder = quoted(&folder.display().to_string());

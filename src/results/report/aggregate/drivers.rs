@@ -2,8 +2,8 @@ use std::cmp::Ordering;
 
 use super::search_figures::Figures;
 use super::{Cell, Failures};
+use crate::failure::Failure;
 use crate::jobs::SearchResult;
-use crate::report::ListedFailure;
 use base::statistics::mean;
 use compile::Driver;
 
@@ -29,7 +29,7 @@ pub struct SearchFailures {
 pub struct DriverResult {
     pub driver: Driver,
     /// Its worst failure; none if there was no collision.
-    pub worst: Option<ListedFailure>,
+    pub worst: Option<Failure>,
     /// The place of the cell with the highest rates in the list of cells; none if it was not evaluated.
     pub cell: Option<usize>,
     /// The failures that searches found; none without a search.
@@ -43,7 +43,7 @@ impl DriverResult {
     pub fn worst_in_words(&self) -> String {
         match &self.worst {
             // Rates beside it are those of evaluations.
-            Some(found) if found.searched && self.cell.is_some() => {
+            Some(found) if found.is_of_search() && self.cell.is_some() => {
                 format!("{}, {:.1} m/s, by a search", found.word(), found.impact_speed)
             }
             Some(found) => format!("{}, {:.1} m/s", found.word(), found.impact_speed),
@@ -94,7 +94,7 @@ pub fn driver_results(
 }
 
 /// The worst failure of all drivers under test; without any, that of the drivers that see no pedestrians.
-pub fn worst_failure(results: &[DriverResult]) -> Option<&ListedFailure> {
+pub fn worst_failure(results: &[DriverResult]) -> Option<&Failure> {
     let worst = |blind: bool| {
         let of = results.iter().filter(|result| result.driver.sees_no_pedestrians() == blind);
         of.filter_map(|result| result.worst.as_ref()).min_by(|a, b| a.worse_first(b))

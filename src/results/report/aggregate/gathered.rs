@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::DataFrame;
 
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
-use super::run_totals::RunTotals;
+use super::run_totals::{RunRow, RunTotals};
 use super::{Episodes, Failures, Run, search_references};
 use crate::jobs::SearchResult;
 use crate::record::{self, EPISODES, EpisodeTable, REFERENCE_DRIVERS};
@@ -14,8 +14,7 @@ use compile::{ControllerKind, Evaluation};
 /// The results of one pass over all episodes: small tables, counts, and a bounded sample.
 #[derive(Debug, Clone)]
 pub struct Gathered {
-    /// One row for each run.
-    pub runs: DataFrame,
+    pub runs: Vec<RunRow>,
     /// Episodes, those in error included.
     pub episodes: u64,
     /// Their simulator ticks.
@@ -60,7 +59,7 @@ pub fn gather(
 ) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
     let mut gathered = Gathered {
-        runs: RunTotals::new().table().map_err(failed)?,
+        runs: Vec::new(),
         episodes: 0,
         ticks: 0,
         all_tried: true,
@@ -95,23 +94,24 @@ pub fn gather(
         let evaluation = run.evaluation;
         let named = &*evaluation.scenario.requirements;
         let mut violations = vec![Violations::default(); named.len()];
-        let (mut totals, mut tried) = (RunTotals::new(), 0);
+        let (mut totals, mut tried) = (RunTotals::new(record::metrics()), 0);
         let mut protocol = ProtocolRun::new(evaluation);
         for part in run.parts() {
             let part = part.map_err(failed)?;
             file.add(&own(&part).map_err(failed)?)?;
             references.add(&record::reference_drivers(&part).map_err(failed)?)?;
-            gathered.tally.add(&part).map_err(failed)?;
-            let drives = gathered.count(&run, &part).map_err(failed)?;
+            let episodes = EpisodeTable::new(&part).map_err(failed)?;
+            gathered.tally.add(&run.key.cell, &episodes);
+            let drives = gathered.count(&run, &episodes);
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
             totals.add(&part).map_err(failed)?;
             tried += part.height();
             if matches!(evaluation.controller, ControllerKind::Trained) {
-                gathered.note_starts(evaluation, &part).map_err(failed)?;
+                gathered.note_starts(evaluation, &episodes);
             }
-            gathered.failures.add(&part).map_err(failed)?;
+            gathered.failures.add(&run.key, &episodes);
             if let Some(protocol) = &mut protocol {
-                protocol.add(&part).map_err(failed)?;
+                protocol.add(&episodes);
             }
             if let Some(file) = &mut requirements {
                 let rows = requirement_rows(named, &part, evaluation.scenario.episode.tick).map_err(failed)?;
@@ -121,14 +121,14 @@ pub fn gather(
                 gathered.failures.add_violations(&run.key.cell, &rows);
                 file.add(&table.frame(&rows))?;
             }
-            kinds.add(&part).map_err(failed)?;
-            evidence.add(&part).map_err(failed)?;
+            kinds.add(&run.key, &episodes);
+            evidence.add(&run.key, &episodes);
         }
         gathered.all_tried &= tried == evaluation.episodes as usize;
         if tried > 0 {
             add_run(&mut gathered.requirements, &run.key.cell, named, &violations);
         }
-        gathered.runs.vstack_mut(&totals.table().map_err(failed)?).map_err(failed)?;
+        gathered.runs.extend(totals.row());
         if tried > 0 {
             for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
                 // A target walks alike for every reward of the campaign; its cells are shown once.
@@ -138,7 +138,6 @@ pub fn gather(
             }
         }
     }
-    gathered.runs.rechunk_mut();
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
     if let Some(file) = requirements {
@@ -153,9 +152,8 @@ pub fn gather(
 
 impl Gathered {
     /// Counts the rows of a table of episodes; returns whether the driver reached the end of any.
-    fn count(&mut self, run: &Run<'_>, part: &DataFrame) -> PolarsResult<bool> {
+    fn count(&mut self, run: &Run<'_>, table: &EpisodeTable<'_>) -> bool {
         let Evaluation { town, policy, trained, .. } = run.evaluation;
-        let table = EpisodeTable::new(part)?;
         let mut drives = false;
         for row in table.rows() {
             let (episode, ticks) = (table.episode(row), table.ticks(row));
@@ -177,19 +175,17 @@ impl Gathered {
                 });
             }
         }
-        self.episodes += part.height() as u64;
-        Ok(drives)
+        self.episodes += table.rows().len() as u64;
+        drives
     }
 
     /// Records the starts of episodes of a run.
-    fn note_starts(&mut self, evaluation: &Evaluation, part: &DataFrame) -> PolarsResult<()> {
-        let table = EpisodeTable::new(part)?;
+    fn note_starts(&mut self, evaluation: &Evaluation, table: &EpisodeTable<'_>) {
         let starts = self.starts.entry(evaluation.town.to_string()).or_default();
         for row in table.rows().filter(|row| table.counts(*row)) {
-            if let Some(outcome) = table.outcome(row) {
-                starts.add((&evaluation.policy, evaluation.origin.block, table.episode(row)), &outcome);
-            }
+            let touch = table.is_touch(row).then(|| table.is_collision(row));
+            let place = (&*evaluation.policy, evaluation.origin.block, table.episode(row));
+            starts.add(place, table.spawn(row).pedestrian, touch);
         }
-        Ok(())
     }
 }

@@ -7,7 +7,6 @@
 mod episodes;
 mod failures;
 mod drivers;
-mod groups;
 mod rate;
 mod metrics;
 mod results;
@@ -26,21 +25,21 @@ pub use drivers::{DriverResult, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};
-pub use metrics::{CELLS, Cell, Metrics, RUNS, metrics, references};
+pub use metrics::{Cell, Measured, RUNS, cells};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{PublishedComparison, beside, published, published_table};
 pub use rate::{Method, Rate};
 pub use requirements::{
     AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
-    REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, RequirementRow, VIOLATED, VIOLATION_FAULT,
-    VIOLATION_FORESEEABLE, no_verdict, rate_columns, requirement_table, unit_of, with_rates,
+    REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
+    requirement_table,
 };
 pub use results::{RESULTS, results, results_table};
+pub use run_totals::run_table;
 pub use search_cells::{SearchCell, search_cell_columns, search_cell_table, search_cells};
 pub use search_comparisons::{
     SEARCH_COMPARISONS, SearchComparison, search_comparison_columns, search_comparison_table, search_comparisons,
 };
-pub(super) use search_figures::impact;
 pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
 pub use searches::{
     BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,

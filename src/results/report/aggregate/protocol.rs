@@ -1,4 +1,4 @@
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::DataFrame;
 
 use crate::jobs::SearchResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
@@ -185,8 +185,7 @@ impl<'a> ProtocolRun<'a> {
     }
 
     /// Adds episodes: a part of the table of the run.
-    pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
-        let table = EpisodeTable::new(part)?;
+    pub fn add(&mut self, table: &EpisodeTable<'_>) {
         for row in table.rows() {
             let episode = table.episode(row);
             let case = episode as usize % self.cells.len();
@@ -199,7 +198,6 @@ impl<'a> ProtocolRun<'a> {
             let name = || Some(format!("{}:{episode}", self.id));
             self.cells[case].note(impact, Some(table.spawn(row).ego_speed), name);
         }
-        Ok(())
     }
 
     pub fn cells(self) -> Vec<ProtocolCell> {

@@ -1,13 +1,13 @@
-use polars::prelude::{Column as Values, DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::{Method, Rate};
+use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
 use crate::record::columns::{RUN, RUN_ID};
 use crate::record::episodes::named;
-use crate::record::{CellKey, Column, ColumnReference, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
+use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
 use base::statistics::{ClusteredCount, wilson};
-use base::units::Dimension;
-use world::judge::{NoVerdict, ViolationVerdict};
+use world::judge::{JudgedDegree, NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
 /// The stem of the files of the table of requirements.
@@ -68,21 +68,28 @@ pub const NO_VERDICT: Column<String> = Column::new(
 pub struct RequirementRow {
     pub key: RunKey,
     pub episode: u32,
-    pub name: String,
-    pub priority: u32,
     pub degree: Degree,
-    pub unit: &'static str,
+    pub violation: Violation,
     pub is_scaled: bool,
     pub instant: f64,
-    pub part: String,
     pub counts: bool,
-    pub at_collision: bool,
     /// Whose fault a violation is.
     pub verdict: Option<ViolationVerdict>,
     /// The time of its danger (s).
     pub danger: Option<f64>,
-    /// Why a violation has no verdict; empty if it has.
-    pub no_verdict: &'static str,
+}
+
+impl RequirementRow {
+    /// The failure, if it is violated.
+    pub fn failure(&self) -> Failure {
+        Failure {
+            foreseeable: self.verdict.is_some_and(|verdict| verdict.foreseeable),
+            fault: self.verdict.is_some_and(|verdict| verdict.fault),
+            length: self.instant,
+            violation: Some(self.violation.clone()),
+            ..Failure::new(self.key.clone(), FoundBy::Evaluation, self.episode.into())
+        }
+    }
 }
 
 /// The columns of the table of requirements.
@@ -95,35 +102,21 @@ pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     .columns(cell_key(|row: &RequirementRow| &row.key.cell))
     .column(RUN.of(|row: &RequirementRow| row.key.run))
     .column(EPISODE.of(|row: &RequirementRow| row.episode))
-    .column(REQUIREMENT.of(|row: &RequirementRow| row.name.clone()))
-    .column(PRIORITY.of(|row: &RequirementRow| row.priority))
+    .column(REQUIREMENT.of(|row: &RequirementRow| row.violation.requirement.clone()))
+    .column(PRIORITY.of(|row: &RequirementRow| row.violation.priority))
     .column(VIOLATED.of(|row: &RequirementRow| row.degree.is_violated()))
     .column(ROBUSTNESS.of(|row: &RequirementRow| row.degree.robustness))
-    .column(ROBUSTNESS_UNIT.of(|row: &RequirementRow| row.unit))
+    .column(ROBUSTNESS_UNIT.of(|row: &RequirementRow| row.violation.unit.clone()))
     .column(SCALED.of(|row: &RequirementRow| row.is_scaled))
     .column(INSTANT.of(|row: &RequirementRow| row.instant))
-    .column(PART.of(|row: &RequirementRow| row.part.clone()))
+    .column(PART.of(|row: &RequirementRow| row.violation.part.clone()))
     .column(COUNTS.of(|row: &RequirementRow| row.counts))
-    .column(AT_COLLISION.of(|row: &RequirementRow| row.at_collision))
-    .column(PREVENTABLE.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.preventable)))
+    .column(AT_COLLISION.of(|row: &RequirementRow| row.violation.at_collision))
+    .column(PREVENTABLE.of(|row: &RequirementRow| row.violation.preventable))
     .column(VIOLATION_FORESEEABLE.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.foreseeable)))
     .column(VIOLATION_FAULT.of(|row: &RequirementRow| row.verdict.map(|verdict| verdict.fault)))
     .column(DANGER.of(|row: &RequirementRow| row.danger))
-    .column(NO_VERDICT.of(|row: &RequirementRow| row.no_verdict))
-}
-
-/// Why violations of a requirement have no verdict; empty if they have.
-pub fn no_verdict(named: &NamedRequirement) -> &'static str {
-    NoVerdict::of(&named.requirement).map_or("", NoVerdict::name)
-}
-
-/// The unit of a requirement's robustness, in SI; empty where it is scaled, and of plain numbers.
-pub fn unit_of(requirement: &NamedRequirement) -> &'static str {
-    match requirement.requirement.dimension() {
-        Some(Dimension::ANGLE) => "rad",
-        Some(dimension) => dimension.usual_units().first().copied().unwrap_or_default(),
-        None => "",
-    }
+    .column(NO_VERDICT.of(|row: &RequirementRow| row.violation.no_verdict.clone()))
 }
 
 /// The rows of a part of the table of episodes, with the length of a tick (s).
@@ -137,34 +130,24 @@ pub fn requirement_rows(
 ) -> PolarsResult<Vec<RequirementRow>> {
     let (table, degrees) = (EpisodeTable::new(part)?, DEGREES.read(part)?);
     let (outcomes, ticks, lengths) = (OUTCOME.read(part)?, TICKS.read(part)?, EPISODE_LENGTH.read(part)?);
-    let reasons: Vec<&'static str> = requirements.iter().map(no_verdict).collect();
     let mut rows = Vec::new();
     for row in table.rows() {
         let Some(degrees) = degrees.get(row).and_then(parse_degrees) else { continue };
         let key = RunKey::read(part, row)?;
         let last = ticks.get(row).unwrap_or_default();
         let length = lengths.get(row).unwrap_or_default();
-        for ((named, reason), judged) in requirements.iter().zip(&reasons).zip(degrees) {
-            let (degree, verdict) = (judged.degree, judged.verdict);
-            let parts = &named.requirement.parts;
+        for (named, JudgedDegree { degree, verdict }) in requirements.iter().zip(degrees) {
+            let at_collision = outcomes.get(row) == Some(named::COLLISION) && degree.sample == last;
             rows.push(RequirementRow {
                 key: key.clone(),
                 episode: table.episode(row),
-                name: named.name.to_string(),
-                priority: named.priority,
                 degree,
-                unit: unit_of(named),
+                violation: Violation { at_collision, ..Violation::new(named, &degree, verdict) },
                 is_scaled: named.requirement.is_scaled(),
                 instant: (f64::from(degree.sample) * tick).min(length),
-                part: degree
-                    .part
-                    .and_then(|part| parts.get(usize::from(part)))
-                    .map_or(String::new(), |part| part.text.clone()),
                 counts: table.counts(row),
-                at_collision: outcomes.get(row) == Some(named::COLLISION) && degree.sample == last,
                 verdict,
                 danger: verdict.map(|verdict| f64::from(verdict.danger) * tick),
-                no_verdict: reason,
             });
         }
     }
@@ -227,15 +210,10 @@ impl CellRequirement {
     pub fn rate(&self, counted: Counted) -> Rate {
         let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.episodes);
         let by_run: Vec<f64> = self.runs.iter().filter(|run| run.episodes > 0).map(of_run).collect();
-        let count = by_run.len() as f64;
-        let value = (count > 0.0).then(|| by_run.iter().sum::<f64>() / count);
-        let sd = value
-            .filter(|_| count > 1.0)
-            .map(|mean| (by_run.iter().map(|rate| (rate - mean) * (rate - mean)).sum::<f64>() / (count - 1.0)).sqrt());
         let (part, all) = self.sums(counted);
         let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(self.runs.len() as f64);
         let interval = wilson(of_runs(part), of_runs(all));
-        Rate { value, sd, by_run, ..Rate::default() }.within(Some(interval), Method::Wilson)
+        Rate::of_runs(by_run).within(Some(interval), Method::Wilson)
     }
 }
 
@@ -259,62 +237,6 @@ pub fn add_run(
     }
 }
 
-/// The rates of a requirement that gates know: the word before its name, what it counts, whether that needs a verdict, and what it means.
-pub const GATED: [(&str, Counted, bool, &str); 2] = [
-    (
-        "violation_rate",
-        CellRequirement::ALL,
-        false,
-        "episodes that violate the requirement of all *episodes*, with Wilson's 95 % interval",
-    ),
-    (
-        "fault_rate",
-        CellRequirement::FAULTS,
-        true,
-        "violations that count against the driver of all *episodes*, with Wilson's 95 % interval; missing where the requirement has no verdict",
-    ),
-];
-
-/// The columns of the rates of a requirement that gates know: each rate, and both ends of its interval.
-pub fn rate_columns(requirement: &str) -> Vec<ColumnReference> {
-    let columns = |(word, _, _, doc): (&'static str, Counted, bool, &'static str)| {
-        ["", "_wilson_low", "_wilson_high"].map(|suffix| ColumnReference {
-            name: format!("{word}({requirement}){suffix}").into(),
-            unit: "".into(),
-            doc: doc.into(),
-            holds: polars::prelude::DataType::Float64,
-        })
-    };
-    GATED.into_iter().flat_map(columns).collect()
-}
-
-/// Adds the columns of gates to the table of cells.
-///
-/// # Errors
-/// Those of polars; none for cells in the order of the table.
-pub fn with_rates(table: DataFrame, keys: &[&CellKey], cells: &[CellRequirement]) -> PolarsResult<DataFrame> {
-    let mut names: Vec<&str> = Vec::new();
-    for cell in cells {
-        if !names.contains(&cell.name.as_str()) {
-            names.push(&cell.name);
-        }
-    }
-    let mut table = table;
-    for name in names {
-        let of = |value: &dyn Fn(&CellRequirement) -> Option<f64>| -> Vec<Option<f64>> {
-            let found = |key: &&CellKey| cells.iter().find(|cell| cell.key == **key && cell.name == name);
-            keys.iter().map(|key| found(key).and_then(value)).collect()
-        };
-        for (word, counted, needs_verdict, _) in GATED {
-            let is_known = |cell: &CellRequirement| !needs_verdict || cell.is_judged();
-            for (suffix, values) in [
-                ("", of(&|cell| cell.rate(counted).value.filter(|_| is_known(cell)))),
-                ("_wilson_low", of(&|cell| Some(cell.rate(counted).interval.filter(|_| is_known(cell))?.0))),
-                ("_wilson_high", of(&|cell| Some(cell.rate(counted).interval.filter(|_| is_known(cell))?.1))),
-            ] {
-                table.with_column(Values::new(format!("{word}({name}){suffix}").into(), values))?;
-            }
-        }
-    }
-    Ok(table)
-}
+/// The rates of a requirement that gates know: the word before its name, what it counts, and whether that needs a verdict.
+pub const GATED: [(&str, Counted, bool); 2] =
+    [("violation_rate", CellRequirement::ALL, false), ("fault_rate", CellRequirement::FAULTS, true)];

@@ -1,16 +1,16 @@
 use polars::prelude::DataFrame;
 
 use super::{Cell, Failures, Rate};
+use crate::failure::Failure;
 use crate::record::columns::{CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN};
 use crate::record::{Column, Entry, Interval, Table};
-use crate::report::ListedFailure;
 use crate::report::infer::{CellEvidence, LEARNT};
 
 /// The stem of the files of the table of results.
 pub const RESULTS: &str = "results";
 
 /// A cell, whether its trainings learnt, and the worst of its failures.
-type Row<'a> = (&'a Cell, Option<&'static str>, Option<&'a ListedFailure>);
+type Row<'a> = (&'a Cell, Option<&'static str>, Option<&'a Failure>);
 
 /// The table to open first: one row for each pedestrian, town and driver.
 pub fn results(cells: &[Cell], evidence: &[CellEvidence], failures: &Failures) -> DataFrame {
@@ -54,7 +54,7 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
                 "",
                 "name of the failure that counts most against the driver, `RUN:EPISODE`",
             )
-            .of(|row: &Row<'_>| row.2.map(ListedFailure::name)),
+            .of(|row: &Row<'_>| row.2.map(Failure::name)),
         )
         .column(
             number("worst_speed_mps", "m/s", "speed of the car at its touch")

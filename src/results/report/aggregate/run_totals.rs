@@ -1,18 +1,47 @@
-use polars::prelude::{Column, DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, PolarsResult};
 
-use super::groups::Groups;
+use super::RUNS;
+use crate::record::columns::{RUN, RUN_ID};
 use crate::record::episodes::named;
 use crate::record::metric::{Count, Over, Which};
-use crate::record::{self, Metric, columns};
+use crate::record::{self, Metric, RunKey, Table, cell_key, columns};
 use base::statistics::RunningMean;
+
+/// A run: a controller of one training in one town against one policy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunRow {
+    pub key: RunKey,
+    /// Each metric with its value, in the order of [`metrics`](record::metrics); `None` without an episode that it is of.
+    pub values: Vec<(Metric, Option<f64>)>,
+}
+
+impl RunRow {
+    /// The value of a metric, by its name.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.values.iter().find(|(metric, _)| metric.name() == name)?.1
+    }
+}
+
+/// The table of runs: the counts and means, then the rates.
+pub fn run_table(metrics: &[Metric]) -> Table<'static, RunRow> {
+    let table = Table::new(RUNS, "One row for each run: a controller of one training in one town against one policy.")
+        .column(RUN_ID.of(|row: &RunRow| row.key.id.to_string()))
+        .columns(cell_key(|row: &RunRow| &row.key.cell))
+        .column(RUN.of(|row: &RunRow| row.key.run));
+    let is_rate = |metric: &&Metric| matches!(metric, Metric::Rate(_));
+    let ordered = metrics.iter().filter(|metric| !is_rate(metric)).chain(metrics.iter().filter(is_rate));
+    ordered.fold(table, |table, metric| {
+        let name = metric.name();
+        table.column(metric.entry(move |row: &RunRow| row.value(name)))
+    })
+}
 
 /// The metrics of one run, from its episodes part by part, in memory that does not grow with their number.
 #[derive(Debug, Clone)]
 pub struct RunTotals {
-    metrics: Vec<Metric>,
-    /// The keys of the run in a table of one row; none without any episode.
-    keys: Option<DataFrame>,
-    totals: Vec<Total>,
+    /// The key of the run; `None` without any episode.
+    key: Option<RunKey>,
+    totals: Vec<(Metric, Total)>,
 }
 
 /// A metric while episodes are added.
@@ -24,30 +53,15 @@ enum Total {
     Rate,
 }
 
-impl Total {
-    fn none(metric: &Metric) -> Self {
-        match *metric {
-            Metric::Count(_) => Self::Count(0),
-            Metric::Mean(_) => Self::Mean(RunningMean::default()),
-            Metric::Rate(_) => Self::Rate,
-        }
-    }
-
-    fn count(self) -> u32 {
-        if let Self::Count(count) = self { count } else { 0 }
-    }
-
-    fn mean(self) -> Option<f64> {
-        if let Self::Mean(mean) = self { mean.value() } else { None }
-    }
-}
-
 impl RunTotals {
     /// Starts without any episode.
-    pub fn new() -> Self {
-        let metrics = record::metrics();
-        let totals = metrics.iter().map(Total::none).collect();
-        Self { metrics, keys: None, totals }
+    pub fn new(metrics: Vec<Metric>) -> Self {
+        let none = |metric: Metric| match metric {
+            Metric::Count(_) => (metric, Total::Count(0)),
+            Metric::Mean(_) => (metric, Total::Mean(RunningMean::default())),
+            Metric::Rate(_) => (metric, Total::Rate),
+        };
+        Self { key: None, totals: metrics.into_iter().map(none).collect() }
     }
 
     /// Adds episodes: a part of the table of the run.
@@ -55,62 +69,53 @@ impl RunTotals {
     /// # Errors
     /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
     pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
-        if self.keys.is_none() && part.height() > 0 {
-            self.keys = Some(part.select(record::run_key_names())?.head(Some(1)));
+        if self.key.is_none() && part.height() > 0 {
+            self.key = Some(RunKey::read(part, 0)?);
         }
-        include(&mut self.totals, &self.metrics, part, 0..part.height())
-    }
-
-    /// The table of the run, of one row; of none without any episode.
-    ///
-    /// # Errors
-    /// As [`RunTotals::add`].
-    pub fn table(self) -> PolarsResult<DataFrame> {
-        match self.keys {
-            Some(keys) => table(keys, &self.metrics, &[self.totals]),
-            None => to_runs(&record::episodes(&[]), &self.metrics),
-        }
-    }
-}
-
-/// Aggregates episodes to runs, in the order of first appearance.
-pub(super) fn to_runs(episodes: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
-    let groups = Groups::new(episodes, record::run_key_names())?;
-    let of_run = |rows: &Vec<usize>| {
-        let mut totals: Vec<Total> = metrics.iter().map(Total::none).collect();
-        include(&mut totals, metrics, episodes, rows.iter().copied()).map(|()| totals)
-    };
-    let all = groups.rows().iter().map(of_run).collect::<PolarsResult<Vec<_>>>()?;
-    table(groups.table()?, metrics, &all)
-}
-
-/// Adds some rows of a table of episodes to the totals of a run.
-fn include(
-    totals: &mut [Total],
-    metrics: &[Metric],
-    episodes: &DataFrame,
-    rows: impl Iterator<Item = usize>,
-) -> PolarsResult<()> {
-    let parts = Parts::new(episodes, rows)?;
-    for (metric, total) in metrics.iter().zip(totals) {
-        match (*metric, total) {
-            (Metric::Count(count), Total::Count(total)) => *total += parts.count(&count, episodes)? as u32,
-            (Metric::Mean(mean), Total::Mean(total)) => {
-                let values = episodes.column(mean.column)?.f64()?;
-                let rows = match mean.over {
-                    Over::All => &parts.all,
-                    Over::Collisions => &parts.collisions,
-                    Over::Valid => &parts.valid,
-                };
-                // A missing value of an episode that counts is 0.
-                let missing = (mean.over == Over::Valid).then_some(0.0);
-                let found = rows.iter().filter_map(|row| values.get(*row).or(missing));
-                found.for_each(|value| total.include(value));
+        let parts = Parts::new(part)?;
+        for (metric, total) in &mut self.totals {
+            match (metric, total) {
+                (Metric::Count(count), Total::Count(total)) => *total += parts.count(count, part)? as u32,
+                (Metric::Mean(mean), Total::Mean(total)) => {
+                    let values = part.column(mean.column)?.f64()?;
+                    let rows = match mean.over {
+                        Over::All => &parts.all,
+                        Over::Collisions => &parts.collisions,
+                        Over::Valid => &parts.valid,
+                    };
+                    // A missing value of an episode that counts is 0.
+                    let missing = (mean.over == Over::Valid).then_some(0.0);
+                    let found = rows.iter().filter_map(|row| values.get(*row).or(missing));
+                    found.for_each(|value| total.include(value));
+                }
+                _ => {}
             }
-            _ => {}
         }
+        Ok(())
     }
-    Ok(())
+
+    /// The run; `None` without any episode.
+    pub fn row(self) -> Option<RunRow> {
+        let count = |count: &Count| {
+            let of = |(metric, total): &(Metric, Total)| match total {
+                Total::Count(number) if metric.name() == count.name => Some(f64::from(*number)),
+                _ => None,
+            };
+            self.totals.iter().find_map(of).unwrap_or_default()
+        };
+        let value = |(metric, total): &(Metric, Total)| {
+            let value = match (metric, total) {
+                (_, Total::Count(count)) => Some(f64::from(*count)),
+                (_, Total::Mean(mean)) => mean.value(),
+                (Metric::Rate(rate), _) => {
+                    Some(count(&rate.whole)).filter(|whole| *whole > 0.0).map(|whole| count(&rate.part) / whole)
+                }
+                _ => None,
+            };
+            (*metric, value)
+        };
+        Some(RunRow { key: self.key.clone()?, values: self.totals.iter().map(value).collect() })
+    }
 }
 
 /// Rows of a table of episodes, each list in the order of the table.
@@ -125,10 +130,10 @@ struct Parts {
 }
 
 impl Parts {
-    fn new(episodes: &DataFrame, rows: impl Iterator<Item = usize>) -> PolarsResult<Self> {
+    fn new(episodes: &DataFrame) -> PolarsResult<Self> {
         let (outcome, left_out) = (columns::OUTCOME.read(episodes)?, columns::LEFT_OUT.read(episodes)?);
         let mut parts = Self { valid: Vec::new(), all: Vec::new(), collisions: Vec::new(), in_error: 0 };
-        for row in rows {
+        for row in 0..episodes.height() {
             if outcome.get(row).is_none_or(|outcome| outcome == record::IN_ERROR) {
                 parts.in_error += 1;
                 continue;
@@ -174,28 +179,4 @@ impl Parts {
             }
         })
     }
-}
-
-/// The table of runs with these keys and totals.
-fn table(mut runs: DataFrame, metrics: &[Metric], totals: &[Vec<Total>]) -> PolarsResult<DataFrame> {
-    for (place, metric) in metrics.iter().enumerate() {
-        let of_runs = || totals.iter().map(|run| run[place]);
-        let column = match *metric {
-            Metric::Count(count) => Column::new(count.name.into(), of_runs().map(Total::count).collect::<Vec<_>>()),
-            Metric::Mean(mean) => Column::new(mean.name.into(), of_runs().map(Total::mean).collect::<Vec<_>>()),
-            Metric::Rate(_) => continue,
-        };
-        runs.with_column(column)?;
-    }
-    for metric in metrics {
-        if let Metric::Rate(rate) = *metric {
-            let (part, whole) = (rate.part.read(&runs)?, rate.whole.read(&runs)?);
-            // A share is missing when the whole is zero.
-            let share = |(part, whole)| (whole > 0).then(|| f64::from(part) / f64::from(whole));
-            let shares = part.into_no_null_iter().zip(whole.into_no_null_iter()).map(share);
-            let column = Column::new(rate.name.into(), shares.collect::<Vec<Option<f64>>>());
-            runs.with_column(column)?;
-        }
-    }
-    Ok(runs)
 }

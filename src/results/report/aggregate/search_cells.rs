@@ -6,6 +6,7 @@ use super::searches::{BUDGET, STARTS, search_key};
 use crate::jobs::SearchResult;
 use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Table};
+use crate::report::grouped::grouped;
 use base::statistics::quantile;
 use compile::SearchKey;
 
@@ -68,13 +69,7 @@ impl SearchCell {
 
 /// Gathers runs into cells, in the order of first appearance.
 pub fn search_cells(results: &[SearchResult]) -> Vec<SearchCell> {
-    let mut cells: Vec<Vec<&SearchResult>> = Vec::new();
-    for result in results {
-        match cells.iter_mut().find(|cell| cell[0].key.is_of_same_cell(&result.key)) {
-            Some(cell) => cell.push(result),
-            None => cells.push(vec![result]),
-        }
-    }
+    let cells = grouped(results, |one, other| one.key.is_of_same_cell(&other.key));
     cells.iter().map(|cell| gather(cell)).collect()
 }
 

@@ -8,6 +8,7 @@ use super::search_figures::Figures;
 use crate::jobs::SearchResult;
 use crate::record::columns::TOWN;
 use crate::record::{Column, Interval, Table};
+use crate::report::grouped::grouped;
 use base::statistics::{holm, mean_interval_at, mean_p};
 use compile::SearchKey;
 
@@ -84,13 +85,7 @@ type Named = [(&'static str, Option<f64>); 4];
 
 /// Compares searches by their figures.
 fn compared<'a>(searches: impl Iterator<Item = (&'a SearchKey, Named)>) -> Vec<SearchComparison> {
-    let mut cells: Vec<Vec<(&SearchKey, Named)>> = Vec::new();
-    for entry in searches {
-        match cells.iter_mut().find(|cell| cell[0].0.is_of_same_cell(entry.0)) {
-            Some(cell) => cell.push(entry),
-            None => cells.push(vec![entry]),
-        }
-    }
+    let cells = grouped(searches, |one, other| one.0.is_of_same_cell(other.0));
     let mut all = Vec::new();
     for (place, one) in cells.iter().enumerate() {
         for other in &cells[place + 1..] {

@@ -1,8 +1,6 @@
 use std::collections::BTreeSet;
 
-use crate::analysis::Impact;
 use crate::jobs::SearchResult;
-use world::env::{Ending, Outcome};
 use world::falsifier::Failure;
 use world::judge::{Blame, Judged};
 
@@ -103,13 +101,5 @@ impl Figures {
             evaluated_faults: evaluated_as(Blame::Fault),
             evaluated_reward: (number > 0).then(|| reward / number as f64),
         }
-    }
-}
-
-/// The side of the car that was hit; `None` for a violation without a touch.
-pub(in crate::report) fn impact(outcome: &Outcome) -> Option<Impact> {
-    match outcome.ending {
-        Ending::Touch { front, bearing, .. } => Some(Impact::new(front, bearing)),
-        _ => None,
     }
 }

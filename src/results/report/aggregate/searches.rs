@@ -1,13 +1,11 @@
 use polars::prelude::DataFrame;
 
-use super::requirements::{
-    INSTANT, NO_VERDICT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT, no_verdict, unit_of,
-};
+use super::requirements::{INSTANT, NO_VERDICT, PART, PRIORITY, REQUIREMENT, ROBUSTNESS, ROBUSTNESS_UNIT};
 use super::search_figures::{
     FAILED_STARTS, FAILURE_COUNT, FAULT, FAULT_START_RATE, FAULT_STARTS, FIRST_FAILURE, FIRST_FAULT, FIRST_SIMULATIONS,
-    Figures, INJURY, PREVENTABLE, impact,
+    Figures, INJURY, PREVENTABLE,
 };
-use crate::analysis::Impact;
+use crate::failure::{Failure, Impact, Violation};
 use crate::jobs::Find;
 use crate::jobs::SearchResult;
 use crate::record::columns::{
@@ -16,8 +14,7 @@ use crate::record::columns::{
 };
 use crate::record::{Column, Entry, Table, reference_columns, verdict_columns};
 use compile::SearchKey;
-use world::falsifier::Failure;
-use world::requirement::NamedRequirement;
+use world::falsifier;
 
 pub const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the falsifier");
 pub const FAILURE: Column<u64> =
@@ -186,7 +183,9 @@ pub fn search_failures(results: &[SearchResult]) -> DataFrame {
     let finds: Vec<Find<'_>> = results.iter().flat_map(SearchResult::finds).collect();
     let mut table = failure_table().frame(&finds);
     if results.iter().any(|result| result.goal().is_some()) {
-        table = table.hstack(&violation_table().values(&finds)).expect("the columns have other names");
+        table = table
+            .hstack(&violation_table().values(&finds.iter().map(Failure::from).collect::<Vec<_>>()))
+            .expect("the columns have other names");
     }
     table
 }
@@ -208,27 +207,27 @@ pub const GOAL_FAULT: Column<bool> = Column::new(
 );
 
 /// The columns of the violations of goals; empty of collisions.
-fn violation_table<'a>() -> Table<'a, Find<'a>> {
-    type Row<'a> = Find<'a>;
-    let part = |row: &Row<'_>| {
-        let (named, degree, _) = row.violation()?;
-        Some(named.requirement.parts.get(usize::from(degree.part?))?.text.clone())
-    };
-    fn named<'a>(row: &Find<'a>) -> Option<&'a NamedRequirement> {
-        row.violation().map(|(named, ..)| named)
+fn violation_table() -> Table<'static, Failure> {
+    fn of<T>(value: impl Fn(&Violation) -> T) -> impl Fn(&Failure) -> Option<T> {
+        move |row| row.violation.as_ref().map(&value)
     }
-    let verdict = |row: &Row<'_>| row.violation().and_then(|(.., verdict)| verdict);
+    let judged =
+        |value: fn(&Failure) -> bool| move |row: &Failure| row.violation.as_ref()?.preventable.map(|_| value(row));
     Table::new("", "")
-        .column(REQUIREMENT.of(|row: &Row<'_>| named(row).map(|named| named.name.to_string())))
-        .column(PRIORITY.of(|row: &Row<'_>| named(row).map(|named| named.priority)))
-        .column(ROBUSTNESS.of(|row: &Row<'_>| row.violation().map(|(_, degree, _)| degree.robustness)))
-        .column(ROBUSTNESS_UNIT.of(|row: &Row<'_>| named(row).map(unit_of)))
-        .column(INSTANT.of(|row: &Row<'_>| row.instant()))
-        .column(PART.of(part))
-        .column(GOAL_PREVENTABLE.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.preventable)))
-        .column(GOAL_FORESEEABLE.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.foreseeable)))
-        .column(GOAL_FAULT.of(move |row: &Row<'_>| verdict(row).map(|verdict| verdict.fault)))
-        .column(NO_VERDICT.of(|row: &Row<'_>| named(row).map(no_verdict)))
+        .column(REQUIREMENT.of(of(|found| found.requirement.clone())))
+        .column(PRIORITY.of(of(|found| found.priority)))
+        .column(ROBUSTNESS.of(of(|found| found.robustness)))
+        .column(ROBUSTNESS_UNIT.of(of(|found| found.unit.clone())))
+        .column(INSTANT.of(|row: &Failure| row.violation.as_ref().map(|_| row.length)))
+        .column(
+            PART.of(|row: &Failure| {
+                row.violation.as_ref().map(|found| found.part.clone()).filter(|part| !part.is_empty())
+            }),
+        )
+        .column(GOAL_PREVENTABLE.of(|row: &Failure| row.violation.as_ref()?.preventable))
+        .column(GOAL_FORESEEABLE.of(judged(|row| row.foreseeable)))
+        .column(GOAL_FAULT.of(judged(|row| row.fault)))
+        .column(NO_VERDICT.of(of(|found| found.no_verdict.clone())))
 }
 
 /// What the reference drivers did in these failures, as [`reference_drivers`](crate::record::reference_drivers) reads it.
@@ -254,7 +253,7 @@ pub fn failure_table<'a>() -> Table<'a, Find<'a>> {
         .column(FAILURE.of(|row: &Row<'_>| row.number as u64))
         .column(START.of(|row: &Row<'_>| row.failure.start))
         .column(FOUND_AFTER.of(|row: &Row<'_>| row.failure.ticks))
-        .column(IMPACT.of(|row: &Row<'_>| impact(&row.failure.outcome).map(Impact::name)))
+        .column(IMPACT.of(|row: &Row<'_>| Impact::of(&row.failure.outcome).map(Impact::name)))
         .column(DRIVING_MODE.of(|row: &Row<'_>| row.failure.outcome.last_mode.name()))
         .column(IMPACT_SPEED.of(|row: &Row<'_>| row.failure.outcome.impact_speed()))
         .column(CELL.of(|row: &Row<'_>| row.failure.cell.to_string()))
@@ -267,7 +266,7 @@ pub fn failure_table<'a>() -> Table<'a, Find<'a>> {
 }
 
 /// Commands as `heading@speed` (rad, m/s), with all digits that are needed to read the same numbers back.
-fn commands(failure: &Failure) -> String {
+fn commands(failure: &falsifier::Failure) -> String {
     let each = failure.commands.iter().map(|command| format!("{}@{}", command.heading, command.speed));
     each.collect::<Vec<_>>().join(" ")
 }

@@ -1,17 +1,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use polars::prelude::{BooleanChunked, DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::caveat::{Caveat, caveats};
 use super::matching::{Incomparable, Matched, Side, matched};
 use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
+use crate::failure::Failure;
 use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
-use crate::report::infer::{Comparison, Figure, adjust, compare_pair};
-use crate::report::listed_failure::listed;
-use crate::report::read::StoredRun;
-use crate::report::{FailureChange, ListedFailure, ReadError, SideCollision, SideEnd};
+use crate::report::grouped::grouped;
+use crate::report::infer::{Comparison, EvaluatedRun, Figure, MAX_KEPT, adjust, compare_pair};
+use crate::report::{FailureChange, ReadError, SideCollision, SideEnd};
 use world::judge::Label;
 
 /// Two sides, compared over the starts that they share.
@@ -114,25 +114,21 @@ impl ReportComparison {
 pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportComparison, Incomparable> {
     let MatchedSearches { searches, apart } = compared_searches(before, after)?;
     let Matched { pairs, unmatched } = match matched(before, after) {
-        Err(Incomparable::NoRun { .. } | Incomparable::NoDriver { .. }) if !searches.is_empty() => Matched::default(),
+        Err(Incomparable::NoRun { .. } | Incomparable::NoDriver { .. }) if !searches.is_empty() => {
+            Matched { pairs: Vec::new(), unmatched: [0; 2] }
+        }
         other => other?,
     };
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
     let violated = [violations(before)?, violations(after)?];
     let requirements: Vec<&String> = violated[0].keys().filter(|name| violated[1].contains_key(*name)).collect();
-    let mut cells: Vec<Vec<(StoredRun, StoredRun)>> = Vec::new();
-    for pair in pairs {
-        match cells.iter_mut().find(|cell| cell[0].0.key.cell == pair.0.key.cell) {
-            Some(cell) => cell.push(pair),
-            None => cells.push(vec![pair]),
-        }
-    }
+    let cells = grouped(pairs, |one, other| one[0].key.cell == other[0].key.cell);
     let (mut compared, mut changes) = (Vec::new(), Vec::new());
     let (mut unpaired, mut all) = (0, 0);
     for cell in &cells {
-        let mut frames = [Vec::new(), Vec::new()];
+        let mut evaluated = [Vec::new(), Vec::new()];
         let mut found = ComparedCell {
-            keys: [cell[0].0.key.cell.clone(), cell[0].1.key.cell.clone()],
+            keys: cell[0].each_ref().map(|run| run.key.cell.clone()),
             runs: cell.len() as u64,
             starts: 0,
             figures: Vec::new(),
@@ -141,24 +137,26 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             fault: Changed::default(),
             violations: requirements.iter().map(|name| ((*name).clone(), Changed::default())).collect(),
         };
-        for (first, second) in cell {
+        for [first, second] in cell {
             let (a, b) = (before.report.rows_of(first)?, after.report.rows_of(second)?);
             let broken = |side: &Side<'_>| {
                 let path = side.report.folder().join(format!("{EPISODES}.parquet"));
                 move |source| Incomparable::Read(ReadError::Table { path: path.clone(), source })
             };
-            let rows = common(&a, &b).map_err(broken(&before))?;
+            let tables =
+                [EpisodeTable::new(&a).map_err(broken(&before))?, EpisodeTable::new(&b).map_err(broken(&after))?];
+            let rows = common(&tables, [&a, &b]).map_err(broken(&before))?;
             all += (a.height() + b.height()) as u64;
             unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
             found.starts += rows.len() as u64;
-            let one = listed(&a).map_err(broken(&before))?;
-            let other = listed(&b).map_err(broken(&after))?;
-            let names = [episodes(&a).map_err(broken(&before))?, episodes(&b).map_err(broken(&after))?];
             for (row, partner) in &rows {
-                let ends = [(0, *row, &one, first), (1, *partner, &other, second)]
-                    .map(|(side, row, listed, run)| (format!("{}:{}", run.key.id, names[side][row]), listed.get(&row)));
+                let ends = [(0, *row, first), (1, *partner, second)].map(|(side, row, run)| {
+                    let table = &tables[side];
+                    let name = format!("{}:{}", run.key.id, table.episode(row));
+                    (name, Failure::of_collision(table, row, &run.key))
+                });
                 let is =
-                    |what: fn(&ListedFailure) -> bool| ends.each_ref().map(|(_, failure)| failure.is_some_and(what));
+                    |what: fn(&Failure) -> bool| ends.each_ref().map(|(_, failure)| failure.as_ref().is_some_and(what));
                 let [before, after] = is(|_| true);
                 found.collisions.count(before, after);
                 let [was, now] = is(|failure| failure.verdict == Some(Label::Preventable));
@@ -170,23 +168,19 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                     changed.count(was, now);
                 }
                 if before || after {
-                    let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure));
+                    let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure.as_ref()));
                     changes.push(FailureChange { place: found.title(), sides });
                 }
             }
-            let kept = |frame: &DataFrame, rows: &mut dyn Iterator<Item = usize>| {
-                let mut mask = vec![false; frame.height()];
-                rows.for_each(|row| mask[row] = true);
-                frame.filter(&mask.into_iter().collect::<BooleanChunked>())
-            };
-            frames[0].push(kept(&a, &mut rows.iter().map(|pair| pair.0)).map_err(broken(&before))?);
-            frames[1].push(kept(&b, &mut rows.iter().map(|pair| pair.1)).map_err(broken(&after))?);
+            let (own, others): (Vec<usize>, Vec<usize>) = rows.iter().copied().unzip();
+            for (side, mut kept) in [own, others].into_iter().enumerate().filter(|(_, kept)| !kept.is_empty()) {
+                kept.sort_unstable();
+                let mut run = EvaluatedRun::new([first, second][side].key.clone(), MAX_KEPT);
+                run.add(&tables[side], &kept);
+                evaluated[side].push(run);
+            }
         }
-        if found.starts > 0 {
-            let path = before.report.folder().join(format!("{EPISODES}.parquet"));
-            let figures = compare_pair(&frames[0], &frames[1]);
-            found.figures = figures.map_err(|source| ReadError::Table { path, source })?;
-        }
+        found.figures = compare_pair(evaluated);
         compared.push(found);
     }
     if compared.iter().all(|cell| cell.starts == 0) && searches.iter().all(|search| search.starts == 0) {
@@ -221,7 +215,7 @@ fn violations(side: Side<'_>) -> Result<BTreeMap<String, BTreeSet<String>>, Read
     if violated.is_empty() {
         return Ok(violated);
     }
-    for failure in side.report.failures()?.into_iter().filter(|failure| !failure.searched) {
+    for failure in side.report.failures()?.into_iter().filter(|failure| !failure.is_of_search()) {
         let name = failure.name();
         if let Some(violation) = failure.violation {
             violated.entry(violation.requirement).or_default().insert(name);
@@ -251,8 +245,7 @@ pub fn drivers([before, after]: &[String; 2]) -> String {
 }
 
 /// The rows of episodes with the same number and the same start in two runs. Only episodes that count are compared.
-fn common(before: &DataFrame, after: &DataFrame) -> PolarsResult<Vec<(usize, usize)>> {
-    let (a, b) = (EpisodeTable::new(before)?, EpisodeTable::new(after)?);
+fn common([a, b]: &[EpisodeTable<'_>; 2], [before, after]: [&DataFrame; 2]) -> PolarsResult<Vec<(usize, usize)>> {
     let (starts, others) = (START.read(before)?, START.read(after)?);
     let numbered: BTreeMap<u32, usize> =
         b.rows().filter(|row| b.counts(*row)).map(|row| (b.episode(row), row)).collect();
@@ -262,10 +255,4 @@ fn common(before: &DataFrame, after: &DataFrame) -> PolarsResult<Vec<(usize, usi
         (others.get(other) == Some(start)).then_some((row, other))
     };
     Ok(a.rows().filter(|row| a.counts(*row)).filter_map(partner).collect())
-}
-
-/// The numbers of the episodes of a run, row by row.
-fn episodes(rows: &DataFrame) -> PolarsResult<Vec<u32>> {
-    let table = EpisodeTable::new(rows)?;
-    Ok(table.rows().map(|row| table.episode(row)).collect())
 }

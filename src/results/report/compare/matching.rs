@@ -47,45 +47,54 @@ pub enum Incomparable {
     },
 }
 
-/// Runs of both sides with the same place, controller and number.
-#[derive(Default)]
-pub(super) struct Matched {
-    pub pairs: Vec<(StoredRun, StoredRun)>,
-    /// The numbers of runs without a partner.
+/// What has the same key on both sides: runs with the same place, controller and number.
+pub(super) struct Matched<T> {
+    pub pairs: Vec<[T; 2]>,
+    /// The numbers of those without a partner.
     pub unmatched: [usize; 2],
 }
 
 /// Finds the runs of both sides that belong together.
-pub(super) fn matched(before: Side<'_>, after: Side<'_>) -> Result<Matched, Incomparable> {
+pub(super) fn matched(before: Side<'_>, after: Side<'_>) -> Result<Matched<StoredRun>, Incomparable> {
     let (first, second) = (before.runs()?, after.runs()?);
-    let drivers = |runs: &[StoredRun]| runs.iter().map(|run| run.key.cell.policy.clone()).collect::<BTreeSet<_>>();
-    let (named, other) = (drivers(&first), drivers(&second));
-    // One driver on each side is the same one under two names, or two that the user compares.
-    let renamed = named != other && named.len() == 1 && other.len() == 1;
+    let renamed = is_renamed(&first, &second, |run| &run.key.cell.policy);
     let one_report = before.report.folder() == after.report.folder();
+    let example = |runs: &[StoredRun]| runs.first().map_or(String::new(), |run| run.key.to_string());
     let names = |run: &StoredRun| names(&run.key, renamed, one_report);
-    let mut partners: BTreeMap<String, StoredRun> = BTreeMap::new();
-    let mut unmatched = [0; 2];
-    for run in second {
-        partners.entry(names(&run)).or_insert(run);
+    let last = second.iter().min_by_key(|run| names(run)).map_or(String::new(), |run| run.key.to_string());
+    let examples = (example(&first), last);
+    let found = paired(first, second, names);
+    if found.pairs.is_empty() {
+        let folders = (before.report.folder().to_path_buf(), after.report.folder().to_path_buf());
+        return Err(Incomparable::NoRun { folders, examples });
     }
-    let all = partners.len();
-    let mut pairs = Vec::new();
-    let example = first.first().map_or(String::new(), |run| run.key.to_string());
-    let other_example = partners.values().next().map_or(String::new(), |run| run.key.to_string());
-    let mut seen = BTreeSet::new();
-    for run in first.into_iter().filter(|run| seen.insert(names(run))) {
-        match partners.remove(&names(&run)) {
-            Some(partner) => pairs.push((run, partner)),
-            None => unmatched[0] += 1,
+    Ok(found)
+}
+
+/// Whether each side has one driver, and they differ: it is the same one under two names, or two that the user compares.
+pub(super) fn is_renamed<T>(first: &[T], second: &[T], driver: impl Fn(&T) -> &String) -> bool {
+    let drivers = |all: &[T]| all.iter().map(|each| driver(each).clone()).collect::<BTreeSet<_>>();
+    let (named, other) = (drivers(first), drivers(second));
+    named != other && named.len() == 1 && other.len() == 1
+}
+
+/// Pairs what has the same key on both sides. Of several with one key on a side the first counts.
+pub(super) fn paired<T, K: Ord>(first: Vec<T>, second: Vec<T>, key: impl Fn(&T) -> K) -> Matched<T> {
+    let mut partners: BTreeMap<K, T> = BTreeMap::new();
+    for each in second {
+        partners.entry(key(&each)).or_insert(each);
+    }
+    let (mut pairs, mut seen, mut alone) = (Vec::new(), BTreeSet::new(), 0);
+    for each in first {
+        if !seen.insert(key(&each)) {
+            continue;
+        }
+        match partners.remove(&key(&each)) {
+            Some(partner) => pairs.push([each, partner]),
+            None => alone += 1,
         }
     }
-    unmatched[1] = all - pairs.len();
-    if pairs.is_empty() {
-        let folders = (before.report.folder().to_path_buf(), after.report.folder().to_path_buf());
-        return Err(Incomparable::NoRun { folders, examples: (example, other_example) });
-    }
-    Ok(Matched { pairs, unmatched })
+    Matched { pairs, unmatched: [alone, partners.len()] }
 }
 
 /// What two runs that belong together have in common. An untrained controller is the same for all rewards.

@@ -4,12 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use polars::prelude::DataFrame;
 
 use super::comparison::{Changed, drivers};
-use super::matching::Side;
+use super::matching::{Matched, Side, is_renamed, paired};
+use crate::failure::{Failure, FailureOrder};
 use crate::record::columns::{POLICY, TOWN};
 use crate::record::{Column, Entry, Interval, Table, TableReference};
 use crate::report::aggregate::{BUDGET, FALSIFIER, SEARCH_BLOCK};
+use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
-use crate::report::{FailureChange, FailureOrder, ListedFailure, ReadError, SideEnd};
+use crate::report::{FailureChange, ReadError, SideEnd};
 use base::statistics::{disagreement, holm, mcnemar, mean_interval_at, mean_p};
 use world::falsifier::StartSet;
 use world::judge::Label;
@@ -85,35 +87,17 @@ pub(super) struct MatchedSearches {
 /// A table cannot be read.
 pub(super) fn compared_searches(before: Side<'_>, after: Side<'_>) -> Result<MatchedSearches, ReadError> {
     let (first, second) = (of_side(before)?, of_side(after)?);
-    let drivers = |all: &[StoredSearch]| all.iter().map(|each| each.policy.clone()).collect::<BTreeSet<_>>();
-    let (named, other) = (drivers(&first), drivers(&second));
-    let renamed = named != other && named.len() == 1 && other.len() == 1;
-    let key = |search: &StoredSearch| {
-        let policy = if renamed { String::new() } else { search.policy.clone() };
-        let words = [&search.falsifier, &search.reward, &search.town, &policy].map(String::as_str).join("\0");
-        (words, search.block, search.budget, search.run)
+    let renamed = is_renamed(&first, &second, |search| &search.policy);
+    let cell = |search: &StoredSearch| {
+        let policy = if renamed { "" } else { &search.policy };
+        let words = [&search.falsifier, &search.reward, &search.town, policy].join("\0");
+        (words, search.block, search.budget)
     };
-    let mut partners: BTreeMap<_, StoredSearch> = BTreeMap::new();
-    for search in second {
-        partners.entry(key(&search)).or_insert(search);
-    }
-    let (mut cells, mut apart) = (Vec::<Vec<[StoredSearch; 2]>>::new(), 0);
-    for search in first {
-        let Some(partner) = partners.remove(&key(&search)) else { continue };
-        if search.first_start.is_none() || search.first_start != partner.first_start {
-            apart += 1;
-            continue;
-        }
-        let is_of = |cell: &&mut Vec<[StoredSearch; 2]>| {
-            let (words, block, budget, _) = key(&cell[0][0]);
-            let (own, own_block, own_budget, _) = key(&search);
-            (words, block, budget) == (own, own_block, own_budget)
-        };
-        match cells.iter_mut().find(is_of) {
-            Some(cell) => cell.push([search, partner]),
-            None => cells.push(vec![[search, partner]]),
-        }
-    }
+    let Matched { mut pairs, .. } = paired(first, second, |search| (cell(search), search.run));
+    let all = pairs.len();
+    pairs.retain(|[one, other]| one.first_start.is_some() && one.first_start == other.first_start);
+    let apart = (all - pairs.len()) as u64;
+    let cells = grouped(pairs, |one, other| cell(&one[0]) == cell(&other[0]));
     let mut searches: Vec<ComparedSearch> = cells.iter().map(|cell| compared(cell)).collect();
     adjust(&mut searches);
     Ok(MatchedSearches { searches, apart })
@@ -167,7 +151,7 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
         let mut here = Changed::default();
         for start in numbers {
             let sides = worst.each_ref().map(|side| side.get(&start).copied().cloned());
-            let is = |what: fn(&ListedFailure) -> bool| sides.each_ref().map(|side| side.as_ref().is_some_and(what));
+            let is = |what: fn(&Failure) -> bool| sides.each_ref().map(|side| side.as_ref().is_some_and(what));
             let [before, after] = is(|_| true);
             found.collisions.count(before, after);
             let [before, after] = is(|failure| failure.fault || failure.verdict == Some(Label::Preventable));
@@ -200,8 +184,8 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
 }
 
 /// The failure of each of these starts that counts most against the driver.
-fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u64, &'a ListedFailure> {
-    let mut worst: BTreeMap<u64, &ListedFailure> = BTreeMap::new();
+fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u64, &'a Failure> {
+    let mut worst: BTreeMap<u64, &Failure> = BTreeMap::new();
     for failure in search.failures.iter().filter(|failure| tried.contains(failure.start)) {
         let kept = worst.entry(failure.start).or_insert(failure);
         if FailureOrder::Severity.compare(failure, kept) == Ordering::Less {
@@ -287,35 +271,14 @@ mod tests {
     use rand::Rng;
 
     use super::*;
-    use crate::analysis::Impact;
     use base::seed::{Seed, Stream};
-    use world::av::DrivingMode;
 
-    fn failure(start: u64, fault: bool, speed: f64) -> ListedFailure {
-        ListedFailure {
-            run: "1a2b3c4d".into(),
-            number: 0,
-            start,
-            controller: "walks".into(),
-            searched: true,
-            reward: String::new(),
-            train_town: String::new(),
-            train_policy: String::new(),
-            town: "harbour".into(),
-            policy: "behavior".into(),
-            verdict: Some(if fault { Label::Preventable } else { Label::Bump }),
-            foreseeable: fault,
-            fault,
-            impact: Some(Impact::Front),
-            occluded: false,
-            driving_mode: Some(DrivingMode::Cruise),
-            impact_speed: speed,
-            length: 1.0,
-            violation: None,
-        }
+    fn failure(start: u64, fault: bool, speed: f64) -> Failure {
+        let label = if fault { Label::Preventable } else { Label::Bump };
+        Failure { start, ..crate::failure::tests::failure(Some(label), fault, speed) }
     }
 
-    fn search(run: u64, starts: std::ops::Range<u64>, failures: Vec<ListedFailure>) -> StoredSearch {
+    fn search(run: u64, starts: std::ops::Range<u64>, failures: Vec<Failure>) -> StoredSearch {
         StoredSearch {
             falsifier: "walks".into(),
             reward: String::new(),

@@ -1,9 +1,7 @@
-use polars::prelude::{DataFrame, PolarsResult};
-
 use super::cell::CellModes;
 use super::sample::RunSample;
 use crate::jobs::{TrainingResult, networks};
-use crate::record::RunKey;
+use crate::record::{EpisodeTable, RunKey};
 use base::seed::Seed;
 use compile::{Campaign, Evaluation};
 use learn::ActorCritic;
@@ -31,18 +29,11 @@ impl<'a> FailureModes<'a> {
         Self { evaluations, trainings, seed: *seed, keys, last: None, open: Vec::new(), cells: Vec::new() }
     }
 
-    /// Adds a table of the episodes of one run or of a part of it, as [`episodes`](crate::record::episodes) makes it. Runs may come in any
-    /// order, each once; the parts of a run follow each other. A run that was not planned, or has no episodes, is ignored.
-    ///
-    /// # Errors
-    /// Those of polars, when a column is missing or of another type.
-    pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
-        if run.height() == 0 {
-            return Ok(());
-        }
-        let wanted = RunKey::read(run, 0)?;
+    /// Adds the episodes of one run or of a part of it. Runs may come in any order, each once; the parts of a run follow each other. A run that was
+    /// not planned is ignored.
+    pub fn add(&mut self, wanted: &RunKey, episodes: &EpisodeTable<'_>) {
         let is_it = |key: &RunKey| (&key.cell, key.run) == (&wanted.cell, wanted.run);
-        let Some(place) = self.keys.iter().position(is_it) else { return Ok(()) };
+        let Some(place) = self.keys.iter().position(is_it) else { return };
         let planned = self.keys.iter().filter(|key| key.cell == wanted.cell).count();
         if !self.last.as_ref().is_some_and(|(last, _)| is_it(&last.key)) {
             self.close();
@@ -50,7 +41,7 @@ impl<'a> FailureModes<'a> {
             self.last = Some((sample, planned));
         }
         let (sample, _) = self.last.as_mut().expect("it was opened above");
-        sample.add(run, planned)
+        sample.add(episodes, planned);
     }
 
     /// Ends the run of the last rows. A cell that has all its runs is analysed.

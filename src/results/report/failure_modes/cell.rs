@@ -1,7 +1,8 @@
 use super::repeat::repeat;
 use super::sample::{Case, RunSample};
 use super::start::cases;
-use crate::analysis::{Explanation, Failure, FailureMode, failure_modes};
+use crate::analysis::{Explanation, FailureMode, failure_modes};
+use crate::failure::Failure;
 use crate::record::CellKey;
 use base::choice;
 use base::seed::Seed;
@@ -26,19 +27,12 @@ impl Target {
     }
 }
 
-/// A mode with its examples.
+/// A mode with its example.
 #[derive(Debug, Clone)]
 pub struct Mode {
     pub mode: FailureMode,
-    /// The medoid's run and episode, and the name under which it can be found.
-    pub example: (u32, u32, String),
-}
-
-impl Mode {
-    /// The name of its example, `RUN:EPISODE`.
-    pub fn example_name(&self) -> String {
-        format!("{}:{}", self.example.2, self.example.1)
-    }
+    /// The medoid.
+    pub example: Failure,
 }
 
 /// The analysis of a cell.
@@ -71,26 +65,19 @@ impl CellModes {
         };
         let look = || {
             repeat(&mut runs, trained, seed);
-            let failures: Vec<Failure> =
-                runs.iter().flat_map(|run| run.failures.iter().map(|sampled| sampled.failure.clone())).collect();
-            let modes = failure_modes(&failures);
-            let shown = modes.into_iter().map(|mode| shown(mode, &failures, &runs)).collect::<Vec<_>>();
-            (failures, shown)
+            let failures: Vec<Failure> = runs.iter_mut().flat_map(|run| std::mem::take(&mut run.failures)).collect();
+            let example = |mode: FailureMode| Mode { example: failures[mode.medoid].clone(), mode };
+            let modes: Vec<Mode> = failure_modes(&failures).into_iter().map(example).collect();
+            (failures.len() as u64, modes)
         };
         let ((failures, modes), explanations) = rayon::join(look, explain);
         let sum = |of: fn(&RunSample<'_>) -> u64| runs.iter().map(of).sum::<u64>();
         Self {
             key: runs[0].key.cell.clone(),
             all: (sum(|run| run.all.0), sum(|run| run.all.1)),
-            sampled: (sum(|run| run.episodes), failures.len() as u64),
+            sampled: (sum(|run| run.episodes), failures),
             modes,
             explanations,
         }
     }
-}
-
-fn shown(mode: FailureMode, failures: &[Failure], runs: &[RunSample<'_>]) -> Mode {
-    let example = &failures[mode.medoid];
-    let run = runs.iter().find(|run| run.evaluation.trained.run == example.run);
-    Mode { example: (example.run, example.episode, run.map_or(String::new(), |run| run.key.id.to_string())), mode }
 }

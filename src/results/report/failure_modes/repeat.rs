@@ -19,15 +19,14 @@ pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed
     runs.par_iter_mut().zip(trained).zip(wanted).for_each(|((run, trained), wanted)| {
         let scenario = &run.evaluation.scenario;
         let numbers: Vec<u32> = wanted.iter().copied().collect();
-        let note = &mut |outcome: &Outcome, trace: &Trace| {
-            Some((format!("{:016x}", outcome.digest), Approach::new(&trace.main_pair(scenario))?))
-        };
+        let note =
+            &mut |outcome: &Outcome, trace: &Trace| Some((outcome.digest, Approach::new(&trace.main_pair(scenario))?));
         let noted = repeat_episodes(run.evaluation, *trained, &numbers, seed, note);
-        let seen: BTreeMap<u32, (String, Approach)> =
-            noted.into_iter().filter_map(|(episode, noted)| Some((episode, noted?))).collect();
-        for sampled in run.failures.iter_mut().filter(|sampled| wanted.contains(&sampled.failure.episode)) {
-            let again = seen.get(&sampled.failure.episode).filter(|(digest, _)| *digest == sampled.digest);
-            sampled.failure.approach = again.map(|(_, approach)| approach.clone());
+        let mut seen: BTreeMap<u64, (u64, Approach)> =
+            noted.into_iter().filter_map(|(episode, noted)| Some((episode.into(), noted?))).collect();
+        for failure in &mut run.failures {
+            let again = seen.remove(&failure.number).filter(|(digest, _)| *digest == failure.digest);
+            failure.approach = again.map(|(_, approach)| approach);
         }
     });
 }
@@ -36,8 +35,8 @@ pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed
 fn wanted(runs: &[RunSample<'_>]) -> Vec<BTreeSet<u32>> {
     let mut kinds: BTreeMap<Kind, Vec<(u32, usize)>> = BTreeMap::new();
     for (run, sample) in runs.iter().enumerate() {
-        for sampled in &sample.failures {
-            kinds.entry(sampled.failure.kind).or_default().push((sampled.failure.episode, run));
+        for (kind, failure) in sample.failures.iter().filter_map(|failure| Some((Kind::of(failure)?, failure))) {
+            kinds.entry(kind).or_default().push((failure.number as u32, run));
         }
     }
     let mut wanted = vec![BTreeSet::new(); runs.len()];

@@ -1,24 +1,13 @@
-use polars::prelude::{DataFrame, PolarsResult};
-
-use crate::analysis::{Failure, Impact, Kind};
+use crate::failure::Failure;
 use crate::record::{EpisodeTable, RunKey};
 use compile::Evaluation;
-use world::av::DrivingMode;
 use world::env::Spawn;
-use world::judge::{Label, Sight};
+use world::judge::Label;
 
 /// Maximum number of collisions of a cell that are analysed, the first ones of each of its runs.
 pub const MAX_FAILURES: usize = 20_000;
 /// Maximum number of episodes of a cell that are explained, the first ones of each of its runs.
 pub const MAX_CASES: usize = 6_000;
-
-/// A collision, and the digest that shows whether its repetition is the same.
-#[derive(Debug, Clone)]
-pub struct Sampled {
-    pub failure: Failure,
-    /// The digest of its episode.
-    pub digest: String,
-}
 
 /// The start and the end of an episode.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +27,7 @@ pub struct RunSample<'a> {
     pub all: (u64, u64),
     /// The number of its first episodes whose collisions were analysed; all of these are in the list.
     pub episodes: u64,
-    pub failures: Vec<Sampled>,
+    pub failures: Vec<Failure>,
     pub cases: Vec<Case>,
 }
 
@@ -49,8 +38,8 @@ impl<'a> RunSample<'a> {
     }
 
     /// Takes the first episodes of a run from a part of its table, when its cell has this number of runs.
-    pub(super) fn add(&mut self, part: &DataFrame, runs: usize) -> PolarsResult<()> {
-        let (table, sample) = (EpisodeTable::new(part)?, self);
+    pub(super) fn add(&mut self, table: &EpisodeTable<'_>, runs: usize) {
+        let sample = self;
         let (failures, cases) = (MAX_FAILURES.div_ceil(runs), MAX_CASES.div_ceil(runs));
         for row in table.rows().filter(|row| table.counts(*row)) {
             let (episode, collision) = (table.episode(row), table.is_collision(row));
@@ -64,23 +53,9 @@ impl<'a> RunSample<'a> {
                 continue;
             }
             sample.episodes += 1;
-            let Some(label) = label.filter(|_| collision) else { continue };
-            let kind = Kind {
-                impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()),
-                verdict: label,
-                occluded: Sight { hidden: 0.0, seen: table.in_sight(row).unwrap_or_default() }.is_occluded(),
-                mode: table.driving_mode(row).unwrap_or(DrivingMode::Unknown),
-            };
-            let failure = Failure {
-                run: sample.evaluation.trained.run,
-                episode,
-                kind,
-                impact_speed: table.impact_speed(row).unwrap_or_default(),
-                length: table.length(row).unwrap_or_default(),
-                approach: None,
-            };
-            sample.failures.push(Sampled { failure, digest: table.digest(row).into() });
+            if collision && label.is_some() {
+                sample.failures.push(Failure::of_row(table, row, sample.key.clone()));
+            }
         }
-        Ok(())
     }
 }

@@ -109,10 +109,10 @@ fn mode_table<'a>() -> Table<'a, Row<'a, &'a Mode>> {
                 "",
                 "name of the medoid, `RUN:EPISODE`: the member with the least sum of distances from all others",
             )
-            .of(|row: &Of<'_>| row.1.example_name()),
+            .of(|row: &Of<'_>| row.1.example.name()),
         )
-        .column(count("example_run", "number of its run", |_, row: &&Mode| row.example.0.into()))
-        .column(count("example_episode", "number of its episode", |_, row: &&Mode| row.example.1.into()))
+        .column(count("example_run", "number of its run", |_, row: &&Mode| row.example.key.run.into()))
+        .column(count("example_episode", "number of its episode", |_, row: &&Mode| row.example.number))
 }
 
 type Explained<'a> = (Target, &'a Explanation, &'a Rule);

@@ -1,5 +1,3 @@
-use polars::prelude::{DataFrame, PolarsResult};
-
 use super::Figure;
 use crate::record::{CellKey, EpisodeTable, RunKey};
 use base::statistics::ClusteredCount;
@@ -51,16 +49,6 @@ pub struct EvaluatedRun {
 }
 
 impl EvaluatedRun {
-    /// Reads the episodes of one run, and keeps those with numbers below a limit.
-    ///
-    /// # Errors
-    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
-    pub fn of(run: &DataFrame, kept: usize) -> PolarsResult<Self> {
-        let mut evaluated = Self::new(EpisodeTable::new(run)?.key()?, kept);
-        evaluated.add(run)?;
-        Ok(evaluated)
-    }
-
     /// Starts without any episode, and will keep those with numbers below a limit.
     pub fn new(key: RunKey, kept: usize) -> Self {
         Self {
@@ -76,17 +64,14 @@ impl EvaluatedRun {
         }
     }
 
-    /// Adds episodes: a part of the table of the run.
-    ///
-    /// # Errors
-    /// As [`EvaluatedRun::of`].
-    pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
-        let (table, run) = (EpisodeTable::new(part)?, self);
-        run.size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0).max(run.size);
+    /// Adds the episodes in these rows of a table of the run, which are in ascending order.
+    pub fn add(&mut self, table: &EpisodeTable<'_>, rows: &[usize]) {
+        let run = self;
+        run.size = rows.iter().map(|row| table.episode(*row) as usize + 1).max().unwrap_or(0).max(run.size);
         let (kept, here) = (run.most, run.size.min(run.most));
         run.flags.resize(here, 0);
         run.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(here, 0.0));
-        for row in table.rows().filter(|row| table.counts(*row)) {
+        for row in rows.iter().copied().filter(|row| table.counts(*row)) {
             let episode = table.episode(row) as usize;
             let (touch, collision) = (table.is_touch(row), table.is_collision(row));
             let flag = |holds: bool, flag: u8| if holds { flag } else { 0 };
@@ -117,9 +102,9 @@ impl EvaluatedRun {
             }
         }
         for (avoided, reference) in run.avoided.iter_mut().zip(Reference::ALL) {
-            *avoided += (table.avoided(reference).count() as u64).into();
+            let own = table.avoided(reference).filter(|row| rows.binary_search(row).is_ok());
+            *avoided += (own.count() as u64).into();
         }
-        Ok(())
     }
 
     /// Episodes that the driver drove to their end.

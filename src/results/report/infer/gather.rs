@@ -1,5 +1,3 @@
-use polars::prelude::{DataFrame, PolarsResult};
-
 use super::cell::CellEvidence;
 use super::comparison::{Comparison, adjust, compare, pairs};
 use super::evaluated_run::{EvaluatedRun, MAX_KEPT};
@@ -41,22 +39,12 @@ impl Gathering {
     }
 
     /// Adds the episodes of a run or of a part of it. The parts of a run follow each other.
-    ///
-    /// # Errors
-    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
-    pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
-        if run.height() == 0 {
-            return Ok(());
+    pub fn add(&mut self, key: &RunKey, table: &EpisodeTable<'_>) {
+        if self.last.as_ref().is_none_or(|(last, _)| last != key) {
+            self.close();
         }
-        let key = EpisodeTable::new(run)?.key()?;
-        if let Some((_, tried)) = self.last.as_mut().filter(|(last, _)| *last == key) {
-            return tried.add(run);
-        }
-        self.close();
-        let mut tried = EvaluatedRun::new(key.clone(), self.kept);
-        tried.add(run)?;
-        self.last = Some((key, tried));
-        Ok(())
+        let (_, run) = self.last.get_or_insert_with(|| (key.clone(), EvaluatedRun::new(key.clone(), self.kept)));
+        run.add(table, &table.rows().collect::<Vec<_>>());
     }
 
     /// Ends the run of the last rows.

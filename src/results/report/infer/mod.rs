@@ -17,10 +17,9 @@ mod tests;
 
 pub use cell::CellEvidence;
 pub use comparison::{Comparison, Test, adjust};
+pub use evaluated_run::{EvaluatedRun, MAX_KEPT};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
 pub use learning::{Doubt, Learning, Learnt, Reason, Untrained, doubts};
 pub use pair::compare_pair;
-pub use tables::{
-    IMPACT_SPEED_P90, LEARNT, cell_table, comparison_columns, comparison_table, evident_cells, remaining_rate,
-};
+pub use tables::{IMPACT_SPEED_P90, LEARNT, comparison_columns, comparison_table, remaining_rate};

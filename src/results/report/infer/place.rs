@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use super::Figure;
 use super::evaluated_run::EvaluatedRun;
+use crate::report::grouped::grouped;
 use base::statistics::{ClusteredCount, Sample};
 
 /// All runs with common starts; the runs of a cell are consecutive.
@@ -15,13 +16,7 @@ pub struct Place {
 impl Place {
     /// Sorts runs into cells, in the order of first appearance.
     pub fn new(runs: Vec<EvaluatedRun>) -> Self {
-        let mut groups: Vec<Vec<EvaluatedRun>> = Vec::new();
-        for run in runs {
-            match groups.iter_mut().find(|group| group[0].key == run.key) {
-                Some(group) => group.push(run),
-                None => groups.push(vec![run]),
-            }
-        }
+        let groups = grouped(runs, |one, other| one.key == other.key);
         let mut end = 0;
         let cells = groups.iter().map(|group| {
             end += group.len();

@@ -1,9 +1,7 @@
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::DataFrame;
 
-use super::{CellEvidence, Comparison, Figure};
-use crate::record::{Column, ColumnReference, Entry, Family, Interval, Table, cell_key};
-use crate::report::aggregate::CELLS;
-use base::statistics::wilson;
+use super::Comparison;
+use crate::record::{Column, ColumnReference, Family, Interval, Table, cell_key};
 use world::judge::Reference;
 
 const OTHER_CONTROLLER: Column<String> =
@@ -55,65 +53,9 @@ pub const LEARNT: Column<String> = Column::new(
      these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for \
      untrained controllers",
 );
-const TRAININGS_DISAGREE: Column<String> = Column::new(
-    "trainings_disagree",
-    "",
-    "`yes` where the standard deviation of the trainings' mean rewards is more than twice what the draw of episodes explains and more than \
-     half of their mean gain over `random` (over 0 without it), else `no`. Missing for untrained controllers and for a single training",
-);
-
-/// The table of cells with all its columns: its metrics, and those of the evidence.
-///
-/// # Errors
-/// The evidence is of other cells.
-pub fn evident_cells(metrics: &DataFrame, evidence: &[CellEvidence]) -> PolarsResult<DataFrame> {
-    metrics.hstack(&cell_table().values(evidence))
-}
-
-/// The columns that the table of cells has in addition to its metrics.
-pub fn cell_table() -> Table<'static, CellEvidence> {
-    let student = "see [above](#which-interval-answers-which-question); cut at the bounds of the figure; missing for fewer than four runs";
-    let mut table = Table::new(CELLS, "");
-    for figure in Figure::ALL {
-        let ends = move |cell: &CellEvidence| cell.between(figure).interval;
-        table = table.columns(interval(format!("{}_student", figure.name()), "as the figure", student, ends));
-    }
-    table = table.column(IMPACT_SPEED_P90.of(|cell: &CellEvidence| cell.impact_speed_p90.0));
-    for reference in Reference::ALL {
-        let name = reference.name();
-        let rest = move |cell: &CellEvidence| cell.remaining(reference);
-        table = table.column(REST.of(name, move |cell: &CellEvidence| rest(cell).share_of(&cell.episodes))).columns(
-            interval(
-                format!("{}_wilson", REST.name(name)),
-                "",
-                "Wilson's 95 % interval of that rate",
-                move |cell: &CellEvidence| Some(wilson(rest(cell), cell.episodes)),
-            ),
-        );
-    }
-    let learning = |cell: &CellEvidence| cell.learning.clone();
-    table.column(LEARNT.of(move |cell| learning(cell).map(|learning| learning.learnt().name()))).column(
-        TRAININGS_DISAGREE.of(move |cell| {
-            let disagree = learning(cell)?.disagree()?;
-            Some(if disagree { "yes" } else { "no" })
-        }),
-    )
-}
-
 /// The metric of a reference driver: the rate of the collisions that it does not avoid.
 pub fn remaining_rate(reference: Reference) -> ColumnReference {
     REST.reference(reference.name())
-}
-
-/// The two ends of an interval whose name is computed.
-fn interval<R>(
-    name: String,
-    unit: &'static str,
-    doc: &'static str,
-    ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 'static,
-) -> [Entry<'static, R>; 2] {
-    let [low, high] = Interval::new("", unit, doc).of(ends);
-    [low.named(format!("{name}_low")), high.named(format!("{name}_high"))]
 }
 
 /// Comparisons as a table, one row each, in the order given.

@@ -1,11 +1,8 @@
 use super::*;
 use crate::record::columns::EPISODE_REWARD;
-use crate::record::{CellKey, EpisodeRow, RunKey, episodes};
+use crate::record::{CellKey, EpisodeTable, RunKey, episodes};
 use polars::prelude::{Column, DataFrame};
-use world::av::DrivingMode;
-use world::env::{Ending, Outcome, Spawn};
-use world::geometry::Pose;
-use world::judge::{Judged, NearMiss};
+use world::env::Ending;
 
 /// A run whose episodes collide, with a moving car, where the word says `x`; `e` is an error.
 fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
@@ -35,42 +32,22 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
             'e' => Ending::Error(world::av::Fault::Ended),
             _ => Ending::Timeout,
         };
-        let spawn = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
-        let last_mode = DrivingMode::Cruise;
-        EpisodeRow {
-            key: RunKey { id: format!("{run:08x}").parse().unwrap(), cell: cell.clone(), run }.into(),
-            episode: episode as u32,
-            judged: Judged {
-                outcome: Outcome {
-                    spawn,
-                    start: 0,
-                    run_up: 0,
-                    left_out: None,
-                    ending,
-                    reward: 0.0,
-                    ticks: 1,
-                    duration: 0.05,
-                    least_gap: 1.0,
-                    on_crosswalk: false,
-                    last_mode,
-                    digest: 7,
-                    state_hashes: Default::default(),
-                },
-                verdict: None,
-                degrees: Vec::new(),
-            },
-            false_alarms: None,
-            near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
-            lane: None,
-            motion: Default::default(),
-        }
+        let mut row = crate::record::tests::row(episode as u32, ending);
+        row.key = RunKey { id: format!("{run:08x}").parse().unwrap(), cell: cell.clone(), run }.into();
+        (row.judged.verdict, row.judged.outcome.reward) = (None, 0.0);
+        row
     };
     episodes(&word.chars().enumerate().map(row).collect::<Vec<_>>())
 }
 
 fn gather(runs: Vec<DataFrame>) -> Evidence {
-    let mut gathering = Gathering::default();
-    runs.iter().for_each(|run| gathering.add(run).unwrap());
+    gathered(Gathering::default(), &runs)
+}
+
+fn gathered(mut gathering: Gathering, runs: &[DataFrame]) -> Evidence {
+    for table in runs.iter().map(|run| EpisodeTable::new(run).unwrap()) {
+        gathering.add(&table.key().unwrap(), &table);
+    }
     gathering.finish()
 }
 
@@ -239,11 +216,7 @@ fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
         (0..size).map(|k| if (k / turn).is_multiple_of(2) || k % 60 == 7 { 'x' } else { '.' }).collect()
     };
     let runs = || vec![run("trained", "r1", 0, "a", &word(2, 6000)), run("trained", "r1", 1, "a", &word(3, 4800))];
-    let some = |kept: usize| {
-        let mut gathering = Gathering::keeping(kept);
-        runs().iter().for_each(|run| gathering.add(run).unwrap());
-        gathering.finish().cells.remove(0)
-    };
+    let some = |kept: usize| gathered(Gathering::keeping(kept), &runs()).cells.remove(0);
     let (whole, part) = (some(6000), some(600));
     assert_eq!((whole.episodes, whole.collisions), (part.episodes, part.collisions));
     let of_those_kept = runs().iter().map(|run| run.head(Some(600))).collect();

@@ -2,7 +2,8 @@ use super::GateError;
 use crate::record::metric::MEAN;
 use crate::record::{ColumnReference, Metric, metrics};
 use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT};
-use crate::report::infer::cell_table;
+use crate::report::infer::LEARNT;
+use crate::report::metric_table::TRAININGS_DISAGREE;
 
 /// The end of the columns of adjusted probabilities.
 pub(super) const P_HOLM: &str = "_p_holm";
@@ -126,8 +127,8 @@ impl Condition {
             }
             Bound::Number(number)
         };
-        let is_result = || cell_table().reference().columns.iter().any(|result| result.name == column.name);
-        let chooses = matches!(bound, Bound::Word(_)) && !is_result();
+        let is_result = [LEARNT.name, TRAININGS_DISAGREE.name].contains(&&*column.name);
+        let chooses = matches!(bound, Bound::Word(_)) && !is_result;
         let is_of_collisions = is_of_collisions(&column.name);
         Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses, is_of_collisions })
     }

@@ -1,23 +1,25 @@
-//! The failures of a report, of evaluations and searches alike, as a list.
+//! The failures of a report, of evaluations and searches alike, from its tables, and as a list.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use polars::prelude::DataFrame;
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::{ReadError, StoredReport};
-use crate::analysis::Impact;
+use crate::failure::{Failure, FoundBy, Impact, Violation, is_occluded};
 use crate::record::columns::{
-    CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN_ID, TOWN,
-    TRAIN_POLICY, TRAIN_TOWN, VERDICT,
+    CONTROLLER, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
+    POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
-use crate::record::{Column, EPISODES, Table};
+use crate::record::{CellKey, Column, EPISODES, EpisodeTable, RunKey, Table};
 use crate::report::aggregate::{
-    FAILURES, INSTANT, NO_VERDICT, PART, PREVENTABLE, REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT,
+    AT_COLLISION, COMMANDS, COUNTS, FAILURE, FAILURES, FALSIFIER, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
+    GOAL_PREVENTABLE, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY, REQUIREMENT, REQUIREMENTS, ROBUSTNESS,
+    ROBUSTNESS_UNIT, SEARCH_BLOCK, SEARCH_RUN, START, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
 };
-use crate::report::listed_failure::{ListedFailure, searched, touches, violations};
 use world::av::DrivingMode;
 use world::judge::Label;
+use world::sim::WalkCommand;
 
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 17;
@@ -41,10 +43,13 @@ impl StoredReport {
     ///
     /// # Errors
     /// A table that is damaged, or that the report has as CSV only.
-    pub fn failures(&self) -> Result<Vec<ListedFailure>, ReadError> {
+    pub fn failures(&self) -> Result<Vec<Failure>, ReadError> {
         let mut found = Vec::new();
         self.each_part(EPISODES, ROWS, |rows| {
-            found.extend(touches(rows)?.into_values());
+            let table = EpisodeTable::new(rows)?;
+            for row in table.rows().filter(|row| table.counts(*row) && table.is_touch(*row)) {
+                found.push(Failure::of_row(&table, row, RunKey::read(rows, row)?));
+            }
             Ok(())
         })?;
         self.each_part(FAILURES, ROWS, |rows| {
@@ -59,48 +64,163 @@ impl StoredReport {
     }
 }
 
+/// A row of a table.
+#[derive(Clone, Copy)]
+struct Row<'a>(&'a DataFrame, usize);
+
+impl Row<'_> {
+    fn text(self, column: &Column<String>) -> PolarsResult<String> {
+        column.value(self.0, self.1).map(Option::unwrap_or_default)
+    }
+
+    fn count(self, column: &Column<u64>) -> PolarsResult<u64> {
+        column.value(self.0, self.1).map(Option::unwrap_or_default)
+    }
+
+    fn number(self, column: &Column<f64>) -> PolarsResult<f64> {
+        column.value(self.0, self.1).map(Option::unwrap_or_default)
+    }
+
+    fn holds(self, column: &Column<bool>) -> PolarsResult<bool> {
+        column.value(self.0, self.1).map(|value| value == Some(true))
+    }
+
+    /// The violation, with the column of whether it is preventable.
+    fn violation(self, preventable: &Column<bool>) -> PolarsResult<Violation> {
+        Ok(Violation {
+            requirement: self.text(&REQUIREMENT)?,
+            priority: PRIORITY.value(self.0, self.1)?.unwrap_or_default(),
+            robustness: self.number(&ROBUSTNESS)?,
+            unit: self.text(&ROBUSTNESS_UNIT)?,
+            part: self.text(&PART)?,
+            at_collision: false,
+            preventable: preventable.value(self.0, self.1)?,
+            no_verdict: self.text(&NO_VERDICT)?,
+        })
+    }
+}
+
+/// The failures of a part of the table of failures of searches.
+///
+/// # Errors
+/// A column is missing or holds something else.
+pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
+    let has_goals = rows.get_column_index(REQUIREMENT.name).is_some();
+    let failure = |number: usize| {
+        let row = Row(rows, number);
+        let cell = CellKey {
+            controller: row.text(&FALSIFIER)?,
+            reward: row.text(&REWARD)?,
+            town: row.text(&TOWN)?,
+            policy: row.text(&POLICY)?,
+            block: row.count(&SEARCH_BLOCK)? as u32,
+            ..CellKey::default()
+        };
+        let id = row.text(&RUN_ID)?.parse().unwrap_or_default();
+        let found = Failure {
+            start: row.count(&START)?,
+            commands: commands(&row.text(&COMMANDS)?).unwrap_or_default(),
+            found_after: row.count(&FOUND_AFTER)?,
+            digest: u64::from_str_radix(&row.text(&DIGEST)?, 16).unwrap_or_default(),
+            verdict: Label::named(&row.text(&VERDICT)?),
+            foreseeable: row.holds(&FORESEEABLE)?,
+            fault: row.holds(&FAULT)?,
+            impact: Impact::named(&row.text(&IMPACT)?),
+            occluded: is_occluded(IN_SIGHT.value(rows, number)?),
+            driving_mode: DrivingMode::named(&row.text(&DRIVING_MODE)?),
+            impact_speed: row.number(&IMPACT_SPEED)?,
+            length: row.number(&EPISODE_LENGTH)?,
+            ..Failure::new(
+                RunKey { id, cell, run: row.count(&SEARCH_RUN)? as u32 },
+                FoundBy::Search,
+                row.count(&FAILURE)?,
+            )
+        };
+        if !has_goals || REQUIREMENT.value(rows, number)?.is_none() {
+            return Ok(found);
+        }
+        Ok(Failure {
+            violation: Some(row.violation(&GOAL_PREVENTABLE)?),
+            length: row.number(&INSTANT)?,
+            foreseeable: row.holds(&GOAL_FORESEEABLE)?,
+            fault: row.holds(&GOAL_FAULT)?,
+            ..found
+        })
+    };
+    (0..rows.height()).map(failure).collect()
+}
+
+/// Commands as a table has them, `heading@speed`; `None` if they are damaged.
+fn commands(text: &str) -> Option<Vec<WalkCommand>> {
+    let finite = |text: &str| text.parse().ok().filter(|number: &f64| number.is_finite());
+    let command = |text: &str| {
+        let (heading, speed) = text.split_once('@')?;
+        Some(WalkCommand { heading: finite(heading)?, speed: finite(speed)? })
+    };
+    text.split_whitespace().map(command).collect()
+}
+
+/// The violations in a part of the table of requirements that count.
+///
+/// # Errors
+/// A column is missing or holds something else.
+fn violations(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
+    let (violated, counts) = (VIOLATED.read(rows)?, COUNTS.read(rows)?);
+    let failure = |number: usize| {
+        let row = Row(rows, number);
+        let episode = EPISODE.value(rows, number)?.unwrap_or_default();
+        let at_collision = row.holds(&AT_COLLISION)?;
+        Ok(Failure {
+            foreseeable: row.holds(&VIOLATION_FORESEEABLE)?,
+            fault: row.holds(&VIOLATION_FAULT)?,
+            length: row.number(&INSTANT)?,
+            violation: Some(Violation { at_collision, ..row.violation(&PREVENTABLE)? }),
+            ..Failure::new(RunKey::read(rows, number)?, FoundBy::Evaluation, episode.into())
+        })
+    };
+    let wanted = |row: &usize| violated.get(*row) == Some(true) && counts.get(*row) == Some(true);
+    (0..rows.height()).filter(wanted).map(failure).collect()
+}
+
 /// Failures with the folders of their reports as a table, one row each, in the order given.
-pub fn failure_list(failures: &[(PathBuf, ListedFailure)]) -> DataFrame {
-    type Row = (PathBuf, ListedFailure);
+pub fn failure_list(failures: &[(PathBuf, Failure)]) -> DataFrame {
+    type Listed = (PathBuf, Failure);
     let text = Column::<String>::new;
     Table::new("failures", "One row for each failure.")
         .column(
             text("name", "", "the path by which other commands find it")
-                .of(|row: &Row| format!("{}/{}", row.0.display(), row.1.name())),
+                .of(|row: &Listed| format!("{}/{}", row.0.display(), row.1.name())),
         )
-        .column(text("report", "", "folder of the report").of(|row: &Row| row.0.display().to_string()))
-        .column(RUN_ID.of(|row: &Row| row.1.run.clone()))
+        .column(text("report", "", "folder of the report").of(|row: &Listed| row.0.display().to_string()))
+        .column(RUN_ID.of(|row: &Listed| row.1.key.id.to_string()))
         .column(
             Column::<u64>::new("number", "", "number of the episode, or of the failure of a search")
-                .of(|row: &Row| row.1.number),
+                .of(|row: &Listed| row.1.number),
         )
-        .column(
-            text("found_by", "", "`evaluation` or `search`")
-                .of(|row: &Row| if row.1.searched { "search" } else { "evaluation" }),
-        )
-        .column(POLICY.of(|row: &Row| row.1.policy.clone()))
-        .column(CONTROLLER.of(|row: &Row| row.1.controller.clone()))
-        .column(REWARD.of(|row: &Row| row.1.reward.clone()))
-        .column(TRAIN_TOWN.of(|row: &Row| row.1.train_town.clone()))
-        .column(TRAIN_POLICY.of(|row: &Row| row.1.train_policy.clone()))
-        .column(TOWN.of(|row: &Row| row.1.town.clone()))
-        .column(VERDICT.of(|row: &Row| row.1.verdict.map(Label::name)))
-        .column(FORESEEABLE.of(|row: &Row| row.1.foreseeable))
-        .column(FAULT.of(|row: &Row| row.1.fault))
-        .column(IMPACT.of(|row: &Row| row.1.impact.map_or("", Impact::name)))
+        .column(text("found_by", "", "`evaluation` or `search`").of(|row: &Listed| row.1.found_by.name()))
+        .column(POLICY.of(|row: &Listed| row.1.key.cell.policy.clone()))
+        .column(CONTROLLER.of(|row: &Listed| row.1.key.cell.controller.clone()))
+        .column(REWARD.of(|row: &Listed| row.1.key.cell.reward.clone()))
+        .column(TRAIN_TOWN.of(|row: &Listed| row.1.key.cell.train_town.clone()))
+        .column(TRAIN_POLICY.of(|row: &Listed| row.1.key.cell.train_policy.clone()))
+        .column(TOWN.of(|row: &Listed| row.1.key.cell.town.clone()))
+        .column(VERDICT.of(|row: &Listed| row.1.verdict.map(Label::name)))
+        .column(FORESEEABLE.of(|row: &Listed| row.1.foreseeable))
+        .column(FAULT.of(|row: &Listed| row.1.fault))
+        .column(IMPACT.of(|row: &Listed| row.1.impact.map_or("", Impact::name)))
         .column(
             Column::<bool>::new("occluded", "", "whether it came into sight too late for a careful human")
-                .of(|row: &Row| row.1.occluded),
+                .of(|row: &Listed| row.1.occluded),
         )
-        .column(DRIVING_MODE.of(|row: &Row| row.1.driving_mode.map_or("", DrivingMode::name)))
-        .column(IMPACT_SPEED.of(|row: &Row| Some(row.1.impact_speed).filter(|_| row.1.violation.is_none())))
-        .column(EPISODE_LENGTH.of(|row: &Row| row.1.length))
-        .column(REQUIREMENT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.requirement.clone())))
-        .column(ROBUSTNESS.of(|row: &Row| row.1.violation.as_ref().map(|found| found.robustness)))
-        .column(ROBUSTNESS_UNIT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.unit.clone())))
-        .column(INSTANT.of(|row: &Row| row.1.violation.as_ref().map(|_| row.1.length)))
-        .column(PART.of(|row: &Row| row.1.violation.as_ref().map(|found| found.part.clone())))
-        .column(PREVENTABLE.of(|row: &Row| row.1.violation.as_ref().and_then(|found| found.preventable)))
-        .column(NO_VERDICT.of(|row: &Row| row.1.violation.as_ref().map(|found| found.no_verdict.clone())))
+        .column(DRIVING_MODE.of(|row: &Listed| row.1.driving_mode.map_or("", DrivingMode::name)))
+        .column(IMPACT_SPEED.of(|row: &Listed| Some(row.1.impact_speed).filter(|_| row.1.violation.is_none())))
+        .column(EPISODE_LENGTH.of(|row: &Listed| row.1.length))
+        .column(REQUIREMENT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.requirement.clone())))
+        .column(ROBUSTNESS.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.robustness)))
+        .column(ROBUSTNESS_UNIT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.unit.clone())))
+        .column(INSTANT.of(|row: &Listed| row.1.violation.as_ref().map(|_| row.1.length)))
+        .column(PART.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.part.clone())))
+        .column(PREVENTABLE.of(|row: &Listed| row.1.violation.as_ref().and_then(|found| found.preventable)))
+        .column(NO_VERDICT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.no_verdict.clone())))
         .frame(failures)
 }

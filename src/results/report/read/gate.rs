@@ -3,12 +3,11 @@ use polars::prelude::{AnyValue, DataFrame};
 use super::condition::{Bound, Comparison, Condition, Extreme, P_HOLM};
 use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
 use crate::record::metric::{EPISODES, MEAN};
-use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key, metrics};
-use crate::report::aggregate::{
-    FIRST_FAILURE, GATED, STARTS, rate_columns, references, search_cell_columns, search_key,
-};
+use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key};
+use crate::report::Findings;
+use crate::report::aggregate::{FIRST_FAILURE, GATED, STARTS, search_cell_columns, search_cell_table, search_key};
+use crate::report::cell_table::{KnownCell, cell_table};
 use crate::report::compare::COMMON_STARTS;
-use crate::report::infer::cell_table;
 use base::statistics::{MIN_RUNS, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
@@ -135,9 +134,7 @@ impl Gate {
     /// # Errors
     /// It has another form, or names no column.
     pub fn parse(text: &str) -> Result<Self, GateError> {
-        let [_, cells] = references(&metrics());
-        let required: Vec<ColumnReference> = requirements_in(text).into_iter().flat_map(rate_columns).collect();
-        match Self::of_columns(text, &[cells.columns, cell_table().reference().columns, required].concat()) {
+        match Self::of_columns(text, &cell_table(&requirements_in(text)).reference().columns) {
             Err(error @ GateError::Column { .. }) => {
                 match Self::of_columns(text, &search_cell_columns().reference().columns) {
                     Ok(gate) => Ok(Self { about_searches: true, ..gate }),
@@ -241,7 +238,18 @@ impl Gate {
         Err(format!("`{}` can be: {}", condition.column, known.join(", ")))
     }
 
-    /// Judges every cell of the table that it is about, in its order.
+    /// Judges every cell of a campaign, or every cell of its searches, in their order.
+    pub fn judge_campaign(&self, found: &Findings<'_>) -> Vec<Judged> {
+        if self.about_searches {
+            return self.judge(&search_cell_table(&found.searches));
+        }
+        let (evidence, requirements) = (&found.gathered.evidence.cells, &found.gathered.requirements);
+        let known = |(cell, evidence)| KnownCell { cell, evidence, requirements };
+        let cells: Vec<KnownCell<'_>> = found.cells.iter().zip(evidence).map(known).collect();
+        self.judge(&cell_table(&requirements_in(&self.text)).frame(&cells))
+    }
+
+    /// Judges every row of the table that it is about, in its order.
     pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
         let mut judged = self.judge_rows(cells);
         let is_missing = |each: &Judged| matches!(each, Judged::Missing(_) | Judged::Elsewhere);
@@ -413,7 +421,7 @@ fn number(value: &AnyValue<'_>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use polars::prelude::{Column, NamedFrom, Series};
+    use polars::prelude::{Column, df};
 
     #[test]
     fn a_column_of_searches_alone_makes_a_gate_about_searches() {
@@ -429,14 +437,14 @@ mod tests {
     fn cells() -> DataFrame {
         let rates: Vec<Option<f64>> = vec![Some(0.04), Some(0.06), None];
         let learnt: Vec<Option<&str>> = vec![Some("yes"), Some("no"), None];
-        let columns: Vec<Column> = vec![
-            Series::new("town".into(), ["harbour", "village", "village"]).into(),
-            Series::new("controller".into(), ["trained", "trained", "random"]).into(),
-            Series::new("learnt".into(), learnt).into(),
-            Series::new("preventable_rate".into(), rates).into(),
-            Series::new("errors".into(), [0_u32, 0, 3]).into(),
-        ];
-        DataFrame::new(3, columns).unwrap()
+        df!(
+        "town" => ["harbour", "village", "village"],
+        "controller" => ["trained", "trained", "random"],
+        "learnt" => learnt,
+        "preventable_rate" => rates,
+        "errors" => [0_u32, 0, 3]
+        )
+        .unwrap()
     }
 
     fn judged(text: &str) -> String {
@@ -457,6 +465,11 @@ mod tests {
             Judged::TooFewStarts(_) => 's',
             Judged::Elsewhere => 'e',
         };
+        gate(cells, text).judge(cells).iter().map(letter).collect()
+    }
+
+    /// A gate on a table.
+    fn gate(cells: &DataFrame, text: &str) -> Gate {
         let said = |column: &Column| ColumnReference {
             name: column.name().to_string().into(),
             unit: "".into(),
@@ -464,7 +477,7 @@ mod tests {
             holds: column.dtype().clone(),
         };
         let columns: Vec<ColumnReference> = cells.columns().iter().map(said).collect();
-        Gate::of_columns(text, &columns).unwrap().judge(cells).iter().map(letter).collect()
+        Gate::of_columns(text, &columns).unwrap()
     }
 
     #[test]
@@ -505,16 +518,7 @@ mod tests {
     #[test]
     fn a_gate_that_chooses_no_row_is_refused_before_the_run() {
         let keys = cells().drop_many(["learnt", "preventable_rate", "errors"]);
-        let reason = |text: &str| {
-            let said = |column: &Column| ColumnReference {
-                name: column.name().to_string().into(),
-                unit: "".into(),
-                doc: "".into(),
-                holds: column.dtype().clone(),
-            };
-            let columns: Vec<ColumnReference> = cells().columns().iter().map(said).collect();
-            Gate::of_columns(text, &columns).unwrap().check_keys(&keys)
-        };
+        let reason = |text: &str| gate(&cells(), text).check_keys(&keys);
         assert_eq!(reason("preventable_rate > 0.05"), Ok(()));
         assert_eq!(reason("preventable_rate > 0.05 and town == village"), Ok(()));
         assert_eq!(reason("learnt != yes"), Ok(()), "results are known after the run only");
@@ -529,16 +533,16 @@ mod tests {
 
     #[test]
     fn a_gate_on_an_interval_fails_where_too_few_runs_have_one() {
-        let columns: Vec<Column> = vec![
-            Series::new("town".into(), ["harbour", "village", "quay"]).into(),
-            Series::new("runs".into(), [4_u32, 3, 3]).into(),
-            Series::new("fault_rate_student_low".into(), [Some(0.01), None, None]).into(),
-            Series::new("fault_rate_wilson_low".into(), [Some(0.01), Some(0.02), None]).into(),
-            Series::new("fault_rate_mean".into(), [Some(0.02), Some(0.03), Some(0.04)]).into(),
-            Series::new("front_rate_mean".into(), [Some(0.02), None, Some(0.04)]).into(),
-            Series::new("first_failure_ticks_low".into(), [Some(10.0), None, Some(20.0)]).into(),
-        ];
-        let cells = DataFrame::new(3, columns).unwrap();
+        let cells = df!(
+        "town" => ["harbour", "village", "quay"],
+        "runs" => [4_u32, 3, 3],
+        "fault_rate_student_low" => [Some(0.01), None, None],
+        "fault_rate_wilson_low" => [Some(0.01), Some(0.02), None],
+        "fault_rate_mean" => [Some(0.02), Some(0.03), Some(0.04)],
+        "front_rate_mean" => [Some(0.02), None, Some(0.04)],
+        "first_failure_ticks_low" => [Some(10.0), None, Some(20.0)]
+        )
+        .unwrap();
         assert_eq!(letters(&cells, "fault_rate_student_low > 0.05"), "pff", "it could never be true of three runs");
         assert_eq!(letters(&cells, "fault_rate_student_low > 0.05 and fault_rate_mean > 0.03"), "ppf");
         assert_eq!(letters(&cells, "front_rate_mean > 0.5"), "pmp", "other columns may have no value");
@@ -553,15 +557,15 @@ mod tests {
 
     #[test]
     fn a_gate_that_judges_nothing_fails() {
-        let columns: Vec<Column> = vec![
-            Series::new("town".into(), ["harbour", "village"]).into(),
-            Series::new("episodes".into(), [10_u32, 0]).into(),
-            Series::new("errors".into(), [0_u32, 3]).into(),
-            Series::new("fault_rate_mean".into(), [Some(0.02), None]).into(),
-            Series::new("front_rate_mean".into(), [None::<f64>, None]).into(),
-            Series::new("learning_gain".into(), [None::<f64>, None]).into(),
-        ];
-        let cells = DataFrame::new(2, columns).unwrap();
+        let cells = df!(
+        "town" => ["harbour", "village"],
+        "episodes" => [10_u32, 0],
+        "errors" => [0_u32, 3],
+        "fault_rate_mean" => [Some(0.02), None],
+        "front_rate_mean" => [None::<f64>, None],
+        "learning_gain" => [None::<f64>, None]
+        )
+        .unwrap();
         assert_eq!(
             letters(&cells, "fault_rate > 0.05"),
             "tn",
@@ -574,26 +578,26 @@ mod tests {
         assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "te");
         assert_eq!(letters(&cells.head(Some(1)), "learning_gain > 0"), "M", "no row has it");
         assert_eq!(letters(&cells.head(Some(1)), "front_rate > 0.5"), "m", "nothing was touched");
-        let columns: Vec<Column> = vec![
-            Series::new("starts_mean".into(), [0.0, 1.5]).into(),
-            Series::new("faults_mean".into(), [0.0, 0.0]).into(),
-        ];
-        let searches = DataFrame::new(2, columns).unwrap();
+        let searches = df!(
+        "starts_mean" => [0.0, 1.5],
+        "faults_mean" => [0.0, 0.0]
+        )
+        .unwrap();
         assert_eq!(letters(&searches, "faults > 0"), "np", "its budget holds no start");
     }
 
     #[test]
     fn a_gate_on_a_probability_fails_where_no_number_of_failures_could_break_it() {
-        let columns = |starts: [u32; 2], runs: [u32; 2]| -> Vec<Column> {
-            vec![
-                Series::new("runs".into(), runs).into(),
-                Series::new("common_starts".into(), starts).into(),
-                Series::new("fault_rate_difference".into(), [0.5, 0.0]).into(),
-                Series::new("fault_rate_p_holm".into(), [Some(0.25), Some(1.0)]).into(),
-            ]
+        let cells = |starts: [u32; 2], runs: [u32; 2]| {
+            df!(
+                "runs" => runs,
+                "common_starts" => starts,
+                "fault_rate_difference" => [0.5, 0.0],
+                "fault_rate_p_holm" => [Some(0.25), Some(1.0)]
+            )
         };
         let gate = "fault_rate_p_holm < 0.05 and fault_rate_difference > 0";
-        let judged = |starts, runs| letters(&DataFrame::new(2, columns(starts, runs)).unwrap(), gate);
+        let judged = |starts, runs| letters(&cells(starts, runs).unwrap(), gate);
         assert_eq!(judged([5, 5], [1, 1]), "ss", "5 of 5 starts worse have p = 0.06");
         assert_eq!(judged([6, 6], [1, 1]), "ss", "6 of 6 have p = 0.03, and 0.06 in one of two rows");
         assert_eq!(judged([7, 7], [1, 1]), "pp");
@@ -605,13 +609,13 @@ mod tests {
     #[test]
     fn a_gate_over_controllers_judges_one_cell_of_each_place() {
         let rates: Vec<Option<f64>> = vec![Some(0.02), Some(0.15), Some(0.15), Some(0.03), None, None];
-        let columns: Vec<Column> = vec![
-            Series::new("town".into(), ["harbour", "harbour", "harbour", "village", "village", "quay"]).into(),
-            Series::new("controller".into(), ["trained", "intercept", "homing", "trained", "random", "random"]).into(),
-            Series::new("preventable_rate".into(), rates).into(),
-            Series::new("errors".into(), [0_u32, 2, 0, 0, 0, 0]).into(),
-        ];
-        let cells = DataFrame::new(6, columns).unwrap();
+        let cells = df!(
+        "town" => ["harbour", "harbour", "harbour", "village", "village", "quay"],
+        "controller" => ["trained", "intercept", "homing", "trained", "random", "random"],
+        "preventable_rate" => rates,
+        "errors" => [0_u32, 2, 0, 0, 0, 0]
+        )
+        .unwrap();
         for (text, wanted) in [
             // A trained row that learnt nothing hides nothing.
             ("max over controllers preventable_rate > 0.05", "ebepem"),

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::{ReadError, StoredReport};
+use crate::failure::Failure;
 use crate::record::Column;
 use crate::record::columns::{POLICY, REWARD, RUN_ID, TOWN};
-use crate::report::ListedFailure;
 use crate::report::aggregate::{BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
 use world::falsifier::StartSet;
 
@@ -32,7 +32,7 @@ pub struct StoredSearch {
     /// Number and hash of the first of them; `None` without one.
     pub first_start: Option<String>,
     /// Its failures, in the order in which it found them.
-    pub failures: Vec<ListedFailure>,
+    pub failures: Vec<Failure>,
 }
 
 impl StoredReport {
@@ -41,9 +41,9 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged, or that the report has as CSV only.
     pub fn searches(&self) -> Result<Vec<StoredSearch>, ReadError> {
-        let mut found: BTreeMap<String, Vec<ListedFailure>> = BTreeMap::new();
-        for failure in self.failures()?.into_iter().filter(|failure| failure.searched && failure.is_failure()) {
-            found.entry(failure.run.clone()).or_default().push(failure);
+        let mut found: BTreeMap<String, Vec<Failure>> = BTreeMap::new();
+        for failure in self.failures()?.into_iter().filter(|failure| failure.is_of_search() && failure.is_failure()) {
+            found.entry(failure.key.id.to_string()).or_default().push(failure);
         }
         let mut searches = Vec::new();
         self.each_part(SEARCHES, ROWS, |rows| {

@@ -3,7 +3,6 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 use polars_io::SerWriter;
@@ -12,7 +11,7 @@ use polars_io::csv::write::CsvWriter;
 use crate::jobs::pedestrian_file;
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
 use crate::record::{EPISODES, RunKey, read_parquet};
-use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, SEARCHES, START};
+use crate::report::aggregate::{FAILURE, FAILURES, RUNS, SEARCHES};
 use crate::report::folder::{MARK, digest, is_sealed, report_files};
 use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
@@ -21,7 +20,6 @@ use base::files;
 use compile::{RunId, TrainingKey};
 use learn::{ActorCritic, CheckpointError};
 use world::env::StateHashes;
-use world::sim::WalkCommand;
 
 /// Why a report cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -91,16 +89,6 @@ pub struct StoredRun {
     pub key: RunKey,
     first: usize,
     count: usize,
-}
-
-/// A failure of a search as its report has it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StoredFailure {
-    pub start: u64,
-    /// Ticks that the search had used when it was found.
-    pub ticks: u64,
-    /// The commands that lead to it.
-    pub commands: Vec<WalkCommand>,
 }
 
 /// A value of a table that differs in the repetition.
@@ -231,7 +219,7 @@ impl StoredReport {
         Ok(false)
     }
 
-    /// The row of an episode; none when the report has no such episode. `guess` is its probable index.
+    /// The row of an episode; `None` if the report has no such episode. `guess` is its probable index.
     ///
     /// # Errors
     /// A table that is damaged.
@@ -242,8 +230,18 @@ impl StoredReport {
         {
             return Ok(Some(row));
         }
-        let place = self.index()?.iter().position(|name| *name == wanted);
-        place.map_or(Ok(None), |place| self.rows(EPISODES, place, 1))
+        self.row_of(EPISODES, &self.index()?, &wanted)
+    }
+
+    /// The row of this name in a table with these names.
+    fn row_of(
+        &self,
+        table: &str,
+        names: &[(String, String)],
+        wanted: &(String, String),
+    ) -> Result<Option<DataFrame>, ReadError> {
+        let place = names.iter().position(|name| name == wanted);
+        place.map_or(Ok(None), |place| self.rows(table, place, 1))
     }
 
     /// The names of all episodes, run and number, in the order of the table.
@@ -251,8 +249,7 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn index(&self) -> Result<Vec<(String, String)>, ReadError> {
-        let table = self.read(EPISODES, Some(&[RUN_ID.name, EPISODE.name]), None)?;
-        table.map_or(Ok(Vec::new()), |table| self.names(EPISODES, &table, EPISODE.name))
+        self.all_names(EPISODES, EPISODE.name)
     }
 
     /// The row of a failure that a search found.
@@ -260,10 +257,7 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn search_failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
-        let Some(table) = self.read(FAILURES, Some(&[RUN_ID.name, FAILURE.name]), None)? else { return Ok(None) };
-        let wanted = (run.to_string(), number.to_string());
-        let place = self.names(FAILURES, &table, FAILURE.name)?.iter().position(|name| *name == wanted);
-        place.map_or(Ok(None), |place| self.rows(FAILURES, place, 1))
+        self.row_of(FAILURES, &self.search_failures()?, &(run.to_string(), number.to_string()))
     }
 
     /// The names of all failures of searches, search and number, in the order of the table.
@@ -271,8 +265,7 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn search_failures(&self) -> Result<Vec<(String, String)>, ReadError> {
-        let table = self.read(FAILURES, Some(&[RUN_ID.name, FAILURE.name]), None)?;
-        table.map_or(Ok(Vec::new()), |table| self.names(FAILURES, &table, FAILURE.name))
+        self.all_names(FAILURES, FAILURE.name)
     }
 
     /// The pedestrian of a training.
@@ -293,10 +286,7 @@ impl StoredReport {
     /// A table that is damaged, or that the report has as CSV only.
     pub fn run_rows(&self) -> Result<Vec<StoredRun>, ReadError> {
         let mut ids: Vec<(String, usize, usize)> = Vec::new();
-        let path = self.folder.join(format!("{EPISODES}.parquet"));
-        if !path.exists() && self.written(EPISODES).is_none() && path.with_extension("csv").exists() {
-            return Err(ReadError::OnlyCsv { path });
-        }
+        let path = self.parquet(EPISODES)?;
         let Some(table) = self.read(EPISODES, Some(&[RUN_ID.name]), None)? else { return Ok(Vec::new()) };
         for (row, id) in self.texts(EPISODES, &table, RUN_ID.name)?.into_iter().enumerate() {
             match ids.last_mut() {
@@ -331,10 +321,7 @@ impl StoredReport {
         count: usize,
         mut take: impl FnMut(&DataFrame) -> PolarsResult<()>,
     ) -> Result<(), ReadError> {
-        let path = self.folder.join(format!("{table}.parquet"));
-        if !path.exists() && self.written(table).is_none() && path.with_extension("csv").exists() {
-            return Err(ReadError::OnlyCsv { path });
-        }
+        let path = self.parquet(table)?;
         for first in (0..).step_by(count) {
             let Some(rows) = self.rows(table, first, count)? else { break };
             take(&rows).map_err(|source| ReadError::Table { path: path.clone(), source })?;
@@ -343,6 +330,13 @@ impl StoredReport {
             }
         }
         Ok(())
+    }
+
+    /// The path of a table.
+    fn parquet(&self, table: &str) -> Result<PathBuf, ReadError> {
+        let path = self.folder.join(format!("{table}.parquet"));
+        let is_csv = !path.exists() && self.written(table).is_none() && path.with_extension("csv").exists();
+        if is_csv { Err(ReadError::OnlyCsv { path }) } else { Ok(path) }
     }
 
     /// Some rows of a table; none if the report has no such table or it ends before them.
@@ -375,6 +369,12 @@ impl StoredReport {
         rows.select([column]).and_then(|rows| values(&rows)).map_err(failed)
     }
 
+    /// The names of all rows of a table.
+    fn all_names(&self, table: &str, number: &str) -> Result<Vec<(String, String)>, ReadError> {
+        let rows = self.read(table, Some(&[RUN_ID.name, number]), None)?;
+        rows.map_or(Ok(Vec::new()), |rows| self.names(table, &rows, number))
+    }
+
     /// The names of rows: the run and a number.
     fn names(&self, table: &str, rows: &DataFrame, number: &str) -> Result<Vec<(String, String)>, ReadError> {
         let (runs, numbers) = (self.texts(table, rows, RUN_ID.name)?, self.texts(table, rows, number)?);
@@ -397,24 +397,6 @@ pub fn value(row: &DataFrame, column: &str) -> String {
 /// The state hashes of the first row, if it has any.
 pub fn trail(row: &DataFrame) -> Option<StateHashes> {
     value(row, STATE_HASHES.name).parse().ok()
-}
-
-/// The failure of a search in the first row; none when its columns hold something else.
-pub fn failure(row: &DataFrame) -> Option<StoredFailure> {
-    let command = |text: &str| {
-        let (heading, speed) = text.split_once('@')?;
-        Some(WalkCommand { heading: finite(heading)?, speed: finite(speed)? })
-    };
-    let number = |column: &str| u64::from_str(&value(row, column)).ok();
-    Some(StoredFailure {
-        start: number(START.name)?,
-        ticks: number(FOUND_AFTER.name)?,
-        commands: value(row, COMMANDS.name).split_whitespace().map(command).collect::<Option<_>>()?,
-    })
-}
-
-fn finite(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 /// The values in which two tables with the same rows differ, in the order of the rows, each with the number of its row. Columns that one

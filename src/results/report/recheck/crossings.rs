@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::{Encounter, Met};
+use super::{Encounter, Encounters};
 use crate::report::FailureChange;
 use crate::report::compare::drivers;
 use base::statistics::mcnemar;
@@ -16,7 +16,7 @@ pub struct CrossedStarts {
     /// Crossings from each start.
     pub crossings: u64,
     /// All encounters, start by start.
-    pub encounters: Vec<Encounter>,
+    pub encounters: Encounters,
     /// [`CrossedStarts::p`], adjusted by Holm's method for all rows.
     pub holm: Option<f64>,
 }
@@ -43,34 +43,13 @@ impl CrossedStarts {
 
     /// The crossings that are a fault of a driver, as they end for both. Empty if the old driver was not run.
     pub fn changes(&self) -> Vec<FailureChange> {
-        let faults = self.valid().filter(|each| each.after.fault || each.fault_before() == Some(true));
+        let faults = self.encounters.valid().filter(|each| each.after.fault || each.fault_before() == Some(true));
         faults.filter_map(|encounter| encounter.change(self.title())).collect()
-    }
-
-    /// The number of encounters in which a driver failed as a program.
-    pub fn errors(&self) -> u64 {
-        self.encounters.iter().filter(|encounter| encounter.is_error()).count() as u64
-    }
-
-    /// Whether the old driver was run.
-    pub fn has_before(&self) -> bool {
-        self.encounters.iter().all(|encounter| encounter.before.is_some())
-    }
-
-    /// The encounters that no driver failed in as a program.
-    pub fn valid(&self) -> impl Iterator<Item = &Encounter> {
-        self.encounters.iter().filter(|encounter| !encounter.is_error())
-    }
-
-    /// The number of encounters whose ends are so; none when the old driver was not run.
-    pub fn count(&self, is: impl Fn(&Met, &Met) -> bool) -> Option<u64> {
-        let both = || self.valid().filter_map(|encounter| Some((encounter.before?, encounter.after)));
-        self.has_before().then(|| both().filter(|(before, after)| is(before, after)).count() as u64)
     }
 
     pub fn starts(&self) -> BTreeMap<u64, StartFaults> {
         let mut starts: BTreeMap<u64, StartFaults> = BTreeMap::new();
-        for encounter in self.valid() {
+        for encounter in self.encounters.valid() {
             let faults = starts.entry(encounter.start).or_default();
             faults.before += u64::from(encounter.fault_before() == Some(true));
             faults.after += u64::from(encounter.after.fault);
@@ -82,7 +61,7 @@ impl CrossedStarts {
 
     /// The number of starts whose faults are so; none when the old driver was not run.
     pub fn count_starts(&self, is: impl Fn(StartFaults) -> bool) -> Option<u64> {
-        self.has_before().then(|| self.starts().into_values().filter(|faults| is(*faults)).count() as u64)
+        self.encounters.has_before().then(|| self.starts().into_values().filter(|faults| is(*faults)).count() as u64)
     }
 
     /// The number of starts from which the new driver has a fault.
@@ -123,7 +102,7 @@ impl CrossedStarts {
     }
 
     fn per_thousand(&self, of: impl Fn(&Encounter) -> Option<f64>) -> Option<f64> {
-        let values: Vec<f64> = self.valid().map(of).collect::<Option<_>>()?;
+        let values: Vec<f64> = self.encounters.valid().map(of).collect::<Option<_>>()?;
         (!values.is_empty()).then(|| 1000.0 * values.iter().sum::<f64>() / values.len() as f64)
     }
 }
@@ -153,6 +132,7 @@ impl StartFaults {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Met;
 
     /// A start for each word; each letter is a crossing: `n`ew, `f`ixed, `s`ame, `e`rror, or none.
     fn crossed(starts: &[&str]) -> CrossedStarts {
@@ -172,7 +152,7 @@ mod tests {
             town: "harbour".into(),
             setup: 0,
             crossings: 4,
-            encounters: starts.iter().enumerate().flat_map(of).collect(),
+            encounters: Encounters(starts.iter().enumerate().flat_map(of).collect()),
             holm: None,
         }
     }
@@ -183,9 +163,9 @@ mod tests {
         assert_eq!(crossed.count_starts(StartFaults::is_new), Some(2));
         assert_eq!(crossed.count_starts(StartFaults::is_fixed), Some(1));
         assert_eq!(crossed.fault_starts_after(), 4);
-        assert_eq!(crossed.count(|before, after| after.fault && !before.fault), Some(4));
-        assert_eq!(crossed.count(|before, after| !after.fault && before.fault), Some(3));
-        assert_eq!((crossed.errors(), crossed.share(3)), (1, Some(0.5)));
+        assert_eq!(crossed.encounters.count(|before, after| after.fault && !before.fault), Some(4));
+        assert_eq!(crossed.encounters.count(|before, after| !after.fault && before.fault), Some(3));
+        assert_eq!((crossed.encounters.errors(), crossed.share(3)), (1, Some(0.5)));
         assert_eq!(crossed.p(), Some(1.0), "two against one");
         let risk = world::judge::severe_injury_risk(10.0);
         let after = crossed.avoidable_injury_after().unwrap();
@@ -207,7 +187,7 @@ mod tests {
     #[test]
     fn without_the_old_driver_nothing_is_new() {
         let mut alone = crossed(&["n", "s"]);
-        alone.encounters.iter_mut().for_each(|encounter| encounter.before = None);
+        alone.encounters.0.iter_mut().for_each(|encounter| encounter.before = None);
         assert_eq!((alone.p(), alone.count_starts(StartFaults::is_new), alone.fault_starts_after()), (None, None, 2));
         assert_eq!((alone.avoidable_injury_before(), alone.injury_difference()), (None, None));
     }

@@ -1,4 +1,5 @@
-use crate::report::{FailureChange, FailureClass, ListedFailure, SideCollision, SideEnd};
+use crate::failure::{Failure, FailureClass};
+use crate::report::{FailureChange, SideCollision, SideEnd};
 use world::env::Criterion;
 use world::judge::{Blame, Judged, severe_injury_risk};
 
@@ -12,6 +13,10 @@ pub struct Met {
     /// Whether the driver or the controller failed as a program.
     pub error: bool,
 }
+
+/// Encounters of two drivers. One in which a driver failed as a program says nothing.
+#[derive(Debug, Clone, Default)]
+pub struct Encounters(pub Vec<Encounter>);
 
 /// An encounter of two drivers with the same pedestrian from the same start.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +44,7 @@ impl Met {
     }
 
     /// The end of a failure as its report has it.
-    pub fn stored(failure: &ListedFailure) -> Self {
+    pub fn stored(failure: &Failure) -> Self {
         Self { impact_speed: Some(failure.impact_speed), fault: failure.fault, error: false }
     }
 
@@ -90,5 +95,32 @@ impl Encounter {
     /// Whether it is a fault for the old driver; none when that is not known.
     pub fn fault_before(&self) -> Option<bool> {
         self.before.map(|before| before.fault)
+    }
+}
+
+impl Encounters {
+    /// The number of encounters in which a driver failed as a program.
+    pub fn errors(&self) -> u64 {
+        (self.0.len() - self.valid().count()) as u64
+    }
+
+    /// The encounters that no driver failed in as a program.
+    pub fn valid(&self) -> impl Iterator<Item = &Encounter> {
+        self.0.iter().filter(|encounter| !encounter.is_error())
+    }
+
+    /// Whether the old driver was run.
+    pub fn has_before(&self) -> bool {
+        self.0.iter().all(|encounter| encounter.before.is_some())
+    }
+
+    /// The ends for both drivers; empty if the old driver was not run.
+    pub fn ends(&self) -> impl Iterator<Item = (Met, Met)> {
+        self.valid().filter_map(|encounter| Some((encounter.before?, encounter.after)))
+    }
+
+    /// The number of encounters whose ends are so; `None` if the old driver was not run.
+    pub fn count(&self, is: impl Fn(&Met, &Met) -> bool) -> Option<u64> {
+        self.has_before().then(|| self.ends().filter(|(before, after)| is(before, after)).count() as u64)
     }
 }

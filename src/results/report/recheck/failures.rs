@@ -1,16 +1,8 @@
-use super::{Encounter, Met};
+use super::Encounters;
+use crate::failure::FoundBy;
 use crate::report::FailureChange;
 use crate::report::compare::drivers;
 use base::choice;
-
-choice! {
-    /// What found a failure.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-    pub enum FoundIn {
-        Evaluation = "evaluation",
-        Search = "search",
-    }
-}
 
 choice! {
     /// What moves the pedestrian of a failure when it is met again.
@@ -30,11 +22,11 @@ pub struct RecheckedFailures {
     pub policies: [String; 2],
     pub town: String,
     /// What found the failures.
-    pub found_in: FoundIn,
+    pub found_in: FoundBy,
     /// What moves the pedestrian now.
     pub walked_by: WalkedBy,
     /// One encounter for each failure.
-    pub encounters: Vec<Encounter>,
+    pub encounters: Encounters,
 }
 
 impl RecheckedFailures {
@@ -46,23 +38,6 @@ impl RecheckedFailures {
 
     /// The failures, as they end for both drivers.
     pub fn changes(&self) -> Vec<FailureChange> {
-        let known = self.encounters.iter().filter(|encounter| !encounter.is_error());
-        known.filter_map(|encounter| encounter.change(self.title())).collect()
-    }
-
-    /// The number of encounters in which a driver failed as a program.
-    pub fn errors(&self) -> u64 {
-        self.encounters.iter().filter(|encounter| encounter.is_error()).count() as u64
-    }
-
-    /// The encounters that have a result for both drivers.
-    pub fn met(&self) -> impl Iterator<Item = (Met, Met)> {
-        let known = self.encounters.iter().filter(|encounter| !encounter.is_error());
-        known.filter_map(|encounter| Some((encounter.before?, encounter.after)))
-    }
-
-    /// The number of encounters whose ends are so.
-    pub fn count(&self, is: impl Fn(&Met, &Met) -> bool) -> u64 {
-        self.met().filter(|(before, after)| is(before, after)).count() as u64
+        self.encounters.valid().filter_map(|encounter| encounter.change(self.title())).collect()
     }
 }

@@ -10,8 +10,8 @@ mod note;
 mod table;
 
 pub use crossings::{CrossedStarts, StartFaults};
-pub use encounter::{Encounter, Met};
-pub use failures::{FoundIn, RecheckedFailures, WalkedBy};
+pub use encounter::{Encounter, Encounters, Met};
+pub use failures::{RecheckedFailures, WalkedBy};
 pub use note::RecheckNote;
 pub use table::{crossed_reference, crossed_table, rechecked_reference, rechecked_table};
 
@@ -37,8 +37,8 @@ pub struct Recheck {
 impl Recheck {
     /// The number of encounters in which a driver failed as a program.
     pub fn errors(&self) -> u64 {
-        let failures = self.failures.iter().map(RecheckedFailures::errors);
-        failures.chain(self.crossings.iter().map(CrossedStarts::errors)).sum()
+        let failures = self.failures.iter().map(|row| &row.encounters);
+        failures.chain(self.crossings.iter().map(|row| &row.encounters)).map(Encounters::errors).sum()
     }
 
     /// Adjusts the probabilities of the fixed list for all of its rows.

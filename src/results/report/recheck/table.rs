@@ -32,7 +32,7 @@ fn failures() -> Table<'static, RecheckedFailures> {
     type Row = RecheckedFailures;
     let (text, count) = (Column::<String>::new, Column::<u64>::new);
     let injuries = |name, doc| Column::<f64>::new(name, "", doc);
-    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.count(is);
+    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.encounters.count(is);
     Table::new("recheck_failures", "One row for each driver, town, source of failures and way to move the pedestrian.")
         .column(POLICY.of(|row: &Row| row.policies[0].clone()))
         .column(other_policy(|row: &Row| row.policies[1].clone()))
@@ -65,19 +65,22 @@ fn failures() -> Table<'static, RecheckedFailures> {
                 "avoidable_injuries_before",
                 "expected severe injuries (AIS 4 or more, or death) in the old driver's faults",
             )
-            .of(|row: &Row| row.met().map(|(before, _)| before.avoidable_injury()).sum::<f64>()),
+            .of(|row: &Row| row.encounters.ends().map(|(before, _)| before.avoidable_injury()).sum::<f64>()),
         )
         .column(
             injuries("avoidable_injuries_after", "the same in the new driver's")
-                .of(|row: &Row| row.met().map(|(_, after)| after.avoidable_injury()).sum::<f64>()),
+                .of(|row: &Row| row.encounters.ends().map(|(_, after)| after.avoidable_injury()).sum::<f64>()),
         )
-        .column(count("failed_encounters", "", "failures left out, since a driver failed as a program").of(Row::errors))
+        .column(
+            count("failed_encounters", "", "failures left out, since a driver failed as a program")
+                .of(|row: &Row| row.encounters.errors()),
+        )
 }
 
 fn crossings() -> Table<'static, CrossedStarts> {
     type Row = CrossedStarts;
     let (count, number) = (Column::<u64>::new, Column::<f64>::new);
-    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.count(is);
+    let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.encounters.count(is);
     let starts = |is: fn(StartFaults) -> bool| move |row: &Row| row.count_starts(is);
     Table::new(
         "recheck_crossings",
@@ -94,7 +97,7 @@ fn crossings() -> Table<'static, CrossedStarts> {
     .column(count("faults_before", "", "crossings that are a fault of the old driver").of(is(|before, _| before.fault)))
     .column(
         count("faults_after", "", "crossings that are a fault of the new driver")
-            .of(|row: &Row| row.valid().filter(|encounter| encounter.after.fault).count() as u64),
+            .of(|row: &Row| row.encounters.valid().filter(|encounter| encounter.after.fault).count() as u64),
     )
     .column(count("faults_new", "", "of the new driver only").of(is(|before, after| after.fault && !before.fault)))
     .column(count("faults_fixed", "", "of the old driver only").of(is(|before, after| before.fault && !after.fault)))
@@ -160,5 +163,5 @@ fn crossings() -> Table<'static, CrossedStarts> {
         )
         .of(Row::injury_difference),
     )
-    .column(count("failed_encounters", "", "encounters left out, since a driver failed as a program").of(Row::errors))
+    .column(count("failed_encounters", "", "encounters left out, since a driver failed as a program").of(|row: &Row| row.encounters.errors()))
 }

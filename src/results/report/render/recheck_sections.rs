@@ -41,7 +41,7 @@ fn failures(rows: &[RecheckedFailures]) -> Table {
         ["failures", "faults", "still faults", "turned faults", "still collisions", "gone"].map(Column::number),
     );
     let row = |row: &RecheckedFailures| {
-        let count = |is: fn(&Met, &Met) -> bool| Value::Count(row.count(is));
+        let count = |is: fn(&Met, &Met) -> bool| Value::Count(row.encounters.count(is).unwrap_or_default());
         vec![
             drivers(&row.policies).into(),
             row.town.clone().into(),
@@ -66,11 +66,11 @@ fn crossings(row: &CrossedStarts) -> Table {
     let none = || Value::Text(String::new());
     let faults = vec![
         "faults".to_owned().into(),
-        count(row.count(|before, _| before.fault)),
-        Value::Count(row.valid().filter(|encounter| encounter.after.fault).count() as u64),
-        count(row.count(|before, after| !before.fault && after.fault)),
-        count(row.count(|before, after| before.fault && !after.fault)),
-        count(row.count(|before, after| before.fault && after.fault)),
+        count(row.encounters.count(|before, _| before.fault)),
+        Value::Count(row.encounters.valid().filter(|encounter| encounter.after.fault).count() as u64),
+        count(row.encounters.count(|before, after| !before.fault && after.fault)),
+        count(row.encounters.count(|before, after| before.fault && !after.fault)),
+        count(row.encounters.count(|before, after| before.fault && after.fault)),
         none(),
     ];
     let starts = vec![
@@ -108,7 +108,7 @@ fn crossings(row: &CrossedStarts) -> Table {
 /// What the fixed list says, in sentences.
 fn verdict(row: &CrossedStarts) -> Vec<String> {
     let counts = row.count_starts(StartFaults::is_worse).zip(row.count_starts(StartFaults::is_better));
-    let is_idle = row.count(|before, after| before.fault || after.fault) == Some(0);
+    let is_idle = row.encounters.count(|before, after| before.fault || after.fault) == Some(0);
     let said = counts.map(|counts| match counts {
         (0, 0) if is_idle => {
             "no crossing is a fault of either driver, so the list says nothing about faults; --starts N looks at more"
@@ -117,7 +117,7 @@ fn verdict(row: &CrossedStarts) -> Vec<String> {
         (0, 0) => "from every start the new driver's faults weigh as much as those of the old one".into(),
         (worse, better) => format!("the new driver's faults weigh more from {worse} starts, and less from {better}"),
     });
-    let errors = Some(row.errors()).filter(|errors| *errors > 0);
+    let errors = Some(row.encounters.errors()).filter(|errors| *errors > 0);
     let errors =
         errors.map(|errors| format!("a driver failed as a program in {errors} encounters, which are left out"));
     said.into_iter().chain(errors).collect()

@@ -1,9 +1,8 @@
+use crate::failure::{part_of, unit_of};
 use world::av::DrivingMode;
 use world::env::{Ending, Frame, LeftOut, Outcome, Pair, Scenario, Trace};
 use world::judge::{ContactSide, Judged, JudgedDegree, Label, NoVerdict, Reference, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
-
-use crate::report::aggregate::unit_of;
 
 /// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
 const LASTING: usize = 3;
@@ -166,8 +165,8 @@ fn violated_part(named: &NamedRequirement, degree: &Degree) -> String {
         false => String::new(),
     };
     let scaled = if named.requirement.is_scaled() && !by.is_empty() { " (scaled)" } else { "" };
-    let part = degree.part.and_then(|part| named.requirement.parts.get(usize::from(part)));
-    part.map_or_else(|| format!("{by}{scaled}"), |part| format!("{by}{scaled}; `{}` decides", part.text))
+    let part = part_of(named, degree).map_or(String::new(), |part| format!("; `{part}` decides"));
+    format!("{by}{scaled}{part}")
 }
 
 fn start(first: &Frame, pair: &Pair<'_>) -> String {

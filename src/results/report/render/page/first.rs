@@ -6,10 +6,11 @@ use super::Players;
 use super::markup::{count, percent, prose};
 use super::player_card::{PlayerCard, badge};
 use super::worst::card;
+use crate::failure::Failure;
 use crate::report::render::sections::{injury, injury_scale, place, who};
 use crate::report::render::svg::px;
 use crate::report::render::table::Section;
-use crate::report::{Cell, DriverResult, Findings, ListedFailure, worst_failure};
+use crate::report::{Cell, DriverResult, Findings, worst_failure};
 
 /// Below this a share of episodes is given as their number.
 const RARE: f64 = 0.005;
@@ -111,7 +112,7 @@ fn documentation(all: &Findings<'_>, name: &str) -> Markup {
 }
 
 /// What a failure is, in the words of its card.
-fn worst(found: &ListedFailure, players: &Players) -> Markup {
+fn worst(found: &Failure, players: &Players) -> Markup {
     html! {
         p {
             (badge(found.class(), found.word())) " "

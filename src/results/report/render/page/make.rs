@@ -6,10 +6,11 @@ use super::first::first;
 use super::head::{OWN_SCRIPTS, head as head_of_file};
 use super::markup::{count, prose};
 use super::worst::{failures, worst};
+use crate::failure::Failure;
 use crate::jobs::TrainingResult;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::table::Section;
-use crate::report::{Findings, ListedFailure, Manifest, worst_failure};
+use crate::report::{Findings, Manifest, worst_failure};
 use compile::Campaign;
 
 /// A section of the page with its place in the list of found. It can be folded; a script unfolds it where the window is wide.
@@ -51,7 +52,7 @@ pub fn page(
     let mut parts: Vec<Part> = others.iter().map(part).collect();
     if !drivers.is_empty() {
         let very_worst = worst_failure(drivers).into_iter();
-        let cards: Vec<String> = very_worst.chain(worst(drivers)).map(ListedFailure::name).collect();
+        let cards: Vec<String> = very_worst.chain(worst(drivers)).map(Failure::name).collect();
         let html = failures(drivers, &found.gathered.failures, &cards, players);
         // The results of a protocol's tests are what its campaign is run for: the failures follow.
         let place = usize::from(parts.first().is_some_and(|part| part.id == "protocol"));

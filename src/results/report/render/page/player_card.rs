@@ -3,7 +3,7 @@ use maud::{Markup, PreEscaped, html};
 use super::frames::frames;
 use super::markup::{json, prose};
 use super::{Players, Replay};
-use crate::report::FailureClass;
+use crate::failure::FailureClass;
 use world::judge::Label;
 
 /// A failure with its player.

@@ -1,7 +1,5 @@
 use std::collections::BTreeMap;
 
-use polars::prelude::{DataFrame, PolarsResult};
-
 use crate::record::{CellKey, EpisodeTable};
 
 /// Edge of a bin around the car (m).
@@ -47,18 +45,10 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds the episodes of one run: rows of the table `episodes` with the same key.
-    ///
-    /// # Errors
-    /// Those of polars; none for a table made by `episodes`.
-    pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
-        if run.height() == 0 {
-            return Ok(());
-        }
-        let episodes = EpisodeTable::new(run)?;
-        let key = episodes.key()?.cell;
-        let place = self.cells.iter().position(|cell| cell.key == key).unwrap_or_else(|| {
-            self.cells.push(CellTally { key, ..CellTally::default() });
+    /// Adds episodes of a cell.
+    pub fn add(&mut self, key: &CellKey, episodes: &EpisodeTable<'_>) {
+        let place = self.cells.iter().position(|cell| cell.key == *key).unwrap_or_else(|| {
+            self.cells.push(CellTally { key: key.clone(), ..CellTally::default() });
             self.cells.len() - 1
         });
         let cell = &mut self.cells[place];
@@ -67,7 +57,6 @@ impl Tally {
             let seen = spawn.ego.to_local(spawn.pedestrian.position());
             cell.around.entry(bin(seen.x, seen.y, NEAR)).or_default().add(hit);
         }
-        Ok(())
     }
 }
 

@@ -4,7 +4,8 @@ use maud::{Markup, html};
 
 use super::Players;
 use super::player_card::PlayerCard;
-use crate::report::{DriverResult, Failures, ListedFailure, worst_failure};
+use crate::failure::Failure;
+use crate::report::{DriverResult, Failures, worst_failure};
 
 /// Maximum number of failures in the list of the drivers under test, and in that of drivers that see no pedestrians.
 const MAX_LISTED: (usize, usize) = (150, 20);
@@ -15,11 +16,11 @@ const MAX_DRIVERS: usize = 8;
 
 /// The failures of a page in their order: one of each driver, then all others, the worst first; drivers that see no pedestrians follow, and
 /// the worst violation of each requirement in each cell.
-pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a ListedFailure> {
+pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a Failure> {
     let of = |blind: bool, most: usize| {
         let drivers = drivers.iter().filter(move |result| result.driver.sees_no_pedestrians() == blind);
         let ranked = drivers.flat_map(|result| failures.of(&result.driver.name).iter().enumerate());
-        let mut ranked: Vec<(usize, &ListedFailure)> = ranked.collect();
+        let mut ranked: Vec<(usize, &Failure)> = ranked.collect();
         ranked.sort_by(|a, b| one_of_each_first(*a, *b));
         ranked.into_iter().map(|(_, found)| found).take(most)
     };
@@ -27,12 +28,12 @@ pub fn listed<'a>(drivers: &[DriverResult], failures: &'a Failures) -> Vec<&'a L
     of(false, MAX_LISTED.0).chain(of(true, MAX_LISTED.1)).chain(violations).collect()
 }
 
-fn one_of_each_first((rank, found): (usize, &ListedFailure), (other_rank, other): (usize, &ListedFailure)) -> Ordering {
+fn one_of_each_first((rank, found): (usize, &Failure), (other_rank, other): (usize, &Failure)) -> Ordering {
     (rank > 0).cmp(&(other_rank > 0)).then_with(|| found.worse_first(other))
 }
 
 /// The worst failure of each driver that has a player, those under test first.
-pub fn worst(drivers: &[DriverResult]) -> impl Iterator<Item = &ListedFailure> {
+pub fn worst(drivers: &[DriverResult]) -> impl Iterator<Item = &Failure> {
     drivers.iter().filter_map(|result| result.worst.as_ref()).take(MAX_DRIVERS)
 }
 
@@ -66,17 +67,17 @@ pub fn failures(drivers: &[DriverResult], failures: &Failures, cards: &[String],
 }
 
 /// The card of a failure.
-pub fn card(found: &ListedFailure) -> PlayerCard {
+pub fn card(found: &Failure) -> PlayerCard {
     PlayerCard {
         title: match &found.violation {
-            Some(violation) => format!("{}, violates {}", found.policy, violation.requirement),
-            None => format!("{}, hit at {:.1} m/s", found.policy, found.impact_speed),
+            Some(violation) => format!("{}, violates {}", found.key.cell.policy, violation.requirement),
+            None => format!("{}, hit at {:.1} m/s", found.key.cell.policy, found.impact_speed),
         },
         verdict: (found.class(), found.word()),
         place: format!(
             "{} · {} · {} {:.1} s after the start",
             found.finder(),
-            found.town,
+            found.key.cell.town,
             if found.violation.is_some() { "violation" } else { "contact" },
             found.length
         ),
@@ -85,7 +86,7 @@ pub fn card(found: &ListedFailure) -> PlayerCard {
 }
 
 /// The failures as a table that can be sorted where scripts run. Those that can be played and have no card bring what their player needs.
-fn list(listed: &[&ListedFailure], cards: &[String], players: &Players) -> Markup {
+fn list(listed: &[&Failure], cards: &[String], players: &Players) -> Markup {
     let heads = ["driver", "verdict", "impact, m/s", "after, s", "town", "found by"];
     html! {
         h3 { "List of failures" }
@@ -106,7 +107,7 @@ fn list(listed: &[&ListedFailure], cards: &[String], players: &Players) -> Marku
                         @let is_first = listed.iter().find(|other| other.name() == name).is_some_and(|first| std::ptr::eq(*first, *found));
                         @let own = players.get(&name).filter(|_| is_first && !cards.contains(&name));
                         tr id=[own.map(|_| Players::id(&name))] {
-                            th scope="row" { (found.policy) }
+                            th scope="row" { (found.key.cell.policy) }
                             td data-label=(heads[1]) data-value=(found.class() as usize) {
                                 (found.word())
                                 @if let Some(violation) = &found.violation { ", " code { (violation.requirement) } }
@@ -115,7 +116,7 @@ fn list(listed: &[&ListedFailure], cards: &[String], players: &Players) -> Marku
                                 @if found.violation.is_some() { "–" } @else { (format!("{:.1}", found.impact_speed)) }
                             }
                             td.number data-label=(heads[3]) { (format!("{:.1}", found.length)) }
-                            td data-label=(heads[4]) { (found.town) }
+                            td data-label=(heads[4]) { (found.key.cell.town) }
                             td data-label=(heads[5]) { (found.finder()) }
                             td data-label="name" {
                                 @if let Some(link) = players.link(&name) { a.play href=(link) { "play" } " " }
@@ -138,17 +139,17 @@ fn list(listed: &[&ListedFailure], cards: &[String], players: &Players) -> Marku
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::listed_failure::tests::failure;
+    use crate::failure::tests::failure;
     use base::signature::Arguments;
     use compile::Driver;
     use world::judge::Label;
 
     #[test]
     fn the_list_has_one_of_each_driver_first() {
-        let found = |driver: &str, number, label| ListedFailure {
-            policy: driver.into(),
-            number,
-            ..failure(Some(label), false, 1.0)
+        let found = |driver: &str, number, label| {
+            let mut found = Failure { number, ..failure(Some(label), false, 1.0) };
+            found.key.cell.policy = driver.into();
+            found
         };
         let a = found("a", 1, Label::Preventable);
         let b = found("a", 2, Label::Contested);

@@ -1,9 +1,9 @@
 use super::Players;
 use super::make::page;
 use super::worst::{listed, worst};
-use crate::report::failure_modes::Mode;
+use crate::failure::Failure;
 use crate::report::render::table::Section;
-use crate::report::{Findings, ListedFailure, Manifest, PlayedFailure, ReportFolder, WriteError, worst_failure};
+use crate::report::{Findings, Manifest, PlayedFailure, ReportFolder, WriteError, worst_failure};
 
 /// Maximum number of failures that are played although their driver is a program of the user.
 const MAX_FIRST: usize = 14;
@@ -21,8 +21,8 @@ pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
             names.push(name);
         }
     };
-    let worst = worst_failure(&found.drivers).into_iter().chain(worst(&found.drivers)).map(ListedFailure::name);
-    let examples = found.modes.iter().flat_map(|cell| &cell.modes).map(Mode::example_name);
+    let worst = worst_failure(&found.drivers).into_iter().chain(worst(&found.drivers)).map(Failure::name);
+    let examples = found.modes.iter().flat_map(|cell| &cell.modes).map(|mode| mode.example.name());
     worst.chain(examples).for_each(|name| add(&mut names, name, MAX_FIRST));
     let is_external =
         |name: &str| found.drivers.iter().any(|each| each.driver.name == name && each.driver.is_external());
@@ -37,11 +37,11 @@ pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
     });
     of_cells.for_each(|(_, name)| add(&mut names, name, MAX_PLAYED));
     let violations = found.gathered.failures.violations().iter().map(|(_, failure)| failure);
-    let own = violations.filter(|failure| !is_external(&failure.policy)).take(MAX_VIOLATIONS);
+    let own = violations.filter(|failure| !is_external(&failure.key.cell.policy)).take(MAX_VIOLATIONS);
     own.for_each(|failure| add(&mut names, failure.name(), MAX_PLAYED));
     let of_list = listed(&found.drivers, &found.gathered.failures).into_iter();
     of_list
-        .filter(|failure| !is_external(&failure.policy))
+        .filter(|failure| !is_external(&failure.key.cell.policy))
         .for_each(|failure| add(&mut names, failure.name(), MAX_PLAYED));
     names
 }

@@ -1,20 +1,20 @@
 use std::path::PathBuf;
 
-use crate::report::ListedFailure;
+use crate::failure::Failure;
 use crate::report::render::table::{Column, Table, Value};
 
 /// Failures with the folders of their reports as text for a terminal. When all are of one report, rows have names without its folder.
-pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)], width: u16) -> String {
+pub fn failures_for_terminal(failures: &[(PathBuf, Failure)], width: u16) -> String {
     let one = failures.iter().all(|(report, _)| *report == failures[0].0);
-    let row = |(report, failure): &(PathBuf, ListedFailure)| {
+    let row = |(report, failure): &(PathBuf, Failure)| {
         let name = failure.name();
         vec![
             Value::Code(if one { name } else { report.join(name).display().to_string() }),
             failure.word().into(),
             Value::Number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1),
-            failure.policy.clone().into(),
+            failure.key.cell.policy.clone().into(),
             Value::Text(controller(failure)),
-            failure.town.clone().into(),
+            failure.key.cell.town.clone().into(),
             failure.kind().into(),
         ]
     };
@@ -31,7 +31,11 @@ pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)], width: u16) 
 }
 
 /// The controller, with its reward if it was trained for one.
-fn controller(failure: &ListedFailure) -> String {
-    let trained = !failure.train_town.is_empty() || (failure.searched && !failure.reward.is_empty());
-    if trained { format!("{} {}", failure.controller, failure.reward) } else { failure.controller.clone() }
+fn controller(failure: &Failure) -> String {
+    let trained = failure.key.cell.is_trained() || (failure.is_of_search() && !failure.key.cell.reward.is_empty());
+    if trained {
+        format!("{} {}", failure.key.cell.controller, failure.key.cell.reward)
+    } else {
+        failure.key.cell.controller.clone()
+    }
 }

@@ -39,7 +39,7 @@ fn table(cells: &[CellModes]) -> Table {
         let (share, speed) = (percent(mode.mode.share), mode.mode.impact_speed[1]);
         Value::Lines(vec![
             format!("{share} {}, {speed:.1} m/s", mode.mode.kind).into(),
-            Value::Failure(mode.example_name()),
+            Value::Failure(mode.example.name()),
         ])
     };
     let row = |cell: &CellModes| {

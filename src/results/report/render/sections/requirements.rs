@@ -1,8 +1,9 @@
 use super::names::{distinct, place, who};
+use crate::failure::Failure;
 use crate::record::CellKey;
 use crate::report::aggregate::Counted;
 use crate::report::render::table::{Column, Place, Section, Table, Value};
-use crate::report::{Cell, CellRequirement, Findings, ListedFailure};
+use crate::report::{Cell, CellRequirement, Findings};
 use world::judge::NoVerdict;
 
 /// The rates of violations of a campaign's requirements; `None` without requirements.
@@ -10,7 +11,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let (cells, found) = (&all.cells, &all.gathered.requirements);
     let worst = |key: &CellKey, name: &str| -> Option<String> {
         let is_named =
-            |failure: &ListedFailure| failure.violation.as_ref().is_some_and(|violation| violation.requirement == name);
+            |failure: &Failure| failure.violation.as_ref().is_some_and(|violation| violation.requirement == name);
         let mut violations = all.gathered.failures.violations().iter();
         violations.find(|(cell, failure)| cell == key && is_named(failure)).map(|(_, failure)| failure.name())
     };

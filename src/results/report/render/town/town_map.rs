@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::Scenery;
 use crate::report::render::svg::{Document, outline, px};
-use world::env::{Ending, Outcome, Spawn};
+use world::env::Spawn;
 use world::geometry::{Point, Pose, Vector};
 use world::road::Town;
 
@@ -99,22 +99,20 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// Adds an episode by its policy, block and number. Only the first ones are drawn, since more dots would hide the town.
-    pub fn add(&mut self, (policy, block, episode): (&str, u32, u32), outcome: &Outcome) {
+    /// Adds an episode by its policy, block and number: where the pedestrian started, and of a touch whether it is a collision. Only the
+    /// first ones are drawn, since more dots would hide the town.
+    pub fn add(&mut self, (policy, block, episode): (&str, u32, u32), pedestrian: Pose, touch: Option<bool>) {
         if episode >= MAX_STARTS {
             return;
         }
         let place = *self.index.entry((policy.to_string(), block, episode)).or_insert_with(|| {
-            self.places.push(Start { place: outcome.spawn.pedestrian, collisions: 0, bumps: 0, all: 0 });
+            self.places.push(Start { place: pedestrian, collisions: 0, bumps: 0, all: 0 });
             self.places.len() - 1
         });
         let start = &mut self.places[place];
         start.all += 1;
-        match outcome.ending {
-            Ending::Touch { moving: true, .. } => start.collisions += 1,
-            Ending::Touch { moving: false, .. } => start.bumps += 1,
-            _ => {}
-        }
+        start.collisions += u32::from(touch == Some(true));
+        start.bumps += u32::from(touch == Some(false));
     }
 }
 

@@ -1,0 +1,90 @@
+//! What gates know of a cell: its metrics, the evidence on them, and its violations.
+
+use super::aggregate::{Cell, CellRequirement, GATED, Rate};
+use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, LEARNT, remaining_rate};
+use super::metric_table::TRAININGS_DISAGREE;
+use crate::record::metric::{MEAN, RUNS};
+use crate::record::{Column, Entry, Metric, Table, cell_key, metrics};
+use base::statistics::wilson;
+use world::judge::Reference;
+
+/// A cell with all that is known of it.
+#[derive(Clone, Copy)]
+pub struct KnownCell<'a> {
+    pub cell: &'a Cell,
+    pub evidence: &'a CellEvidence,
+    /// The violations in all cells.
+    pub requirements: &'a [CellRequirement],
+}
+
+/// The columns that gates may name, with the rates of these requirements.
+pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
+    type Row<'a> = KnownCell<'a>;
+    let mut table = Table::new("cells", "One row for each cell: all runs that differ in their number alone.")
+        .columns(cell_key(|row: &Row<'a>| &row.cell.key))
+        .column(Metric::Count(RUNS).entry(|row: &Row<'a>| Some(f64::from(row.cell.runs))));
+    let metrics = metrics();
+    for metric in &metrics {
+        if let Metric::Count(count) = *metric {
+            table = table.column(metric.entry(move |row: &Row<'a>| Some(f64::from(row.cell.count(count)))));
+        }
+    }
+    for metric in metrics.iter().filter(|metric| !matches!(metric, Metric::Count(_))) {
+        let name = metric.name();
+        let of = move |row: &Row<'a>| row.cell.average(name);
+        table = table
+            .column(MEAN.of(name, move |row: &Row<'a>| of(row)?.value))
+            .column(number(format!("{name}_sd"), move |row| of(row)?.sd));
+        if matches!(*metric, Metric::Rate(_)) {
+            table = table.columns(interval(&format!("{name}_wilson"), move |row| of(row)?.interval));
+        }
+    }
+    for figure in Figure::ALL {
+        let name = format!("{}_student", figure.name());
+        table = table.columns(interval(&name, move |row| row.evidence.between(figure).interval));
+    }
+    table = table.column(IMPACT_SPEED_P90.of(|row: &Row<'a>| row.evidence.impact_speed_p90.0));
+    for reference in Reference::ALL {
+        let name = remaining_rate(reference).name;
+        let rest = move |row: &Row<'a>| (row.evidence.remaining(reference), row.evidence.episodes);
+        let rate = move |row: &Row<'a>| rest(row).0.share_of(&rest(row).1);
+        let ends = move |row: &Row<'a>| Some(wilson(rest(row).0, rest(row).1));
+        table = table.column(number(name.to_string(), rate)).columns(interval(&format!("{name}_wilson"), ends));
+    }
+    let learning = |row: &Row<'a>| row.evidence.learning.clone();
+    let disagree = move |row: &Row<'a>| Some(if learning(row)?.disagree()? { "yes" } else { "no" });
+    table = table
+        .column(LEARNT.of(move |row: &Row<'a>| learning(row).map(|learning| learning.learnt().name())))
+        .column(Column::<String>::new(TRAININGS_DISAGREE.name, "", "").of(disagree));
+    for (requirement, (word, counted, needs_verdict)) in
+        requirements.iter().flat_map(|name| GATED.map(|gated| (String::from(*name), gated)))
+    {
+        let name = format!("{word}({requirement})");
+        let rate = move |row: &Row<'a>| -> Option<Rate> {
+            let mut own = row.requirements.iter().filter(|each| each.key == row.cell.key);
+            let found = own.find(|each| each.name == requirement)?;
+            (!needs_verdict || found.is_judged()).then(|| found.rate(counted))
+        };
+        let ends = rate.clone();
+        table = table
+            .column(number(name.clone(), move |row| rate(row)?.value))
+            .columns(interval(&format!("{name}_wilson"), move |row| ends(row)?.interval));
+    }
+    table
+}
+
+fn number<'a>(name: String, value: impl Fn(&KnownCell<'a>) -> Option<f64> + 'a) -> Entry<'a, KnownCell<'a>> {
+    Entry::new::<f64, _>(name.into(), "".into(), "".into(), value)
+}
+
+/// Both ends of an interval.
+fn interval<'a>(
+    name: &str,
+    ends: impl Fn(&KnownCell<'a>) -> Option<(f64, f64)> + Clone + 'a,
+) -> [Entry<'a, KnownCell<'a>>; 2] {
+    let low = ends.clone();
+    [
+        number(format!("{name}_low"), move |row| Some(low(row)?.0)),
+        number(format!("{name}_high"), move |row| Some(ends(row)?.1)),
+    ]
+}
