@@ -56,6 +56,7 @@ mod scenarios;
 mod sessions;
 mod settings;
 mod shards;
+mod smoke;
 mod stale;
 mod tables_elsewhere;
 mod together;

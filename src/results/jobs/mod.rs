@@ -53,6 +53,8 @@ pub struct Kind {
     pub tables: fn(&Findings<'_>) -> Option<Vec<(&'static str, Table)>>,
     /// Its section in a report, and where that stands.
     pub section: Option<(Group, SectionMaker)>,
+    /// The folders of its files in a report.
+    pub folders: &'static [&'static str],
     /// Its files in a report beside the tables, with their paths relative to the report's folder.
     pub files: fn(&Findings<'_>, &Manifest) -> Vec<(String, Vec<u8>)>,
 }
@@ -71,6 +73,7 @@ impl Kind {
             references: Vec::new,
             tables: |_| None,
             section: None,
+            folders: &[],
             files: |_, _| Vec::new(),
         }
     }

@@ -12,6 +12,7 @@ use super::scenario_files::SCENARIO;
 use super::staging::staging_file;
 use super::table_stream::{Watched, cause};
 use super::{FileRecord, Manifest, TableStream, catalogue};
+use crate::jobs::KINDS;
 use base::files;
 
 /// The file whose presence marks a folder as a finished report.
@@ -342,7 +343,10 @@ fn is_ours(name: &str) -> bool {
     match extension {
         "csv" | "parquet" => catalogue().iter().any(|table| table.name == stem),
         "svg" => ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix)),
-        _ => [MARK, "summary.md", "report.html", "pedestrians", SCENARIO].contains(&name),
+        _ => {
+            let mut folders = KINDS.iter().flat_map(|kind| kind.folders);
+            [MARK, "summary.md", "report.html", SCENARIO].contains(&name) || folders.any(|folder| *folder == name)
+        }
     }
 }
 

@@ -24,6 +24,7 @@ pub(super) const KIND: Kind = Kind {
     references: || vec![table::columns().reference()],
     tables: |found| Some(vec![("learning_curve", table::learning_curve(found.finished.all()))]),
     section: Some((Group::Comparisons, section::trainings)),
+    folders: &["drivers", "pedestrians"],
     files: files::files,
     ..Kind::new::<Training>("training", "trainings", "train")
 };
