@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use world::av::Fault;
 use world::av::external::{External, Link, Opener, Program, Settings};
+use world::av::{Exit, Fault};
 use world::env::{PolicyMaker, Scenario};
 
 /// The first exception that a driver has raised since the last look.
@@ -63,7 +63,7 @@ impl Link for PythonLink {
             }
             Err(error) => {
                 self.raised.note(error);
-                Err(Fault::Ended)
+                Err(Fault::Ended(Exit::Unknown))
             }
         }
     }
@@ -75,7 +75,7 @@ impl Link for PythonLink {
 
     fn exact(&mut self, _bytes: &mut [u8]) -> Result<(), Fault> {
         // It greets with JSON, so no message has a length.
-        Err(Fault::Ended)
+        Err(Fault::Ended(Exit::Unknown))
     }
 
     fn note(&self, text: &str) {

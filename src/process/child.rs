@@ -10,19 +10,24 @@ use std::time::{Duration, Instant};
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::signal::{Signal, kill, killpg};
+use nix::sys::wait::{Id, WaitPidFlag, WaitStatus, waitid};
 use nix::unistd::Pid;
 
 use super::descendants;
 use super::messages::Messages;
 use super::opener::Notes;
 use super::stopping::{self, GLANCE};
-use world::av::Fault;
 use world::av::external::{Link, Program};
+use world::av::{Exit, Fault};
 
 /// The number of bytes of one read.
 const CHUNK: usize = 1 << 16;
 /// Time that a child has to end after its input was closed.
 const LEAVE: Duration = Duration::from_millis(500);
+/// Time that a child has to end after it closed its output, so that its exit code can be told.
+const FAREWELL: Duration = Duration::from_secs(1);
+/// Time between two looks whether it has ended.
+const LOOK: Duration = Duration::from_millis(2);
 
 /// The running children, for an immediate end of the whole program.
 static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
@@ -75,9 +80,10 @@ impl Child {
         RUNNING.lock().unwrap_or_else(PoisonError::into_inner).insert(process.id());
         let (input, output) = (process.stdin.take(), process.stdout.take());
         let (input, output) = input.zip(output).expect("both were asked for");
-        let messages = process.stderr.take().map(Messages::pass_on).transpose().inspect_err(|_| {
-            let _ = killpg(Pid::from_raw(process.id() as i32), Signal::SIGKILL);
-        })?;
+        let messages =
+            process.stderr.take().map(|from| Messages::pass_on(from, notes.clone())).transpose().inspect_err(|_| {
+                let _ = killpg(Pid::from_raw(process.id() as i32), Signal::SIGKILL);
+            })?;
         never_block(input.as_fd())?;
         never_block(output.as_fd())?;
         Ok(Self {
@@ -114,7 +120,7 @@ impl Child {
             match poll(&mut [PollFd::new(pipe, what)], PollTimeout::try_from(left).unwrap_or(PollTimeout::MAX)) {
                 Ok(0) => {}
                 Ok(_) | Err(nix::errno::Errno::EINTR) => return Ok(()),
-                Err(_) => return Err(Fault::Ended),
+                Err(_) => return Err(Fault::Ended(Exit::Unknown)),
             }
         }
     }
@@ -140,7 +146,7 @@ impl Child {
         self.read.resize(old + CHUNK, 0);
         let result = loop {
             match self.output.read(&mut self.read[old..]) {
-                Ok(0) => break Err(Fault::Ended),
+                Ok(0) => break Err(Fault::Ended(Exit::Unknown)),
                 Ok(count) => break Ok(count),
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
@@ -148,7 +154,7 @@ impl Child {
                         break Err(fault);
                     }
                 }
-                Err(_) => break Err(Fault::Ended),
+                Err(_) => break Err(Fault::Ended(Exit::Unknown)),
             }
         };
         self.read.truncate(old + *result.as_ref().unwrap_or(&0));
@@ -164,6 +170,40 @@ fn never_block(pipe: BorrowedFd<'_>) -> io::Result<()> {
 
 impl Link for Child {
     fn send(&mut self, message: &[u8], limit: f64) -> Result<(), Fault> {
+        self.write(message, limit).map_err(|fault| self.with_exit(fault))
+    }
+
+    fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
+        self.read_line(line, longest).map_err(|fault| self.with_exit(fault))
+    }
+
+    fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
+        self.fill(bytes).map_err(|fault| self.with_exit(fault))
+    }
+
+    fn note(&self, text: &str) {
+        self.notes.say(&self.program, text);
+    }
+}
+
+impl Child {
+    /// A fault, with the exit code or the signal if it is that the child has ended.
+    fn with_exit(&self, fault: Fault) -> Fault {
+        let begun = Instant::now();
+        let child = Pid::from_raw(self.process.id() as i32);
+        let flags = WaitPidFlag::WEXITED | WaitPidFlag::WNOHANG | WaitPidFlag::WNOWAIT;
+        while fault == Fault::Ended(Exit::Unknown) && begun.elapsed() < FAREWELL {
+            match waitid(Id::Pid(child), flags) {
+                Ok(WaitStatus::Exited(_, code)) => return Fault::Ended(Exit::Code(code)),
+                Ok(WaitStatus::Signaled(_, signal, _)) => return Fault::Ended(Exit::Signal(signal.as_str())),
+                _ => std::thread::sleep(LOOK),
+            }
+        }
+        fault
+    }
+
+    /// Writes a message; the answer must be complete within the limit (s).
+    fn write(&mut self, message: &[u8], limit: f64) -> Result<(), Fault> {
         if self.has_spoken() {
             let fault = Fault::Answer("it came before the question");
             self.note(&fault.to_string());
@@ -173,21 +213,21 @@ impl Link for Child {
         self.deadline = Instant::now() + self.limit;
         let mut left = message;
         while !left.is_empty() {
-            let Some(input) = &mut self.input else { return Err(Fault::Ended) };
+            let Some(input) = &mut self.input else { return Err(Fault::Ended(Exit::Unknown)) };
             match input.write(left) {
                 Ok(count) => left = &left[count..],
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    let input = self.input.as_ref().map(AsFd::as_fd).ok_or(Fault::Ended)?;
+                    let input = self.input.as_ref().map(AsFd::as_fd).ok_or(Fault::Ended(Exit::Unknown))?;
                     self.wait(input, PollFlags::POLLOUT)?;
                 }
-                Err(_) => return Err(Fault::Ended),
+                Err(_) => return Err(Fault::Ended(Exit::Unknown)),
             }
         }
         Ok(())
     }
 
-    fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
+    fn read_line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
         loop {
             let new = &self.read[self.used..];
             let end = new.iter().position(|byte| *byte == b'\n');
@@ -204,7 +244,7 @@ impl Link for Child {
         }
     }
 
-    fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
         let mut filled = 0;
         while filled < bytes.len() {
             if self.used == self.read.len() {
@@ -217,10 +257,6 @@ impl Link for Child {
         }
         Ok(())
     }
-
-    fn note(&self, text: &str) {
-        self.notes.say(&self.program, text);
-    }
 }
 
 impl Drop for Child {
@@ -229,7 +265,7 @@ impl Drop for Child {
         drop(self.input.take());
         self.deadline = Instant::now() + LEAVE;
         // Its output is closed when it has ended.
-        while self.exact(&mut [0; 1 << 12]).is_ok() {}
+        while self.fill(&mut [0; 1 << 12]).is_ok() {}
         // The group should be empty by now. A process that is left in it hangs, and is killed.
         let _ = killpg(Pid::from_raw(self.process.id() as i32), Signal::SIGKILL);
         // It may have left its own group.

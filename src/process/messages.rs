@@ -1,38 +1,32 @@
-use std::io::{self, Read, Write};
+use std::io::{self, BufRead, BufReader, Read};
 use std::process::ChildStderr;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Maximum number of bytes of a driver's messages that are passed on.
-const MAX_BYTES: usize = 1 << 20;
+use super::opener::Notes;
+
+/// The number of bytes of a line that are passed on at once.
+const MAX_LINE: u64 = 1 << 13;
 /// Time for the last messages to arrive after the driver has ended.
 const LAST: Duration = Duration::from_millis(200);
 
-/// What a driver writes to its standard error, which is passed on to ours up to a limit. The rest is read and dropped, so that the driver
-/// never waits for it.
+/// What a driver writes to its standard error, which is passed on to ours up to a limit and without commands to the terminal. The rest is read
+/// and dropped, so that the driver never waits for it.
 pub(super) struct Messages(JoinHandle<()>);
 
 impl Messages {
     /// Starts to pass on.
-    pub fn pass_on(mut from: ChildStderr) -> io::Result<Self> {
+    pub fn pass_on(from: ChildStderr, notes: Notes) -> io::Result<Self> {
         let work = move || {
-            let (mut left, mut bytes) = (MAX_BYTES, [0; 1 << 13]);
+            let (mut from, mut line) = (BufReader::new(from), Vec::new());
             loop {
-                let count = match from.read(&mut bytes) {
+                line.clear();
+                match from.by_ref().take(MAX_LINE).read_until(b'\n', &mut line) {
                     Ok(0) => return,
-                    Ok(count) => count,
-                    Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                    Ok(_) => notes.pass_on(&line),
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                     Err(_) => return,
-                };
-                let shown = count.min(left);
-                let _ = io::stderr().write_all(&bytes[..shown]);
-                if shown < count && left > 0 {
-                    anstream::eprintln!(
-                        "\nfurther messages of this driver are left out, after {} KiB",
-                        MAX_BYTES >> 10
-                    );
                 }
-                left -= shown;
             }
         };
         thread::Builder::new().name("messages of a driver".into()).spawn(work).map(Self)

@@ -32,6 +32,16 @@ def fail(world, tick):
         return
     if mode == "crash":
         os._exit(3)
+    if mode == "killed":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if mode == "null":
+        say(json.dumps({"actions": [{"id": world, "brake": None}]}).encode() + b"\n")
+        hang()
+    if mode == "text":
+        say(json.dumps({"actions": [{"id": world, "throttle": "0.3"}]}).encode() + b"\n")
+        hang()
+    if mode == "late" and len(open(sys.argv[2]).readlines()) == 2:
+        hang()
     if mode == "garbage":
         say(b"now I turn left\n")
         hang()
@@ -64,6 +74,10 @@ if binary:
     answer["encoding"] = "binary"
 if "second" in sys.argv[2:]:
     answer["revision"] = 2
+if mode == "marked":
+    say(b"\xef\xbb\xbf")
+if mode == "loud":
+    sys.stderr.write("title \x1b]0;mine\x07\n" + ("x" * 99 + "\n") * 30_000)
 say(json.dumps(answer).encode() + b"\n")
 
 if binary:

@@ -14,7 +14,7 @@ use results::record;
 use results::report::Gate;
 use results::store;
 use world::av::external::{Link, Opener, Program};
-use world::av::{Fault, onnx};
+use world::av::{Exit, Fault, onnx};
 use world::env::{Outcome, Scenario};
 use world::falsifier::{Random, evaluate};
 use world::road::{Town, opendrive};
@@ -111,7 +111,7 @@ impl Link for Answers {
 
     fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
         let mut answers = ANSWERS.lock().unwrap_or_else(PoisonError::into_inner);
-        let end = answers.iter().position(|byte| *byte == b'\n').ok_or(Fault::Ended)?;
+        let end = answers.iter().position(|byte| *byte == b'\n').ok_or(Fault::Ended(Exit::Unknown))?;
         if end > longest {
             return Err(Fault::Answer("a line that does not end"));
         }
@@ -122,7 +122,7 @@ impl Link for Answers {
     fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
         let mut answers = ANSWERS.lock().unwrap_or_else(PoisonError::into_inner);
         if answers.len() < bytes.len() {
-            return Err(Fault::Ended);
+            return Err(Fault::Ended(Exit::Unknown));
         }
         bytes.copy_from_slice(&answers[..bytes.len()]);
         answers.drain(..bytes.len());
@@ -232,7 +232,12 @@ mod tests {
             let path = seed.unwrap().path();
             let bytes = std::fs::read(&path).unwrap();
             assert_eq!(driver(&bytes).fault(), None, "{}", path.display());
-            assert_eq!(driver(&bytes[..bytes.len() - 1]).fault(), Some(Fault::Ended), "{}", path.display());
+            assert_eq!(
+                driver(&bytes[..bytes.len() - 1]).fault(),
+                Some(Fault::Ended(Exit::Unknown)),
+                "{}",
+                path.display()
+            );
         }
     }
 }

@@ -10,7 +10,7 @@ use base::seed::Seed;
 use compile::{Campaign, Catalog, Compiled, ControllerKind, compile};
 use learn::ActorCritic;
 use process::ProcessOpener;
-use world::av::Fault;
+use world::av::{Exit, Fault};
 use world::env::{Ending, Outcome, Scenario};
 use world::falsifier::{ActionMode, BudgetedSimulation, Homing, TrainError, TrainedWalker, WalkPolicy, evaluate};
 
@@ -100,7 +100,7 @@ fn a_fault_marks_its_own_episode_and_no_other() {
     };
     let good = own(&campaign(&program("homing", "timeout: 60 s"), DRIVER));
     for (mode, timeout, fault) in [
-        ("crash", "timeout: 60 s", Fault::Ended),
+        ("crash", "timeout: 60 s", Fault::Ended(Exit::Code(3))),
         ("garbage", "timeout: 60 s", Fault::Answer("not the JSON of an answer")),
         ("hang", "timeout: 2 s", Fault::Late { limit_ms: 2000 }),
     ] {
@@ -125,10 +125,18 @@ fn a_program_that_never_walks_is_given_up_after_ten_episodes() {
     }
     for (mode, fault) in [
         ("version", Fault::Greeting("another protocol than falsify-pedestrian/1")),
-        ("gone", Fault::Ended),
+        ("gone", Fault::Ended(Exit::Code(0))),
         ("short", Fault::Answer("not two numbers for each pedestrian")),
         ("eager", Fault::Answer("it came before the question")),
-        ("wordy", Fault::Answer("not the JSON of an answer")),
+        (
+            "wordy",
+            Fault::WrongType {
+                greeting: false,
+                key: "action",
+                found: "a list with other values than numbers",
+                wanted: "a list of numbers",
+            },
+        ),
     ] {
         let campaign = campaign(&program(mode, "timeout: 60 s"), DRIVER);
         let faults: Vec<_> = own(&campaign).iter().map(Outcome::fault).collect();

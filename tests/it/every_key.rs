@@ -25,8 +25,8 @@ use results::campaign::{self, NoStore, Silent, Task};
 use results::jobs::{SearchResult, TrainingResult, watch};
 use results::record::{EpisodeRow, RunKey};
 use serde::Deserialize;
-use world::av::Fault;
 use world::av::external::{Link, Opener, Program};
+use world::av::{Exit, Fault};
 use world::env::{Ending, Outcome, Trace};
 use world::judge::{Judged, Verdict};
 
@@ -117,7 +117,7 @@ impl Link for InsideLink {
     }
 
     fn exact(&mut self, _: &mut [u8]) -> Result<(), Fault> {
-        Err(Fault::Ended)
+        Err(Fault::Ended(Exit::Unknown))
     }
 }
 

@@ -10,7 +10,7 @@ use base::seed::Seed;
 use base::signature::Keys;
 use compile::{Catalog, Plan, compile};
 use process::ProcessOpener;
-use world::av::{BrakeKeys, DrivingMode, Fault};
+use world::av::{BrakeKeys, DrivingMode, Exit, Fault};
 use world::env::{Ending, Outcome, Scenario};
 use world::falsifier::{Intercept, Random, TrainError, evaluate, train};
 
@@ -123,6 +123,10 @@ fn an_emergency_brake_in_front_of_a_program_spares_people_and_moves_nothing_else
     assert!(same > 0, "it changes nothing where no pedestrian comes near: {guarded:?}");
 }
 
+fn wrong_type(key: &'static str, found: &'static str) -> Fault {
+    Fault::WrongType { greeting: false, key, found, wanted: "a number" }
+}
+
 #[test]
 fn a_fault_marks_its_own_episode_and_no_other() {
     if python().is_none() {
@@ -130,9 +134,12 @@ fn a_fault_marks_its_own_episode_and_no_other() {
     }
     let good = outcomes("good", "worlds: 1, timeout: 60 s");
     let cases = [
-        ("crash", "timeout: 60 s", Fault::Ended),
-        ("crash binary", "timeout: 60 s", Fault::Ended),
-        ("half", "timeout: 60 s", Fault::Ended),
+        ("crash", "timeout: 60 s", Fault::Ended(Exit::Code(3))),
+        ("crash binary", "timeout: 60 s", Fault::Ended(Exit::Code(3))),
+        ("half", "timeout: 60 s", Fault::Ended(Exit::Code(0))),
+        ("killed", "timeout: 60 s", Fault::Ended(Exit::Signal("SIGSEGV"))),
+        ("null", "timeout: 60 s", wrong_type("brake", "null")),
+        ("text", "timeout: 60 s", wrong_type("throttle", "a text")),
         ("garbage", "timeout: 60 s", Fault::Answer("not the JSON of an answer")),
         ("endless", "timeout: 60 s", Fault::Answer("a line that does not end")),
         ("hang", "timeout: 2 s", Fault::Late { limit_ms: 2000 }),
@@ -157,7 +164,7 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
     }
     let cases = [
         ("version", Fault::Greeting("another protocol than falsify-av/1")),
-        ("gone", Fault::Ended),
+        ("gone", Fault::Ended(Exit::Code(0))),
         ("lazy", Fault::Answer("not one action for each world")),
         ("nan", Fault::Answer("not the JSON of an answer")),
         ("eager", Fault::Answer("it came before the question")),
@@ -191,7 +198,7 @@ fn a_training_survives_some_faults_and_ends_with_the_cause_of_too_many() {
         train(against, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
     };
     assert!(training("crash").is_ok());
-    assert_eq!(training("gone").err(), Some(TrainError::Driver { update: 1, fault: Fault::Ended }));
+    assert_eq!(training("gone").err(), Some(TrainError::Driver { update: 1, fault: Fault::Ended(Exit::Code(0)) }));
 }
 
 fn said(output: &Output) -> String {
@@ -239,7 +246,7 @@ fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_
     };
     let (episodes, metrics, summary) = run("1");
     assert_eq!(run("2"), (episodes.clone(), metrics.clone(), summary.clone()));
-    let errors = episodes.matches("error,ended before it answered").count();
+    let errors = episodes.matches("error,ended before it answered with exit code 3").count();
     assert!(errors > 0, "{episodes}");
     let names: Vec<&str> = metrics.lines().next().unwrap().split(',').collect();
     let at = |column: &str| names.iter().position(|name| *name == column).unwrap();
@@ -273,7 +280,9 @@ fn av_check_tells_good_drivers_from_bad_ones() {
     }
     for (mode, what) in [
         ("version", "it greeted wrongly: another protocol"),
-        ("crash", "it ended before it answered"),
+        ("crash", "it ended before it answered with exit code 3"),
+        ("null", "it gave a wrong answer: `brake` is null; give a number"),
+        ("marked", "it greeted wrongly: it begins with a byte order mark: write UTF-8 without one"),
         ("lazy", "it gave a wrong answer: not one action"),
         ("random", "when the same seeds come again"),
         ("counting", "when it is asked about 8 worlds at once"),
@@ -282,6 +291,31 @@ fn av_check_tells_good_drivers_from_bad_ones() {
         assert_eq!(code, Some(5), "{mode}: {text}");
         assert!(text.lines().any(|line| line.contains("FAIL") && line.contains(what)), "{mode}: {text}");
     }
+}
+
+#[test]
+fn a_late_answer_in_a_later_pass_is_a_late_answer() {
+    if python().is_none() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let driver = folder("tests/external/driver.py");
+    let words = ["check", "--timeout", "5", "--", "python3", driver.to_str().unwrap(), "late", "starts"];
+    let text = said(&falsify(&words, place.path()));
+    let late = "it did not answer within 5000 ms; `--timeout` here";
+    let failed = text.lines().find(|line| line.contains("FAIL")).unwrap_or_default();
+    assert!(failed.contains("when the same seeds come again: in episode ") && failed.contains(late), "{text}");
+}
+
+#[test]
+fn messages_of_a_driver_command_no_terminal_and_have_an_end() {
+    if python().is_none() {
+        return;
+    }
+    let text =
+        said(&falsify(&["check", "--timeout", "60", "--", "python3", "driver.py", "loud"], &folder("tests/external")));
+    assert!(text.contains("title \\u{1b}]0;mine\\u{7}") && !text.contains("\u{1b}]"), "{}", &text[..200]);
+    assert!(text.len() < 3 << 19 && text.contains("further messages of programs are left out"), "{}", text.len());
 }
 
 #[test]

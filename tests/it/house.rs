@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_881),
     ("src/learn", 5_650),
-    ("src/world", 31_490),
+    ("src/world", 31_710),
     ("src/ported", 4_650),
     ("src/lang", 6_330),
     ("src/compile", 7_750),
-    ("src/process", 780),
+    ("src/process", 830),
     ("src/export", 3_780),
     ("src/results", 26_510),
     ("src/program", 11_420),
-    ("tests", 23_640),
+    ("tests", 23_680),
 ];
 
 /// Crates that only some places may name.

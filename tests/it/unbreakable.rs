@@ -386,8 +386,8 @@ fn the_messages_of_a_driver_are_bounded() {
     let output = program::falsify(&["run", "outside.scn", "--allow-external", "--out", "out"], place.path());
     assert_eq!(output.status.code(), Some(5), "{:?}", output.status);
     let text = error(&output);
-    assert!(text.contains("first") && text.contains("further messages of this driver are left out"));
-    assert!(text.len() < 16 << 20, "{} bytes", text.len());
+    assert!(text.contains("first") && text.contains("further messages of programs are left out"));
+    assert!(text.len() < 3 << 19, "{} bytes", text.len());
 }
 
 #[test]

@@ -72,7 +72,12 @@ pub(crate) fn row(episode: u32, ending: Ending) -> EpisodeRow {
 
 fn rows() -> Vec<EpisodeRow> {
     let hit = Ending::Touch { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
-    vec![row(0, hit), row(1, Ending::Timeout), row(2, Ending::Lost), row(3, Ending::Error(Fault::Ended))]
+    vec![
+        row(0, hit),
+        row(1, Ending::Timeout),
+        row(2, Ending::Lost),
+        row(3, Ending::Error(Fault::Ended(world::av::Exit::Unknown))),
+    ]
 }
 
 #[test]

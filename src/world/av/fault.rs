@@ -14,8 +14,8 @@ pub enum Fault {
         limit_ms: u32,
     },
     /// It ended, or closed its output.
-    #[error("ended before it answered")]
-    Ended,
+    #[error("ended before it answered{0}")]
+    Ended(Exit),
     /// It ended during other episodes, of which this was one.
     #[error("was restarted during the episode")]
     Restarted,
@@ -25,4 +25,36 @@ pub enum Fault {
     /// It gave an answer that makes no sense.
     #[error("gave a wrong answer: {0}")]
     Answer(&'static str),
+    /// A key of a message of it has a value of a wrong type.
+    #[error("{}: `{key}` is {found}; give {wanted}", if *greeting { "greeted wrongly" } else { "gave a wrong answer" })]
+    WrongType {
+        /// Whether the message is its greeting.
+        greeting: bool,
+        key: &'static str,
+        /// The type that it gave.
+        found: &'static str,
+        /// The type that is needed.
+        wanted: &'static str,
+    },
+}
+
+/// How a program ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    /// It runs on, or nothing is known.
+    Unknown,
+    /// With an exit code.
+    Code(i32),
+    /// By a signal of this name.
+    Signal(&'static str),
+}
+
+impl std::fmt::Display for Exit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Unknown => Ok(()),
+            Self::Code(code) => write!(f, " with exit code {code}"),
+            Self::Signal(signal) => write!(f, " with signal {signal}"),
+        }
+    }
 }

@@ -35,7 +35,7 @@ pub use careful_human::CarefulHuman;
 pub use cruise::{Cruise, CruiseKeys};
 pub use driving_policy::{DrivingMode, DrivingPolicy};
 pub use emergency_brake::BrakeKeys;
-pub use fault::Fault;
+pub use fault::{Exit, Fault};
 pub use idm::Idm;
 pub use lane_keeping::cruising_speed;
 pub use oracle_brake::OracleBrake;

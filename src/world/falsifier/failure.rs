@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::WalkPolicy;
 use super::drive::{place, play};
-use crate::av::Fault;
+use crate::av::{Exit, Fault};
 use crate::env::{Draw, FailureCell, Outcome, Scenario, Scene, Trace};
 use crate::requirement::Degree;
 use crate::sim::WalkCommand;
@@ -59,7 +59,7 @@ impl WalkPolicy for Recorded<'_> {
         self.kept = next.filter(|_| self.keeps_last);
         match next {
             Some(next) => commands.copy_from_slice(next),
-            None => self.fault = Some(Fault::Ended),
+            None => self.fault = Some(Fault::Ended(Exit::Unknown)),
         }
     }
 

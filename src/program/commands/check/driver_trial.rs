@@ -152,24 +152,22 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
     };
 
     let (first, alone) = drive(1);
-    if let Some((episode, fault)) = first_fault(&first) {
-        return failed(&format!("drives {EPISODES} episodes to their end: in episode {episode} it {fault}"));
+    if let Some(reason) = first_fault(&first) {
+        return failed(&format!("drives {EPISODES} episodes to their end: {reason}"));
     }
     passed(&format!("greets as {PROTOCOL} and drives {EPISODES} episodes to their end"));
     let (second, _) = drive(1);
-    if let Some(episode) = first_difference(&first, &second) {
-        return failed(&format!(
-            "drives the same way when the same seeds come again: episode {episode} became another one"
-        ));
+    let again = "drives the same way when the same seeds come again";
+    if let Some(reason) = first_difference(&first, &second) {
+        return failed(&format!("{again}: {reason}"));
     }
-    passed("drives the same way when the same seeds come again");
+    passed(again);
     let (company, together) = drive(EPISODES as usize);
-    if let Some(episode) = first_difference(&first, &company) {
-        return failed(&format!(
-            "drives the same way when it is asked about {EPISODES} worlds at once: episode {episode} became another one"
-        ));
+    let at_once = format!("drives the same way when it is asked about {EPISODES} worlds at once");
+    if let Some(reason) = first_difference(&first, &company) {
+        return failed(&format!("{at_once}: {reason}"));
     }
-    passed(&format!("drives the same way when it is asked about {EPISODES} worlds at once"));
+    passed(&at_once);
     let mut driver = External::new(program, Settings { worlds: 1, ..settings }, opener);
     if let Err(reason) = empty_road::follow(&road, &mut driver, &Seed::root(1).child("road")) {
         return failed(&format!("follows an empty road with a bend and a turn: {reason}"));
@@ -188,12 +186,20 @@ fn failed(what: &str) -> ExitCode {
     ExitCode::RunFailed
 }
 
-fn first_fault(outcomes: &[Outcome]) -> Option<(usize, Fault)> {
-    outcomes.iter().enumerate().find_map(|(episode, outcome)| outcome.fault().map(|fault| (episode, fault)))
+/// The first episode in which the driver failed, in words.
+fn first_fault(outcomes: &[Outcome]) -> Option<String> {
+    let mut faults = outcomes.iter().enumerate().filter_map(|(episode, outcome)| Some((episode, outcome.fault()?)));
+    faults.next().map(|(episode, fault)| {
+        let late = matches!(fault, Fault::Late { .. });
+        let help = if late { "; `--timeout` here, and `timeout` in a scenario, give it more time" } else { "" };
+        format!("in episode {episode} it {fault}{help}")
+    })
 }
 
-fn first_difference(left: &[Outcome], right: &[Outcome]) -> Option<usize> {
-    left.iter().zip(right).position(|(left, right)| left != right)
+/// The first episode that is another one, in words; an episode in error is not another one.
+fn first_difference(left: &[Outcome], right: &[Outcome]) -> Option<String> {
+    let other = || left.iter().zip(right).position(|(left, right)| left != right);
+    first_fault(right).or_else(|| other().map(|episode| format!("episode {episode} became another one")))
 }
 
 /// The crossing and the empty road.

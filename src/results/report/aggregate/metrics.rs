@@ -231,7 +231,7 @@ mod tests {
     fn episodes_in_error_count_as_errors_and_nowhere_else() {
         let failed = |run, episode| {
             let mut row = row(run, episode, None);
-            row.judged.outcome.ending = Ending::Error(Fault::Ended);
+            row.judged.outcome.ending = Ending::Error(Fault::Ended(world::av::Exit::Unknown));
             row.judged.outcome.reward = 100.0;
             row
         };

@@ -29,7 +29,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
                 let impact_speed = 1.0 + episode as f64;
                 Ending::Touch { front: true, moving: true, impact_speed, bearing: 0.0 }
             }
-            'e' => Ending::Error(world::av::Fault::Ended),
+            'e' => Ending::Error(world::av::Fault::Ended(world::av::Exit::Unknown)),
             _ => Ending::Timeout,
         };
         let mut row = crate::record::tests::row(episode as u32, ending);

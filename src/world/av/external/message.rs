@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::refusal::{ID, KeyOf, answer_refusal, greeting_refusal};
 use crate::av::view::{Kind, LaneAhead, Seen, View};
 use crate::av::{DrivingMode, Fault, Perception};
 use crate::geometry::Pose;
@@ -93,6 +94,27 @@ pub(super) enum Pedals {
     #[default]
     Pedals,
     Acceleration,
+}
+
+/// The keys of a greeting.
+const GREETING: [KeyOf; 4] = [
+    ("protocol", "a text", |value| value.is_string()),
+    ("encoding", "`json` or `binary`", |value| ["json", "binary"].iter().any(|word| value == word)),
+    ("control", "`pedals` or `acceleration`", |value| ["pedals", "acceleration"].iter().any(|word| value == word)),
+    ("revision", "1 or 2", |value| [1, 2].iter().any(|number| value == number)),
+];
+
+/// Reads the greeting of a driver.
+///
+/// # Errors
+/// It is not one, or another protocol.
+pub(super) fn read_greeting(line: &[u8]) -> Result<Greeting, Fault> {
+    let greeting: Greeting = serde_json::from_slice(line).map_err(|_| greeting_refusal(line, &GREETING))?;
+    if greeting.protocol == PROTOCOL {
+        Ok(greeting)
+    } else {
+        Err(Fault::Greeting("another protocol than falsify-av/1"))
+    }
 }
 
 #[derive(Deserialize)]
@@ -275,7 +297,14 @@ struct Answers {
 }
 
 /// The keys of an action.
-const ACTION: [&str; 6] = ["id", "throttle", "brake", "acceleration", "steer", "mode"];
+const ACTION: [KeyOf; 6] = [
+    ID,
+    ("throttle", "a number", serde_json::Value::is_number),
+    ("brake", "a number", serde_json::Value::is_number),
+    ("acceleration", "a number", serde_json::Value::is_number),
+    ("steer", "a number", serde_json::Value::is_number),
+    ("mode", "a text", serde_json::Value::is_string),
+];
 
 /// What is said of a mode that is none of [`DrivingMode`].
 const UNKNOWN_MODE: &str =
@@ -286,12 +315,20 @@ const UNKNOWN_MODE: &str =
 #[serde(deny_unknown_fields)]
 struct Action {
     id: u32,
+    // Many programs write NaN as null, so that is not a missing number.
+    #[serde(default, deserialize_with = "number")]
     throttle: Option<f64>,
+    #[serde(default, deserialize_with = "number")]
     brake: Option<f64>,
+    #[serde(default, deserialize_with = "number")]
     acceleration: Option<f64>,
     #[serde(default)]
     steer: f64,
     mode: Option<String>,
+}
+
+fn number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+    f64::deserialize(from).map(Some)
 }
 
 /// Why a line is not an answer.
@@ -300,10 +337,10 @@ fn refusal(line: &[u8]) -> Fault {
     let actions = parsed.as_ref().and_then(|answer| answer.get("actions")?.as_array());
     let mut keys =
         actions.into_iter().flatten().filter_map(serde_json::Value::as_object).flat_map(|action| action.keys());
-    Fault::Answer(match keys.any(|key| !ACTION.contains(&key.as_str())) {
-        true => "an action with a key other than id, throttle, brake, acceleration, steer, mode",
-        false => "not the JSON of an answer",
-    })
+    match keys.any(|key| ACTION.iter().all(|(known, ..)| known != key)) {
+        true => Fault::Answer("an action with a key other than id, throttle, brake, acceleration, steer, mode"),
+        false => answer_refusal(line, &ACTION),
+    }
 }
 
 /// Reads a driver's decisions for the requested worlds, in their order.
@@ -395,6 +432,13 @@ mod tests {
             (r#"{"actions":[{"id":3,"throtle":1},{"id":5,"brake":1}]}"#, unknown),
             (r#"{"actions":[{"id":3,"brake":0,"throtle":1},{"id":5,"brake":1}]}"#, unknown),
             (r#"{"actions":[{"id":3,"brake":NaN},{"id":5,"brake":1}]}"#, "not the JSON of an answer"),
+            ("[]", "JSON, and not an object with `actions`"),
+            ("{}", "JSON, and not an object with `actions`"),
+            (r#"{"actions":[3]}"#, "an action that is not an object"),
+            (r#"{"actions":[{"brake":1}]}"#, "an action without `id`"),
+            (r#"{"actions":[{"id":3,"brake":1,"brake":0}]}"#, "an action with a key that is missing or there twice"),
+            ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
+            ("{\0\"\0", "it is UTF-16: write UTF-8"),
             (r#"{"actions":[{"id":3,"brake":1}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"brake":1},{"id":3,"brake":1}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"brake":1,"mode":"cruize"},{"id":5,"brake":1}]}"#, UNKNOWN_MODE),
@@ -405,6 +449,57 @@ mod tests {
             ),
         ] {
             assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
+        }
+    }
+    #[test]
+    fn a_value_of_a_wrong_type_is_named_with_its_key() {
+        let read = |key: &str, value: &str| {
+            let line = format!(r#"{{"actions":[{{"id":3,"brake":1}},{{"id":5,"{key}":{value}}}]}}"#);
+            read_decisions(line.as_bytes(), &[3, 5], &mut Vec::new()).unwrap_err().to_string()
+        };
+        for key in ["throttle", "brake", "acceleration", "steer"] {
+            for (value, kind) in [
+                ("null", "null"),
+                (r#""0.3""#, "a text"),
+                ("true", "true or false"),
+                ("[0.3]", "a list"),
+                ("{}", "an object"),
+            ] {
+                assert_eq!(
+                    read(key, value),
+                    format!("gave a wrong answer: `{key}` is {kind}; give a number"),
+                    "{value}"
+                );
+            }
+        }
+        assert_eq!(read("mode", "3"), "gave a wrong answer: `mode` is another number; give a text");
+        for line in
+            [r#"{"actions":[{"id":"3","brake":1}]}"#, r#"{"actions":[{"id":-1}]}"#, r#"{"actions":[{"id":3.5}]}"#]
+        {
+            let fault = read_decisions(line.as_bytes(), &[3], &mut Vec::new()).unwrap_err().to_string();
+            assert!(fault.starts_with("gave a wrong answer: `id` is ") && fault.ends_with("; give the id of a world"));
+        }
+        let fault = read_decisions(br#"{"actions":{"id":3}}"#, &[3], &mut Vec::new()).unwrap_err().to_string();
+        assert_eq!(fault, "gave a wrong answer: `actions` is an object; give a list");
+        // A missing pedal is 0, and a mode may be left open.
+        assert!(read_decisions(br#"{"actions":[{"id":3,"brake":1,"mode":null}]}"#, &[3], &mut Vec::new()).is_ok());
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_greeting_is_said() {
+        let refused = |line: &str| read_greeting(line.as_bytes()).err().map(|fault| fault.to_string());
+        assert_eq!(refused(r#"{"protocol":"falsify-av/1","revision":2,"novelty":1}"#), None);
+        for (line, said) in [
+            ("hello", "not the JSON of a greeting"),
+            ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
+            ("[]", "JSON, and not an object"),
+            ("{}", "an object without `protocol`"),
+            (r#"{"protocol":1}"#, "`protocol` is another number; give a text"),
+            (r#"{"protocol":"falsify-av/1","revision":"2"}"#, "`revision` is a text; give 1 or 2"),
+            (r#"{"protocol":"falsify-av/1","encoding":"xml"}"#, "`encoding` is a text; give `json` or `binary`"),
+            (r#"{"protocol":"falsify-av/9"}"#, "another protocol than falsify-av/1"),
+        ] {
+            assert_eq!(refused(line), Some(format!("greeted wrongly: {said}")), "{line}");
         }
     }
 }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::{Link, Opener, Program};
-use crate::av::Fault;
+use crate::av::{Exit, Fault};
 
 /// Longest line of an answer (bytes).
 const MAX_LINE: usize = 1 << 20;
@@ -84,7 +84,7 @@ impl Peer {
     pub fn link(&mut self) -> Result<&mut dyn Link, Fault> {
         match &mut self.link {
             Some(link) => Ok(link.as_mut()),
-            None => Err(Fault::Ended),
+            None => Err(Fault::Ended(Exit::Unknown)),
         }
     }
 

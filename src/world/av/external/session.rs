@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::binary::{self, Room};
-use super::message::{self, Decision, Encoding, Greeting, Hello, PROTOCOL, Pedals, Revision, Vehicle};
+use super::message::{self, Decision, Encoding, Hello, PROTOCOL, Pedals, Revision, Vehicle};
 use super::peer::Peer;
 use super::{Opener, Program};
 use crate::av::view::View;
@@ -94,11 +94,7 @@ impl Session {
             serde_json::to_vec(&hello).expect("numbers and words have a form in JSON")
         };
         let greeted = |line: &[u8]| {
-            let greeting: Greeting =
-                serde_json::from_slice(line).map_err(|_| Fault::Greeting("not the JSON of a greeting"))?;
-            if greeting.protocol != PROTOCOL {
-                return Err(Fault::Greeting("another protocol than falsify-av/1"));
-            }
+            let greeting = message::read_greeting(line)?;
             (*encoding, *control, *revision) = (greeting.encoding, greeting.control, greeting.revision);
             Ok(())
         };

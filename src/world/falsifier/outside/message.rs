@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::av::Fault;
-use crate::av::external::Body;
+use crate::av::external::{Body, ID, KeyOf, answer_refusal, greeting_refusal};
 use crate::env::Scene;
 
 /// Name and major version of the protocol. Keys may be added within a version; a program must ignore keys that it does not know.
@@ -57,7 +57,8 @@ struct Greeting {
 /// # Errors
 /// [`Fault::Greeting`].
 pub(super) fn read_greeting(line: &[u8]) -> Result<(), Fault> {
-    let greeting: Greeting = serde_json::from_slice(line).map_err(|_| Fault::Greeting("not the JSON of a greeting"))?;
+    let protocol: KeyOf = ("protocol", "a text", |value| value.is_string());
+    let greeting: Greeting = serde_json::from_slice(line).map_err(|_| greeting_refusal(line, &[protocol]))?;
     let known = greeting.protocol == PROTOCOL;
     known.then_some(()).ok_or(Fault::Greeting("another protocol than falsify-pedestrian/1"))
 }
@@ -117,7 +118,9 @@ struct Answers {
 /// # Errors
 /// [`Fault::Answer`].
 pub(super) fn read_action(line: &[u8], id: u32, action: &mut [f64]) -> Result<(), Fault> {
-    let answers: Answers = serde_json::from_slice(line).map_err(|_| Fault::Answer("not the JSON of an answer"))?;
+    let numbers = |value: &serde_json::Value| value.as_array().is_some_and(|list| list.iter().all(|n| n.is_number()));
+    let keys: [KeyOf; 2] = [ID, ("action", "a list of numbers", numbers)];
+    let answers: Answers = serde_json::from_slice(line).map_err(|_| answer_refusal(line, &keys))?;
     match answers.actions.as_slice() {
         [answer] if answer.id == id => {
             if answer.action.len() != action.len() {
@@ -146,18 +149,24 @@ mod tests {
         for (line, reason) in [
             ("walk", "not the JSON of an answer"),
             (r#"{"actions":[{"id":3,"action":[NaN,1]}]}"#, "not the JSON of an answer"),
+            ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
+            (r#"{"actions":[{"id":3}]}"#, "an action with a key that is missing or there twice"),
             (r#"{"actions":[]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":4,"action":[0,1]}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"action":[0]}]}"#, "not two numbers for each pedestrian"),
         ] {
             assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
         }
+        for (action, kind) in [("[0,null]", "a list with null"), (r#""0""#, "a text"), ("3", "another number")] {
+            let said = read(&format!(r#"{{"actions":[{{"id":3,"action":{action}}}]}}"#)).unwrap_err().to_string();
+            assert_eq!(said, format!("gave a wrong answer: `action` is {kind}; give a list of numbers"));
+        }
     }
 
     #[test]
     fn a_greeting_names_this_protocol() {
         assert_eq!(read_greeting(br#"{"protocol":"falsify-pedestrian/1","name":"mine"}"#), Ok(()));
-        assert_eq!(read_greeting(b"{}"), Err(Fault::Greeting("not the JSON of a greeting")));
+        assert_eq!(read_greeting(b"{}"), Err(Fault::Greeting("an object without `protocol`")));
         let other = Err(Fault::Greeting("another protocol than falsify-pedestrian/1"));
         assert_eq!(read_greeting(br#"{"protocol":"falsify-av/1"}"#), other);
     }

@@ -1,0 +1,78 @@
+//! What is wrong with a line that is not the message it should be.
+
+use serde_json::{Map, Value};
+
+use crate::av::Fault;
+
+/// A key of a message: its name, what its value must be, and whether a value is that.
+pub(crate) type KeyOf = (&'static str, &'static str, fn(&Value) -> bool);
+
+/// The key of an action that says which world it is for.
+pub(crate) const ID: KeyOf =
+    ("id", "the id of a world", |value| value.as_u64().is_some_and(|id| u32::try_from(id).is_ok()));
+
+/// What is wrong with a line that is not a greeting with these keys, of which the first must be there.
+pub(crate) fn greeting_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
+    let Ok(value) = serde_json::from_slice::<Value>(line) else {
+        return Fault::Greeting(not_json(line).unwrap_or("not the JSON of a greeting"));
+    };
+    let Some(greeting) = value.as_object() else { return Fault::Greeting("JSON, and not an object") };
+    let missing = keys.first().is_some_and(|(first, ..)| !greeting.contains_key(*first));
+    match wrong_type(greeting, keys, true) {
+        Some(fault) => fault,
+        None if missing => Fault::Greeting("an object without `protocol`"),
+        None => Fault::Greeting("an object with a key that is there twice"),
+    }
+}
+
+/// What is wrong with a line that is not an answer of actions with these keys.
+pub(crate) fn answer_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
+    let Ok(value) = serde_json::from_slice::<Value>(line) else {
+        return Fault::Answer(not_json(line).unwrap_or("not the JSON of an answer"));
+    };
+    let Some(actions) = value.get("actions") else { return Fault::Answer("JSON, and not an object with `actions`") };
+    let Some(actions) = actions.as_array() else {
+        return Fault::WrongType { greeting: false, key: "actions", found: kind(actions), wanted: "a list" };
+    };
+    for action in actions {
+        let Some(action) = action.as_object() else { return Fault::Answer("an action that is not an object") };
+        if let Some(fault) = wrong_type(action, keys, false) {
+            return fault;
+        }
+        if !action.contains_key(ID.0) {
+            return Fault::Answer("an action without `id`");
+        }
+    }
+    Fault::Answer("an action with a key that is missing or there twice")
+}
+
+/// The first key whose value has a wrong type.
+fn wrong_type(object: &Map<String, Value>, keys: &[KeyOf], greeting: bool) -> Option<Fault> {
+    keys.iter().find_map(|(key, wanted, fits)| {
+        let value = object.get(*key).filter(|value| !fits(value))?;
+        Some(Fault::WrongType { greeting, key, found: kind(value), wanted })
+    })
+}
+
+/// The type of a value, in words.
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "another number",
+        Value::String(_) => "a text",
+        Value::Array(list) if list.iter().any(Value::is_null) => "a list with null",
+        Value::Array(list) if !list.iter().all(Value::is_number) => "a list with other values than numbers",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
+}
+
+/// An encoding that shows why a line is not JSON.
+fn not_json(line: &[u8]) -> Option<&'static str> {
+    match line {
+        [0xef, 0xbb, 0xbf, ..] => Some("it begins with a byte order mark: write UTF-8 without one"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..] => Some("it is UTF-16: write UTF-8"),
+        _ => None,
+    }
+}
