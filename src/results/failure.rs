@@ -16,8 +16,9 @@ use world::sim::WalkCommand;
 
 choice! {
     /// What found a failure.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
     pub enum FoundBy {
+        #[default]
         Evaluation = "evaluation",
         Search = "search",
     }
@@ -101,7 +102,7 @@ impl FailureClass {
 }
 
 /// A failure of a driver, or a bump into the standing car.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Failure {
     /// Its evaluation; of a search the falsifier is the controller.
     pub key: RunKey,
@@ -189,25 +190,7 @@ impl Violation {
 impl Failure {
     /// An episode of a run, without anything that failed in it.
     pub fn new(key: RunKey, found_by: FoundBy, number: u64) -> Self {
-        Self {
-            key,
-            found_by,
-            number,
-            start: number,
-            commands: Vec::new(),
-            found_after: 0,
-            digest: 0,
-            verdict: None,
-            foreseeable: false,
-            fault: false,
-            impact: None,
-            occluded: false,
-            driving_mode: None,
-            impact_speed: 0.0,
-            length: 0.0,
-            violation: None,
-            approach: None,
-        }
+        Self { key, found_by, number, start: number, ..Self::default() }
     }
 
     /// The touch in a row of the table of episodes.

@@ -153,29 +153,24 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         Found::Evaluated(cell) => u64::from(cell.runs),
         Found::Searched(cell) => cell.runs as u64,
     }));
-    let rates: [([&'static str; 4], RateOf); 3] = [
-        (["fault_rate", "fault_rate_sd", "fault_rate_wilson_low", "fault_rate_wilson_high"], |cell| &cell.fault),
-        (
-            ["preventable_rate", "preventable_rate_sd", "preventable_rate_wilson_low", "preventable_rate_wilson_high"],
-            |cell| &cell.preventable,
-        ),
-        (["collision_rate", "collision_rate_sd", "collision_rate_wilson_low", "collision_rate_wilson_high"], |cell| {
-            &cell.collision
-        }),
+    let rates: [(&'static str, RateOf); 3] = [
+        ("fault_rate", |cell| &cell.fault),
+        ("preventable_rate", |cell| &cell.preventable),
+        ("collision_rate", |cell| &cell.collision),
     ];
-    for ([rate, sd, low, high], of) in rates {
+    for (name, of) in rates {
         let of = move |row: &Row<'a>| cell(row).map(of);
+        let sd = number("", "", "its standard deviation over runs; missing for one");
+        let low = number("", "", "lower end of its 95 % interval over starts (Wilson)");
         table = table
-            .column(number(rate, "", "mean over the runs").of(move |row: &Row<'a>| of(row)?.value))
+            .column(number(name, "", "mean over the runs").of(move |row: &Row<'a>| of(row)?.value))
+            .column(sd.of(move |row: &Row<'a>| of(row)?.sd).named(format!("{name}_sd")))
+            .column(low.of(move |row: &Row<'a>| Some(of(row)?.interval?.0)).named(format!("{name}_wilson_low")))
             .column(
-                number(sd, "", "its standard deviation over runs; missing for one")
-                    .of(move |row: &Row<'a>| of(row)?.sd),
-            )
-            .column(
-                number(low, "", "lower end of its 95 % interval over starts (Wilson)")
-                    .of(move |row: &Row<'a>| Some(of(row)?.interval?.0)),
-            )
-            .column(number(high, "", "upper end of the same").of(move |row: &Row<'a>| Some(of(row)?.interval?.1)));
+                number("", "", "upper end of the same")
+                    .of(move |row: &Row<'a>| Some(of(row)?.interval?.1))
+                    .named(format!("{name}_wilson_high")),
+            );
     }
     let average = move |of: fn(&SearchCell) -> Option<f64>| move |row: &Row<'a>| searched(row).and_then(of);
     table

@@ -30,15 +30,15 @@ impl FromStr for DriverPair {
 }
 
 /// A driver in a scenario of a campaign.
-struct Place<'a> {
-    policy: &'a str,
-    town: &'a str,
+pub(super) struct Place<'a> {
+    pub policy: &'a str,
+    pub town: &'a str,
     /// The vehicle; `None` in a search.
     vehicle: Option<&'a str>,
-    scenario: &'a Arc<Scenario>,
+    pub scenario: &'a Arc<Scenario>,
 }
 
-fn places(campaign: &Campaign) -> impl Iterator<Item = Place<'_>> {
+pub(super) fn places(campaign: &Campaign) -> impl Iterator<Item = Place<'_>> {
     let evaluations = campaign.all::<Evaluation>().map(|evaluation| Place {
         policy: &evaluation.policy,
         town: &evaluation.town,

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::RecheckArgs;
-use super::driver_pairs::{DriverPair, driver_pairs, new_role, with_driver};
+use super::driver_pairs::{DriverPair, Place, driver_pairs, new_role, places, with_driver};
 use super::encounters::{MetAgain, cross};
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
-use compile::{Campaign, Evaluation, RunId, Search};
+use compile::{Campaign, RunId};
 use results::failure::{Failure, FoundBy};
 use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
 use world::env::Scenario;
@@ -273,11 +273,8 @@ impl Sides {
 
     /// The different setups in which the report has a driver, numbered in each town.
     fn setups(&self, driver: &str) -> Vec<Setup<'_>> {
-        let evaluated = self.old.campaign.all().map(|each: &Evaluation| (&*each.policy, &*each.town, &each.scenario));
-        let searched =
-            self.old.campaign.all().map(|each: &Search| (&*each.key.policy, &*each.key.town, &each.scenario));
         let mut setups: Vec<Setup<'_>> = Vec::new();
-        for (_, town, scenario) in evaluated.chain(searched).filter(|(policy, _, _)| *policy == driver) {
+        for Place { town, scenario, .. } in places(&self.old.campaign).filter(|place| place.policy == driver) {
             let of_town = || setups.iter().filter(|other| other.town == town);
             if !of_town().any(|other| is_alike(&other.scenario, scenario)) {
                 let number = of_town().count() as u64;

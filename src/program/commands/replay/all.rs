@@ -100,11 +100,8 @@ fn chosen(source: &Source, size: Option<NonZeroUsize>) -> Result<Vec<EpisodeName
         _ => (0..all.len()).collect(),
     };
     places.sort_unstable();
-    let name = |place: usize| {
-        let (run, number) = &all[place];
-        EpisodeName::of_table(format!("{run}:{number}"))
-    };
-    places.into_iter().map(name).collect()
+    let name = |place: usize| EpisodeName { run: all[place].0, number: all[place].1 };
+    Ok(places.into_iter().map(name).collect())
 }
 
 /// Repeats episodes, those of a run in sequence; returns those that differ.

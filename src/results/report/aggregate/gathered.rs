@@ -12,7 +12,7 @@ use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tal
 use compile::{ControllerKind, Evaluation};
 
 /// The results of one pass over all episodes: small tables, counts, and a bounded sample.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Gathered {
     pub runs: Vec<RunRow>,
     /// Episodes, those in error included.
@@ -58,24 +58,7 @@ pub fn gather(
     searches: &[SearchResult],
 ) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
-    let mut gathered = Gathered {
-        runs: Vec::new(),
-        episodes: 0,
-        ticks: 0,
-        all_tried: true,
-        errors: 0,
-        untried: 0,
-        first_error: None,
-        unpaid: 0,
-        first_unpaid: None,
-        every_driver_drove: true,
-        evidence: Evidence::default(),
-        starts: BTreeMap::new(),
-        tally: Tally::default(),
-        failures: Failures::default(),
-        protocol: Vec::new(),
-        requirements: Vec::new(),
-    };
+    let mut gathered = Gathered { all_tried: true, ..Gathered::default() };
     let mut evidence = Gathering::default();
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     let none = record::episodes(&[]);

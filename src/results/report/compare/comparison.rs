@@ -30,7 +30,7 @@ pub struct ReportComparison {
 }
 
 /// A place, a driver and a controller on both sides.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct ComparedCell {
     /// The key on the first side and on the second.
     pub keys: [CellKey; 2],
@@ -130,12 +130,8 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         let mut found = ComparedCell {
             keys: cell[0].each_ref().map(|run| run.key.cell.clone()),
             runs: cell.len() as u64,
-            starts: 0,
-            figures: Vec::new(),
-            collisions: Changed::default(),
-            preventable: Changed::default(),
-            fault: Changed::default(),
             violations: requirements.iter().map(|name| ((*name).clone(), Changed::default())).collect(),
+            ..ComparedCell::default()
         };
         for [first, second] in cell {
             let (a, b) = (before.report.rows_of(first)?, after.report.rows_of(second)?);

@@ -17,7 +17,7 @@ use world::falsifier::StartSet;
 use world::judge::Label;
 
 /// A falsifier in a town on both sides: what its searches found from the starts that both tried.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct ComparedSearch {
     pub falsifier: String,
     pub town: String,
@@ -131,16 +131,7 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
         block: one.block,
         budget: one.budget,
         runs: runs.len() as u64,
-        starts: 0,
-        collisions: Changed::default(),
-        preventable: Changed::default(),
-        fault: Changed::default(),
-        shares: [0.0; 2],
-        differences: Vec::new(),
-        interval: None,
-        p: None,
-        holm: None,
-        changes: Vec::new(),
+        ..ComparedSearch::default()
     };
     for run in runs {
         let tried = run[0].starts.common(&run[1].starts);

@@ -5,7 +5,7 @@ use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key};
 use crate::report::Findings;
-use crate::report::aggregate::{FIRST_FAILURE, GATED, STARTS, search_cell_columns, search_cell_table, search_key};
+use crate::report::aggregate::{GATED, STARTS, search_cell_columns, search_cell_table, search_key};
 use crate::report::cell_table::{KnownCell, cell_table};
 use crate::report::compare::COMMON_STARTS;
 use base::statistics::{MIN_RUNS, mcnemar};
@@ -116,8 +116,7 @@ impl TooFewRuns {
     fn of(cells: &DataFrame, column: &str, row: usize) -> Option<Self> {
         let (stem, end) = ["_low", "_high"].iter().find_map(|end| Some((column.strip_suffix(end)?, end)))?;
         let (runs, found) = (number(&value(cells, RUNS, row))?, number(&value(cells, column, row)));
-        // The time to the first failure is censored and not averaged: without an end the runs say that there is none.
-        if found.is_some() || runs >= MIN_RUNS as f64 || stem == FIRST_FAILURE {
+        if found.is_some() || runs >= MIN_RUNS as f64 {
             return None;
         }
         let bare = ["_student", "_difference"];
@@ -438,11 +437,11 @@ mod tests {
         let rates: Vec<Option<f64>> = vec![Some(0.04), Some(0.06), None];
         let learnt: Vec<Option<&str>> = vec![Some("yes"), Some("no"), None];
         df!(
-        "town" => ["harbour", "village", "village"],
-        "controller" => ["trained", "trained", "random"],
-        "learnt" => learnt,
-        "preventable_rate" => rates,
-        "errors" => [0_u32, 0, 3]
+            "town" => ["harbour", "village", "village"],
+            "controller" => ["trained", "trained", "random"],
+            "learnt" => learnt,
+            "preventable_rate" => rates,
+            "errors" => [0_u32, 0, 3]
         )
         .unwrap()
     }
@@ -534,19 +533,17 @@ mod tests {
     #[test]
     fn a_gate_on_an_interval_fails_where_too_few_runs_have_one() {
         let cells = df!(
-        "town" => ["harbour", "village", "quay"],
-        "runs" => [4_u32, 3, 3],
-        "fault_rate_student_low" => [Some(0.01), None, None],
-        "fault_rate_wilson_low" => [Some(0.01), Some(0.02), None],
-        "fault_rate_mean" => [Some(0.02), Some(0.03), Some(0.04)],
-        "front_rate_mean" => [Some(0.02), None, Some(0.04)],
-        "first_failure_ticks_low" => [Some(10.0), None, Some(20.0)]
+            "town" => ["harbour", "village", "quay"],
+            "runs" => [4_u32, 3, 3],
+            "fault_rate_student_low" => [Some(0.01), None, None],
+            "fault_rate_wilson_low" => [Some(0.01), Some(0.02), None],
+            "fault_rate_mean" => [Some(0.02), Some(0.03), Some(0.04)],
+            "front_rate_mean" => [Some(0.02), None, Some(0.04)]
         )
         .unwrap();
         assert_eq!(letters(&cells, "fault_rate_student_low > 0.05"), "pff", "it could never be true of three runs");
         assert_eq!(letters(&cells, "fault_rate_student_low > 0.05 and fault_rate_mean > 0.03"), "ppf");
         assert_eq!(letters(&cells, "front_rate_mean > 0.5"), "pmp", "other columns may have no value");
-        assert_eq!(letters(&cells, "first_failure_ticks_low < 5"), "pmp", "nothing was found");
         let said = |row| TooFewRuns::of(&cells, "fault_rate_student_low", row).unwrap().to_string();
         assert_eq!(
             said(1),
@@ -558,12 +555,12 @@ mod tests {
     #[test]
     fn a_gate_that_judges_nothing_fails() {
         let cells = df!(
-        "town" => ["harbour", "village"],
-        "episodes" => [10_u32, 0],
-        "errors" => [0_u32, 3],
-        "fault_rate_mean" => [Some(0.02), None],
-        "front_rate_mean" => [None::<f64>, None],
-        "learning_gain" => [None::<f64>, None]
+            "town" => ["harbour", "village"],
+            "episodes" => [10_u32, 0],
+            "errors" => [0_u32, 3],
+            "fault_rate_mean" => [Some(0.02), None],
+            "front_rate_mean" => [None::<f64>, None],
+            "learning_gain" => [None::<f64>, None]
         )
         .unwrap();
         assert_eq!(
@@ -579,8 +576,8 @@ mod tests {
         assert_eq!(letters(&cells.head(Some(1)), "learning_gain > 0"), "M", "no row has it");
         assert_eq!(letters(&cells.head(Some(1)), "front_rate > 0.5"), "m", "nothing was touched");
         let searches = df!(
-        "starts_mean" => [0.0, 1.5],
-        "faults_mean" => [0.0, 0.0]
+            "starts_mean" => [0.0, 1.5],
+            "faults_mean" => [0.0, 0.0]
         )
         .unwrap();
         assert_eq!(letters(&searches, "faults > 0"), "np", "its budget holds no start");
@@ -610,10 +607,10 @@ mod tests {
     fn a_gate_over_controllers_judges_one_cell_of_each_place() {
         let rates: Vec<Option<f64>> = vec![Some(0.02), Some(0.15), Some(0.15), Some(0.03), None, None];
         let cells = df!(
-        "town" => ["harbour", "harbour", "harbour", "village", "village", "quay"],
-        "controller" => ["trained", "intercept", "homing", "trained", "random", "random"],
-        "preventable_rate" => rates,
-        "errors" => [0_u32, 2, 0, 0, 0, 0]
+            "town" => ["harbour", "harbour", "harbour", "village", "village", "quay"],
+            "controller" => ["trained", "intercept", "homing", "trained", "random", "random"],
+            "preventable_rate" => rates,
+            "errors" => [0_u32, 2, 0, 0, 0, 0]
         )
         .unwrap();
         for (text, wanted) in [

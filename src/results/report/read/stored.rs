@@ -4,12 +4,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{DataFrame, PolarsError, PolarsResult};
+use polars::prelude::{DataFrame, DataType, PolarsError, PolarsResult};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 
 use crate::jobs::pedestrian_file;
-use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
+use crate::record::columns::{EPISODE, RUN_ID};
 use crate::record::{EPISODES, RunKey, read_parquet};
 use crate::report::aggregate::{FAILURE, FAILURES, RUNS, SEARCHES};
 use crate::report::folder::{MARK, digest, is_sealed, report_files};
@@ -19,7 +19,6 @@ use crate::report::{Manifest, ScenarioFile};
 use base::files;
 use compile::{RunId, TrainingKey};
 use learn::{ActorCritic, CheckpointError};
-use world::env::StateHashes;
 
 /// Why a report cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -209,10 +208,9 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn holds(&self, run: RunId) -> Result<bool, ReadError> {
-        let name = run.to_string();
         for table in [RUNS, FAILURES] {
             let Some(ids) = self.read(table, Some(&[RUN_ID.name]), None)? else { continue };
-            if self.texts(table, &ids, RUN_ID.name)?.contains(&name) {
+            if self.ids(table, &ids)?.contains(&run) {
                 return Ok(true);
             }
         }
@@ -224,23 +222,23 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn episode(&self, run: RunId, episode: u32, guess: usize) -> Result<Option<DataFrame>, ReadError> {
-        let wanted = (run.to_string(), episode.to_string());
+        let wanted = (run, episode);
         if let Some(row) = self.rows(EPISODES, guess, 1)?
             && self.names(EPISODES, &row, EPISODE.name)?.contains(&wanted)
         {
             return Ok(Some(row));
         }
-        self.row_of(EPISODES, &self.index()?, &wanted)
+        self.row_of(EPISODES, &self.index()?, wanted)
     }
 
     /// The row of this name in a table with these names.
     fn row_of(
         &self,
         table: &str,
-        names: &[(String, String)],
-        wanted: &(String, String),
+        names: &[(RunId, u32)],
+        wanted: (RunId, u32),
     ) -> Result<Option<DataFrame>, ReadError> {
-        let place = names.iter().position(|name| name == wanted);
+        let place = names.iter().position(|name| *name == wanted);
         place.map_or(Ok(None), |place| self.rows(table, place, 1))
     }
 
@@ -248,7 +246,7 @@ impl StoredReport {
     ///
     /// # Errors
     /// A table that is damaged.
-    pub fn index(&self) -> Result<Vec<(String, String)>, ReadError> {
+    pub fn index(&self) -> Result<Vec<(RunId, u32)>, ReadError> {
         self.all_names(EPISODES, EPISODE.name)
     }
 
@@ -257,14 +255,14 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn search_failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
-        self.row_of(FAILURES, &self.search_failures()?, &(run.to_string(), number.to_string()))
+        self.row_of(FAILURES, &self.search_failures()?, (run, number))
     }
 
     /// The names of all failures of searches, search and number, in the order of the table.
     ///
     /// # Errors
     /// A table that is damaged.
-    pub fn search_failures(&self) -> Result<Vec<(String, String)>, ReadError> {
+    pub fn search_failures(&self) -> Result<Vec<(RunId, u32)>, ReadError> {
         self.all_names(FAILURES, FAILURE.name)
     }
 
@@ -285,10 +283,10 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged, or that the report has as CSV only.
     pub fn run_rows(&self) -> Result<Vec<StoredRun>, ReadError> {
-        let mut ids: Vec<(String, usize, usize)> = Vec::new();
+        let mut ids: Vec<(RunId, usize, usize)> = Vec::new();
         let path = self.parquet(EPISODES)?;
         let Some(table) = self.read(EPISODES, Some(&[RUN_ID.name]), None)? else { return Ok(Vec::new()) };
-        for (row, id) in self.texts(EPISODES, &table, RUN_ID.name)?.into_iter().enumerate() {
+        for (row, id) in self.ids(EPISODES, &table)?.into_iter().enumerate() {
             match ids.last_mut() {
                 Some((last, _, count)) if *last == id => *count += 1,
                 _ => ids.push((id, row, 1)),
@@ -363,22 +361,29 @@ impl StoredReport {
         read_parquet(file, length, columns, rows).map(Some).map_err(|source| ReadError::Table { path, source })
     }
 
-    /// The values of a column, as in CSV.
-    fn texts(&self, table: &str, rows: &DataFrame, column: &str) -> Result<Vec<String>, ReadError> {
-        let failed = |source| ReadError::Table { path: self.folder.join(format!("{table}.parquet")), source };
-        rows.select([column]).and_then(|rows| values(&rows)).map_err(failed)
-    }
-
     /// The names of all rows of a table.
-    fn all_names(&self, table: &str, number: &str) -> Result<Vec<(String, String)>, ReadError> {
+    fn all_names(&self, table: &str, number: &str) -> Result<Vec<(RunId, u32)>, ReadError> {
         let rows = self.read(table, Some(&[RUN_ID.name, number]), None)?;
         rows.map_or(Ok(Vec::new()), |rows| self.names(table, &rows, number))
     }
 
+    /// The runs of rows.
+    fn ids(&self, table: &str, rows: &DataFrame) -> Result<Vec<RunId>, ReadError> {
+        let ids = RUN_ID.read(rows).map_err(|source| self.damaged(table, source))?;
+        Ok(ids.iter().map(|id| id.and_then(|id| id.parse().ok()).unwrap_or_default()).collect())
+    }
+
     /// The names of rows: the run and a number.
-    fn names(&self, table: &str, rows: &DataFrame, number: &str) -> Result<Vec<(String, String)>, ReadError> {
-        let (runs, numbers) = (self.texts(table, rows, RUN_ID.name)?, self.texts(table, rows, number)?);
-        Ok(runs.into_iter().zip(numbers).collect())
+    fn names(&self, table: &str, rows: &DataFrame, number: &str) -> Result<Vec<(RunId, u32)>, ReadError> {
+        let numbers = rows.column(number).and_then(|column| column.cast(&DataType::UInt32));
+        let numbers = numbers.map_err(|source| self.damaged(table, source))?;
+        let numbers = numbers.u32().map_err(|source| self.damaged(table, source))?;
+        Ok(self.ids(table, rows)?.into_iter().zip(numbers.iter().map(Option::unwrap_or_default)).collect())
+    }
+
+    /// The error of a table that is damaged.
+    fn damaged(&self, table: &str, source: PolarsError) -> ReadError {
+        ReadError::Table { path: self.folder.join(format!("{table}.parquet")), source }
     }
 }
 
@@ -387,16 +392,6 @@ fn values(column: &DataFrame) -> PolarsResult<Vec<String>> {
     let mut bytes = Vec::new();
     CsvWriter::new(&mut bytes).include_header(false).finish(&mut column.clone())?;
     Ok(String::from_utf8_lossy(&bytes).lines().map(str::to_string).collect())
-}
-
-/// A value of the first row, as in CSV; empty where there is none.
-pub fn value(row: &DataFrame, column: &str) -> String {
-    row.select([column]).and_then(|row| values(&row)).ok().and_then(|all| all.first().cloned()).unwrap_or_default()
-}
-
-/// The state hashes of the first row, if it has any.
-pub fn trail(row: &DataFrame) -> Option<StateHashes> {
-    value(row, STATE_HASHES.name).parse().ok()
 }
 
 /// The values in which two tables with the same rows differ, in the order of the rows, each with the number of its row. Columns that one

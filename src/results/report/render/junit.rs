@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::super::{Cell, Gate, Judged, Manifest, SearchCell};
+use super::super::{Cell, Gate, Judged, Manifest, SearchCell, TrainingRecord};
 use super::sections::{place, who};
 
 /// The results of a campaign for a server of continuous integration.
@@ -25,8 +25,8 @@ pub struct Suite {
 /// `junit-10.xsd` of Jenkins' xUnit plug-in.
 pub fn junit(suites: &[Suite]) -> String {
     let mut page = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    let counts: Vec<[usize; 4]> = suites.iter().map(counts).collect();
-    let sum = |place: usize| counts.iter().map(|counts| counts[place]).sum::<usize>();
+    let cases: Vec<_> = suites.iter().map(cases).collect();
+    let sum = |place: usize| cases.iter().map(|cases| counts(cases)[place]).sum::<usize>();
     let time: f64 = suites.iter().map(|suite| suite.manifest.wall_time_s).sum();
     let _ = writeln!(
         page,
@@ -35,15 +35,15 @@ pub fn junit(suites: &[Suite]) -> String {
         sum(1),
         sum(2)
     );
-    for (suite, counts) in suites.iter().zip(&counts) {
-        one(&mut page, suite, counts);
+    for (suite, cases) in suites.iter().zip(&cases) {
+        one(&mut page, suite, cases);
     }
     page.push_str("</testsuites>\n");
     page
 }
 
-fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[usize; 4]) {
-    let manifest = &suite.manifest;
+fn one(page: &mut String, suite: &Suite, cases: &[(String, Vec<Finding>)]) {
+    let (manifest, [tests, failures, errors, skipped]) = (&suite.manifest, counts(cases));
     let _ = writeln!(
         page,
         "  <testsuite name=\"{}\" tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\" skipped=\"{skipped}\" \
@@ -62,19 +62,7 @@ fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[u
         }
     }
     page.push_str("    </properties>\n");
-    for (row, cell) in suite.cells.iter().enumerate() {
-        case(page, &manifest.campaign, &short_name(cell, &suite.cells), &findings(suite, row));
-    }
-    for (row, cell) in suite.searches.iter().enumerate() {
-        case(page, &manifest.campaign, &cell.in_full(), &of_gates(suite, true, row));
-    }
-    for training in manifest.trainings.iter().filter(|training| !training.error.is_empty()) {
-        let name = format!(
-            "training of {} in {} against {}, run {}",
-            training.reward, training.town, training.policy, training.run
-        );
-        case(page, &manifest.campaign, &name, &[("error", "training", training.error.clone())]);
-    }
+    cases.iter().for_each(|(name, findings)| case(page, &manifest.campaign, name, findings));
     page.push_str("  </testsuite>\n");
 }
 
@@ -85,13 +73,23 @@ fn short_name(cell: &Cell, cells: &[Cell]) -> String {
     format!("{}{reward} in {} against {}", who(cell, cells), place(cell, cells), cell.key.policy)
 }
 
-/// Numbers of tests, failures, errors and skipped tests of a campaign.
-fn counts(suite: &Suite) -> [usize; 4] {
-    let failed = suite.manifest.trainings.iter().filter(|training| !training.error.is_empty()).count();
-    let mut all: Vec<Vec<Finding>> = (0..suite.cells.len()).map(|row| findings(suite, row)).collect();
-    all.extend((0..suite.searches.len()).map(|row| of_gates(suite, true, row)));
-    let of = |kind: &str| all.iter().filter(|found| found.iter().any(|finding| finding.0 == kind)).count();
-    [all.len() + failed, of("failure"), of("error") + failed, of("skipped")]
+/// The test cases of a campaign, by their names.
+fn cases(suite: &Suite) -> Vec<(String, Vec<Finding>)> {
+    let cells = suite.cells.iter().enumerate();
+    let cells = cells.map(|(row, cell)| (short_name(cell, &suite.cells), findings(suite, row)));
+    let searches = suite.searches.iter().enumerate().map(|(row, cell)| (cell.in_full(), of_gates(suite, true, row)));
+    let failed = suite.manifest.trainings.iter().filter(|training| !training.error.is_empty());
+    let trainings = failed.map(|TrainingRecord { reward, town, policy, run, error, .. }| {
+        let name = format!("training of {reward} in {town} against {policy}, run {run}");
+        (name, vec![("error", "training", error.clone())])
+    });
+    cells.chain(searches).chain(trainings).collect()
+}
+
+/// Numbers of tests, failures, errors and skipped tests.
+fn counts(cases: &[(String, Vec<Finding>)]) -> [usize; 4] {
+    let of = |kind: &str| cases.iter().filter(|(_, found)| found.iter().any(|finding| finding.0 == kind)).count();
+    [cases.len(), of("failure"), of("error"), of("skipped")]
 }
 
 /// The element, its type and its message.
