@@ -80,7 +80,8 @@ impl Lowering<'_> {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
         if !has_blocks {
-            let help = "give it a block: `train { … }`, `evaluate { … }`, `search { … }`, `estimate { … }`, `cover { … }` or `harden { … }`";
+            let blocks = BLOCKS.map(|kind| format!("`{} {{ … }}`", (kind.signature)().name));
+            let help = format!("give it a block: {}", blocks.join(", "));
             self.said.push(diagnostics::contradiction(block.head, "the campaign has no jobs".into()).help(help));
         }
         grid.campaign
@@ -142,23 +143,23 @@ impl Lowering<'_> {
         if let Value::Reference(id) = word {
             return Some((self.controller(*id)?, Some(*id)));
         }
-        let found = self.catalog.walkers.iter().find(|kind| *word == Value::Choice(kind.word()));
-        let kind = found.expect("checked: the word is in the catalogue");
+        let kind = self.walker_kind(word);
         if kind.is_scripted && !has_script {
-            self.no_script(block, key, kind);
+            let message = format!(
+                "a `{}` pedestrian walks as a test or a path states, and the spawn rule of this block is no test and has no path",
+                kind.word()
+            );
+            let help = "use a `spawn` of kind `crossing_test`, `along_test` or `given_path`";
+            self.said.push(diagnostics::contradiction(block.place(key), message).help(help));
             return None;
         }
         Some((kind.controller.clone(), None))
     }
 
-    /// Reports a pedestrian that walks as a test states, in a block whose starts are none of a test.
-    pub(crate) fn no_script(&mut self, block: &Block, key: &str, kind: &WalkerKind) {
-        let message = format!(
-            "a `{}` pedestrian walks as a test or a path states, and the spawn rule of this block is no test and has no path",
-            kind.word()
-        );
-        let help = "use a `spawn` of kind `crossing_test`, `along_test` or `given_path`";
-        self.said.push(diagnostics::contradiction(block.place(key), message).help(help));
+    /// The kind of pedestrian that a checked word names.
+    pub(crate) fn walker_kind(&self, word: &Value) -> &WalkerKind {
+        let found = self.catalog.walkers.iter().find(|kind| *word == Value::Choice(kind.word()));
+        found.expect("checked: the word is in the catalogue")
     }
 
     /// Reports a block that trains in a campaign without a `training`.

@@ -114,7 +114,7 @@ impl Lowering<'_> {
                 },
                 origin: Origin { fingerprint, ..origin },
                 scenario: scenarios[0].1.clone(),
-                together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
+                towns: scenarios.clone(),
                 drive: Some(rule.clone()),
                 config: config.clone(),
                 environments: *environments,

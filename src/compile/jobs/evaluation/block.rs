@@ -6,13 +6,12 @@ use crate::campaign::{PlaceKeys, StartKeys};
 use crate::grid::{Grid, Nested, of_places};
 use crate::jobs::{JobBlock, NO_REWARD, Origin, Training, TrainingKey};
 use crate::lowering::Lowering;
-use crate::walker::WalkerKind;
 use crate::{Campaign, Job};
 use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
 use lang::diagnostics;
+use lang::hir::Block;
 use world::env::RewardRule;
-use world::falsifier::Controller;
 
 keys! {
     /// Tries every pedestrian in every town against every policy.
@@ -50,18 +49,12 @@ impl Lowering<'_> {
         let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
         let all: Vec<_> = bodies().collect();
         let Some(ground) = self.ground(at, &places, &start, &all) else { return };
-        let mut kinds = self.catalog.walkers.iter();
-        let scripted = kinds.find(|kind| kind.is_scripted && pedestrians.contains(&Value::Choice(kind.word())));
-        if let Some(scripted) = scripted
-            && ground.spawn.value.scripted().is_none()
-        {
-            return self.no_script(block, "pedestrians", scripted);
-        }
         let untrained = at.campaign.nested("train").next().is_none();
         if untrained && pedestrians.iter().any(|word| matches!(word, Value::Choice(TRAINED | STOCHASTIC | UNTRAINED))) {
             return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
         }
-        let Some(chosen) = self.chosen(&pedestrians) else { return };
+        let has_script = ground.spawn.value.scripted().is_some();
+        let Some(chosen) = self.chosen(block, &pedestrians, has_script) else { return };
         let controllers =
             if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &grid.campaign.jobs) };
         let each = controllers.len().max(grid.rewards.len());
@@ -77,7 +70,8 @@ impl Lowering<'_> {
                 (scenario, self.origins(at, 1, &parts).next().expect("one run has one origin"))
             };
             let mut scenarios: BTreeMap<(&str, Option<DeclarationId>), _> = BTreeMap::new();
-            for declared in std::iter::once(None).chain(chosen.iter().map(Chosen::declared).filter(Option::is_some)) {
+            for declared in std::iter::once(None).chain(chosen.iter().map(|each| each.declared).filter(Option::is_some))
+            {
                 for (name, reward) in &*rewards {
                     let own = [Some(reward.id), declared].into_iter().flatten().collect::<Vec<_>>();
                     scenarios.insert((name, declared), scenario(&reward.value, &own));
@@ -88,7 +82,7 @@ impl Lowering<'_> {
                 }
             }
             let of = |controller: &ControllerKind, trained: &TrainingKey| {
-                let declared = chosen.iter().find(|each| each.is(controller)).and_then(Chosen::declared);
+                let declared = chosen.iter().find(|each| each.controller == *controller).and_then(|each| each.declared);
                 scenarios[&(trained.reward.as_str(), declared)].clone()
             };
             let evaluations = controllers.iter().map(|(controller, trained, needs)| {
@@ -113,46 +107,29 @@ impl Lowering<'_> {
 }
 
 /// A member of the list of pedestrians.
-enum Chosen {
-    Trained,
-    Stochastic,
-    First,
-    Untrained {
-        controller: Controller,
-        /// Whether it draws, so that every run is another.
-        draws: bool,
-        /// The declaration that it comes from, if it is not built in.
-        declared: Option<DeclarationId>,
-    },
-}
-
-impl Chosen {
-    fn declared(&self) -> Option<DeclarationId> {
-        if let Self::Untrained { declared, .. } = self { *declared } else { None }
-    }
-
-    /// Whether it is this controller, which learns nothing.
-    fn is(&self, other: &ControllerKind) -> bool {
-        matches!((self, other), (Self::Untrained { controller, .. }, ControllerKind::Untrained(other)) if controller == other)
-    }
+struct Chosen {
+    controller: ControllerKind,
+    /// Whether it draws, or begins as a training does, so that every run is another.
+    draws: bool,
+    /// The declaration that it comes from, if it is not built in.
+    declared: Option<DeclarationId>,
 }
 
 impl Lowering<'_> {
-    /// The chosen controllers; none after reporting what is wrong with a declared one.
-    fn chosen(&mut self, words: &[Value]) -> Option<Vec<Chosen>> {
-        let each = |word: &Value| match word {
-            Value::Choice(TRAINED) => Some(Chosen::Trained),
-            Value::Choice(STOCHASTIC) => Some(Chosen::Stochastic),
-            Value::Choice(UNTRAINED) => Some(Chosen::First),
-            Value::Reference(id) => {
-                let controller = self.controller(*id)?;
-                Some(Chosen::Untrained { controller, draws: false, declared: Some(*id) })
-            }
-            word => {
-                let found = self.catalog.walkers.iter().find(|kind| *word == Value::Choice(kind.word()));
-                let WalkerKind { controller, draws, .. } = found.expect("checked: the word is in the catalogue");
-                Some(Chosen::Untrained { controller: controller.clone(), draws: *draws, declared: None })
-            }
+    /// The chosen controllers; `None` after reporting what is wrong with one.
+    fn chosen(&mut self, block: &Block, words: &[Value], has_script: bool) -> Option<Vec<Chosen>> {
+        let each = |word: &Value| {
+            let (controller, draws, declared) = match word {
+                Value::Choice(TRAINED) => (ControllerKind::Trained, true, None),
+                Value::Choice(STOCHASTIC) => (ControllerKind::Stochastic, true, None),
+                Value::Choice(UNTRAINED) => (ControllerKind::First, true, None),
+                word => {
+                    let (controller, declared) = self.untrained(block, "pedestrians", word, has_script)?;
+                    let draws = declared.is_none() && self.walker_kind(word).draws;
+                    (ControllerKind::Untrained(controller), draws, declared)
+                }
+            };
+            Some(Chosen { controller, draws, declared })
         };
         words.iter().map(each).collect()
     }
@@ -165,11 +142,7 @@ type ControllerOf = (ControllerKind, Arc<TrainingKey>, Option<usize>);
 fn untrained_controllers(chosen: &[Chosen]) -> Vec<ControllerOf> {
     let reward = NO_REWARD.to_string();
     let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
-    let untrained = chosen.iter().filter_map(|each| match each {
-        Chosen::Untrained { controller, .. } => Some(ControllerKind::Untrained(controller.clone())),
-        Chosen::Trained | Chosen::Stochastic | Chosen::First => None,
-    });
-    untrained.map(|controller| (controller, key.clone(), None)).collect()
+    chosen.iter().map(|each| (each.controller.clone(), key.clone(), None)).collect()
 }
 
 /// The key of a controller without training, whose rows are compared with those of a reward.
@@ -191,19 +164,11 @@ fn controllers(chosen: &[Chosen], jobs: &[Job]) -> Vec<ControllerOf> {
         let mut seen = BTreeSet::new();
         let trainings = jobs.iter().enumerate().filter_map(|(place, job)| Some((place, job.of::<Training>()?)));
         for (index, Training { key, .. }) in trainings.filter(|(_, each)| each.drive.is_none()) {
-            let (controller, key) = match each {
-                Chosen::Trained => (ControllerKind::Trained, key.clone()),
-                Chosen::Stochastic => (ControllerKind::Stochastic, key.clone()),
-                Chosen::First => (ControllerKind::First, without_place(key, key.run)),
-                Chosen::Untrained { controller, draws, .. } => {
-                    let key = without_place(key, if *draws { key.run } else { 0 });
-                    (ControllerKind::Untrained(controller.clone()), key)
-                }
-            };
-            let key = Arc::new(key);
-            let is_trained = matches!(controller, ControllerKind::Trained | ControllerKind::Stochastic);
-            if seen.insert((controller.clone(), key.clone())) {
-                all.push((controller, key, is_trained.then_some(index)));
+            let is_trained = matches!(each.controller, ControllerKind::Trained | ControllerKind::Stochastic);
+            let run = if each.draws { key.run } else { 0 };
+            let key = Arc::new(if is_trained { key.clone() } else { without_place(key, run) });
+            if seen.insert(key.clone()) {
+                all.push((each.controller.clone(), key, is_trained.then_some(index)));
             }
         }
     }

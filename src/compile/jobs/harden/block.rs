@@ -110,8 +110,7 @@ impl Lowering<'_> {
         let Grid { usual, campaign, .. } = grid;
         note_towns(&mut campaign.towns, &ground.towns);
         note_towns(&mut campaign.towns, &tests.towns);
-        let natural = self.catalog.walkers.iter().find(|kind| kind.word() == "natural");
-        let natural = natural.expect("the catalogue has the kind `natural`").controller.clone();
+        let natural = self.walker_kind(&Value::Choice("natural")).controller.clone();
         let plain = RewardRule::default();
         let attacked = |ground: &Ground, rivals: &[Rival]| -> Vec<Attack> {
             let each = |rival: &Rival| {

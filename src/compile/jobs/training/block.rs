@@ -75,7 +75,7 @@ impl Lowering<'_> {
                         },
                         origin: Origin { fingerprint, ..origin },
                         scenario: scenarios[0].1.clone(),
-                        together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
+                        towns: scenarios.clone(),
                         drive: None,
                         config: config.clone(),
                         environments: *environments,

@@ -56,8 +56,8 @@ pub struct Training {
     pub key: TrainingKey,
     /// The scenario of the training, or the first of several.
     pub scenario: Arc<Scenario>,
-    /// The towns and scenarios of a training in several of them, whose episodes alternate, the first included; empty for one alone.
-    pub together: Vec<(String, Arc<Scenario>)>,
+    /// Its towns and scenarios, whose episodes alternate, the first included.
+    pub towns: Vec<(String, Arc<Scenario>)>,
     /// How a car learns to drive, where a car is trained instead of a pedestrian.
     pub drive: Option<Arc<DriveRule>>,
     /// Its settings.
@@ -71,7 +71,7 @@ pub struct Training {
 impl Training {
     /// All its scenarios, in the order in which episodes alternate.
     pub fn scenarios(&self) -> Vec<Arc<Scenario>> {
-        self.places().into_iter().map(|(_, scenario)| scenario.clone()).collect()
+        self.towns.iter().map(|(_, scenario)| scenario.clone()).collect()
     }
 
     /// The decisions in which a driver is imitated, before those of [`Training::config`].
@@ -92,8 +92,7 @@ impl Planned for Training {
     }
 
     fn places(&self) -> Vec<(&str, &Arc<Scenario>)> {
-        let alone = self.together.is_empty().then_some((self.key.town.as_str(), &self.scenario));
-        alone.into_iter().chain(self.together.iter().map(|(town, scenario)| (town.as_str(), scenario))).collect()
+        self.towns.iter().map(|(town, scenario)| (town.as_str(), scenario)).collect()
     }
 
     fn units(&self, _: u32) -> u64 {

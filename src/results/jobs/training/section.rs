@@ -2,6 +2,7 @@ use super::TrainingResult;
 use super::picture::learning;
 use crate::report::Findings;
 use crate::report::table::{Column, Section, Table, Value};
+use base::statistics::{mean, sample_deviation};
 use compile::TrainingKey;
 use learn::UpdateLog;
 
@@ -79,8 +80,5 @@ fn groups(trainings: &[TrainingResult]) -> Vec<(&TrainingKey, Vec<&TrainingResul
 
 /// Mean and standard deviation.
 fn over_runs(values: &[f64]) -> Value {
-    let n = values.len() as f64;
-    let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / n);
-    let variance = |mean: f64| values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Value::Spread(mean, mean.filter(|_| values.len() > 1).map(|mean| variance(mean).sqrt()))
+    Value::Spread(mean(values.iter().copied()), sample_deviation(values.iter().copied()))
 }
