@@ -122,7 +122,7 @@ impl Condition {
             if is_share(&column.name) && is_out_of_reach {
                 return Err(kind("shares from 0 to 1", "write 5 % as 0.05, 1 % as 0.01"));
             }
-            if is_risk(&column.name) && is_out_of_reach {
+            if is_risk(column) && is_out_of_reach {
                 return Err(kind("severe injuries of one episode, from 0 to 1", "write 5 in 1,000 episodes as 0.005"));
             }
             Bound::Number(number)
@@ -140,9 +140,10 @@ fn is_share(column: &str) -> bool {
     ["_rate", "_share"].iter().any(|word| of_start.contains(word)) && !column.ends_with(P_HOLM)
 }
 
-/// Whether a column holds expected injuries of an episode, or differences of them.
-fn is_risk(column: &str) -> bool {
-    column.starts_with("avoidable_injury") && !column.contains("per_thousand") && !column.ends_with(P_HOLM)
+/// Whether a column holds expected injuries of an episode, or differences of them. Those of 1,000 crossings have a unit.
+fn is_risk(ColumnReference { name, unit, .. }: &ColumnReference) -> bool {
+    let is_of_one = unit.is_empty() && !name.contains("per_thousand");
+    is_of_one && name.starts_with("avoidable_injury") && !name.ends_with(P_HOLM)
 }
 
 /// Whether a column of a table of cells or searches has no value where there was no collision.
@@ -170,6 +171,12 @@ fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn injuries_of_a_thousand_crossings_may_be_more_than_one() {
+        let parsed = |text: &str| Condition::parse(text, &crate::report::crossed_reference().columns);
+        assert!(parsed("avoidable_injury_after > 2.5").is_ok() && parsed("fault_share_after > 2.5").is_err());
+    }
 
     #[test]
     fn a_mean_that_is_the_bound_but_for_its_last_bits_is_the_bound() {
