@@ -11,7 +11,7 @@ use crate::report::{
 };
 use compile::{Origin, RunId, Search, SearchKey, episodes_seed};
 use world::env::{Criterion, Outcome, Scenario, Trace};
-use world::falsifier::{BudgetedSimulation, Failure, SearchOutcome, StartSet, evaluate_observed};
+use world::falsifier::{BudgetedSimulation, Failure, SearchOutcome, evaluate_observed};
 use world::judge::{Blame, Judged, NoVerdict, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 
@@ -185,16 +185,7 @@ impl Work for Search {
     fn run(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>> {
         // The budget of a search is in ticks, so whether it exceeds the limit is known in advance.
         if let Some(limit @ TaskError::Ticks { .. }) = part.limit(self.budget) {
-            let spent = SearchOutcome {
-                ticks: 0,
-                episodes: 0,
-                left_out: 0,
-                starts: StartSet::default(),
-                first_start: None,
-                failures: Vec::new(),
-                stopped: false,
-            };
-            return result(SearchResult::new(self, spent, Some(limit)));
+            return result(SearchResult::new(self, SearchOutcome::default(), Some(limit)));
         }
         let late = || part.is_late();
         part.begin(0);

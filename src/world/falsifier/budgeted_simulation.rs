@@ -48,7 +48,7 @@ pub struct BudgetedSimulation<'a> {
 }
 
 /// The result of a search.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SearchOutcome {
     /// Ticks that were simulated.
     pub ticks: u64,

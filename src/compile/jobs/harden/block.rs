@@ -165,13 +165,12 @@ impl Lowering<'_> {
         }
         let stated = |end: &Declaration| end.block.places.iter().map(|(key, _)| *key).collect::<Vec<_>>();
         let (first, second) = (stated(from), stated(to));
-        if let Some(lonely) = first.iter().find(|key| !second.contains(key)) {
-            wrong("to", format!("`from` states `{lonely}` and `to` does not"), "state both ends of its range");
-            return None;
-        }
-        if let Some(lonely) = second.iter().find(|key| !first.contains(key)) {
-            wrong("from", format!("`to` states `{lonely}` and `from` does not"), "state both ends of its range");
-            return None;
+        for (key, other, stated, missing) in [("to", "from", &first, &second), ("from", "to", &second, &first)] {
+            if let Some(lonely) = stated.iter().find(|key| !missing.contains(key)) {
+                let message = format!("`{other}` states `{lonely}` and `{key}` does not");
+                wrong(key, message, "state both ends of its range");
+                return None;
+            }
         }
         let mut varied = Vec::new();
         for key in first {

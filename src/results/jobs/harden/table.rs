@@ -25,38 +25,28 @@ pub struct Changed<'a> {
 
 /// The rows of a hardening.
 pub fn rows<'a>((job, found): Row<'a>) -> Vec<Changed<'a>> {
-    let row = |about, name: String| Changed {
-        job,
-        about,
-        name,
-        town: None,
-        starts: None,
-        before: None,
-        after: None,
-        new: None,
-        errors: None,
+    let row = |about, name: &str, [before, after]: [Option<f64>; 2]| {
+        let name = name.to_string();
+        Changed { job, about, name, town: None, starts: None, before, after, new: None, errors: None }
     };
-    let keys = job.hardening.driver.keys.iter().zip(&found.values).map(|(key, after)| Changed {
-        before: Some(key.before),
-        after: Some(*after),
-        ..row("key", key.name.clone())
-    });
+    let keys = job.hardening.driver.keys.iter().zip(&found.values);
+    let keys = keys.map(|(key, after)| row("key", &key.name, [Some(key.before), Some(*after)]));
     let tests = found.tests.iter().map(|test: &Tested| Changed {
         town: Some(test.town.clone()),
         starts: Some(test.starts),
-        before: Some(test.before as f64),
-        after: Some(test.after as f64),
         new: Some(test.new),
         errors: Some(test.errors),
-        ..row(if test.searches { "falsifier" } else { "walker" }, test.attacker.clone())
+        ..row(
+            if test.searches { "falsifier" } else { "walker" },
+            &test.attacker,
+            [test.before, test.after].map(|faults| Some(faults as f64)),
+        )
     });
     let [before, after] = &found.traffic;
     let natural = |about, name: &str, figure: fn(&Traffic) -> Option<f64>| Changed {
         starts: Some(after.episodes),
-        before: figure(before),
-        after: figure(after),
         errors: Some(before.errors + after.errors),
-        ..row(about, name.into())
+        ..row(about, name, [figure(before), figure(after)])
     };
     let traffic = [
         natural("progress", "mean speed (m/s)", Traffic::speed),

@@ -1,5 +1,6 @@
 use super::TrainingResult;
 use crate::report::svg::{Chart, Curve, Figure, short, thousands};
+use base::statistics::{self, sample_deviation};
 use learn::UpdateLog;
 
 /// The points of a training's curve.
@@ -91,13 +92,9 @@ fn mean(curves: &[Points]) -> Curve {
         if values.len() < curves.len() {
             continue;
         }
-        let n = values.len() as f64;
-        let middle = values.iter().sum::<f64>() / n;
-        let variance = values.iter().map(|value| (value - middle) * (value - middle)).sum::<f64>() / (n - 1.0).max(1.0);
+        let middle = statistics::mean(values.iter().copied()).unwrap_or_default();
         mean.points.push((*x, middle));
-        if values.len() > 1 {
-            mean.band.push((middle - variance.sqrt(), middle + variance.sqrt()));
-        }
+        mean.band.extend(sample_deviation(values).map(|sd| (middle - sd, middle + sd)));
     }
     if mean.points.is_empty() {
         mean.points = curves[0].clone();
