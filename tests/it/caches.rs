@@ -159,9 +159,56 @@ fn a_folder_that_is_no_cache_is_refused_and_left_as_it_is() {
     assert_eq!(std::fs::read_to_string(here.join("thesis/lock")).unwrap(), "mine");
     let nowhere = falsify(&["status", "--out", "out", "--stored", "--cache", "nowhere"], here);
     assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("does not exist"), "{nowhere:?}");
+    // A folder of one of our names with files of others is theirs.
+    std::fs::create_dir_all(here.join("box/work-2026")).unwrap();
+    std::fs::write(here.join("box/work-2026/a.tex"), "thesis").unwrap();
+    std::fs::create_dir_all(here.join("files/tasks")).unwrap();
+    std::fs::write(here.join("files/tasks/todo"), "mine").unwrap();
+    for (cache, entry) in [("box", "work-2026"), ("files", "tasks")] {
+        for command in [&["run", "shared.scn"][..], &["status", "--prune"]] {
+            let output = falsify(&[command, &["--out", "out", "--cache", cache]].concat(), here);
+            let why = format!("holds other things, such as `{entry}`");
+            assert!(output.status.code() == Some(2) && error(&output).contains(&why), "{output:?}");
+        }
+    }
+    assert!(here.join("box/work-2026/a.tex").exists() && here.join("files/tasks/todo").exists());
     // A folder whose creation as a cache was interrupted is accepted.
     std::fs::create_dir_all(here.join("begun/tasks")).unwrap();
     run(here, &["--out", "out", "--cache", "begun"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn what_others_put_into_a_cache_stays_and_no_link_is_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    run(here, &["--out", "out", "--cache", "cache"]);
+    run(here, &["--out", "beside"]);
+    let (task, wants) = ("0123456789abcdef0123456789abcdef", here.join("theirs/old.json"));
+    std::fs::create_dir_all(here.join("theirs")).unwrap();
+    std::fs::write(here.join("theirs").join(task), "mine").unwrap();
+    let own = std::fs::read_dir(here.join("cache/campaigns")).unwrap().next().unwrap().unwrap().path();
+    let known = std::fs::read_to_string(own.join("shared.json")).unwrap();
+    std::fs::write(&wants, known.replace("/out\"", "/gone\"")).unwrap();
+    for store in ["cache", "beside/.falsify"] {
+        let store = here.join(store);
+        std::fs::create_dir(store.join("work-2026")).unwrap();
+        std::fs::write(store.join("work-2026/a.tex"), "thesis").unwrap();
+        std::os::unix::fs::symlink(here.join("theirs"), store.join("work-abcdef")).unwrap();
+        std::os::unix::fs::symlink(here.join("theirs"), store.join("tasks/01")).unwrap();
+        std::os::unix::fs::symlink(here.join("theirs"), store.join("campaigns/0000000000000000")).unwrap();
+        std::fs::create_dir(store.join("tasks/02")).unwrap();
+        std::os::unix::fs::symlink(here.join("theirs").join(task), store.join("tasks/02").join(task)).unwrap();
+    }
+    for place in [&["--out", "out", "--cache", "cache"][..], &["--out", "beside"]] {
+        let output = falsify(&[&["status", "--prune", "--gone"], place].concat(), here);
+        assert!(output.status.success(), "{output:?}");
+        assert!(said(&output).contains("removed 0 tasks"), "{output:?}");
+        run(here, place);
+    }
+    assert!(here.join("theirs").join(task).exists() && wants.exists());
+    assert!(["cache", "beside/.falsify"].iter().all(|store| here.join(store).join("work-2026/a.tex").exists()));
 }
 
 #[test]

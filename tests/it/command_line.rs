@@ -160,6 +160,38 @@ fn no_car_starts_where_its_lane_is_narrower_than_it_is() {
 }
 
 #[test]
+fn what_is_about_parts_that_a_town_lacks_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let lane = map_with_lane("driving", r#"<width a="3.5"/>"#);
+    let about = ON_A_MAP
+        .replace("\ntown t", "\nimport \"std/requirements.scn\"\npolicy careful = aeb(crosswalks: yield)\ntown t")
+        .replace("spawn: near", "spawn: near  requirements: [keeps_lane, yields_at_crosswalk, stops_at_red]")
+        .replace("[idm]", "[idm, careful]");
+    std::fs::write(folder.path().join("drive.scn"), about).unwrap();
+    let named = |map: &str| {
+        std::fs::write(folder.path().join("map.xodr"), map).unwrap();
+        let output = falsify(&["check", "drive.scn"], folder.path());
+        assert!(output.status.success(), "{output:?}");
+        let said = error(&output);
+        let of = |name: &str, part: &str| {
+            said.contains(&format!("warning[never-applies]: `{name}` is about {part}, and there are none in `t`"))
+        };
+        [
+            of("yields_at_crosswalk", "crosswalks"),
+            of("careful", "crosswalks"),
+            of("stops_at_red", "traffic lights"),
+            of("keeps_lane", ""),
+        ]
+    };
+    assert_eq!(named(&lane), [true, true, true, false]);
+    let walk = r#"</lanes><objects><object id="1" type="crosswalk" s="50" t="-2" length="3" width="4"/></objects>"#;
+    assert_eq!(named(&lane.replace("</lanes>", walk)), [false, false, true, false]);
+    let light =
+        r#"</lanes><signals><signal id="1" type="1000001" dynamic="yes" s="390" t="-4" orientation="+"/></signals>"#;
+    assert_eq!(named(&lane.replace("</lanes>", light)), [true, true, false, false]);
+}
+
+#[test]
 fn a_map_in_another_encoding_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let map = map_with_lane("driving", r#"<width a="3.5"/>"#);

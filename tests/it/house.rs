@@ -10,13 +10,13 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/learn", 5_650),
     ("src/world", 31_710),
     ("src/ported", 4_650),
-    ("src/lang", 6_330),
+    ("src/lang", 6_337),
     ("src/compile", 7_750),
     ("src/process", 830),
     ("src/export", 3_780),
     ("src/results", 26_510),
     ("src/program", 11_420),
-    ("tests", 23_790),
+    ("tests", 23_868),
 ];
 
 /// Crates that only some places may name.

@@ -1,5 +1,6 @@
 //! A campaign's grid: its jobs, block by block.
 
+mod absent;
 mod axis;
 mod ground;
 
@@ -76,6 +77,7 @@ impl Lowering<'_> {
             }
         }
         self.forbid_repeated_trainings(block, &grid.campaign);
+        self.warn_of_absent(block, &grid);
         if !grid.campaign.published.is_empty() && block.nested("train").next().is_none() {
             self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }

@@ -140,6 +140,14 @@ pub fn fast_bend(span: Span, radius: f64, lateral: f64, limit: f64) -> Diagnosti
         .help("a driver that does not slow down for bends leaves the road: lower the limit, or give the town a larger `bend_radius`")
 }
 
+/// A requirement, a reward or a driver is about a part that these towns do not have.
+pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str]) -> Diagnostic {
+    let towns = towns.iter().map(|town| format!("`{town}`")).collect::<Vec<_>>().join(", ");
+    Diagnostic::warning("never-applies", span, format!("`{name}` is about {part}, and there are none in {towns}"))
+        .here("never applies there")
+        .help(format!("0 violations say nothing there: use a town with {part}"))
+}
+
 /// Something is farther (m) from every street than any actor.
 pub fn far_from_streets(span: Span, far: f64) -> Diagnostic {
     Diagnostic::warning("out-of-reach", span, format!("this is more than {far} m from every street"))

@@ -240,12 +240,16 @@ impl Store {
         names
     }
 
-    /// The names of all tasks that are there, with their sizes in bytes.
+    /// The names of all tasks that are there, with their sizes in bytes. A link is no folder of tasks and no task: what it leads to is not ours.
     pub fn sizes(&self) -> BTreeMap<String, u64> {
-        let folders = fs::read_dir(self.root().join("tasks")).into_iter().flatten().flatten();
-        let files = folders.flat_map(|folder| fs::read_dir(folder.path()).into_iter().flatten().flatten());
-        let size = |file: fs::DirEntry| Some((file.file_name().into_string().ok()?, file.metadata().ok()?.len()));
-        files.filter_map(size).filter(|(name, _)| is_id(name)).collect()
+        let tasks = self.root().join("tasks");
+        let folders = entries(&tasks).filter(|path| path.is_dir() && !path.is_symlink());
+        let files = folders.flat_map(|folder| entries(&folder).collect::<Vec<_>>());
+        let size = |path: PathBuf| {
+            let known = fs::symlink_metadata(&path).ok().filter(fs::Metadata::is_file)?;
+            Some((path.file_name()?.to_str()?.to_owned(), known.len()))
+        };
+        files.filter_map(size).filter(|(name, _)| is_id(name) && self.path_of(name).is_file()).collect()
     }
 
     /// Removes the tasks of a campaign, so that they are done again.
@@ -304,6 +308,12 @@ fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut t
 #[cfg(not(unix))]
 fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut tempfile::Builder<'b, 'c> {
     builder
+}
+
+/// The entries of a folder; none of a link to one.
+pub(super) fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let read = (!folder.is_symlink()).then(|| fs::read_dir(folder));
+    read.into_iter().flatten().flatten().flatten().map(|entry| entry.path())
 }
 
 fn is_id(name: &str) -> bool {

@@ -3,7 +3,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::StoreError;
-use super::work_folder::{LOCK, PREFIX, WorkFolder};
+use super::work_folder::{self, LOCK, WorkFolder};
 
 /// The folder beside the reports: for tasks, and for reports that are being written.
 const NAME: &str = ".falsify";
@@ -115,10 +115,8 @@ impl Place {
             return Ok(());
         }
         let entries = fs::read_dir(&self.root).map_err(|source| StoreError::Folder { path: path(), source })?;
-        let mut names: Vec<String> =
-            entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        match names.into_iter().find(|name| !is_ours(name)) {
+        let foreign = entries.flatten().filter(|entry| !is_begun(entry));
+        match foreign.map(|entry| entry.file_name().to_string_lossy().into_owned()).min() {
             Some(entry) => Err(StoreError::Foreign { path: path(), entry }),
             None => Ok(()),
         }
@@ -167,8 +165,15 @@ fn make(root: &Path, folders: &[&str], about: &str) -> io::Result<()> {
     folders.iter().try_for_each(|folder| fs::create_dir_all(root.join(folder)))
 }
 
-fn is_ours(name: &str) -> bool {
-    FOLDERS.contains(&name) || [README, LOCK, LEARNING].contains(&name) || name.starts_with(PREFIX)
+/// Whether an entry of a folder without our explanation is of a cache that was begun: one of our names, and nothing in it yet.
+fn is_begun(entry: &fs::DirEntry) -> bool {
+    let (path, name) = (entry.path(), entry.file_name());
+    let known = name.to_str().is_some_and(|name| FOLDERS.contains(&name) || [README, LOCK, LEARNING].contains(&name));
+    let is_empty = fs::symlink_metadata(&path).is_ok_and(|data| match data.is_dir() {
+        true => fs::read_dir(&path).is_ok_and(|mut inside| inside.next().is_none()),
+        false => data.is_file() && data.len() == 0,
+    });
+    known && is_empty || work_folder::is_ours(&path)
 }
 
 /// A path as the file system has it. Parts that do not exist yet stay as they are written.

@@ -5,6 +5,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::folder::entries;
 use super::{Index, Store, StoreError};
 
 /// The tasks that a campaign wants.
@@ -30,7 +31,7 @@ impl Store {
     pub fn wants(&self) -> Vec<References> {
         let campaigns = self.place().root().join("campaigns");
         let mut found: Vec<References> = self.wanted_in(&campaigns);
-        for folder in entries(&campaigns).filter(|path| path.is_dir()) {
+        for folder in entries(&campaigns).filter(|path| path.is_dir() && !path.is_symlink()) {
             found.extend(self.wanted_in(&folder));
         }
         found.sort_by(|one, other| (&one.elsewhere, &one.campaign).cmp(&(&other.elsewhere, &other.campaign)));
@@ -61,10 +62,6 @@ impl Store {
             };
             Some(References { campaign, elsewhere, tasks: index.wanted, file })
         };
-        entries(folder).filter(|path| path.is_file()).filter_map(read).collect()
+        entries(folder).filter(|path| path.is_file() && !path.is_symlink()).filter_map(read).collect()
     }
-}
-
-fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
-    fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
 }

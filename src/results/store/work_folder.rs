@@ -1,5 +1,5 @@
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
@@ -8,6 +8,9 @@ use tempfile::TempDir;
 pub(super) const PREFIX: &str = "work-";
 /// The file in it that the process holds locked. A file of this name in the store itself is held while folders are made and removed.
 pub(super) const LOCK: &str = "lock";
+
+/// What the file says, so that no folder of others is taken for one of ours.
+const MARK: &str = "a process of falsify works here while it holds this file locked\n";
 
 /// A folder of this process for files that are being written. It is removed when the process ends. The folder of a process that was killed
 /// is removed when another process starts.
@@ -25,12 +28,13 @@ impl WorkFolder {
         let door = File::create(root.join(LOCK))?;
         let _ = door.lock();
         for entry in fs::read_dir(root)?.flatten() {
-            if entry.file_name().to_string_lossy().starts_with(PREFIX) && is_dead(&entry.path()) {
+            if is_ours(&entry.path()) && is_dead(&entry.path()) {
                 let _ = fs::remove_dir_all(entry.path());
             }
         }
         let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(root)?;
-        let lock = File::create(folder.path().join(LOCK))?;
+        let mut lock = File::create(folder.path().join(LOCK))?;
+        lock.write_all(MARK.as_bytes())?;
         let _ = lock.lock();
         Ok(Self { folder, _lock: lock })
     }
@@ -45,9 +49,25 @@ impl WorkFolder {
 /// The number of processes that have a folder here.
 pub(super) fn processes(root: &Path) -> usize {
     let folders = fs::read_dir(root).into_iter().flatten().flatten();
-    let at_work =
-        |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with(PREFIX) && !is_dead(&entry.path());
+    let at_work = |entry: &fs::DirEntry| is_ours(&entry.path()) && !is_dead(&entry.path());
     folders.filter(at_work).count()
+}
+
+/// Whether a process of this program made a folder: it is no link, has a name as we give it, and is empty or has our mark, which may have been
+/// cut off.
+pub(super) fn is_ours(folder: &Path) -> bool {
+    let name = folder.file_name().and_then(|name| name.to_str()?.strip_prefix(PREFIX));
+    let is_named = name.is_some_and(|rest| rest.len() == 6 && rest.bytes().all(|byte| byte.is_ascii_alphanumeric()));
+    if !is_named || !fs::symlink_metadata(folder).is_ok_and(|known| known.is_dir()) {
+        return false;
+    }
+    let Ok(entries) = fs::read_dir(folder) else { return false };
+    let mark = base::files::text(&folder.join(LOCK));
+    match (entries.count(), mark) {
+        (0, _) => true,
+        (1, Ok(mark)) => MARK.starts_with(&mark),
+        (_, mark) => mark.is_ok_and(|mark| mark == MARK),
+    }
 }
 
 /// Whether no process has this folder. A folder without its lock file is dead too: its process was killed between making one and the other.
@@ -67,13 +87,21 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let alive = WorkFolder::begin(root.path()).unwrap();
         let folder = |name: &str| root.path().join(format!("{PREFIX}{name}"));
-        for name in ["killed", "killed-early"] {
+        for name in ["killed", "early0", "early1", "thesis", "2026"] {
             fs::create_dir(folder(name)).unwrap();
         }
-        fs::write(folder("killed").join(LOCK), "").unwrap();
+        fs::write(folder("killed").join(LOCK), MARK).unwrap();
+        fs::write(folder("killed").join("draft"), "half").unwrap();
+        fs::write(folder("early1").join(LOCK), "").unwrap();
+        // Folders of others, one of them with a file of the name of ours.
+        for name in ["thesis", "2026"] {
+            fs::write(folder(name).join("chapter.tex"), "mine").unwrap();
+            fs::write(folder(name).join(LOCK), "").unwrap();
+        }
         assert_eq!(processes(root.path()), 1);
         let second = WorkFolder::begin(root.path()).unwrap();
-        assert!(!folder("killed").exists() && !folder("killed-early").exists());
+        assert!(["killed", "early0", "early1"].iter().all(|name| !folder(name).exists()));
+        assert!(["thesis", "2026"].iter().all(|name| folder(name).join("chapter.tex").exists()));
         assert!(alive.path().unwrap().join(LOCK).exists() && second.path().unwrap().join(LOCK).exists());
         assert_eq!(processes(root.path()), 2);
     }
