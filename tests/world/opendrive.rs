@@ -7,6 +7,7 @@ use world::road::{Geometry, LaneFilter, LaneKind, OpenDriveError, OpenDriveProbl
 
 mod limits_and_signs;
 mod other_tools;
+mod signals_reference;
 
 /// A road to the east, a bend to the left through a junction, and a road to the north; a sign and a light.
 const BEND: &str = r#"<?xml version="1.0"?>
