@@ -39,7 +39,7 @@ pub use check::{Checked, check, once};
 pub use format::format;
 pub use formula::functions;
 pub use inline::{declare_inline, declare_inline_axes};
-pub use load::{Loaded, Reader, Unreadable, load, reason};
+pub use load::{Loaded, Reader, Unreadable, load, normal, reason};
 pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
 pub use requirement::temporal_operators;

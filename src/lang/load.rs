@@ -164,7 +164,7 @@ pub fn reason(error: &std::io::Error) -> String {
 }
 
 /// The same path for `a/../b` and `b`, without asking the file system.
-fn normal(path: &Path) -> PathBuf {
+pub fn normal(path: &Path) -> PathBuf {
     let mut result = PathBuf::new();
     for component in path.components() {
         match component {

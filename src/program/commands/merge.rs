@@ -81,7 +81,10 @@ fn merged(session: &Session, run: &RunOptions, options: &MergeArgs) -> Result<Op
     let store = Store::open(&run.out, run.cache.as_deref(), Box::new(|_| {}))?;
     let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
     for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
-        session.notice(&Notice::NoTasks { folder: folder.clone() });
+        session.notice(&Notice::Warning(format!(
+            "there are no tasks in `{}`; where a shard was given --cache, name that folder",
+            folder.display()
+        )));
     }
     let pool = pool(run.threads)?;
     session.tell(Event::Begun);

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use lsp_types::{Position, Range, Uri};
 
 use base::diagnostic::{Lines, Span};
-use lang::library;
+use lang::{library, normal};
 
 /// The buffers an editor has open; they have precedence over files on disk.
 #[derive(Debug)]
@@ -56,7 +56,7 @@ impl Documents {
     /// # Errors
     /// The errors of the file system.
     pub fn read(&self, path: &Path) -> std::io::Result<String> {
-        match self.open.get(&plain(path)) {
+        match self.open.get(&normal(path)) {
             Some(document) => Ok(document.text.clone()),
             None => base::files::text(path),
         }
@@ -81,9 +81,9 @@ impl Documents {
 
     /// The editor's name for a path; `None` for a path that is not a file of the user's.
     pub fn uri(&self, path: &Path) -> Option<Uri> {
-        match self.open.get(&plain(path)) {
+        match self.open.get(&normal(path)) {
             Some(document) => Some(document.uri.clone()),
-            None if path.is_absolute() => Uri::from_str(&address(&plain(path).display().to_string())).ok(),
+            None if path.is_absolute() => Uri::from_str(&address(&normal(path).display().to_string())).ok(),
             None => None,
         }
     }
@@ -116,22 +116,7 @@ pub fn path(uri: &Uri) -> PathBuf {
             }
         }
     }
-    plain(Path::new(&String::from_utf8_lossy(&bytes).into_owned()))
-}
-
-/// The path without `.` and `..`.
-pub fn plain(path: &Path) -> PathBuf {
-    let mut result = PathBuf::new();
-    for component in path.components() {
-        match component {
-            std::path::Component::CurDir => {}
-            std::path::Component::ParentDir => {
-                result.pop();
-            }
-            other => result.push(other),
-        }
-    }
-    result
+    normal(Path::new(&String::from_utf8_lossy(&bytes).into_owned()))
 }
 
 /// A span in the editor's line and column numbers.

@@ -4,14 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::cursor::{Cursor, places};
-use super::documents::{Documents, plain};
+use super::documents::Documents;
 use super::navigate::target;
 use super::visible::Visible;
 use super::workspace::{MAX_FILES, Scenarios, scenarios};
 use base::diagnostic::{Severity, Sources, Span};
 use compile::{Catalog, compile};
 use lang::tokens::{TokenKind, tokens};
-use lang::{Loaded, ast, library};
+use lang::{Loaded, ast, library, normal};
 
 /// A name with its places in all files that see it.
 pub struct Places {
@@ -59,9 +59,9 @@ pub fn places_of(
     let span = declaration(cursor, byte, loaded, sources)?;
     let file = loaded.files.iter().find(|file| file.source == span.source)?;
     let (name, form) = declared_names(file).find(|(name, _)| name.span == span)?;
-    let home = plain(&sources.get(span.source).path);
+    let home = normal(&sources.get(span.source).path);
     let mut files: BTreeSet<PathBuf> = documents.paths().into_iter().collect();
-    files.extend(sources.iter().map(|(_, source)| plain(&source.path)));
+    files.extend(sources.iter().map(|(_, source)| normal(&source.path)));
     files.extend(beside(&home));
     // Names of the standard library stay, and have uses everywhere.
     let below = if library::holds(&home) { Scenarios::default() } else { scenarios(folders) };
@@ -99,9 +99,9 @@ impl Places {
     /// The text of a file and the places of the name in it; `None` for a file that does not see the declaration.
     fn in_file(&self, path: &Path, documents: &Documents, catalog: &Catalog) -> Option<(String, Vec<Span>)> {
         let (loaded, sources) = load(path, documents)?;
-        let is_declared = |span: Span| (plain(&sources.get(span.source).path), span.start) == self.declared;
+        let is_declared = |span: Span| (normal(&sources.get(span.source).path), span.start) == self.declared;
         let root = *loaded.roots.first()?;
-        sources.iter().find(|(_, source)| plain(&source.path) == self.declared.0)?;
+        sources.iter().find(|(_, source)| normal(&source.path) == self.declared.0)?;
         let text = &sources.get(root).text;
         let words = places(text, catalog).into_iter().filter(|(span, _)| text[span.clone()] == self.name);
         let here = words.filter(|(span, place)| {
@@ -164,7 +164,7 @@ impl Places {
         }
         // A name may be taken in other ways, such as by a variable of formulas.
         let texts = self.renamed(new);
-        let read = |path: &Path| match texts.get(&plain(path)) {
+        let read = |path: &Path| match texts.get(&normal(path)) {
             Some(text) => Ok(text.clone()),
             None => documents.read(path),
         };

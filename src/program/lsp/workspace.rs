@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::documents::plain;
+use lang::normal;
 
 /// The greatest number of scenarios that are looked at.
 pub const MAX_FILES: usize = 1000;
@@ -25,7 +25,7 @@ pub struct Scenarios {
 pub fn scenarios(folders: &[PathBuf]) -> Scenarios {
     let mut found = Scenarios::default();
     let mut entries = 0;
-    let mut left: Vec<PathBuf> = folders.iter().rev().map(|folder| plain(folder)).collect();
+    let mut left: Vec<PathBuf> = folders.iter().rev().map(|folder| normal(folder)).collect();
     while let Some(folder) = left.pop() {
         let Ok(read) = std::fs::read_dir(&folder) else { continue };
         let mut inside: Vec<_> = read.filter_map(Result::ok).take(MAX_ENTRIES - entries).collect();
@@ -74,7 +74,7 @@ pub fn beside(file: &Path, typed: &str) -> Vec<String> {
         if path.is_dir() {
             return (!is_left_out(&path)).then(|| format!("{inside}{name}/"));
         }
-        let fits = path.extension().is_some_and(|end| end == "scn") && plain(&path) != plain(file);
+        let fits = path.extension().is_some_and(|end| end == "scn") && normal(&path) != normal(file);
         fits.then(|| format!("{inside}{name}"))
     };
     let mut all: Vec<String> = read.filter_map(Result::ok).take(MAX_OFFERED).filter_map(entry).collect();

@@ -1,11 +1,10 @@
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::{CampaignOutcome, Change, ChangedProgram, Session, ShardReport};
+use super::{CampaignOutcome, Session, ShardReport};
 use base::diagnostic::{Diagnostic, Sources};
-use compile::{Campaign, OutsideSetting};
+use compile::Campaign;
 use results::campaign::{self, Task};
-use results::report::{Caution, Doubt, ReadError};
+use results::report::{Caution, Doubt};
 
 /// What happens during a call of a session.
 pub enum Event<'a> {
@@ -70,19 +69,12 @@ impl Session {
 /// A fact that does not end a call.
 #[derive(Debug, thiserror::Error)]
 pub enum Notice {
-    /// A file of the store is damaged or cannot be read.
-    #[error("{text}")]
-    Store {
-        /// The error of the store.
-        text: String,
-    },
-    /// A learning curve cannot be written while it grows. The report will have it.
-    #[error("the learning curve `{}` cannot be written while it grows: {source}", path.display())]
-    LearningCurve {
-        /// Its file.
-        path: PathBuf,
-        source: io::Error,
-    },
+    /// A fact.
+    #[error("{0}")]
+    Note(String),
+    /// A problem that does not end the call.
+    #[error("{0}")]
+    Warning(String),
     /// Rewards of a campaign are not numbers.
     #[error("a reward was no number in {episodes} episodes; the first: {first}")]
     Unpaid {
@@ -123,40 +115,6 @@ pub enum Notice {
         campaign: String,
         caution: Box<Caution>,
     },
-    /// A folder to merge from holds no tasks.
-    #[error("there are no tasks in `{folder}`; where a shard was given --cache, name that folder", folder = folder.display())]
-    NoTasks { folder: PathBuf },
-    /// One of several reports cannot be read.
-    #[error(transparent)]
-    UnreadableReport(ReadError),
-    /// Reports of smoke runs and partial reports are left out, since others are whole.
-    #[error("left out, since they are of smoke runs or not complete: {}; name one to list it", reports.iter().map(|each| each.display().to_string()).collect::<Vec<_>>().join(", "))]
-    UnfinishedReports { reports: Vec<PathBuf> },
-    /// A report is of another version of the program.
-    #[error("the report is of version {version}, this is {}; episodes may come out differently", env!("CARGO_PKG_VERSION"))]
-    OtherVersion {
-        /// The version of the report.
-        version: String,
-    },
-    /// Scenarios could start programs in the run of the report, and cannot now.
-    #[error("scenarios might start programs in that run; give --allow-external if they may again")]
-    ProgramsNotAllowed,
-    /// A setting from outside the files, with the campaigns that it reaches.
-    #[error("{0}")]
-    Setting(OutsideSetting),
-    /// A file is not what it was when the report was made.
-    #[error(transparent)]
-    Changed(Change),
-    /// A program of the user is not what it was when the report was made.
-    #[error("{0} since the report")]
-    ChangedProgram(ChangedProgram),
-    /// Stored tasks of a campaign are run again, since a program without declared files may have changed.
-    #[error("{tasks} stored {} run again: `{program}` declares no `files`, so it may have changed; with `files: […]` or `version: \"…\"` in the scenario they are used again", if *tasks == 1 { "task is" } else { "tasks are" })]
-    Renewed {
-        tasks: usize,
-        /// The driver or the controller.
-        program: String,
-    },
 }
 
 /// How much a notice matters.
@@ -172,7 +130,7 @@ impl Notice {
     pub fn level(&self) -> Level {
         match self {
             Self::Unpaid { .. } | Self::EpisodesInError { .. } => Level::Error,
-            Self::UnfinishedReports { .. } | Self::Setting(_) => Level::Note,
+            Self::Note(_) => Level::Note,
             _ => Level::Warning,
         }
     }

@@ -68,7 +68,8 @@ impl GrowingCurves {
         if let Err(source) = written {
             self.growing().remove(key);
             let path = self.path(key);
-            self.observer.event(&Event::Notice(&Notice::LearningCurve { path, source }));
+            let text = format!("the learning curve `{}` cannot be written while it grows: {source}", path.display());
+            self.observer.event(&Event::Notice(&Notice::Warning(text)));
         }
     }
 

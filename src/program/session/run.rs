@@ -50,7 +50,7 @@ impl Session {
         if !options.only.is_empty() {
             planned.plan.campaigns.retain(|campaign| options.only.contains(&campaign.name));
         }
-        planned.plan.settings.iter().for_each(|setting| self.notice(&Notice::Setting(setting.clone())));
+        planned.plan.settings.iter().for_each(|setting| self.notice(&Notice::Note(setting.to_string())));
         if options.smoke {
             planned.plan.campaigns.iter_mut().for_each(Campaign::shorten);
         }
@@ -61,7 +61,7 @@ impl Session {
     /// Passes notes of the store to the observer.
     pub(crate) fn note(&self) -> Note {
         let observer = self.observer.clone();
-        Box::new(move |text| observer.event(&Event::Notice(&Notice::Store { text: text.to_string() })))
+        Box::new(move |text| observer.event(&Event::Notice(&Notice::Warning(text.to_string()))))
     }
 
     pub(crate) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
@@ -179,9 +179,16 @@ impl<'a> CampaignRun<'a> {
         let results = results.renewing();
         if results.renewed() > 0 {
             let unknown = self.campaign.programs().into_iter().find(|each| each.is_unknown());
-            let renewed =
-                |each: &Arc<ExternalProgram>| Notice::Renewed { tasks: results.renewed(), program: each.name.clone() };
-            unknown.map(renewed).iter().for_each(|notice| self.session.notice(notice));
+            let tasks = if results.renewed() == 1 { "task is" } else { "tasks are" };
+            let renewed = |each: &Arc<ExternalProgram>| {
+                format!(
+                    "{} stored {tasks} run again: `{}` declares no `files`, so it may have changed; with `files: […]` or `version: \"…\"` in the \
+                     scenario they are used again",
+                    results.renewed(),
+                    each.name
+                )
+            };
+            unknown.map(renewed).into_iter().for_each(|text| self.session.notice(&Notice::Warning(text)));
         }
         results
     }

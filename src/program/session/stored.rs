@@ -60,7 +60,7 @@ impl Session {
             match StoredReport::open(each) {
                 Ok(report) => reports.push(report),
                 Err(error) if folders.len() == 1 => return Err(error.into()),
-                Err(error) => self.notice(&Notice::UnreadableReport(error)),
+                Err(error) => self.notice(&Notice::Warning(error.to_string())),
             }
         }
         Ok(reports)
@@ -82,8 +82,9 @@ impl Session {
         };
         let (kept, left): (Vec<_>, Vec<_>) = reports.into_iter().partition(keeps);
         if !left.is_empty() {
-            let reports = left.iter().map(|report| report.folder().to_path_buf()).collect();
-            self.notice(&Notice::UnfinishedReports { reports });
+            let folders: Vec<_> = left.iter().map(|report| report.folder().display().to_string()).collect();
+            let text = "left out, since they are of smoke runs or not complete";
+            self.notice(&Notice::Note(format!("{text}: {}; name one to list it", folders.join(", "))));
         }
         Ok(kept)
     }
@@ -95,19 +96,24 @@ impl Session {
         if !changes.is_empty() && !options.anyway {
             return Err(Error::Changed { changes });
         }
-        changes.into_iter().for_each(|change| self.notice(&Notice::Changed(change)));
+        changes.into_iter().for_each(|change| self.notice(&Notice::Warning(change.to_string())));
         let programs = source.changed_programs().into_iter().filter(|program| !program.files.is_empty());
-        programs.for_each(|program| self.notice(&Notice::ChangedProgram(program)));
+        programs.for_each(|program| self.notice(&Notice::Warning(format!("{program} since the report"))));
         Ok(source)
     }
 
     /// Reports what may make a repetition differ from a report with this manifest.
     pub(crate) fn announce(&self, manifest: &Manifest) {
         if manifest.version != env!("CARGO_PKG_VERSION") {
-            self.notice(&Notice::OtherVersion { version: manifest.version.clone() });
+            self.notice(&Notice::Warning(format!(
+                "the report is of version {}, this is {}; episodes may come out differently",
+                manifest.version,
+                env!("CARGO_PKG_VERSION")
+            )));
         }
         if manifest.call.allow_external && !self.catalog.starts_programs() {
-            self.notice(&Notice::ProgramsNotAllowed);
+            let text = "scenarios might start programs in that run; give --allow-external if they may again";
+            self.notice(&Notice::Warning(text.into()));
         }
     }
 
