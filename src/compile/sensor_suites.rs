@@ -22,7 +22,7 @@ pub struct Suite {
 }
 
 const fn sector(half_degrees: f64) -> Sector {
-    Sector { facing: 0.0, width: half_degrees * PI / 90.0, range: f64::INFINITY }
+    Sector { facing: 0.0, width: half_degrees * PI / 90.0, range: None }
 }
 
 const fn seam(degrees: f64) -> Seam {

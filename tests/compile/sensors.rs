@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock, Mutex};
 use base::seed::{Seed, Stream};
 use compile::{Catalog, Plan, compile};
 use rand::Rng;
-use world::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
+use world::av::sensors::{ConfusedAs, Prediction, Seam, Sector, SensorKeys, SensorModel, SensorWrapper};
 use world::av::{Actor, ActuationDelay, DrivingMode, DrivingPolicy, Perception};
 use world::env::{PedestrianEnv, Scenario, Simulation};
 use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
@@ -72,6 +72,20 @@ fn person(x: f64, y: f64, velocity: Vector) -> Actor {
 fn car(x: f64, y: f64, yaw: f64) -> Actor {
     let (pose, velocity) = (Pose::new(x, y, yaw), Vector::zeros());
     Actor { id: ActorId::Vehicle(0), pose, velocity, half: Vector::new(2.3, 0.9), height: 0.0 }
+}
+
+/// Keys of exact sensors.
+fn exact() -> SensorKeys {
+    static KEYS: LazyLock<SensorKeys> = LazyLock::new(|| {
+        let plan = campaign("sensors plain { }  policy sensing = aeb(sensors: plain)", "sensing");
+        let driver = plan.campaigns[0].drivers.iter().find(|driver| driver.name == "sensing").unwrap();
+        driver.sensor_model.as_ref().unwrap().keys.clone()
+    });
+    KEYS.clone()
+}
+
+fn model(keys: SensorKeys) -> SensorModel {
+    SensorModel { keys, sectors: Vec::new(), seams: Vec::new() }
 }
 
 /// What a driver at the origin that faces east receives, over this number of ticks of 0.05 s, from actors that keep their velocity.
@@ -158,8 +172,8 @@ fn exact_sensors_change_no_bit_of_an_episode() {
 #[test]
 fn latency_and_rate_are_exact_in_ticks() {
     let walker = person(10.0, 0.0, Vector::new(0.0, 2.0));
-    let model = SensorModel { latency: 0.2, period: 0.1, ..SensorModel::default() };
-    let seen = look(&model, &[], &[walker], &[], 20, 1);
+    let late = model(SensorKeys { latency: 0.2, update_rate: Some(10.0), ..exact() });
+    let seen = look(&late, &[], &[walker], &[], 20, 1);
     for (tick, pedestrians) in seen.pedestrians.iter().enumerate() {
         if tick < 4 {
             assert!(pedestrians.is_empty(), "nothing has arrived at tick {tick}");
@@ -168,7 +182,7 @@ fn latency_and_rate_are_exact_in_ticks() {
         let measured = (tick - 4) / 2 * 2;
         assert!((pedestrians[0].pose.y - 2.0 * 0.05 * measured as f64).abs() < 1e-12, "tick {tick}");
     }
-    let ahead = SensorModel { predicts: true, ..model };
+    let ahead = model(SensorKeys { prediction: Prediction::ConstantVelocity, ..late.keys });
     let seen = look(&ahead, &[], &[walker], &[], 20, 1);
     for (tick, pedestrians) in seen.pedestrians.iter().enumerate().skip(4) {
         assert!((pedestrians[0].pose.y - 2.0 * 0.05 * tick as f64).abs() < 1e-12, "predicted at tick {tick}");
@@ -177,16 +191,16 @@ fn latency_and_rate_are_exact_in_ticks() {
 
 #[test]
 fn walls_and_others_hide() {
-    let looking = SensorModel { least_visible: 0.3, ..SensorModel::default() };
+    let looking = model(SensorKeys { least_visible: 0.3, ..exact() });
     let far = person(20.0, 0.0, Vector::zeros());
     let wall = |y: f64| OrientedBox::new(Pose::new(10.0, y, 0.0), 0.1, 5.0);
     assert_eq!(found(&looking, &[], &[far], &[]), (1, 0));
     assert_eq!(found(&looking, &[wall(0.0)], &[far], &[]), (0, 0), "behind a wall");
-    assert_eq!(found(&SensorModel::default(), &[wall(0.0)], &[far], &[]), (1, 0), "exact sensors see through it");
+    assert_eq!(found(&model(exact()), &[wall(0.0)], &[far], &[]), (1, 0), "exact sensors see through it");
     // The wall's edge is at y = −0.05 on the way: the person's right half and its middle ray's neighbour stay hidden.
     let edge = wall(-5.0 - 0.02);
     assert_eq!(found(&looking, &[edge], &[far], &[]), (1, 0), "three of five rays pass");
-    let strict = SensorModel { least_visible: 0.7, ..SensorModel::default() };
+    let strict = model(SensorKeys { least_visible: 0.7, ..exact() });
     assert_eq!(found(&strict, &[edge], &[far], &[]), (0, 0), "which is too few here");
     assert_eq!(found(&looking, &[], &[far], &[car(12.0, 0.0, 1.57)]), (0, 1), "behind a car");
     assert_eq!(found(&looking, &[], &[far], &[car(25.0, 0.0, 1.57)]), (1, 1), "in front of one");
@@ -196,36 +210,36 @@ fn walls_and_others_hide() {
 
 #[test]
 fn only_the_field_is_seen() {
-    let field = Field { ahead: 18.0, behind: 2.0, aside: 10.0, eye: 1.3, ..Field::default() };
-    let sector = Sector { facing: 0.0, width: 100.0_f64.to_radians(), range: 12.0 };
+    let (ahead, behind, aside) = (Some(18.0), Some(2.0), Some(10.0));
+    let window = model(SensorKeys { ahead, behind, aside, eye: 1.3, ..exact() });
+    let sector = Sector { facing: 0.0, width: 100.0_f64.to_radians(), range: Some(12.0) };
     let at = |x, y| person(x, y, Vector::zeros());
-    let window = SensorModel { field: field.clone(), ..SensorModel::default() };
     let count = |model: &SensorModel, x, y| found(model, &[], &[at(x, y)], &[]).0;
     for (x, y, wanted) in [(17.9, 9.9, 1), (18.1, 0.0, 0), (-1.9, 0.0, 1), (-2.1, 0.0, 0), (5.0, -10.1, 0)] {
         assert_eq!(count(&window, x, y), wanted, "({x}, {y}) in the window");
     }
-    let narrow = SensorModel { field: Field { sectors: vec![sector], ..field.clone() }, ..SensorModel::default() };
+    let narrow = SensorModel { sectors: vec![sector], ..window.clone() };
     // 50 degrees from the eye at x = 1.3.
     for (x, y, wanted) in [(6.3, 5.9, 1), (6.3, 6.0, 0), (13.2, 0.0, 1), (13.4, 0.0, 0), (-1.0, 0.0, 0)] {
         assert_eq!(count(&narrow, x, y), wanted, "({x}, {y}) in the sector");
     }
     let seam = Seam { facing: 0.5, width: 0.1, miss: 1.0 };
-    let sewn = SensorModel { field: Field { seams: vec![seam], ..field }, ..SensorModel::default() };
+    let sewn = SensorModel { seams: vec![seam], ..window };
     assert_eq!(count(&sewn, 1.3 + 8.0 * 0.8776, 8.0 * 0.4794), 0, "in the seam");
     assert_eq!(count(&sewn, 1.3 + 8.0 * 0.8776, -8.0 * 0.4794), 1);
 }
 
 #[test]
 fn misses_happen_at_the_stated_rate() {
-    let model = SensorModel { near: 10.0, far: 20.0, miss_near: 0.1, miss_far: 0.5, ..SensorModel::default() };
+    let missing = model(SensorKeys { near: 10.0, far: 20.0, miss_near: 0.1, miss_far: 0.5, ..exact() });
     for (x, wanted) in [(5.0, 0.1), (15.0, 0.3), (30.0, 0.5)] {
         let n = 20_000;
-        let seen = look(&model, &[], &[person(x, 0.0, Vector::zeros())], &[], n, 3);
+        let seen = look(&missing, &[], &[person(x, 0.0, Vector::zeros())], &[], n, 3);
         let missed = seen.pedestrians.iter().filter(|list| list.is_empty()).count() as f64 / f64::from(n);
         let deviation = (wanted * (1.0 - wanted) / f64::from(n)).sqrt();
         assert!((missed - wanted).abs() < 3.3 * deviation, "{missed} of {wanted} ± {deviation} at {x} m");
     }
-    let remembering = SensorModel { memory: 1.0, ..model };
+    let remembering = model(SensorKeys { memory: 1.0, ..missing.keys });
     let seen = look(&remembering, &[], &[person(5.0, 0.0, Vector::new(0.0, 1.0))], &[], 200, 3);
     let first = seen.pedestrians.iter().position(|list| !list.is_empty()).unwrap();
     for (tick, list) in seen.pedestrians.iter().enumerate().skip(first) {
@@ -238,17 +252,17 @@ type Case<'a> = (&'a str, f64, f64, &'a dyn Fn(&Actor) -> f64);
 
 #[test]
 fn noise_has_the_stated_moments() {
-    let model = SensorModel {
+    let noisy = model(SensorKeys {
         position_noise: 0.3,
         velocity_noise: 0.5,
         heading_noise: 0.2,
         size_noise: 0.1,
         speed_pull: 0.5,
         walking_speed: 1.2,
-        ..SensorModel::default()
-    };
+        ..exact()
+    });
     let n = 20_000;
-    let seen = look(&model, &[], &[person(8.0, 2.0, Vector::zeros())], &[], n, 4);
+    let seen = look(&noisy, &[], &[person(8.0, 2.0, Vector::zeros())], &[], n, 4);
     let moments = |value: &dyn Fn(&Actor) -> f64| {
         let values: Vec<f64> = seen.pedestrians.iter().map(|list| value(&list[0])).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -272,16 +286,16 @@ fn noise_has_the_stated_moments() {
 
 #[test]
 fn a_pedestrian_may_be_taken_for_a_vehicle() {
-    let model = SensorModel { confusion: 0.25, ..SensorModel::default() };
+    let confusing = model(SensorKeys { confusion: 0.25, ..exact() });
     let walker = [person(8.0, 0.0, Vector::zeros())];
-    let seen = look(&model, &[], &walker, &[], 20_000, 6);
+    let seen = look(&confusing, &[], &walker, &[], 20_000, 6);
     let confused = seen.vehicles.iter().filter(|list| list.len() == 1).count();
     assert!((confused as f64 / 20_000.0 - 0.25).abs() < 0.01, "{confused}");
     for (people, cars) in seen.pedestrians.iter().zip(&seen.vehicles) {
         assert_eq!(people.len() + cars.len(), 1);
-        assert!(cars.iter().all(|car| car.half == model.confused_half));
+        assert!(cars.iter().all(|car| car.half == confusing.confused_half()));
     }
-    let both = SensorModel { confusion_adds: true, ..model };
+    let both = model(SensorKeys { confused_as: ConfusedAs::Both, ..confusing.keys });
     let seen = look(&both, &[], &walker, &[], 1000, 6);
     assert!(seen.pedestrians.iter().all(|list| list.len() == 1));
     assert!(seen.vehicles.iter().any(|list| list.len() == 1));
@@ -289,8 +303,8 @@ fn a_pedestrian_may_be_taken_for_a_vehicle() {
 
 #[test]
 fn false_alarms_come_and_go_as_stated() {
-    let model = SensorModel { false_alarms: 0.5, false_alarm_length: 0.5, ..SensorModel::default() };
-    let seen = look(&model, &[], &[], &[], 40_000, 7);
+    let alarming = model(SensorKeys { false_alarms: 0.5, false_alarm_length: 0.5, ..exact() });
+    let seen = look(&alarming, &[], &[], &[], 40_000, 7);
     let there: Vec<bool> = seen.pedestrians.iter().map(|list| !list.is_empty()).collect();
     let births = there.windows(2).filter(|pair| !pair[0] && pair[1]).count() as f64;
     let absent = there.iter().filter(|there| !**there).count() as f64 * 0.05;
@@ -302,16 +316,16 @@ fn false_alarms_come_and_go_as_stated() {
 #[test]
 fn no_setting_moves_a_draw_of_another() {
     let walker = [person(8.0, 0.0, Vector::zeros())];
-    let noisy = SensorModel { position_noise: 0.3, ..SensorModel::default() };
-    let missing = SensorModel {
+    let noisy = model(SensorKeys { position_noise: 0.3, ..exact() });
+    let missing = model(SensorKeys {
         miss_near: 0.4,
         miss_far: 0.4,
         confusion: 0.2,
-        confusion_adds: true,
+        confused_as: ConfusedAs::Both,
         false_alarms: 1.0,
         velocity_noise: 1.0,
-        ..noisy.clone()
-    };
+        ..noisy.keys.clone()
+    });
     let (a, b) = (look(&noisy, &[], &walker, &[], 500, 8), look(&missing, &[], &walker, &[], 500, 8));
     assert_eq!(a.draw, b.draw, "the driver's own stream");
     assert_eq!(a.draw, Seed::root(8).stream().next_u64(), "which is the one it would have without sensors");

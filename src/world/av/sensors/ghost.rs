@@ -34,17 +34,17 @@ impl Ghost {
     pub fn update(&mut self, model: &SensorModel, ego: &Pose, dt: f64) -> Option<Actor> {
         let [change, distance, bearing, heading]: [f64; 4] = self.stream.random();
         self.actor = match self.actor {
-            Some(_) if change < dt / model.false_alarm_length => None,
+            Some(_) if change < dt / model.keys.false_alarm_length => None,
             Some(actor) => Some(moved(&actor, dt)),
-            None if change < dt * model.false_alarms => {
+            None if change < dt * model.keys.false_alarms => {
                 let distance = DISTANCE.0 + distance * (DISTANCE.1 - DISTANCE.0);
                 let (sin, cos) = libm::sincos(BEARING * (2.0 * bearing - 1.0));
                 let place = ego.to_world(Vector::new(distance * cos, distance * sin));
-                Some(walker(place, PI * (2.0 * heading - 1.0), model.walking_speed))
+                Some(walker(place, PI * (2.0 * heading - 1.0), model.keys.walking_speed))
             }
             None => None,
         };
-        self.actor.filter(|actor| model.field.covers(ego, actor.pose.position()).is_some())
+        self.actor.filter(|actor| model.covers(ego, actor.pose.position()).is_some())
     }
 }
 

@@ -8,7 +8,7 @@
 //!
 //! | step | what | in |
 //! |---|---|---|
-//! | field | is it in the window and in a sector? | [`Field`] |
+//! | field | is it in the window and in a sector? | [`SensorModel::covers`] |
 //! | sight | which share of it do rays from the eye reach? | [`visible_share`] |
 //! | luck | is it missed this time? taken for a vehicle? | [`Luck`], [`SensorModel::miss_rate`] |
 //! | measurement | where does it seem to be, how fast, how large? | [`Drift`] |
@@ -19,7 +19,6 @@
 //! policy's draws nor those of another purpose therefore change with a setting.
 
 mod chance;
-mod field;
 mod sight;
 mod model;
 mod track;
@@ -27,7 +26,6 @@ mod ghost;
 mod wrapper;
 
 pub use chance::{Drift, Luck};
-pub use field::{Field, Seam, Sector};
-pub use model::SensorModel;
+pub use model::{ConfusedAs, Prediction, Seam, Sector, SensorKeys, SensorModel};
 pub use sight::visible_share;
 pub use wrapper::SensorWrapper;

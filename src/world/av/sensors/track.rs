@@ -56,10 +56,10 @@ impl Track {
 
     /// Advances by the time `dt` (s) to the next update.
     pub fn advance(&mut self, model: &SensorModel, dt: f64) {
-        self.miss.advance(correlation(dt, model.miss_correlation));
-        self.confusion.advance(correlation(dt, model.confusion_correlation));
+        self.miss.advance(correlation(dt, model.keys.miss_correlation));
+        self.confusion.advance(correlation(dt, model.keys.confusion_correlation));
         if model.is_noisy() {
-            self.drift.advance(correlation(dt, model.noise_correlation));
+            self.drift.advance(correlation(dt, model.keys.noise_correlation));
         }
         if let Some(last) = &mut self.last {
             last.age += dt;
@@ -70,9 +70,9 @@ impl Track {
     /// Updates the detection of the actor; `rate` is that of misses, `None` when it cannot be detected at all.
     pub fn update(&mut self, model: &SensorModel, kind: Kind, actor: &Actor, rate: Option<f64>) -> Option<Belief> {
         if rate.is_some_and(|rate| !self.miss.fails(rate)) {
-            let confused = kind == Kind::Pedestrian && self.confusion.fails(model.confusion);
+            let confused = kind == Kind::Pedestrian && self.confusion.fails(model.keys.confusion);
             self.last = Some(Belief { actor: self.measure(model, kind, actor), confused, age: 0.0 });
-        } else if self.last.is_some_and(|last| last.age > model.memory) {
+        } else if self.last.is_some_and(|last| last.age > model.keys.memory) {
             self.last = None;
         }
         self.last
@@ -80,19 +80,20 @@ impl Track {
 
     fn measure(&self, model: &SensorModel, kind: Kind, actor: &Actor) -> Actor {
         let mut seen = *actor;
-        if kind == Kind::Pedestrian && model.speed_pull > 0.0 {
+        if kind == Kind::Pedestrian && model.keys.speed_pull > 0.0 {
             let ahead = actor.velocity.try_normalize(1e-6).unwrap_or_else(|| actor.pose.forward());
-            seen.velocity = ahead * (actor.speed() * (1.0 - model.speed_pull) + model.walking_speed * model.speed_pull);
+            seen.velocity = ahead
+                * (actor.speed() * (1.0 - model.keys.speed_pull) + model.keys.walking_speed * model.keys.speed_pull);
         }
         if model.is_noisy() {
             let [east, north, v_east, v_north, turn, size] = *self.drift.errors();
             seen.pose = Pose::new(
-                actor.pose.x + model.position_noise * east,
-                actor.pose.y + model.position_noise * north,
-                actor.pose.yaw + model.heading_noise * turn,
+                actor.pose.x + model.keys.position_noise * east,
+                actor.pose.y + model.keys.position_noise * north,
+                actor.pose.yaw + model.keys.heading_noise * turn,
             );
-            seen.velocity += Vector::new(v_east, v_north) * model.velocity_noise;
-            seen.half *= libm::exp(model.size_noise * size);
+            seen.velocity += Vector::new(v_east, v_north) * model.keys.velocity_noise;
+            seen.half *= libm::exp(model.keys.size_noise * size);
         }
         seen
     }

@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
-use super::SensorModel;
 use super::ghost::Ghost;
 use super::sight::{half_width_of, visible_share};
 use super::track::{Belief, Kind, Track, moved};
+use super::{ConfusedAs, Prediction, SensorModel};
 use crate::av::{Actor, DrivingMode, DrivingPolicy, Fault, Perception};
 use crate::sim::{ActorId, Control};
 use base::seed::{Seed, Stream};
@@ -66,7 +66,7 @@ impl SensorWrapper {
         let number = measured / between;
         let snapshot = &self.history[number as usize % self.history.len()];
         let age = f64::from(tick - number * between) * perception.dt;
-        let age = if self.model.predicts { age } else { 0.0 };
+        let age = if self.model.keys.prediction == Prediction::ConstantVelocity { age } else { 0.0 };
         let now = |actor: &Actor| if age > 0.0 { moved(actor, age) } else { *actor };
         self.pedestrians.extend(snapshot.pedestrians.iter().map(now));
         self.vehicles.extend(snapshot.vehicles.iter().map(now));
@@ -91,10 +91,10 @@ impl SensorWrapper {
             let track = track_of(&mut self.people, actor.id, || seed.child("pedestrian"));
             let Some(belief) = look_for(track, Kind::Pedestrian, actor) else { continue };
             if belief.confused {
-                let half = model.confused_half;
+                let half = model.confused_half();
                 snapshot.vehicles.push(Actor { half, height: 0.0, ..belief.actor });
             }
-            if !belief.confused || model.confusion_adds {
+            if !belief.confused || model.keys.confused_as == ConfusedAs::Both {
                 snapshot.pedestrians.push(belief.actor);
             }
         }
@@ -102,7 +102,7 @@ impl SensorWrapper {
             let track = track_of(&mut self.cars, actor.id, || seed.child("vehicle"));
             snapshot.vehicles.extend(look_for(track, Kind::Vehicle, actor).map(|belief| belief.actor));
         }
-        if model.false_alarms > 0.0 {
+        if model.keys.false_alarms > 0.0 {
             snapshot.pedestrians.extend(self.ghost.update(model, &perception.ego.pose, dt));
         }
         self.updates += 1;
@@ -112,9 +112,9 @@ impl SensorWrapper {
 /// The present rate at which an actor is missed; `None` when it is outside the field or hidden.
 fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor: &Actor) -> Option<f64> {
     let ego = &perception.ego.pose;
-    let (distance, seam) = model.field.covers(ego, actor.pose.position())?;
+    let (distance, seam) = model.covers(ego, actor.pose.position())?;
     let visible = if model.looks() {
-        let eye = model.field.eye(ego);
+        let eye = model.eye(ego);
         let half_width = match kind {
             Kind::Pedestrian => actor.half.x,
             Kind::Vehicle => half_width_of(&actor.outline(), eye),
@@ -125,7 +125,7 @@ fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor
     } else {
         1.0
     };
-    let enough = visible >= model.least_visible && (visible > 0.0 || !model.looks());
+    let enough = visible >= model.keys.least_visible && (visible > 0.0 || !model.looks());
     enough.then(|| model.miss_rate(distance, seam))
 }
 
