@@ -6,11 +6,12 @@ use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
 use super::walker::WalkerKind;
 use super::{
-    adversary, campaign, controller, episode, falsifier, policy, published, requirement, reward, sensors, spawn, town,
-    training, vehicle, walker,
+    adversary, campaign, controller, falsifier, policy, published, requirement, reward, sensors, spawn, town, training,
+    vehicle, walker,
 };
-use base::signature::{Form, Signature, Type, Vocabulary};
+use base::signature::{Form, Keys, Signature, Type, Vocabulary};
 use world::av::external::Opener;
+use world::env::EpisodeRule;
 
 /// Tries a network where it can do no harm, before it is loaded into this process; the error is the reason, as a part of a sentence.
 pub type NetworkTrial = dyn Fn(&[u8]) -> Result<(), String> + Send + Sync;
@@ -49,7 +50,7 @@ impl Catalog {
             spawn::form(),
             reward::form(),
             requirement::form(),
-            episode::form(),
+            Form::plain(EpisodeRule::signature()),
             training::form(),
             controller::form(),
             falsifier::form(),

@@ -23,7 +23,6 @@ mod given_path;
 mod sector;
 mod reward;
 mod requirement;
-mod episode;
 mod training;
 mod walker;
 mod falsifier;

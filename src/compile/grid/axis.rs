@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::lowering::{BuiltTown, Lowering};
-use crate::{adversary, episode, reward, training, vehicle};
+use crate::{adversary, reward, training, vehicle};
 use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::Block;
@@ -57,7 +57,7 @@ impl Lowering<'_> {
 
     pub(crate) fn episode(&mut self, id: DeclarationId) -> Axis<EpisodeRule> {
         let block = &self.program.get(id).block;
-        let value = episode::lower(block.keys());
+        let value: EpisodeRule = block.keys();
         let given = block.places.iter().find(|(name, _)| *name == "hold");
         if let Some((_, hold)) = given.filter(|_| value.hold > value.ticks) {
             self.said.push(diagnostics::not_rising(*hold, "hold", "ticks", None));

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::Nested;
 use super::axis::{Axis, Usual};
 use crate::campaign::{CampaignKeys, PlaceKeys, StartKeys};
-use crate::episode::EpisodeKeys;
 use crate::lowering::{BuiltTown, Lowering};
 use crate::plan::NamedTown;
 use crate::policy;
@@ -124,7 +123,7 @@ impl Lowering<'_> {
         self.compare_ticks(episode, block, &places.policies);
         let place = if start.spawn.is_some() { block.place("spawn") } else { campaign.place("spawn") };
         if self.probe(place, &ground.towns, &ground.spawn.value, bodies) {
-            let EpisodeKeys { tick, ticks, .. } = self.program.get(episode).block.keys();
+            let EpisodeRule { tick, ticks, .. } = self.program.get(episode).block.keys();
             self.warn_of_far_starts(place, &ground, bodies, f64::from(ticks) * tick);
         }
         Some(ground)
@@ -133,7 +132,7 @@ impl Lowering<'_> {
     /// Reports the drivers of a block that are made for a tick of another length.
     fn compare_ticks(&mut self, episode: DeclarationId, block: &Block, policies: &[DeclarationId]) {
         let episode = self.program.get(episode);
-        let EpisodeKeys { tick, .. } = episode.block.keys();
+        let EpisodeRule { tick, .. } = episode.block.keys();
         for (place, id) in policies.iter().enumerate() {
             let policy = self.program.get(*id);
             let made_for = policy::signature(policy, self.catalog).and_then(|signature| signature.tick);

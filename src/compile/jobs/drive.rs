@@ -32,16 +32,7 @@ keys! {
         pedestrians: Vec<Value> as WordOrReference(Vec::new(), "controller") = "[natural]",
         /// Other cars in each town.
         cars: usize as whole(0, 100) = "3",
-        /// Reward a second of driving at the limit along the route; less for less, and for more than the limit.
-        progress: f64 as within(RATIO, 0.0, 1e6) = "0.1",
-        /// Cost a second of full discomfort: jerk, lateral acceleration, hard braking and turns of the wheel.
-        comfort: f64 as within(RATIO, 0.0, 1e6) = "0.1",
-        /// Cost a second of a metre beside the route or more.
-        lane: f64 as within(RATIO, 0.0, 1e6) = "0.05",
-        /// Cost a second of standing without a road user or a light ahead.
-        standing: f64 as within(RATIO, 0.0, 1e6) = "0.03",
-        /// Cost of a collision at low speed, twice as much at 10 m/s; and of leaving the route.
-        collision: f64 as within(RATIO, 0.0, 1e6) = "5",
+        ..reward: DriveReward,
         /// Trainings, with different seeds.
         runs: u32 as whole(1, 10_000) = "1",
         ..start: StartKeys,
@@ -86,13 +77,7 @@ impl Lowering<'_> {
             hold: keys.hold,
             walkers,
             cars: keys.cars,
-            reward: DriveReward {
-                progress: keys.progress,
-                comfort: keys.comfort,
-                lane: keys.lane,
-                standing: keys.standing,
-                collision: keys.collision,
-            },
+            reward: keys.reward,
         });
         let scenario = |place: &Place<'_>| {
             (place.town.name.to_string(), usual.scenario(place, &body, &RewardRule::default(), &[].into()))

@@ -41,7 +41,7 @@ keys! {
         /// durations.
         light_turns: LightTurns = "each_leg",
     }
-    .holding(vec![StreetKeys::signature(), RowHousesKeys::signature().once()])
+    .holding(vec![StreetKeys::signature(), BuildingRow::signature().once()])
 }
 
 keys! {
@@ -58,20 +58,6 @@ keys! {
         lanes: u32 as whole(1, 4) = "1",
         /// Whether all its lanes lead in the direction of its points. The points stay the middle of the street.
         one_way: bool = "false",
-    }
-}
-
-keys! {
-    /// Houses along both sides of all straight streets.
-    pub struct RowHousesKeys = "row_houses" {
-        /// Distance of the fronts from the sidewalk.
-        setback: f64 as within(LENGTH, 0.0, 1000.0) = "1 m",
-        /// Extent away from the street.
-        depth: f64 as within(LENGTH, 1.0, 1000.0) = "10 m",
-        /// Extent along the street.
-        length: f64 as within(LENGTH, 3.0, 1000.0) = "16 m",
-        /// Distance between two houses.
-        gap: f64 as within(LENGTH, 0.0, 1000.0) = "4 m",
     }
 }
 
@@ -127,7 +113,6 @@ fn design(declaration: &Declaration) -> TownDesign {
             node.lights = legs(&streets, index) > 2;
         }
     }
-    let row = |(_, RowHousesKeys { setback, depth, length, gap })| BuildingRow { setback, depth, length, gap };
     TownDesign {
         name: declaration.name.clone(),
         nodes,
@@ -135,7 +120,7 @@ fn design(declaration: &Declaration) -> TownDesign {
         profile: StreetProfile { lane_width: keys.lane_width, shoulder: keys.shoulder, sidewalk: keys.sidewalk },
         bend_radius: keys.bend_radius,
         corner_radius: keys.corner_radius,
-        block_buildings: block.inside().next().map(row),
+        block_buildings: block.inside().next().map(|(_, row)| row),
         opposite_lights: keys.light_turns == LightTurns::OppositeLegs,
         ..TownDesign::default()
     }
@@ -151,7 +136,7 @@ fn legs(streets: &[Street], node: usize) -> usize {
 fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
     if let DesignError::Measure { what, .. } = fault {
         // `setback of buildings` is the key `setback` of `row_houses`, `lane width` that of the town.
-        let row = block.nested(RowHousesKeys::KIND).next();
+        let row = block.nested(BuildingRow::KIND).next();
         let (owner, key) = match (what.split_once(' '), row) {
             (Some((key, "of buildings" | "between buildings")), Some(row)) => (row, key.to_string()),
             _ => (block, what.replace(' ', "_")),

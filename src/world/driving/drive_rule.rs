@@ -1,5 +1,6 @@
 use crate::env::PolicyMaker;
 use crate::falsifier::Controller;
+use base::keys;
 
 /// How a car learns to drive.
 #[derive(Clone)]
@@ -18,19 +19,21 @@ pub struct DriveRule {
     pub reward: DriveReward,
 }
 
-/// The weights of a driver's reward. The first four count by the second; each of their measures is at most 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DriveReward {
-    /// Speed along the route as a share of the limit; what is above the limit counts against it five times.
-    pub progress: f64,
-    /// Against it: jerk, lateral acceleration, hard braking and turns of the wheel.
-    pub comfort: f64,
-    /// Against it: the distance from the route.
-    pub lane: f64,
-    /// Against it: standing without a road user or a light ahead.
-    pub standing: f64,
-    /// Against it, once: a collision, half as much again at 5 m/s and twice as much at 10 m/s; and leaving the route, which ends the episode.
-    pub collision: f64,
+keys! {
+    /// The weights of a driver's reward. The first four count by the second; each of their measures is at most 1.
+    #[derive(Copy)]
+    pub struct DriveReward {
+        /// Reward a second of driving at the limit along the route; less for less, and for more than the limit.
+        progress: f64 as within(RATIO, 0.0, 1e6) = "0.1",
+        /// Cost a second of full discomfort: jerk, lateral acceleration, hard braking and turns of the wheel.
+        comfort: f64 as within(RATIO, 0.0, 1e6) = "0.1",
+        /// Cost a second of a metre beside the route or more.
+        lane: f64 as within(RATIO, 0.0, 1e6) = "0.05",
+        /// Cost a second of standing without a road user or a light ahead.
+        standing: f64 as within(RATIO, 0.0, 1e6) = "0.03",
+        /// Cost of a collision at low speed, twice as much at 10 m/s; and of leaving the route.
+        collision: f64 as within(RATIO, 0.0, 1e6) = "5",
+    }
 }
 
 /// All but the teacher.

@@ -30,7 +30,7 @@ impl<'a> OtherDrive<'a> {
         let count = pair.trace().pedestrian_count();
         let bodies: Vec<_> = cast.pedestrians.iter().take(count).map(|role| role.body).collect();
         let lights = pair.trace().lights();
-        let cycle = lights.is_some().then_some(scenario.episode.light_cycle);
+        let cycle = lights.is_some().then_some(scenario.episode.light_cycle());
         let (town, obstacles) = (scenario.town.clone(), scenario.obstacles.clone());
         let starts = vec![ActorStart::default(); bodies.len()];
         let mut world = World::new(town, obstacles, vec![pair.blueprint().clone()], bodies, cycle, pair.dt());

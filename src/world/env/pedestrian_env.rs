@@ -112,7 +112,7 @@ impl PedestrianEnv {
             scenario.obstacles.clone(),
             cast.vehicles.iter().map(|role| role.blueprint.clone()).collect(),
             cast.pedestrians.iter().map(|role| role.body).collect(),
-            rule.traffic_lights.then_some(rule.light_cycle),
+            rule.traffic_lights.then_some(rule.light_cycle()),
             rule.tick,
         );
         let actions = Actions::new(cast);

@@ -1,3 +1,4 @@
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::{Cast, Criterion, EgoSpeed, PedestrianEnv, RewardRule, Simulation, SpawnRule, TestOracle, run_up};
@@ -5,35 +6,51 @@ use crate::geometry::Obstacles;
 use crate::requirement::NamedRequirement;
 use crate::road::Town;
 use crate::sim::LightCycle;
+use base::keys;
 use base::seed::Seed;
 use base::signature::{Distribution, Formula};
 
 /// The ego counts as moving above this speed (m/s).
 pub const MOVING_ABOVE: f64 = 0.1;
 
-/// The duration of an episode, and the conditions that end it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EpisodeRule {
-    /// Length of a tick (s).
-    pub tick: f64,
-    /// Ticks for which a command of a pedestrian is kept.
-    pub hold: u32,
-    /// Most ticks of an episode.
-    pub ticks: u32,
-    /// Ends the episode after a decision without a hit when it is true; the value of the state after it is not bootstrapped.
-    pub end_when: Option<Formula>,
-    /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this (rad).
-    pub front_half_angle: f64,
-    /// The friction of the road, which bounds what the tyres of all cars transmit; `None` for CARLA's dry road.
-    pub friction: Option<f64>,
-    /// Whether the town's traffic lights work.
-    pub traffic_lights: bool,
-    /// The durations of their colours.
-    pub light_cycle: LightCycle,
-    /// The time within the cycle when the car sets off, at the start of its run-up (s); `None` for any time, drawn evenly.
-    pub light_phase: Option<Distribution>,
-    /// Whether episodes count in which the driver was lost before it could see a pedestrian ([`LeftOut`](super::LeftOut)).
-    pub count_all: bool,
+keys! {
+    /// How long an episode lasts and what ends it.
+    pub struct EpisodeRule = "episode" {
+        /// Length of a tick. CARLA's driver assumes 0.05 s.
+        tick: f64 as within(TIME, 0.001, 0.1) = "0.05 s",
+        /// Ticks for which the pedestrian holds a command.
+        hold: u32 as ticks(1, 10_000) = "20",
+        /// Most ticks of an episode.
+        ticks: u32 as ticks(1, 1_000_000) = "600",
+        /// Ends the episode after a command without a hit when it holds; not in the paper.
+        end_when: Option<Formula> as Condition("step"),
+        /// A hit is frontal when the pedestrian's bearing from the ego's middle is at most this.
+        front: f64 as within(ANGLE, 0.0, PI) = "60 deg",
+        /// Friction of the road: no car brakes, accelerates or turns with more than this times 9.81 m/s^2. Without it the
+        /// figures of the `vehicle` alone hold, which are those of a dry road.
+        friction: Option<f64> as within(RATIO, 0.02, 2.0),
+        /// Whether the town's traffic lights work.
+        traffic_lights: bool = "true",
+        /// Green of each turn of the traffic lights (CARLA's, as the next two).
+        light_green: f64 as within(TIME, 0.1, 3600.0) = "10 s",
+        /// Yellow of each turn.
+        light_yellow: f64 as within(TIME, 0.1, 3600.0) = "3 s",
+        /// Time after a turn in which all lights of a junction are red.
+        light_red: f64 as within(TIME, 0.1, 3600.0) = "2 s",
+        /// Time within the cycle of all junctions when the car sets off: at the start of the episode, or of its run-up. Any
+        /// time without it. At 0 s the first turn becomes green.
+        light_phase: Option<Distribution> as drawn(TIME, 0.0, 36_000.0),
+        /// Whether episodes count in which the driver was lost before a pedestrian came into sight: it did not reach its start in the
+        /// run-up, or its car left the road. Otherwise they are in the tables, and in no rate, search or list of failures.
+        count_all: bool = "false",
+    }
+}
+
+impl EpisodeRule {
+    /// The durations of the colours of traffic lights.
+    pub fn light_cycle(&self) -> LightCycle {
+        LightCycle { green: self.light_green, yellow: self.light_yellow, red: self.light_red }
+    }
 }
 
 /// A logical scenario: everything that all its episodes share.
@@ -71,7 +88,7 @@ impl Scenario {
         match self.spawn.ego_speed {
             EgoSpeed::Steady => {
                 let rule = &self.episode;
-                run_up::most_ticks(rule.tick, rule.traffic_lights.then_some(rule.light_cycle))
+                run_up::most_ticks(rule.tick, rule.traffic_lights.then_some(rule.light_cycle()))
             }
             EgoSpeed::Drawn(_) => 0,
         }

@@ -6,18 +6,21 @@ use serde::{Deserialize, Serialize};
 use crate::env::{Criterion, Outcome, Scenario, Trace};
 use crate::falsifier::{WalkPolicy, evaluate_observed};
 use crate::judge::{Blame, Judged};
+use base::keys;
 use base::seed::Seed;
 
 /// Time over which a deceleration is averaged (s): ignores single-tick peaks.
 const BRAKING_TIME: f64 = 0.5;
 
-/// What the repaired driver may cost in natural traffic.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrafficRule {
-    /// Share of its mean speed that it may lose.
-    pub progress: f64,
-    /// What the share of encounters with hard braking may rise by.
-    pub comfort: f64,
+keys! {
+    /// What the repaired driver may cost in natural traffic.
+    #[derive(Copy)]
+    pub struct TrafficRule {
+        /// Share of the mean speed in natural encounters that a repair may cost.
+        progress: f64 as share() = "5 percent",
+        /// What the share of natural encounters with hard braking, above 4 m/s^2 over half a second, may rise by.
+        comfort: f64 as share() = "5 percent",
+    }
 }
 
 /// Deceleration over half a second above which braking is hard (m/s²).

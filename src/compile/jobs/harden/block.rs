@@ -47,10 +47,7 @@ keys! {
         lessons: u32 as whole(0, 100_000) = "20",
         /// Natural encounters in each town in which each of them shows its progress and its comfort.
         traffic: u32 as whole(1, 100_000) = "50",
-        /// Share of the mean speed in natural encounters that a repair may cost.
-        progress: f64 as share() = "5 percent",
-        /// What the share of natural encounters with hard braking, above 4 m/s^2 over half a second, may rise by.
-        comfort: f64 as share() = "5 percent",
+        ..rule: TrafficRule,
         /// Towns of the test, in which nothing is repaired.
         test_towns: Vec<DeclarationId> as Reference("town"),
         // The catalogue adds the words.
@@ -129,7 +126,7 @@ impl Lowering<'_> {
             lessons: keys.lessons,
             traffic: keys.traffic,
             natural,
-            rule: TrafficRule { progress: keys.progress, comfort: keys.comfort },
+            rule: keys.rule,
             test_towns: places(&tests, &body, usual, &plain),
             walkers: walkers.iter().map(|(walker, _): &(Controller, _)| walker.clone()).collect(),
             rivals: attacked(&tests, &rivals),

@@ -29,7 +29,7 @@ impl PedestrianEnv {
         let mut is_fault = false;
         let (earned, ending) = match (hit, contact) {
             (Some(hit), _) => {
-                let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > MOVING_ABOVE);
+                let (front, moving) = (hit.is_front(rule.front), hit.impact_speed > MOVING_ABOVE);
                 let judged = Hit { front, moving, judgement };
                 is_fault = counts && judged.is(HitClass::Fault);
                 let earned = if counts { worth(reward.for_hit(&judged)) } else { 0.0 };

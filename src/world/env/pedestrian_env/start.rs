@@ -45,7 +45,7 @@ impl PedestrianEnv {
             self.drivers.hold(test_speed);
         }
         // A whole number of cycles of groups with up to four turns.
-        let drawn = stream.random_range(0.0..12.0 * scenario.episode.light_cycle.turn());
+        let drawn = stream.random_range(0.0..12.0 * scenario.episode.light_cycle().turn());
         let phase = scenario.episode.light_phase.as_ref().map(|phase| phase.quantile(stream.random()));
         self.light_phase = phase.unwrap_or(drawn);
         self.episode = Episode::new(spawn, self.source.width);

@@ -4,18 +4,21 @@ use super::network::Network;
 use super::surface::{Surfaces, Tile};
 use crate::geometry::{OrientedBox, Pose, Vector};
 use crate::road::Road;
+use base::keys;
 
-/// Equal houses along both sides of the straight parts of all streets.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BuildingRow {
-    /// Distance of the fronts from the outer edge of the sidewalk (m).
-    pub setback: f64,
-    /// Extent of a house away from the street (m).
-    pub depth: f64,
-    /// Extent of a house along the street (m).
-    pub length: f64,
-    /// Distance between two houses (m).
-    pub gap: f64,
+keys! {
+    /// Houses along both sides of all straight streets.
+    #[derive(Copy)]
+    pub struct BuildingRow = "row_houses" {
+        /// Distance of the fronts from the sidewalk.
+        setback: f64 as within(LENGTH, 0.0, 1000.0) = "1 m",
+        /// Extent away from the street.
+        depth: f64 as within(LENGTH, 1.0, 1000.0) = "10 m",
+        /// Extent along the street.
+        length: f64 as within(LENGTH, 3.0, 1000.0) = "16 m",
+        /// Distance between two houses.
+        gap: f64 as within(LENGTH, 0.0, 1000.0) = "4 m",
+    }
 }
 
 /// Adds the houses that stand on no road and in no building.
