@@ -38,10 +38,14 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
     let mut found: Vec<(LaneId, Node)> = Vec::new();
     let sides = node.children().filter(|side| matches!(side.tag_name().name(), "left" | "center" | "right"));
     for lane in sides.flat_map(|side| children(side, "lane")) {
-        match context.whole(lane, "id").filter(|id| id.unsigned_abs() <= MAX_ID) {
-            None => {
-                context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" });
-            }
+        let id = context.whole(lane, "id");
+        match id.filter(|id| id.unsigned_abs() <= MAX_ID) {
+            None => match (lane.attribute("id"), id) {
+                (Some(text), Some(_)) => context.bad(lane, "id", text),
+                (Some(_), None) => {}
+                (None, _) => context
+                    .warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" }),
+            },
             Some(id) if found.iter().any(|(other, _)| *other == id) => {
                 context.warn(lane, OpenDriveProblem::Duplicate { element: "lane", id: id.to_string() });
             }
