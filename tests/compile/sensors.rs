@@ -74,14 +74,10 @@ fn car(x: f64, y: f64, yaw: f64) -> Actor {
     Actor { id: ActorId::Vehicle(0), pose, velocity, half: Vector::new(2.3, 0.9), height: 0.0 }
 }
 
-/// Keys of exact sensors.
 fn exact() -> SensorKeys {
-    static KEYS: LazyLock<SensorKeys> = LazyLock::new(|| {
-        let plan = campaign("sensors plain { }  policy sensing = aeb(sensors: plain)", "sensing");
-        let driver = plan.campaigns[0].drivers.iter().find(|driver| driver.name == "sensing").unwrap();
-        driver.sensor_model.as_ref().unwrap().keys.clone()
-    });
-    KEYS.clone()
+    let plan = campaign("sensors plain { }  policy sensing = aeb(sensors: plain)", "sensing");
+    let driver = plan.campaigns[0].drivers.iter().find(|driver| driver.name == "sensing").unwrap();
+    driver.sensor_model.as_ref().unwrap().keys.clone()
 }
 
 fn model(keys: SensorKeys) -> SensorModel {
