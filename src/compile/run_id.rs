@@ -1,8 +1,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The short name of a run or of a search: 32 bits of BLAKE3 over its names, its seed and its fingerprint, in tables eight hexadecimal
-/// digits.
+/// The short name of a run or of a search: a hash (BLAKE3) of its names, its seed and its fingerprint, in tables eight hexadecimal digits. The first is a
+/// letter, so that no reader of a CSV file takes it for a number.
 ///
 /// It is the same in every report of the same run, whatever else the campaign contains. Another driver, place, setting or seed is another
 /// run. Episode 17 of run `1a2b3c4d` is called `1a2b3c4d:17`.
@@ -17,7 +17,8 @@ impl RunId {
             _ => blake3::hash(&[names.as_bytes(), &again.to_le_bytes()].concat()),
         };
         let [a, b, c, d, ..] = *hash.as_bytes();
-        Self(u32::from_be_bytes([a, b, c, d]))
+        let letter = 0xa + (a >> 4) % 6;
+        Self(u32::from_be_bytes([letter << 4 | a & 0xf, b, c, d]))
     }
 }
 
@@ -41,5 +42,19 @@ impl FromStr for RunId {
         let right = text.len() == 8 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
         let number = right.then(|| u32::from_str_radix(text, 16).ok()).flatten();
         number.map(Self).ok_or_else(|| NoRunId { text: text.to_string() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_of_a_run_is_a_number() {
+        for number in 0..2_000 {
+            let name = RunId::new(&number.to_string(), number % 3).to_string();
+            assert!(name.parse::<f64>().is_err() && name.parse::<RunId>().is_ok(), "{name}");
+            assert!(name.starts_with(|first: char| first.is_ascii_alphabetic()), "{name}");
+        }
     }
 }

@@ -126,6 +126,16 @@ fn mistakes_are_shown_as_they_are_typed_and_taken_back() {
 }
 
 #[test]
+fn an_address_that_is_not_encoded_is_understood() {
+    let mut session = Session::new();
+    session.open("file:///nowhere/ü ä.scn", "edition 1\rrewrd a {}\r");
+    let said = session.hold();
+    let said = diagnostics(&said, "file:///nowhere/%C3%BC%20%C3%A4.scn");
+    // A carriage return alone ends a line.
+    assert_eq!(said[0]["range"]["start"], json!({ "line": 1, "character": 0 }));
+}
+
+#[test]
 fn an_unsaved_import_goes_before_the_file_and_gets_its_own_mistakes() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("part.scn"), "edition 1\nreward on_disk { on hit => 1 }\n").unwrap();

@@ -15,7 +15,10 @@ const BLOCK: usize = 1024;
 impl<'a> Lines<'a> {
     /// Scans a text once.
     pub fn new(text: &'a str) -> Self {
-        let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        // A carriage return alone ends a line, too, in the protocol of editors.
+        let bytes = text.as_bytes();
+        let ends = |at: &usize| bytes[*at] == b'\n' || bytes[*at] == b'\r' && bytes.get(at + 1) != Some(&b'\n');
+        let starts = std::iter::once(0).chain((0..bytes.len()).filter(ends).map(|at| at + 1)).collect();
         let (mut blocks, mut before) = (Vec::new(), (0, 0));
         for block in text.as_bytes().chunks(BLOCK) {
             blocks.push(before);
@@ -115,6 +118,9 @@ mod tests {
         }
         assert_eq!(lines.byte(1, 99), text.find('\r').unwrap(), "the line's end");
         assert_eq!(lines.byte(99, 0), text.len());
+        // A carriage return alone ends a line; one before a line feed belongs to it.
+        assert_eq!(Lines::new("a\rbc\r\nd").utf16(3), (1, 1));
+        assert_eq!(Lines::new("a\rbc\r\nd").utf16(6), (2, 0));
         assert_eq!(lines.byte(1, 4), text.find('🚗').unwrap(), "the middle of a pair goes to its beginning");
     }
 }

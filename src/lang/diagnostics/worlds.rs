@@ -148,6 +148,13 @@ pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str]) -> Diag
         .help(format!("0 violations say nothing there: use a town with {part}"))
 }
 
+/// A test of a protocol has more cases than episodes, or some cases are run once more than others.
+pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
+    Diagnostic::warning("partial-test", span, "this is no multiple of the cases of the test")
+        .here(format!("{episodes} episodes for {cases} cases"))
+        .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"))
+}
+
 /// Something is farther (m) from every street than any actor.
 pub fn far_from_streets(span: Span, far: f64) -> Diagnostic {
     Diagnostic::warning("out-of-reach", span, format!("this is more than {far} m from every street"))

@@ -138,7 +138,8 @@ fn for_people(found: &Checked) -> ExitCode {
         }
         Err(other) => return failed(other),
     };
-    let files = console::count(found.records.len(), "file");
+    let own = found.records.iter().filter(|record| !lang::library::holds(std::path::Path::new(&record.path))).count();
+    let files = console::count(own, "file");
     let campaigns = console::count(plan.campaigns.len(), "campaign");
     plan.settings.iter().for_each(|setting| console::note(&setting.to_string()));
     console::say(&format!("{files} and {campaigns} checked: no errors"));

@@ -3,6 +3,7 @@
 use std::io::{BufRead, Read};
 
 use lsp_server::Message;
+use serde_json::Value;
 
 /// The longest body that is read (bytes).
 const MAX_BODY: usize = 64 << 20;
@@ -48,5 +49,30 @@ pub fn read(stream: &mut impl BufRead) -> Result<Option<Message>, WireError> {
     let length = length.filter(|length| *length <= MAX_BODY).ok_or(WireError::Headers)?;
     let mut body = vec![0; length];
     stream.read_exact(&mut body)?;
-    serde_json::from_slice(&body).map(Some).map_err(|error| WireError::Body(error.to_string()))
+    let understood = serde_json::from_slice(&body).and_then(|mut message| {
+        encode_addresses(&mut message);
+        serde_json::from_value(message)
+    });
+    understood.map(Some).map_err(|error| WireError::Body(error.to_string()))
+}
+
+/// Percent-encodes what an address must not hold: some editors send `file:///home/me/ü/c.scn`.
+fn encode_addresses(message: &mut Value) {
+    match message {
+        Value::Object(members) => {
+            for (name, member) in members {
+                match member {
+                    Value::String(address) if name.to_ascii_lowercase().ends_with("uri") => {
+                        let plain = |byte: u8| byte.is_ascii_graphic() && !b"\"<>\\^`{|}".contains(&byte);
+                        let encode =
+                            |byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+                        *address = address.bytes().map(encode).collect();
+                    }
+                    other => encode_addresses(other),
+                }
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(encode_addresses),
+        _ => {}
+    }
 }

@@ -33,7 +33,7 @@ pub trait Cell<K>: Sized {
 }
 
 macro_rules! kind {
-    ($kind:ty, $array:ty, $type:expr, $method:ident, $($cell:ty),+) => {
+    ($kind:ty, $array:ty, $type:expr, $method:ident $(, $cell:ty)*) => {
         impl Kind for $kind {
             type Array = $array;
             const TYPE: DataType = $type;
@@ -50,15 +50,28 @@ macro_rules! kind {
             fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
                 Series::new(name, values)
             }
-        })+
+        })*
     };
 }
 
 kind!(String, StringChunked, DataType::String, str, String, Option<String>, &'static str, Option<&'static str>);
 kind!(u32, UInt32Chunked, DataType::UInt32, u32, u32, Option<u32>);
 kind!(u64, UInt64Chunked, DataType::UInt64, u64, u64, Option<u64>);
-kind!(f64, Float64Chunked, DataType::Float64, f64, f64, Option<f64>);
+kind!(f64, Float64Chunked, DataType::Float64, f64);
 kind!(bool, BooleanChunked, DataType::Boolean, bool, bool, Option<bool>);
+
+impl Cell<f64> for f64 {
+    fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
+        // An empty sum is -0.
+        Series::new(name, values.into_iter().map(|value| value + 0.0).collect::<Vec<f64>>())
+    }
+}
+
+impl Cell<f64> for Option<f64> {
+    fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
+        Series::new(name, values.into_iter().map(|value| Some(value? + 0.0)).collect::<Vec<Self>>())
+    }
+}
 
 /// A column of a table: its name, its unit and its meaning. The only place where its name is spelt.
 #[derive(Debug)]

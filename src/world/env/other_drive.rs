@@ -3,7 +3,7 @@ use super::signal_meter::SignalMeter;
 use super::{Pair, Situation};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::requirement::{Degree, Trace as Margins};
-use crate::sim::{ActorId, ActorStart, Contact, PedestrianState, Start, World};
+use crate::sim::{ActorId, ActorStart, Contact, PedestrianState, Start, World, time_of};
 use base::signature::Requirement;
 
 /// The samples of a requirement in an episode in which the ego drives otherwise from a tick on, while all others do what they did.
@@ -110,7 +110,7 @@ impl<'a> OtherDrive<'a> {
         let gap = if touch.is_some() { 0.0 } else { self.world.gap(0, number) };
         self.least_gap = self.least_gap.min(gap);
         let (turn, pace) = self.command(number, tick);
-        let before = tick.saturating_sub(1) as f64 * dt;
+        let before = time_of(tick.saturating_sub(1), dt);
         Situation {
             bearing: touch.map_or_else(|| libm::atan2(aside, ahead), |touch| touch.bearing),
             distance: (ahead * ahead + aside * aside).sqrt(),
@@ -119,7 +119,7 @@ impl<'a> OtherDrive<'a> {
             facing: libm::atan2(seen.y, seen.x),
             ego_speed: ego.speed,
             walking_speed: walker.speed(),
-            elapsed: touch.map_or(tick as f64 * dt, |touch| before + touch.fraction * dt),
+            elapsed: touch.map_or(time_of(tick, dt), |touch| before + touch.fraction * dt),
             turn,
             pace,
             miss_distance: self.least_gap,

@@ -2,7 +2,7 @@ use super::pursuit::meeting_heading;
 use super::trace::Driven;
 use super::{Actions, Observation, ObservationSpec, ReferenceFrame, Scenario};
 use crate::geometry::{Point, Pose, Vector};
-use crate::sim::{Contact, WalkCommand, World};
+use crate::sim::{Contact, WalkCommand, World, time_of};
 
 /// What a policy of pedestrians sees: time, roads, lights and all actors as they are now.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +35,7 @@ impl<'a> Scene<'a> {
 
     /// Time until now, or until a touch within the last tick (s).
     pub(super) fn elapsed(&self) -> f64 {
-        let before = f64::from(self.world.ticks.saturating_sub(1)) * self.world.dt;
+        let before = time_of(self.world.ticks.saturating_sub(1) as usize, self.world.dt);
         self.contact().map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt)
     }
 

@@ -19,4 +19,4 @@ pub use pedestrian::{Gait, PedestrianBody, PedestrianState, WalkCommand};
 pub use start::{ActorStart, Start};
 pub use traffic_light::{LightClock, LightColour, LightCycle};
 pub use vehicle::{Control, VehicleState};
-pub use world::World;
+pub use world::{World, time_of};

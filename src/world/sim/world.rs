@@ -85,7 +85,7 @@ impl World {
 
     /// Time since the start (s).
     pub fn elapsed(&self) -> f64 {
-        f64::from(self.ticks) * self.dt
+        time_of(self.ticks as usize, self.dt)
     }
 
     /// The clock of the traffic lights; `None` if they are switched off.
@@ -175,6 +175,24 @@ impl World {
                     Contact::with_vehicle(pair, vehicle, second).into_iter().for_each(&mut note);
                 }
             }
+        }
+    }
+}
+
+/// The time (s) after a number of ticks of `dt` (s): exactly the decimal number that people write. Three ticks of 0.05 s are 0.15 s and not a bit more.
+pub fn time_of(ticks: usize, dt: f64) -> f64 {
+    (ticks as f64 * dt * 1e9).round() / 1e9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_the_numbers_that_people_write() {
+        for (ticks, dt, time) in [(3, 0.05, 0.15), (7, 0.1, 0.7), (3, 0.1, 0.3), (599, 0.05, 29.95), (1, 0.001, 0.001)]
+        {
+            assert_eq!(time_of(ticks, dt), time, "{ticks} ticks of {dt} s");
         }
     }
 }

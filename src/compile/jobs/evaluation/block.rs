@@ -17,8 +17,8 @@ keys! {
     /// Tries every pedestrian in every town against every policy.
     pub struct EvaluateKeys = "evaluate" {
         ..places: PlaceKeys,
-        /// Episodes of each; all pedestrians have the same starts.
-        episodes: u32 as whole(1, 1_000_000) = "1_000",
+        /// Episodes of each; all pedestrians have the same starts. By default 1,000, and of the `scripted` target of a test one for each of its cases.
+        episodes: Option<u32> as whole(1, 1_000_000),
         // The catalogue adds the words of the others.
         /// Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it as in
         /// training (`stochastic`), the same network before its training (`untrained`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it
@@ -34,6 +34,11 @@ keys! {
     .explained("towns", "Towns to try them in.")
     .explained("policies", "Drivers to try them against.")
 }
+
+/// The word of the targets of tests.
+const SCRIPTED: &str = "scripted";
+/// The number of episodes where a block gives none.
+const USUAL_EPISODES: u32 = 1_000;
 
 pub(crate) const BLOCK: JobBlock =
     JobBlock { signature: EvaluateKeys::signature, drivers: of_places, lower: |it, at, grid| it.evaluate(at, grid) };
@@ -55,6 +60,15 @@ impl Lowering<'_> {
         }
         let has_script = ground.spawn.value.scripted().is_some();
         let Some(chosen) = self.chosen(block, &pedestrians, has_script) else { return };
+        let test = ground.spawn.value.target_walk.as_ref().filter(|_| pedestrians.contains(&Value::Choice(SCRIPTED)));
+        let cases = test.map(|walk| walk.cases.len() as u32);
+        if let (Some(episodes), Some(cases)) = (episodes, cases)
+            && episodes % cases != 0
+        {
+            self.said.push(diagnostics::partial_test(block.place("episodes"), episodes, cases));
+        }
+        let of_test = cases.filter(|_| pedestrians.len() == 1);
+        let episodes = episodes.or(of_test).unwrap_or(USUAL_EPISODES);
         let controllers =
             if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &grid.campaign.jobs) };
         let each = controllers.len().max(grid.rewards.len());

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use polars::prelude::DataFrame;
 
 use crate::jobs::SearchResult;
@@ -25,8 +27,10 @@ pub struct ProtocolCell {
     pub overlap: f64,
     /// The speed at the start of the worst episode (m/s); none for searches.
     pub driven_speed: Option<f64>,
-    /// Number of episodes, or of searches.
+    /// Number of different episodes, or of searches.
     pub episodes: u32,
+    /// Number of episodes that were equal to an earlier one, to the bit: repeating them says nothing.
+    pub repeated: u32,
     /// How many of them the protocol does not pass.
     pub not_passed: u32,
     /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. None when no episode ended.
@@ -106,10 +110,15 @@ impl ProtocolCell {
         self.impact_speed.map(|impact| impact <= self.limit())
     }
 
-    /// The one-sided 95 % upper bound of the share of repetitions that are not passed; none for searches, which choose what they run, and without
-    /// any episode.
+    /// Whether it has a result.
+    pub fn is_run(&self) -> bool {
+        self.impact_speed.is_some()
+    }
+
+    /// The one-sided 95 % upper bound of the share of repetitions that are not passed; `None` for searches, which choose what they run, and for a single
+    /// episode, also if it was repeated: it says nothing about others.
     pub fn not_passed_at_most(&self) -> Option<f64> {
-        let is_sample = self.falsifier.is_none() && self.episodes > 0;
+        let is_sample = self.falsifier.is_none() && self.episodes > 1;
         is_sample.then(|| clopper_pearson(self.not_passed.into(), self.episodes.into(), 0.1).1)
     }
 
@@ -140,6 +149,7 @@ impl ProtocolCell {
             overlap: case.overlap,
             driven_speed: None,
             episodes: 0,
+            repeated: 0,
             not_passed: 0,
             impact_speed: None,
             failed: false,
@@ -171,6 +181,8 @@ pub(super) struct ProtocolRun<'a> {
     id: String,
     walk: &'a TargetWalk,
     cells: Vec<ProtocolCell>,
+    /// The digests of the episodes of each case.
+    digests: BTreeSet<(usize, String)>,
 }
 
 impl<'a> ProtocolRun<'a> {
@@ -181,7 +193,7 @@ impl<'a> ProtocolRun<'a> {
         let id = evaluation.origin.id.to_string();
         let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
         let cells = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
-        Some(Self { id, walk, cells })
+        Some(Self { id, walk, cells, digests: BTreeSet::new() })
     }
 
     /// Adds episodes: a part of the table of the run.
@@ -191,6 +203,10 @@ impl<'a> ProtocolRun<'a> {
             let case = episode as usize % self.cells.len();
             if !table.counts(row) {
                 self.cells[case].failed = true;
+                continue;
+            }
+            if !self.digests.insert((case, table.digest(row).to_owned())) {
+                self.cells[case].repeated += 1;
                 continue;
             }
             let impact =
@@ -261,29 +277,33 @@ pub fn protocol_columns() -> Table<'static, ProtocolCell> {
                 .of(|row: &Row| row.falsifier.clone().unwrap_or_default()),
         )
         .column(
-            Column::<f64>::new("test_speed", "m/s", "speed that the driver is to hold").of(|row: &Row| row.test_speed),
+            Column::<f64>::new("test_speed_mps", "m/s", "speed that the driver is to hold").of(|row: &Row| row.test_speed),
         )
         .column(
             Column::<f64>::new("overlap", "", "share of the car's width that meets the target's impact point")
                 .of(|row: &Row| row.overlap),
         )
         .column(
-            Column::<f64>::new("driven_speed", "m/s", "speed at the start; empty for searches")
+            Column::<f64>::new("driven_speed_mps", "m/s", "speed at the start; empty for searches")
                 .of(|row: &Row| row.driven_speed),
         )
-        .column(Column::<u32>::new("tested", "", "number of episodes, or of searches").of(|row: &Row| row.episodes))
+        .column(Column::<u32>::new("tested", "", "number of different episodes, or of searches; 0 for a case that was not run").of(|row: &Row| row.episodes))
+        .column(
+            Column::<u32>::new("repeated", "", "number of episodes that were equal to one of these, and say nothing more")
+                .of(|row: &Row| row.repeated),
+        )
         .column(Column::<u32>::new("not_passed", "", "how many of these the protocol does not pass").of(|row: &Row| row.not_passed))
         .column(
             Column::<f64>::new(
                 "not_passed_at_most",
                 "",
-                "Clopper and Pearson's one-sided 95 % upper bound of their share; missing for searches, which choose what they run",
+                "Clopper and Pearson's one-sided 95 % upper bound of their share; missing for searches, which choose what they run, and for one episode",
             )
             .of(|row: &Row| row.not_passed_at_most()),
         )
         .column(
             Column::<f64>::new(
-                "worst_impact_speed",
+                "worst_impact_speed_mps",
                 "m/s",
                 "greatest impact speed, along the path without the target's own speed; 0 without contact",
             )
@@ -364,6 +384,7 @@ mod tests {
         sure.note(3.0, None, || None);
         assert_eq!(sure.not_passed, 1);
         assert_eq!(ProtocolCell { falsifier: Some("meet".into()), ..sure }.not_passed_at_most(), None);
+        assert_eq!(cell(50.0, 0.0, TestCriterion::NoContact).not_passed_at_most(), None, "one run decides");
     }
 
     #[test]

@@ -7,12 +7,17 @@ use world::env::TestCriterion;
 
 /// How to read the tables.
 const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0 is no contact. Along the path it is the speed \
-     of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h. A test is over when the car has \
+     of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h, `–` a case that was not run. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
-     *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), and a cell without \
-     points is not passed. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
-     Where a case was repeated, the worst speed stands there, and below it how many repetitions were not passed and the one-sided 95 % upper bound of their \
-     share: \"0 of 20: at most 14 %\".";
+     *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), a cell without \
+     points is not passed, and a row with a case that was not run has no score. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order). \
+     Where different episodes of a case were run, the worst speed stands there, and below it how many of them were not passed and the one-sided 95 % upper bound of their \
+     share: \"0 of 20: at most 14 %\". Episodes that are equal to the bit are one.";
+/// Shown below the tables in a terminal.
+const LEGEND: [&str; 2] = [
+    "cells: impact speed (km/h), 0 is no contact; !: the driver did not hold the test speed within 1 km/h; –: not run",
+    "passed: cells with points, or below the limit; a driver can pass a cell in which it hits the target",
+];
 /// Why colours, passes and verdicts differ.
 const JUDGES: &str = "A number is the impact speed in km/h. *Passed* counts the cells that get points: green has all of them, brown still a quarter, red none. \
      So a driver can pass a cell in which it hits the target. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
@@ -51,6 +56,7 @@ pub fn protocol(found: &Findings<'_>) -> Option<Section> {
         title: "How did the drivers do in the protocol's tests?",
         tables,
         notes: vec![READING.into(), LIMITS.into()],
+        lines: LEGEND.map(String::from).into(),
         ..Section::default()
     })
 }
@@ -84,12 +90,25 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
             let cell = of.iter().find(|cell| cell.test_speed == *speed);
             cell.map_or_else(|| "–".into(), |cell| played(cell))
         }));
-        let passed = of.iter().filter(|cell| cell.passes() == Some(true)).count() as u64;
+        let passed = of.iter().filter(|cell| cell.passes() == Some(true)).count();
         row.extend(coloured.then(|| Value::Number(score(of.iter().map(|cell| **cell)), 2)));
-        row.push(Value::Of(passed, of.len() as u64));
+        row.push(passes(passed, &of));
         row
     };
     Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
+}
+
+/// How many cells of a row were passed, of those that were run, and in how many of these the target was hit: `3 of 3, 1 hit, 3 not run`.
+fn passes(passed: usize, of: &[&&ProtocolCell]) -> Value {
+    let run = of.iter().filter(|cell| cell.is_run()).count();
+    let hit = of.iter().filter(|cell| cell.passes() == Some(true) && cell.impact_speed > Some(0.0)).count();
+    let mut text = format!("{passed} of {run}");
+    for (count, what) in [(hit, "with contact"), (of.len() - run, "not run")] {
+        if count > 0 {
+            text += &format!(", {count} {what}");
+        }
+    }
+    Value::Text(text)
 }
 
 /// A cell of a test within its layers.
@@ -305,8 +324,7 @@ fn played(cell: &ProtocolCell) -> Value {
         Some(failure) => Value::Played(Box::new(shown(cell)), failure.clone()),
         None => shown(cell),
     };
-    // One episode says nothing about repetitions.
-    match cell.not_passed_at_most().filter(|_| cell.episodes > 1) {
+    match cell.not_passed_at_most() {
         Some(most) => {
             let sure = format!("{} of {}: at most {}", cell.not_passed, cell.episodes, percent_above(most));
             Value::Lines(vec![worst, sure.into()])
@@ -328,8 +346,8 @@ fn shown(cell: &ProtocolCell) -> Value {
     Value::Toned(format!("{speed} {word}{mark}"), tone.name())
 }
 
-/// The mean of the scores of cells.
+/// The mean of the scores of cells; `None` if one of them was not run.
 fn score<'a>(cells: impl Iterator<Item = &'a ProtocolCell>) -> Option<f64> {
-    let scores: Vec<f64> = cells.filter_map(ProtocolCell::colour).map(Colour::score).collect();
+    let scores: Vec<f64> = cells.map(|cell| cell.colour().map(Colour::score)).collect::<Option<_>>()?;
     (!scores.is_empty()).then(|| scores.iter().sum::<f64>() / scores.len() as f64)
 }
