@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_881),
+    ("src/base", 3_890),
     ("src/learn", 5_650),
     ("src/world", 31_710),
     ("src/ported", 4_650),

@@ -12,7 +12,7 @@ choice! {
     /// | `bump` | the car was at most 0.1 m/s fast |
     /// | `not_preventable` | a careful human touches the pedestrian, too |
     /// | `unforeseeable` | the pedestrian did not move as people do |
-    /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear. One that kept its velocity and is touched within half a metre behind the bumper did not |
+    /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear. One that kept its velocity and is touched within half a metre and 0.1 s behind the bumper did not |
     /// | `slow` | the car was slower than [`WALKING_PACE`] |
     /// | `narrow` | a careful human has less than [`CLEAR`] to spare |
     /// | `runner` | none of these, and somebody at a steady speed above 8 km/h was hit, such as a jogger or a cyclist: it counts against the driver |

@@ -33,10 +33,10 @@ impl ContactSide {
     }
 }
 
-/// A steady pedestrian that is touched this near behind the bumper (m), or nearer, did not walk into the flank. It kept its velocity in the last three
-/// seconds, so it would have been hit by the front a third of a second later, and the driver crossed its way all the same. Our choice: the gate's
-/// margin beside the path.
-const CORNER: f64 = 0.5;
+/// A steady pedestrian that is touched at most this far behind the bumper (m), and at most this time (s) after the bumper has passed, did not walk into
+/// the flank. It kept its velocity in the last three seconds, and a little later the front would have hit it: the driver crossed its way. Our choice: the
+/// gate's margin beside the path, and its time to spare, so that a car that has slowed down is not blamed for it.
+const CORNER: (f64, f64) = (0.5, 0.1);
 
 /// The side of the recorded touch, and whether the pedestrian walked into the flank or ran into the rear, after the front had passed it.
 pub(super) fn touched(pair: &Pair<'_>, motion: &PedestrianMotion) -> Option<(ContactSide, bool)> {
@@ -44,7 +44,8 @@ pub(super) fn touched(pair: &Pair<'_>, motion: &PedestrianMotion) -> Option<(Con
     let side = ContactSide::new(contact.ahead, contact.aside, Vector::new(blueprint.half_length, blueprint.half_width));
     let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
     let inward = if contact.aside > 0.0 { -sideways } else { sideways };
-    let at_corner = contact.ahead >= blueprint.half_length - CORNER;
+    let behind = blueprint.half_length - contact.ahead;
+    let at_corner = behind <= CORNER.0.min(contact.impact_speed * CORNER.1);
     let walked = match side {
         ContactSide::Front => false,
         ContactSide::Side => inward > STANDING && !(at_corner && motion.is_steady()),
