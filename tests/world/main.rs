@@ -24,6 +24,11 @@ mod sensor_noise;
 mod reference_drivers;
 mod driven_path;
 mod verdicts;
+mod robustness;
+mod walking;
+mod vehicles;
+mod likelihood;
+mod cover;
 mod road_reference;
 mod routes_reference;
 

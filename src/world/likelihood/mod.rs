@@ -7,9 +7,6 @@ mod cover;
 mod encounters;
 mod estimate;
 
-#[cfg(test)]
-mod tests;
-
 pub use box_of_starts::BoxOfStarts;
 pub(crate) use cover::latin_hypercube;
 pub use cover::{CoverConfig, Coverage, Look, Picture, Point, Sampled, cover};

@@ -30,8 +30,6 @@
 mod degree;
 mod monitor;
 mod robustness;
-#[cfg(test)]
-mod tests;
 
 use base::signature::Within;
 

@@ -1,3 +1,5 @@
+//! The robustness of requirements: that of its definition, of banquo and of rtamt.
+
 use std::sync::Arc;
 
 use banquo::Trace as BanquoTrace;
@@ -5,10 +7,10 @@ use banquo::operators::{Always, And, Eventually, Not, Or};
 use rand::RngExt;
 use serde_json::Value;
 
-use super::{Degree, Trace, ticks_within};
 use base::seed::{Seed, Stream};
 use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, VariableId, Within};
 use base::units::Dimension;
+use world::requirement::{Degree, Trace, ticks_within};
 
 /// Signals of the random traces.
 const SIGNALS: usize = 3;
@@ -223,8 +225,8 @@ fn read(tree: &Value, parts: &mut Vec<Comparison>) -> Temporal {
 
 #[test]
 fn robustness_is_that_of_rtamt() {
-    let recorded_here = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/rtamt/robustness.json");
-    let path = std::env::var("FALSIFY_RTAMT").unwrap_or_else(|_| recorded_here.into());
+    let recorded_here = crate::repository().join("tests/reference/rtamt/robustness.json");
+    let path = std::env::var_os("FALSIFY_RTAMT").map_or(recorded_here, Into::into);
     let recording: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let (mut compared, mut until) = (0, 0);
     for pair in recording["pairs"].as_array().unwrap() {

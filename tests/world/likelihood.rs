@@ -1,8 +1,10 @@
-use super::*;
-use crate::judge::Blame;
+//! Estimates of the likelihood of failures, with answers that are known.
+
 use base::seed::Seed;
 use base::statistics::normal_quantile;
 use rand::RngExt;
+use world::judge::Blame;
+use world::likelihood::{Encounter, Estimate, Likelihood, Limits, encounters_needed, estimate};
 
 /// Four branches of the limit state of a series system (Waarts, *Structural reliability using finite element methods*, 2000): at least 0 for a
 /// failure. Its probability is that of 40 million draws.
