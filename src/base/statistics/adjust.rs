@@ -18,23 +18,3 @@ fn ascending(numbers: &[f64]) -> Vec<usize> {
     places.sort_by(|a, b| numbers[*a].total_cmp(&numbers[*b]));
     places
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::statistics::recorded;
-
-    #[test]
-    fn adjusted_values_are_those_of_statsmodels() {
-        let near = |found: Vec<f64>, wanted: &[f64]| {
-            assert_eq!(found.len(), wanted.len());
-            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {wanted:?}");
-        };
-        let raw = recorded("p");
-        assert!(!raw.is_empty());
-        for (p, adjusted) in raw.iter().zip(&recorded("holm")) {
-            near(holm(p), adjusted);
-        }
-        assert!(holm(&[]).is_empty());
-    }
-}

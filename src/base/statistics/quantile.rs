@@ -9,21 +9,3 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let (low, high) = (sorted[below as usize], sorted[place.ceil() as usize]);
     Some(low + (high - low) * (place - below))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::statistics::recorded;
-
-    #[test]
-    fn quantiles_are_numpys() {
-        for case in recorded("quantile") {
-            let [share, wanted, ref values @ ..] = case[..] else { panic!("{case:?}") };
-            let mut sorted = values.to_vec();
-            sorted.sort_by(f64::total_cmp);
-            let found = quantile(&sorted, share).unwrap();
-            assert!((found - wanted).abs() < 1e-12, "{case:?}: {found}");
-        }
-        assert_eq!(quantile(&[], 0.5), None);
-    }
-}

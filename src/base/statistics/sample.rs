@@ -112,6 +112,3 @@ impl Sample {
         if pairs > 0.0 { sum / pairs } else { 0.0 }
     }
 }
-
-#[cfg(test)]
-mod tests;

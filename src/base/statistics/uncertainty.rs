@@ -43,18 +43,3 @@ impl Uncertainty {
         student_tails(estimate / self.error, self.degrees)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_interval_of_a_difference_is_scipys() {
-        // scipy 1.17.1: stats.t.ppf(0.975, 2.391412) times the standard error, for 0.02 of 5 and 0.05 of 3.
-        let of_mean = |sd, n| Uncertainty::of_mean(sd, n).unwrap();
-        let (low, high) = of_mean(0.02, 5).of_difference(of_mean(0.05, 3)).interval(1.0);
-        let half = 0.111_622_865_793;
-        assert!((low - 1.0 + half).abs() < 1e-9 && (high - 1.0 - half).abs() < 1e-9, "{low}..{high}");
-        assert_eq!(Uncertainty::of_mean(0.02, 1), None);
-    }
-}

@@ -1,8 +1,10 @@
+//! Figures of trainings that are estimated from episodes: how often their intervals hold the truth.
+
+use base::seed::{Seed, Stream};
+use base::statistics::{Sample, mean_interval, normal_quantile, student_quantile_at, student_tails};
 use rand::Rng;
 
-use super::*;
-use crate::seed::{Seed, Stream};
-use crate::statistics::{mean_interval, normal_quantile, recorded, student_quantile_at, student_tails};
+use crate::recorded::recorded;
 
 /// A number between 0 and 1, never at an end.
 fn uniform(stream: &mut Stream) -> f64 {
