@@ -12,8 +12,8 @@ use world::falsifier::{
 
 /// What the keys of a falsifier may name.
 pub struct Named {
-    /// The settings for training pedestrians, and the number of environments.
-    pub training: Option<(PpoConfig, usize)>,
+    /// The settings for training pedestrians.
+    pub training: Option<PpoConfig>,
     /// The controller, for the kind that has one.
     pub controller: Option<Controller>,
 }
@@ -51,8 +51,7 @@ pub fn kinds() -> Vec<FalsifierKind> {
         FalsifierKind::new(Archive::new),
         FalsifierKind::new(Exhaustive::new),
         FalsifierKind::naming(|_: LearningKeys, named| {
-            let (config, environments) = named.training.clone().expect("checked: it has a training");
-            Learning::new(config, environments)
+            Learning(named.training.clone().expect("checked: it has a training"))
         }),
         FalsifierKind::naming(|_: ControlledKeys, named| {
             Controlled::new(named.controller.clone().expect("checked: it names a controller"))

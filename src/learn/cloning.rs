@@ -3,7 +3,7 @@
 use super::actor_critic::ActorCritic;
 use super::adam::Adam;
 use super::arithmetic::Path;
-use super::config::PpoConfig;
+use super::config::{ADAM_EPS, PpoConfig};
 use super::minibatch::shuffle;
 use super::mlp::MlpScratch;
 use super::product::SquaredNorm;
@@ -48,7 +48,7 @@ pub fn fit(
     assert!(observations.len() == samples * inputs && targets.len() == samples * outputs, "each sample is whole");
     let batch = config.batch_size.min(samples.max(1));
     let mut scratch = MlpScratch::<f32>::new(&mlp, batch);
-    let mut adam = Adam::new(range.len(), config.adam_eps);
+    let mut adam = Adam::new(range.len(), ADAM_EPS);
     let mut gradient = vec![0.0; range.len()];
     let (mut input, mut sample) = (vec![0.0; inputs * batch], vec![0.0; inputs]);
     let mut order: Vec<usize> = (0..samples).collect();
@@ -79,7 +79,7 @@ pub fn fit(
             }
             mlp.backward(&networks.parameters()[range.clone()], &mut gradient, &mut scratch, path);
             let norm = f64::from(path.run(SquaredNorm(&gradient))).sqrt();
-            let scale = (config.max_grad_norm / (norm + 1e-6)).min(1.0);
+            let scale = (config.max_gradient_norm / (norm + 1e-6)).min(1.0);
             let rate = learning_rate * (1.0 - step / steps);
             adam.step(&mut networks.parameters_mut()[range.clone()], &gradient, rate, scale, path);
             step += 1.0;

@@ -43,12 +43,12 @@ pub(super) struct Collector {
 impl Collector {
     /// Makes a collector that precedes the first episode of every environment; `noise` is that of the actions.
     pub(super) fn new<E: Env>(envs: &[E], policy: &ActorCritic, config: &PpoConfig, noise: &Seed, path: Path) -> Self {
-        let chunk = config.batch_size.min(config.rollout_steps);
+        let chunk = config.batch_size.min(config.steps_per_update);
         let lane = |(i, env)| Lane::new(env, policy, config.frame_stack, chunk, noise.index(i).stream());
         Self {
             lanes: (0..).zip(envs).map(lane).collect(),
             recent: VecDeque::with_capacity(STATISTICS_WINDOW + 1),
-            return_moments: config.normalize_reward.then(|| RunningMoments::new(1)),
+            return_moments: config.normalize_rewards.then(|| RunningMoments::new(1)),
             inputs: Vec::with_capacity(policy.obs_dim() * envs.len()),
             actor: MlpScratch::new(policy.actor(), envs.len()),
             gamma: config.gamma,
@@ -250,7 +250,7 @@ mod tests {
     }
 
     fn config(steps: usize) -> PpoConfig {
-        PpoConfig { rollout_steps: steps, batch_size: 4, gamma: 0.9, ..PpoConfig::paper() }
+        PpoConfig { steps_per_update: steps, batch_size: 4, gamma: 0.9, ..PpoConfig::paper() }
     }
 
     fn collect(
@@ -258,8 +258,9 @@ mod tests {
         mut envs: Vec<Ending>,
     ) -> (Vec<Rollout>, Vec<FinishedEpisode>, ActorCritic, Vec<Ending>, Collector) {
         let mut policy = ActorCritic::new(config.frame_stack, 1, &[8], 0.0, &mut Seed::root(2).stream());
-        *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(config.frame_stack));
-        let mut rollouts = vec![Rollout::new(config.rollout_steps, config.frame_stack, 1); envs.len()];
+        *policy.observation_moments_mut() =
+            config.normalize_observations.then(|| RunningMoments::new(config.frame_stack));
+        let mut rollouts = vec![Rollout::new(config.steps_per_update, config.frame_stack, 1); envs.len()];
         let mut collector = Collector::new(&envs, &policy, config, &Seed::root(3), Path::widest());
         collector.begin(&mut envs, &mut policy).unwrap();
         let finished = collector.collect(&mut envs, &mut policy, &mut rollouts, &|| false).unwrap().unwrap();
@@ -327,7 +328,7 @@ mod tests {
 
     #[test]
     fn observations_are_normalised_by_all_that_was_seen_up_to_then() {
-        let config = PpoConfig { normalize_obs: true, ..config(7) };
+        let config = PpoConfig { normalize_observations: true, ..config(7) };
         let (rollouts, _, policy, ..) = collect(&config, vec![ending(true, false), ending(false, true)]);
         let mut moments = RunningMoments::new(1);
         let mut raw = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0].into_iter();
@@ -357,7 +358,7 @@ mod tests {
 
     #[test]
     fn rewards_are_divided_by_the_deviation_of_the_discounted_return() {
-        let config = PpoConfig { normalize_reward: true, ..config(5) };
+        let config = PpoConfig { normalize_rewards: true, ..config(5) };
         let (rollouts, finished, _, _, collector) = collect(&config, vec![ending(true, false), ending(true, false)]);
         let mut moments = RunningMoments::new(1);
         // Reward 1 in every step, γ = 0.9, an episode of three steps.

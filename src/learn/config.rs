@@ -4,115 +4,140 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
-use serde_json::{Map, Value};
+use serde_json::Map;
 
 use super::actor_critic::ActorCritic;
 use super::schedule::Schedule;
 use super::until::Until;
+use base::keys;
+use base::signature::{Held, MIN_POSITIVE, Value};
 
-/// The hyperparameters of PPO.
-///
-/// The number of environments is not one of them: it is the number of environments passed to [`train`](super::train).
-///
-/// # Source
-/// Table I of "Suicidal Pedestrian" (ITSC 2023); a setting that the table does not list has the default of
-/// stable-baselines3's `PPO`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PpoConfig {
-    /// Environment steps after which no further update starts, summed over all environments.
-    pub total_steps: u64,
-    /// What ends the training.
-    pub until: Until,
-    /// Steps per environment between two updates.
-    pub rollout_steps: usize,
-    /// Passes over the rollout in every update.
-    pub epochs: usize,
-    /// Samples per minibatch; the last one of an epoch may be shorter.
-    pub batch_size: usize,
-    /// Adam's step size, for actor and critic alike.
-    pub learning_rate: f64,
-    /// How the step size changes during training.
-    pub learning_rate_schedule: Schedule,
-    /// The discount factor per step, γ.
-    pub gamma: f64,
-    /// The decay λ of generalised advantage estimation.
-    pub gae_lambda: f64,
-    /// The half width ε of the interval around 1 in which the probability ratio counts.
-    pub clip_coef: f64,
-    /// The target divergence between old and new policy (nat). It is estimated on a minibatch, and at 1.5 times the target the
-    /// update ends early; `None` for never.
-    pub target_kl: Option<f64>,
-    /// The weight of the critic's mean squared error in the loss.
-    pub vf_coef: f64,
-    /// The weight of the entropy bonus in the loss.
-    pub ent_coef: f64,
-    /// The upper bound of the gradient's Euclidean norm, taken over all parameters together.
-    pub max_grad_norm: f64,
-    /// The ε in Adam's denominator.
-    pub adam_eps: f64,
-    /// Whether advantages are standardised within every minibatch.
-    pub norm_adv: bool,
-    /// Whether observations are normalised by their running mean and deviation, which become part of the policy.
-    pub normalize_obs: bool,
-    /// Whether rewards are divided by the running deviation of the discounted return, with the discount γ.
-    pub normalize_reward: bool,
-    /// The share of the training over which starts widen from the easiest to all; 0 for all from the first episode.
-    pub curriculum: f64,
-    /// The number of starts that an environment keeps and begins its episodes with copies of, where it can; `None` for a fresh start each time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub starts: Option<usize>,
-    /// The share of these copies that are of starts known to be hard for what is trained against.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hard_starts: Option<f64>,
-    /// The number of last observations that the policy sees, the newest included.
-    pub frame_stack: usize,
-    /// The maximum number of threads that step the environments, out of those available; `None` for all of these.
-    ///
-    /// The bits are the same on any number.
-    pub threads: Option<usize>,
-    /// Whether only instructions are used that all processors have, so that a seed gives the same bits everywhere.
-    ///
-    /// It takes about twice the time.
-    pub portable_bits: bool,
-    /// The first value of every component of the logarithm of the policy's standard deviation.
-    pub initial_log_std: f64,
-    /// Networks whose weights, standard deviation and moments of observations are the first ones, instead of drawn ones.
-    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "as_digest")]
-    pub initial: Option<Arc<ActorCritic>>,
-    /// The widths of the hidden layers, the same for actor and critic.
-    pub hidden: Vec<usize>,
+/// The ε in Adam's denominator: that of stable-baselines3.
+pub const ADAM_EPS: f64 = 1e-5;
+
+keys! {
+    /// Proximal policy optimisation.
+    #[derive(Serialize)]
+    pub struct PpoConfig = "ppo" {
+        /// Decisions after which no further update begins; 0 leaves the first networks as they are.
+        steps: u64 as whole(0, 10_000_000_000) = "70_000",
+        /// `plateau` ends a training when the mean reward of its episodes has not risen clearly for half of `steps`: ten parts of a twentieth in
+        /// a row, none of them better than the best before by two standard errors. Schedules go by `steps` all the same.
+        until: Until = "steps",
+        /// Decisions of every environment between two updates.
+        steps_per_update: usize as whole(2, 10_000_000) = "150",
+        /// Environments that are stepped side by side.
+        environments: usize as whole(1, 4096) = "1",
+        /// Passes over the decisions of an update.
+        epochs: usize as whole(1, 10_000) = "10",
+        /// Decisions of a minibatch.
+        batch_size: usize as whole(2, 10_000_000) = "64",
+        /// Adam's step size, for actor and critic.
+        learning_rate: f64 as within(RATIO, MIN_POSITIVE, 1.0) = "3e-4",
+        /// Discount of the future, a decision.
+        gamma: f64 as share() = "0.98",
+        /// Decay of generalised advantage estimation.
+        gae_lambda: f64 as share() = "0.95",
+        /// Half width of the interval of the probability ratio.
+        clip: f64 as within(RATIO, MIN_POSITIVE, 100.0) = "0.2",
+        /// Weight of the critic's error.
+        value_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.5",
+        /// Weight of the entropy.
+        entropy_coefficient: f64 as within(RATIO, 0.0, 1e3) = "0.01",
+        /// Maximum norm of a gradient.
+        max_gradient_norm: f64 as within(RATIO, MIN_POSITIVE, 1e6) = "0.5",
+        /// Whether advantages are standardised within a minibatch.
+        normalize_advantages: bool = "true",
+        /// First logarithm of the action's standard deviation.
+        initial_log_std: f64 as within(RATIO, -10.0, 5.0) = "0",
+        /// Whether the learning rate falls to 0 over the training.
+        learning_rate_schedule: Schedule = "constant",
+        /// Ends an update early when policies differ by 1.5 times this.
+        target_kl: Option<f64> as within(RATIO, MIN_POSITIVE, 1e6),
+        /// Last states that the pedestrian sees, the newest included; zeros stand for those before the first.
+        frame_stack: usize as whole(1, 256) = "1",
+        /// Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances
+        /// to all of them. A `search` has no curriculum.
+        curriculum: f64 as share() = "0",
+        /// Starts of moving cars that are kept for each driver and town: an episode begins with a copy of one, drawn at random, instead of a
+        /// run-up of its own, which takes more ticks than most encounters. Without it every start is fresh, as it is in a curriculum, in a
+        /// `search`, in evaluations, for drivers that cannot be copied and for cars without a run-up.
+        starts: Option<usize> as whole(1, 100_000),
+        /// Share of these copies that are of hard starts, as far as there are enough: of ten times as many starts, those from which one of twelve
+        /// crossings ends in a fault, or in a failure where the reward does not ask for faults. It needs `starts`. reports/learning.md has what it gains.
+        hard_starts: Option<f64> as share(),
+        /// Whether states are standardised by what was seen so far.
+        normalize_observations: bool = "false",
+        /// Whether rewards are scaled by the spread of returns so far.
+        normalize_rewards: bool = "false",
+        /// Most threads that the environments of a training are stepped on; all there are unless given. Changes no number.
+        threads: Option<usize> as whole(1, 4096),
+        /// Whether a training gives the same bits on every processor; it takes about twice as long.
+        portable_bits: bool = "false",
+        /// Networks that a report has written (`pedestrians/NAME.safetensors`): the training starts with their weights and
+        /// their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and
+        /// `normalize_observations` must be theirs.
+        from: Option<FirstNetworks> as Path,
+        /// Widths of the hidden layers.
+        hidden: Vec<usize> as whole(1, 4096) = "[64, 64]",
+    }
+}
+
+/// The networks with which a training begins: the file, and what it holds once it is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstNetworks {
+    pub path: String,
+    pub networks: Option<Arc<ActorCritic>>,
+}
+
+impl Held for FirstNetworks {
+    fn held(value: &Value) -> Option<Self> {
+        String::held(value).map(|path| Self { path, networks: None })
+    }
+}
+
+/// The digest of the networks: the settings of a saved training hold it, whose state has weights of its own.
+impl Serialize for FirstNetworks {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let digest = |networks: &Arc<ActorCritic>| blake3::hash(&networks.to_safetensors(&BTreeMap::new())).to_string();
+        self.networks.as_ref().map(digest).serialize(serializer)
+    }
 }
 
 impl PpoConfig {
-    /// The settings of the paper.
+    /// The settings of the paper, which are the defaults of the keys.
+    ///
+    /// # Source
+    /// Table I of "Suicidal Pedestrian" (ITSC 2023); a setting that the table does not list has the default of
+    /// stable-baselines3's `PPO`.
     pub fn paper() -> Self {
         Self {
-            total_steps: 70_000,
+            steps: 70_000,
             until: Until::Steps,
-            rollout_steps: 150,
+            steps_per_update: 150,
+            environments: 1,
             epochs: 10,
             batch_size: 64,
             learning_rate: 3e-4,
-            learning_rate_schedule: Schedule::Constant,
             gamma: 0.98,
             gae_lambda: 0.95,
-            clip_coef: 0.2,
+            clip: 0.2,
+            value_coefficient: 0.5,
+            entropy_coefficient: 0.01,
+            max_gradient_norm: 0.5,
+            normalize_advantages: true,
+            initial_log_std: 0.0,
+            learning_rate_schedule: Schedule::Constant,
             target_kl: None,
-            vf_coef: 0.5,
-            ent_coef: 0.01,
-            max_grad_norm: 0.5,
-            adam_eps: 1e-5,
-            norm_adv: true,
-            normalize_obs: false,
-            normalize_reward: false,
+            frame_stack: 1,
             curriculum: 0.0,
             starts: None,
             hard_starts: None,
-            frame_stack: 1,
+            normalize_observations: false,
+            normalize_rewards: false,
             threads: None,
             portable_bits: false,
-            initial_log_std: 0.0,
-            initial: None,
+            from: None,
             hidden: vec![64, 64],
         }
     }
@@ -120,7 +145,7 @@ impl PpoConfig {
     /// The share of all starts from which episodes are drawn after this number of steps, from 0 for the easiest to 1 for all;
     /// none without a curriculum.
     pub(super) fn widening(&self, steps: u64) -> Option<f64> {
-        let whole = self.curriculum * self.total_steps as f64;
+        let whole = self.curriculum * self.steps as f64;
         (self.curriculum > 0.0).then(|| (steps as f64 / whole).min(1.0))
     }
 
@@ -138,21 +163,15 @@ impl PpoConfig {
     /// Returns the first setting, in alphabetical order, that differs from those in a JSON object and on which the next updates
     /// depend; then one that only the object has.
     pub(super) fn difference(&self, other: &str) -> Option<String> {
-        let other: Map<String, Value> = serde_json::from_str(other).unwrap_or_default();
-        let own: Map<String, Value> = serde_json::from_str(&self.to_json()).expect("settings are an object");
-        let differs = |(name, value): &(&String, &Value)| {
-            !["total_steps", "threads"].contains(&name.as_str()) && other.get(*name) != Some(value)
+        let other: Map<String, serde_json::Value> = serde_json::from_str(other).unwrap_or_default();
+        let own: Map<String, serde_json::Value> =
+            serde_json::from_str(&self.to_json()).expect("settings are an object");
+        let differs = |(name, value): &(&String, &serde_json::Value)| {
+            !["steps", "threads"].contains(&name.as_str()) && other.get(*name) != Some(value)
         };
         let only_there = || other.keys().find(|name| !own.contains_key(*name)).cloned();
         own.iter().find(differs).map(|(name, _)| name.clone()).or_else(only_there)
     }
-}
-
-/// Networks in the settings of a saved training, which has weights of its own.
-#[expect(clippy::ref_option, reason = "the form that serde calls")]
-fn as_digest<S: Serializer>(networks: &Option<Arc<ActorCritic>>, serializer: S) -> Result<S::Ok, S::Error> {
-    let digest = |networks: &Arc<ActorCritic>| blake3::hash(&networks.to_safetensors(&BTreeMap::new())).to_string();
-    networks.as_ref().map(digest).serialize(serializer)
 }
 
 /// Why networks cannot be the first ones of a training.
@@ -214,12 +233,6 @@ impl PpoConfig {
             return Err(UnsuitableNetworks::Hidden { found, expected: self.hidden.clone() });
         }
         let found = networks.observation_moments().is_some();
-        if found != self.normalize_obs { Err(UnsuitableNetworks::Normalised { found }) } else { Ok(()) }
-    }
-}
-
-impl Default for PpoConfig {
-    fn default() -> Self {
-        Self::paper()
+        if found != self.normalize_observations { Err(UnsuitableNetworks::Normalised { found }) } else { Ok(()) }
     }
 }

@@ -3,7 +3,7 @@
 use super::actor_critic::ActorCritic;
 use super::adam::Adam;
 use super::arithmetic::Path;
-use super::config::PpoConfig;
+use super::config::{ADAM_EPS, PpoConfig};
 use super::loss::LossGradient;
 use super::minibatch::Minibatch;
 use super::rollout::Rollout;
@@ -41,7 +41,7 @@ impl Learner {
     pub(super) fn new(policy: ActorCritic, config: &PpoConfig, samples: usize, path: Path) -> Self {
         let capacity = config.batch_size.min(samples);
         Self {
-            adam: Adam::new(policy.parameters().len(), config.adam_eps),
+            adam: Adam::new(policy.parameters().len(), ADAM_EPS),
             loss: LossGradient::new(&policy, capacity, path),
             batch: Minibatch::with_capacity(capacity, policy.obs_dim(), policy.action_dim()),
             order: (0..samples).collect(),
@@ -74,7 +74,7 @@ impl Learner {
             (sums.approx_kl, in_epoch) = (0.0, 0.0);
             for samples in self.order.chunks(config.batch_size) {
                 self.batch.gather(rollouts, samples);
-                if config.norm_adv {
+                if config.normalize_advantages {
                     self.batch.normalise_advantages();
                 }
                 let terms = self.loss.compute(&self.policy, &self.batch, config);
@@ -99,7 +99,7 @@ impl Learner {
                 if !norm.is_finite() {
                     return Err(Quantity::Gradient);
                 }
-                let scale = (config.max_grad_norm / (norm + 1e-6)).min(1.0);
+                let scale = (config.max_gradient_norm / (norm + 1e-6)).min(1.0);
                 let parameters = self.policy.parameters_mut();
                 self.adam.step(parameters, &self.loss.gradient, learning_rate, scale, self.path);
                 self.policy.hold_spread();

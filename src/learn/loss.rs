@@ -27,7 +27,7 @@ pub(super) struct LossTerms {
 impl LossTerms {
     /// Returns the quantity that is minimised.
     pub(super) fn total(&self, config: &PpoConfig) -> f64 {
-        self.policy - config.ent_coef * self.entropy + config.vf_coef * self.value
+        self.policy - config.entropy_coefficient * self.entropy + config.value_coefficient * self.value
     }
 }
 
@@ -109,7 +109,7 @@ impl<T: Real> ActorLoss<T> {
     /// Computes all terms but that of the critic, and the gradients of the actor and of the logarithms of the standard deviations.
     fn compute(&mut self, task: Task<'_, T>, gradient: &mut [T], log_std: &mut [T]) -> LossTerms {
         let Task { policy, batch, config, path } = task;
-        let clip_coef = config.clip_coef;
+        let clip_coef = config.clip;
         self.spread.set(policy.log_std());
         let share = 1.0 / batch.len() as f64;
         let dim = policy.action_dim();
@@ -119,7 +119,7 @@ impl<T: Real> ActorLoss<T> {
         let slots = self.scratch.output_to_gradient(policy.actor());
 
         let mut terms = LossTerms::default();
-        self.log_std_gradient.fill(-config.ent_coef);
+        self.log_std_gradient.fill(-config.entropy_coefficient);
         for (i, slot) in slots.chunks_exact_mut(dim).enumerate() {
             for (mean, slot) in self.mean.iter_mut().zip(slot.iter()) {
                 *mean = slot.widened();
@@ -164,7 +164,7 @@ fn critic_loss<T: Real>(scratch: &mut MlpScratch<T>, task: Task<'_, T>, gradient
     for (slot, expected) in slots.iter_mut().zip(&batch.returns) {
         let error = slot.widened() - expected;
         loss += share * error * error;
-        *slot = T::rounded(config.vf_coef * 2.0 * share * error);
+        *slot = T::rounded(config.value_coefficient * 2.0 * share * error);
     }
     policy.critic().backward(parameters, gradient, scratch, path);
     loss

@@ -46,7 +46,7 @@ impl Trained {
 
 /// Trains an actor and a critic by PPO.
 ///
-/// Rollouts and updates alternate until `config.total_steps` steps have been taken. The last rollout is completed, so the
+/// Rollouts and updates alternate until `config.steps` steps have been taken. The last rollout is completed, so the
 /// number of steps may be a little higher. `observer` gets the report of every update and may stop training.
 ///
 /// The result depends only on the environments, `config` and `seed`; without `config.portable_bits` also on whether the
@@ -56,7 +56,7 @@ impl Trained {
 /// [`TrainError::NonFinite`] at the first number that is not finite, [`TrainError::Stopped`] when the observer stops it.
 ///
 /// # Panics
-/// When there is no environment, when environments differ in their dimensions, or when `rollout_steps`, `batch_size`,
+/// When there is no environment, when environments differ in their dimensions, or when `steps_per_update`, `batch_size`,
 /// `epochs`, `frame_stack` or a width in `config` is zero.
 ///
 /// # Source

@@ -54,7 +54,7 @@ pub struct RecordedUpdate {
 ///
 /// It does what [`train`](super::train) does with a rollout, except for collecting it: it values it, estimates advantages,
 /// and takes the same gradient steps, from an optimiser in its initial state. `epochs` holds the sample numbers of every
-/// epoch in the order in which they are cut into minibatches. `config.rollout_steps`, `config.total_steps` and
+/// epoch in the order in which they are cut into minibatches. `config.steps_per_update`, `config.steps` and
 /// the schedules have no effect.
 ///
 /// # Errors

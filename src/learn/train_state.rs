@@ -60,7 +60,7 @@ impl Trainer {
     ///
     /// With environments that save their state, the updates that follow are those of an uninterrupted training, bit for
     /// bit. An environment without a saved state starts a new episode. The settings must be those of the state, except for
-    /// `total_steps`, so that a training can be prolonged, and `threads`, on which nothing depends.
+    /// `steps`, so that a training can be prolonged, and `threads`, on which nothing depends.
     ///
     /// # Errors
     /// The bytes are not the state of a training with these settings and environments, or the first observation of a new
@@ -82,7 +82,7 @@ impl Trainer {
         let critic_widths = policy.critic().layers().iter().map(|layer| layer.outputs);
         let expected = config.hidden.iter().copied();
         if policy.obs_dim() != obs_dim
-            || policy.observation_moments().is_some() != config.normalize_obs
+            || policy.observation_moments().is_some() != config.normalize_observations
             || !widths.iter().copied().eq(expected.clone().chain([action_dim]))
             || !critic_widths.eq(expected.chain([1]))
         {
@@ -97,13 +97,13 @@ impl Trainer {
         this.learner.adam.second = read_vector(tensors, "adam.second", parameters)?;
         this.learner.adam.powers.copy_from_slice(&read_vector(tensors, "adam.powers", 2)?);
         this.learning_curve = read_curve(tensors)?;
-        this.steps = this.updates() * (config.rollout_steps * envs.len()) as u64;
+        this.steps = this.updates() * (config.steps_per_update * envs.len()) as u64;
         if this.learning_curve.last().is_some_and(|log| log.steps != this.steps) {
             return Err(CheckpointError::Env { env: envs.len() });
         }
         this.minibatches = read_stream(tensors, "minibatches")?;
         this.collector.recent.extend(read_episodes(tensors, "recent")?);
-        if config.normalize_reward {
+        if config.normalize_rewards {
             let moments = read_moments(tensors, "ret_rms", 1)?;
             let missing = || CheckpointError::Missing { name: "ret_rms.mean".to_owned() };
             this.collector.return_moments = Some(moments.ok_or_else(missing)?);

@@ -57,7 +57,7 @@ impl Trainer {
     /// [`TrainError::NonFinite`] when a first observation is not finite.
     ///
     /// # Panics
-    /// When there is no environment, when environments differ in their dimensions, or when `rollout_steps`,
+    /// When there is no environment, when environments differ in their dimensions, or when `steps_per_update`,
     /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero, or when its first networks are for other dimensions.
     pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
         let (obs_dim, action_dim) = dimensions(envs, config);
@@ -91,8 +91,8 @@ impl Trainer {
     /// Assembles a trainer that precedes the first episodes.
     pub(super) fn assemble<E: Env>(envs: &[E], policy: ActorCritic, config: &PpoConfig, seed: &Seed) -> Self {
         let path = Path::of(config);
-        let rollout = Rollout::new(config.rollout_steps, policy.obs_dim(), policy.action_dim());
-        let samples = config.rollout_steps * envs.len();
+        let rollout = Rollout::new(config.steps_per_update, policy.obs_dim(), policy.action_dim());
+        let samples = config.steps_per_update * envs.len();
         Self {
             collector: Collector::new(envs, &policy, config, &seed.child("action noise"), path),
             learner: Learner::new(policy, config, samples, path),
@@ -156,9 +156,8 @@ impl Trainer {
 
     /// Returns whether the number of steps in the settings has been reached, or the plateau that they ask for.
     pub fn is_done(&self) -> bool {
-        let PpoConfig { total_steps, until, curriculum, .. } = self.config;
-        self.steps >= total_steps
-            || until == Until::Plateau && is_plateau(&self.learning_curve, total_steps, curriculum)
+        let PpoConfig { steps, until, curriculum, .. } = self.config;
+        self.steps >= steps || until == Until::Plateau && is_plateau(&self.learning_curve, steps, curriculum)
     }
 
     /// Returns the number of updates up to now.
@@ -202,9 +201,9 @@ impl<'a> Experience<'a> {
     pub fn learn(self) -> Result<&'a UpdateLog, TrainError> {
         let Self { trainer, finished } = self;
         let update = trainer.updates() + 1;
-        trainer.steps += (trainer.config.rollout_steps * trainer.rollouts.len()) as u64;
+        trainer.steps += (trainer.config.steps_per_update * trainer.rollouts.len()) as u64;
         let config = &trainer.config;
-        let learning_rate = config.learning_rate_schedule.at(config.learning_rate, trainer.steps, config.total_steps);
+        let learning_rate = config.learning_rate_schedule.at(config.learning_rate, trainer.steps, config.steps);
         let minibatches = &mut trainer.minibatches;
         let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
         let means = trainer.learner.learn(&trainer.rollouts, config, learning_rate, reorder);
@@ -239,17 +238,17 @@ pub fn first_networks(obs_dim: usize, action_dim: usize, config: &PpoConfig, see
     let drawn = || {
         let stream = &mut seed.child("init").stream();
         let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
-        *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
+        *policy.observation_moments_mut() = config.normalize_observations.then(|| RunningMoments::new(obs_dim));
         policy
     };
-    config.initial.as_deref().cloned().unwrap_or_else(drawn)
+    config.from.as_ref().and_then(|from| from.networks.as_deref().cloned()).unwrap_or_else(drawn)
 }
 
 /// Returns the sizes of the networks' inputs and outputs: the components of stacked observations and of actions.
 pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> (usize, usize) {
     assert!(!envs.is_empty(), "training needs an environment");
     assert!(
-        config.rollout_steps > 0 && config.batch_size > 0 && config.epochs > 0 && config.frame_stack > 0,
+        config.steps_per_update > 0 && config.batch_size > 0 && config.epochs > 0 && config.frame_stack > 0,
         "rollouts, minibatches, epochs and stacks must not be empty"
     );
     let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());

@@ -125,7 +125,7 @@ fn training(bencher: Bencher<'_, '_>) {
     let plan = plan();
     let training = &plan.campaigns[0].nth::<compile::Training>(0);
     let mut config = training.config.clone();
-    config.total_steps = 3_000;
+    config.steps = 3_000;
     bencher.counter(ItemsCount::new(3_000_u32)).bench_local(|| {
         train(&training.scenario, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
             .expect("numbers stay finite")
@@ -139,7 +139,7 @@ fn rollout(bencher: Bencher<'_, '_>) {
     let training = &plan.campaigns[0].nth::<compile::Training>(0);
     let mut envs = [PedestrianEnv::new(training.scenario.clone(), Seed::root(1))];
     let mut trainer = Trainer::new(&mut envs, &training.config, &Seed::root(1)).expect("states are finite");
-    bencher.counter(ItemsCount::new(training.config.rollout_steps)).bench_local(|| {
+    bencher.counter(ItemsCount::new(training.config.steps_per_update)).bench_local(|| {
         trainer.collect(&mut envs, &|| false).map(drop).expect("rewards are finite");
     });
 }
@@ -148,7 +148,7 @@ fn rollout(bencher: Bencher<'_, '_>) {
 #[divan::bench(sample_count = 50)]
 fn update(bencher: Bencher<'_, '_>) {
     let config = PpoConfig::paper();
-    let decisions = config.rollout_steps;
+    let decisions = config.steps_per_update;
     let mut stream = Seed::root(1).stream();
     let mut draw = |count: usize| (0..count).map(|_| stream.random_range(-1.0..1.0)).collect::<Vec<f64>>();
     let policy = ActorCritic::new(4, 2, &config.hidden, 0.0, &mut Seed::root(2).stream());

@@ -42,7 +42,7 @@ fn compiled(text: &str) -> Result<Plan, Vec<String>> {
 fn a_kind_in_place_of_a_name_is_a_declaration_with_a_derived_name() {
     let plan = compiled(SCENARIO).unwrap_or_else(|said| panic!("{said:?}"));
     let campaign = &plan.campaigns[0];
-    assert_eq!(campaign.nth::<compile::Training>(0).config.total_steps, 1000);
+    assert_eq!(campaign.nth::<compile::Training>(0).config.steps, 1000);
     assert_eq!(campaign.nth::<compile::Training>(0).key.policy, "idm_time_headway_0_8_s");
     let policies: Vec<&str> = campaign.all::<compile::Evaluation>().map(|each| &*each.policy).collect();
     let [same, plain, named, of_param, long] = policies.as_slice() else { panic!("{policies:?}") };

@@ -41,5 +41,6 @@ mod steady_starts;
 mod stepping;
 mod streets;
 mod suite;
+mod training;
 
 use repository::repository;

@@ -55,7 +55,7 @@ fn plan() -> Plan {
 fn a_real_training_continues_bit_for_bit_after_any_update() {
     let (seed, none) = (Seed::root(3), BTreeMap::new());
     for training in plan().campaigns.iter().flat_map(|campaign| campaign.all::<compile::Training>()) {
-        let (scenario, envs, config) = (&training.scenario, training.environments, &training.config);
+        let (scenario, envs, config) = (&training.scenario, training.config.environments, &training.config);
         // The state before the first update and after each update.
         let run = TrainingRun::begin(from_ref(scenario), envs, config, &seed).unwrap();
         let mut states = vec![run.state(&none)];

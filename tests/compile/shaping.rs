@@ -96,7 +96,7 @@ fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
         .iter()
         .map(|it| {
             let go_on = &mut |_: &_| ControlFlow::Continue(());
-            train(&it.scenario, it.environments, &it.config, &Seed::root(3), go_on).unwrap()
+            train(&it.scenario, it.config.environments, &it.config, &Seed::root(3), go_on).unwrap()
         })
         .collect();
     assert_eq!(trained[0], trained[1], "a potential of 0 is none");

@@ -183,7 +183,7 @@ fn the_stated_share_of_copies_is_of_hard_starts_whatever_was_drawn_before() {
 fn at_hard_starts_a_first_attempt_causes_faults_more_often() {
     let faults = |keys| {
         let training = training("", "behavior", keys);
-        let (environments, config) = (training.environments, &training.config);
+        let (environments, config) = (training.config.environments, &training.config);
         let mut run = TrainingRun::begin(&training.scenarios(), environments, config, &Seed::root(5)).unwrap();
         let log = run.update().unwrap();
         let judged: Vec<bool> = log.finished.iter().filter_map(|episode| episode.fault).collect();

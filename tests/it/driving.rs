@@ -46,7 +46,7 @@ fn written(keys: &str) -> tempfile::TempDir {
 
 fn begin(training: &Training) -> TrainingRun {
     let rule = training.drive.as_ref().unwrap();
-    let (environments, config) = (training.environments, &training.config);
+    let (environments, config) = (training.config.environments, &training.config);
     TrainingRun::begin_driving(&training.scenarios(), rule, environments, config, &Seed::root(4), &|_| false).unwrap()
 }
 
@@ -114,7 +114,7 @@ fn threads_and_interruptions_change_no_bit() {
     run.update().unwrap();
     let state = run.state(&Default::default());
     let rule = training.drive.as_ref().unwrap();
-    let (environments, config) = (training.environments, &training.config);
+    let (environments, config) = (training.config.environments, &training.config);
     let resume = |seed| TrainingRun::resume(&state, &training.scenarios(), Some(rule), environments, config, &seed);
     let resumed = resume(Seed::root(4)).unwrap().carry_on(&mut |_| std::ops::ControlFlow::Continue(())).unwrap();
     assert_eq!(resumed.to_safetensors(), one.to_safetensors());
@@ -158,7 +158,7 @@ fn demonstrations_count_as_decisions_and_ticks() {
 fn an_imitation_can_be_stopped() {
     let plan = plan("demonstrations: 4_000");
     let training = plan.campaigns[0].nth::<Training>(0);
-    let (rule, environments) = (training.drive.as_ref().unwrap(), training.environments);
+    let (rule, environments) = (training.drive.as_ref().unwrap(), training.config.environments);
     let begin = |watch: &(dyn Fn(f64) -> bool + Sync)| {
         TrainingRun::begin_driving(&training.scenarios(), rule, environments, &training.config, &Seed::root(4), watch)
     };

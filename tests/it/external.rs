@@ -193,7 +193,7 @@ fn a_training_survives_some_faults_and_ends_with_the_cause_of_too_many() {
     let training = |mode: &str| {
         let plan = plan(&format!("python3 driver.py {mode}"), "timeout: 60 s");
         let mut config = plan.campaigns[0].nth::<compile::Training>(0).config.clone();
-        config.total_steps = 150;
+        config.steps = 150;
         let against = &plan.campaigns[0].nth::<compile::Evaluation>(0).scenario;
         train(against, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
     };

@@ -81,7 +81,7 @@ fn a_training_starts_with_the_weights_of_the_file_and_goes_on_after_an_interrupt
     assert_eq!(resumed.actor_critic, whole.actor_critic);
     // A training that started elsewhere is not continued.
     let mut other = training.config.clone();
-    other.initial = None;
+    other.from = None;
     assert!(TrainingRun::resume(&state, from_ref(&training.scenario), None, 1, &other, &Seed::root(3)).is_err());
 }
 

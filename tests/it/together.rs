@@ -53,7 +53,7 @@ fn a_training_in_several_scenarios_continues_bit_for_bit() {
     let plan = plan("together: all");
     let training = &plan.campaigns[0].nth::<compile::Training>(0);
     let (scenarios, seed, none) = (training.scenarios(), Seed::root(4), Default::default());
-    let begin = || TrainingRun::begin(&scenarios, training.environments, &training.config, &seed).unwrap();
+    let begin = || TrainingRun::begin(&scenarios, training.config.environments, &training.config, &seed).unwrap();
     let (mut whole, mut states) = (begin(), Vec::new());
     while !whole.is_done() {
         whole.update().unwrap();
@@ -62,7 +62,8 @@ fn a_training_in_several_scenarios_continues_bit_for_bit() {
     assert_eq!(states.len(), 4);
     for (updates, state) in (1..).zip(&states) {
         let resumed =
-            TrainingRun::resume(state, &scenarios, None, training.environments, &training.config, &seed).unwrap();
+            TrainingRun::resume(state, &scenarios, None, training.config.environments, &training.config, &seed)
+                .unwrap();
         assert_eq!(&resumed.state(&none), state, "after {updates} updates");
         let mut resumed = resumed;
         while !resumed.is_done() {
@@ -72,9 +73,10 @@ fn a_training_in_several_scenarios_continues_bit_for_bit() {
     }
     // Another order of the scenarios is another training, and its state does not fit.
     let turned: Vec<_> = scenarios.iter().rev().cloned().collect();
-    let other = TrainingRun::resume(&states[3], &turned, None, training.environments, &training.config, &seed);
+    let other = TrainingRun::resume(&states[3], &turned, None, training.config.environments, &training.config, &seed);
     assert!(other.is_err());
-    let fewer = TrainingRun::resume(&states[3], &scenarios[..1], None, training.environments, &training.config, &seed);
+    let fewer =
+        TrainingRun::resume(&states[3], &scenarios[..1], None, training.config.environments, &training.config, &seed);
     assert!(fewer.is_err());
 }
 

@@ -53,8 +53,8 @@ fn write_case(folder: &Path, name: &str, config: &PpoConfig) {
 #[test]
 fn trained_policies_act_alike_in_other_programs() {
     let folder = tempfile::tempdir().unwrap();
-    let plain = PpoConfig { total_steps: 3_000, learning_rate: 3e-3, ..PpoConfig::paper() };
-    let rich = PpoConfig { frame_stack: 3, normalize_obs: true, hidden: vec![32, 16, 8], ..plain.clone() };
+    let plain = PpoConfig { steps: 3_000, learning_rate: 3e-3, ..PpoConfig::paper() };
+    let rich = PpoConfig { frame_stack: 3, normalize_observations: true, hidden: vec![32, 16, 8], ..plain.clone() };
     write_case(folder.path(), "plain", &plain);
     write_case(folder.path(), "rich", &rich);
 

@@ -46,7 +46,7 @@ fn keep_going(_: &UpdateLog) -> ControlFlow<()> {
 }
 
 fn config(total_steps: u64) -> PpoConfig {
-    PpoConfig { total_steps, ..PpoConfig::paper() }
+    PpoConfig { steps: total_steps, ..PpoConfig::paper() }
 }
 
 /// The mean squared error of the deterministic policy.
@@ -129,7 +129,7 @@ fn the_first_update_starts_from_the_collected_policy() {
 fn any_number_of_threads_gives_the_same_bits() {
     let wide = PpoConfig { hidden: vec![128, 64], batch_size: 250, epochs: 2, ..config(1_500) };
     for (normalize, config) in [(false, config(1_500)), (true, config(1_500)), (true, wide)] {
-        let config = PpoConfig { normalize_obs: normalize, normalize_reward: normalize, ..config };
+        let config = PpoConfig { normalize_observations: normalize, normalize_rewards: normalize, ..config };
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut envs = [0, 1, 2, 3, 4].map(Identity::new);
@@ -171,7 +171,7 @@ fn a_schedule_reaches_the_optimiser() {
         assert!((rate - expected).abs() < 1e-12);
     }
     // The last update has the rate zero and changes nothing.
-    let shorter = PpoConfig { total_steps: 450, ..linear.clone() };
+    let shorter = PpoConfig { steps: 450, ..linear.clone() };
     let mut envs = [Identity::new(0)];
     let mut trainer = Trainer::new(&mut envs, &shorter, &Seed::root(1)).unwrap();
     trainer.update(&mut envs).unwrap();
@@ -205,7 +205,7 @@ fn normalising_learns_what_badly_scaled_numbers_keep_from_learning() {
         }
     }
     let error = |normalize| {
-        let config = PpoConfig { normalize_obs: normalize, normalize_reward: normalize, ..config(30_000) };
+        let config = PpoConfig { normalize_observations: normalize, normalize_rewards: normalize, ..config(30_000) };
         let mut envs = [Scaled(Identity::new(0))];
         let policy = train(&mut envs, &config, &Seed::root(1), &mut keep_going).unwrap().actor_critic;
         let (mut action, mut scratch, mut squares) = ([0.0], policy.scratch(1), 0.0);

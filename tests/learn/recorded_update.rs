@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use learn::{ActorCritic, PpoConfig, RecordedRollout, update_on_recorded};
+use learn::{ADAM_EPS, ActorCritic, PpoConfig, RecordedRollout, update_on_recorded};
 use safetensors::SafeTensors;
 use serde_json::Value;
 
@@ -73,12 +73,19 @@ fn an_update_agrees_with_stable_baselines3() {
     let config = PpoConfig::paper();
     let setting = |name: &str| recording["settings"][name].as_f64().unwrap();
     assert_eq!(
-        [config.learning_rate, config.gamma, config.gae_lambda, config.clip_coef, config.vf_coef, config.ent_coef],
+        [
+            config.learning_rate,
+            config.gamma,
+            config.gae_lambda,
+            config.clip,
+            config.value_coefficient,
+            config.entropy_coefficient
+        ],
         ["learning_rate", "gamma", "gae_lambda", "clip_range", "vf_coef", "ent_coef"].map(setting)
     );
-    assert_eq!([config.max_grad_norm, config.adam_eps], ["max_grad_norm", "adam_eps"].map(setting));
+    assert_eq!([config.max_gradient_norm, ADAM_EPS], ["max_grad_norm", "adam_eps"].map(setting));
     let sizes = ["n_steps", "batch_size", "n_epochs"].map(|name| index(setting(name)));
-    assert_eq!([config.rollout_steps, config.batch_size, config.epochs], sizes);
+    assert_eq!([config.steps_per_update, config.batch_size, config.epochs], sizes);
 
     let update = update_on_recorded(before.clone(), &rollout, &order, &config).unwrap();
     for (name, ours) in [
@@ -122,13 +129,12 @@ fn an_update_agrees_with_stable_baselines3() {
         ("learning rate", PpoConfig { learning_rate: 3.01e-4, ..config.clone() }),
         ("discount", PpoConfig { gamma: 0.981, ..config.clone() }),
         ("decay", PpoConfig { gae_lambda: 0.951, ..config.clone() }),
-        ("clip interval", PpoConfig { clip_coef: 0.25, ..config.clone() }),
-        ("value coefficient", PpoConfig { vf_coef: 0.51, ..config.clone() }),
-        ("entropy coefficient", PpoConfig { ent_coef: 0.011, ..config.clone() }),
-        ("gradient norm", PpoConfig { max_grad_norm: 0.51, ..config.clone() }),
-        ("epsilon", PpoConfig { adam_eps: 1e-8, ..config.clone() }),
+        ("clip interval", PpoConfig { clip: 0.25, ..config.clone() }),
+        ("value coefficient", PpoConfig { value_coefficient: 0.51, ..config.clone() }),
+        ("entropy coefficient", PpoConfig { entropy_coefficient: 0.011, ..config.clone() }),
+        ("gradient norm", PpoConfig { max_gradient_norm: 0.51, ..config.clone() }),
         ("batch size", PpoConfig { batch_size: 65, ..config.clone() }),
-        ("standardised advantages", PpoConfig { norm_adv: false, ..config.clone() }),
+        ("standardised advantages", PpoConfig { normalize_advantages: false, ..config.clone() }),
     ] {
         let changed = update_on_recorded(before.clone(), &rollout, &order, &other).unwrap();
         let difference = worst(&weights(&bytes(&changed.actor_critic)), &recorded);

@@ -90,9 +90,9 @@ fn collision_rate(policy: &ActorCritic, rules: Rules, starts: &[Start]) -> f64 {
 
 fn training(recording: &Value, number: u64) -> Training {
     let rules = rules(recording);
-    let config = PpoConfig { total_steps: recording["steps"].as_u64().unwrap(), ..PpoConfig::paper() };
+    let config = PpoConfig { steps: recording["steps"].as_u64().unwrap(), ..PpoConfig::paper() };
     let part = recording["bin"].as_u64().unwrap();
-    let parts = (config.total_steps / part) as usize;
+    let parts = (config.steps / part) as usize;
     let seed = Seed::root(number);
     let mut worlds = [PedWorld::new(rules, seed.child("world").stream())];
     let mut go_on = |_: &UpdateLog| ControlFlow::Continue(());

@@ -77,12 +77,12 @@ impl Env for Walk {
 }
 
 fn configs() -> [PpoConfig; 2] {
-    let paper = PpoConfig { rollout_steps: 50, total_steps: 900, epochs: 3, hidden: vec![16], ..PpoConfig::paper() };
+    let paper = PpoConfig { steps_per_update: 50, steps: 900, epochs: 3, hidden: vec![16], ..PpoConfig::paper() };
     let all = PpoConfig {
         learning_rate_schedule: Schedule::Linear,
         target_kl: Some(0.02),
-        normalize_obs: true,
-        normalize_reward: true,
+        normalize_observations: true,
+        normalize_rewards: true,
         frame_stack: 3,
         curriculum: 0.5,
         portable_bits: true,
@@ -171,7 +171,7 @@ fn states_that_do_not_fit_are_errors_and_never_panics() {
         assert!(matches!(read, Err(CheckpointError::Settings { name: found }) if found == name), "{name}");
     }
     // A training can be prolonged, and threads change nothing.
-    let longer = PpoConfig { total_steps: 2_000, threads: Some(2), ..config.clone() };
+    let longer = PpoConfig { steps: 2_000, threads: Some(2), ..config.clone() };
     assert!(Trainer::from_state(&state, &mut walks(), &longer).is_ok());
     let read = Trainer::from_state(&state, &mut walks()[..2], &config);
     assert!(matches!(read, Err(CheckpointError::Env { env: 2 })));

@@ -32,7 +32,7 @@ pub(crate) struct Usual {
     pub car: Axis<VehicleBlueprint>,
     pub walker: Axis<PedestrianRole>,
     pub rule: Axis<EpisodeRule>,
-    pub training: Option<Axis<(PpoConfig, usize)>>,
+    pub training: Option<Axis<PpoConfig>>,
     pub requirements: Required,
 }
 
@@ -66,21 +66,23 @@ impl Lowering<'_> {
     }
 
     /// A training of a pedestrian whose states have this number of numbers.
-    pub(crate) fn training(&mut self, id: DeclarationId, state: usize) -> Axis<(PpoConfig, usize)> {
+    pub(crate) fn training(&mut self, id: DeclarationId, state: usize) -> Axis<PpoConfig> {
         let declaration = self.program.get(id);
         let block = &declaration.block;
-        let (mut config, environments) = training::lower(block.keys());
-        config.initial = training::initial(declaration, &config, state, self);
+        let mut config: PpoConfig = block.keys();
+        let decisions = config.steps_per_update.saturating_mul(config.environments);
+        config.batch_size = config.batch_size.min(decisions);
+        training::read_networks(declaration, &mut config, state, self);
         if config.hard_starts.is_some() && config.starts.is_none() {
             let message = "hard starts are looked for among kept ones, so `hard_starts` needs `starts`".to_string();
             self.said.push(diagnostics::contradiction(block.place("hard_starts"), message));
         }
-        if config.rollout_steps.saturating_mul(environments) > MAX_DECISIONS {
+        if decisions > MAX_DECISIONS {
             let message = format!("an update of more than {MAX_DECISIONS} decisions does not fit in memory");
             self.said.push(diagnostics::contradiction(block.place("steps_per_update"), message));
         }
-        let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(state * config.frame_stack);
-        if seen > MAX_SEEN && config.rollout_steps.saturating_mul(environments) <= MAX_DECISIONS {
+        let seen = decisions.saturating_mul(state * config.frame_stack);
+        if seen > MAX_SEEN && decisions <= MAX_DECISIONS {
             let message =
                 format!("an update of {seen} numbers of states does not fit in memory; at most {MAX_SEEN} do");
             self.said.push(diagnostics::contradiction(block.place("frame_stack"), message));
@@ -91,7 +93,7 @@ impl Lowering<'_> {
             let message = format!("networks of {weights} weights do not fit in memory; at most {MAX_WEIGHTS} do");
             self.said.push(diagnostics::contradiction(block.place("hidden"), message));
         }
-        Axis { id, name: self.axis_name(id), value: (config, environments) }
+        Axis { id, name: self.axis_name(id), value: config }
     }
 
     pub(crate) fn towns(&mut self, ids: &[DeclarationId]) -> Vec<Axis<BuiltTown>> {

@@ -48,11 +48,11 @@ impl Lowering<'_> {
         let block = at.block;
         let Some(training) = grid.usual.training.clone() else { return self.no_training(at) };
         let keys: DriveKeys = block.keys();
-        let (config, environments) = &training.value;
+        let config = &training.value;
         let unfit = [
             (config.frame_stack != 1, "frame_stack: 1"),
-            (config.normalize_obs, "normalize_observations: false"),
-            (config.initial.is_some(), "no `from`"),
+            (config.normalize_observations, "normalize_observations: false"),
+            (config.from.is_some(), "no `from`"),
         ];
         if let Some((_, needed)) = unfit.into_iter().find(|(is_wrong, _)| *is_wrong) {
             let message =
@@ -102,7 +102,6 @@ impl Lowering<'_> {
                 towns: scenarios.clone(),
                 drive: Some(rule.clone()),
                 config: config.clone(),
-                environments: *environments,
                 lineage: None,
             })
         }));

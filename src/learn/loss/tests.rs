@@ -35,13 +35,13 @@ fn naive_loss(policy: &ActorCritic<f64>, batch: &Minibatch<f64>, config: &PpoCon
             log_prob += -miss * miss / (2.0 * libm::exp(2.0 * log_std)) - log_std - half_log_tau;
         }
         let ratio = libm::exp(log_prob - batch.old_log_probs[i]);
-        let clipped = ratio.max(1.0 - config.clip_coef).min(1.0 + config.clip_coef);
+        let clipped = ratio.max(1.0 - config.clip).min(1.0 + config.clip);
         surrogate += (batch.advantages[i] * ratio).min(batch.advantages[i] * clipped);
         squares += (batch.returns[i] - value).powi(2);
     }
     let entropy: f64 = policy.log_std().iter().map(|log_std| 0.5 + half_log_tau + log_std).sum();
     let count = batch.len() as f64;
-    -surrogate / count - config.ent_coef * entropy + config.vf_coef * squares / count
+    -surrogate / count - config.entropy_coefficient * entropy + config.value_coefficient * squares / count
 }
 
 fn spread(policy: &ActorCritic<f64>) -> Spread {
@@ -131,7 +131,7 @@ fn the_gradient_in_single_precision_is_the_same_but_for_rounding() {
 #[test]
 fn clipping_stops_only_what_would_go_further() {
     // One sample: ratio e^0.5 or e^-0.5 and an advantage of either sign.
-    let config = PpoConfig { ent_coef: 0.0, vf_coef: 0.0, ..PpoConfig::paper() };
+    let config = PpoConfig { entropy_coefficient: 0.0, value_coefficient: 0.0, ..PpoConfig::paper() };
     let (policy, _) = policy_and_batch(&[6]);
     let obs = vec![0.2, -0.1, 0.4, 0.3];
     let mean = naive_network(policy.actor(), &policy.parameters()[policy.actor_range()], &obs);

@@ -35,7 +35,7 @@ impl GrowingCurves {
     /// The folder, if this training is the first that has updates to make.
     pub fn first_of(&self, training: &Training, curve: &[UpdateLog]) -> Option<&Path> {
         let done = curve.last().map_or(0, |log| log.steps);
-        let first = done < training.config.total_steps && !self.named.swap(true, Ordering::Relaxed);
+        let first = done < training.config.steps && !self.named.swap(true, Ordering::Relaxed);
         first.then_some(&self.folder)
     }
 

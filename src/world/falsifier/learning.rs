@@ -21,17 +21,7 @@ keys! {
 /// shares of the budget. An update is discarded if the first share is used up in it. A curriculum is ignored: all falsifiers have the same
 /// starts.
 #[derive(Debug, Clone)]
-pub struct Learning {
-    config: PpoConfig,
-    environments: usize,
-}
-
-impl Learning {
-    /// Makes one with settings and a number of environments.
-    pub fn new(config: PpoConfig, environments: usize) -> Self {
-        Self { config, environments }
-    }
-}
+pub struct Learning(pub PpoConfig);
 
 /// A share of the simulator as an environment of the learner. When the budget is used up, it does not move and ends every episode at once.
 /// What is learnt from such episodes is discarded.
@@ -84,11 +74,11 @@ impl Falsifier for Learning {
         let scenario = simulator.scenario();
         let (hold, obs_dim) = (u64::from(scenario.episode.hold), scenario.cast.obs_dim());
         let run_up = u64::from(scenario.most_run_up());
-        let stride = self.environments as u64;
+        let stride = self.0.environments as u64;
         let shares = simulator.shares(stride);
         let mut grounds: Vec<Ground<'_>> =
             (0..).zip(shares).map(|(next, share)| Ground { share, next, stride }).collect();
-        let config = PpoConfig { total_steps: (simulator.left() / hold).max(1), ..self.config.clone() };
+        let config = PpoConfig { steps: (simulator.left() / hold).max(1), ..self.0.clone() };
         let trained = train(&mut grounds, &config, hold + run_up, seed);
         simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());
         Ok(Some(Box::new(TrainedWalker::new(trained?, obs_dim, ActionMode::Deterministic))))
@@ -102,7 +92,7 @@ fn train(
     longest: u64,
     seed: &Seed,
 ) -> Result<learn::ActorCritic, learn::TrainError> {
-    let most = config.rollout_steps as u64 * longest;
+    let most = config.steps_per_update as u64 * longest;
     let mut trainer = Trainer::new(grounds, config, seed)?;
     loop {
         let enough = grounds.iter().all(|ground| ground.share.left() >= most);

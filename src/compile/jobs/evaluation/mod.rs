@@ -128,7 +128,7 @@ impl Planned for Evaluation {
         let training = needs.and_then(|place| jobs[place].of::<Training>()).or(self.first.as_deref());
         // A smoke run takes fewer steps than the files say.
         let training =
-            training.map(|training| [training.origin.fingerprint.to_string(), training.config.total_steps.to_string()]);
+            training.map(|training| [training.origin.fingerprint.to_string(), training.config.steps.to_string()]);
         own.into_iter().chain(place).map(ToString::to_string).chain(training.into_iter().flatten()).collect()
     }
 }

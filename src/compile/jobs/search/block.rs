@@ -132,8 +132,8 @@ impl Lowering<'_> {
             let training = match falsifier::named(arguments, "training") {
                 Some(id) => Some(self.training(id, walker.observation.dim())),
                 // Its first networks were checked for the campaign's pedestrian, who may have other states.
-                None => usual.map(|axis| match &axis.value.0.initial {
-                    Some(first) if first.obs_dim() != walker.observation.dim() * axis.value.0.frame_stack => {
+                None => usual.map(|axis| match axis.value.from.as_ref().and_then(|from| from.networks.as_ref()) {
+                    Some(first) if first.obs_dim() != walker.observation.dim() * axis.value.frame_stack => {
                         self.training(axis.id, walker.observation.dim())
                     }
                     _ => axis.clone(),

@@ -54,7 +54,7 @@ impl Lowering<'_> {
         }
         let Grid { usual, campaign, rewards } = grid;
         paid.iter().for_each(|reward| self.warn_of_paid_waiting(reward, &usual.rule.value));
-        let (config, environments) = &training.value;
+        let config = &training.value;
         for places in groups(ground.places().collect(), together) {
             for reward in &paid {
                 let scenario_of = |place: &Place<'_>| usual.scenario(place, &body, &reward.value, &[].into());
@@ -78,7 +78,6 @@ impl Lowering<'_> {
                         towns: scenarios.clone(),
                         drive: None,
                         config: config.clone(),
-                        environments: *environments,
                         lineage,
                     })
                 }));

@@ -62,7 +62,6 @@ pub struct Training {
     pub drive: Option<Arc<DriveRule>>,
     /// Its settings.
     pub config: PpoConfig,
-    pub environments: usize,
     /// The digest without the number of steps: a training with more steps continues a shorter one with the same lineage, bit for bit. None
     /// when the first steps depend on the number of all: with a schedule or a curriculum.
     pub lineage: Option<Fingerprint>,
@@ -96,16 +95,16 @@ impl Planned for Training {
     }
 
     fn units(&self, _: u32) -> u64 {
-        self.demonstrations() + self.config.total_steps
+        self.demonstrations() + self.config.steps
     }
 
     fn ticks(&self, _: u32) -> u64 {
-        self.ticks_of(self.config.total_steps)
+        self.ticks_of(self.config.steps)
     }
 
     fn inputs(&self) -> String {
         let Self { key, origin, config, .. } = self;
-        format!("training {key:?} {} {} {}", origin.fingerprint, config.total_steps, self.demonstrations())
+        format!("training {key:?} {} {} {}", origin.fingerprint, config.steps, self.demonstrations())
     }
 
     fn depends_on_processor(&self) -> bool {
@@ -117,8 +116,8 @@ impl Planned for Training {
     }
 
     fn shorten(&mut self) {
-        let update = (self.config.rollout_steps * self.environments) as u64;
-        self.config.total_steps = self.config.total_steps.min(2 * update);
+        let update = (self.config.steps_per_update * self.config.environments) as u64;
+        self.config.steps = self.config.steps.min(2 * update);
         if let Some(rule) = &mut self.drive {
             let rule = Arc::make_mut(rule);
             rule.demonstrations = rule.demonstrations.min(SHORT_DEMONSTRATIONS);

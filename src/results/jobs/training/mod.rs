@@ -90,7 +90,7 @@ fn taken(plan: &Training, curve: &[UpdateLog]) -> u64 {
 fn train(plan: &Training, part: &Part<'_>, decided: &mut u64) -> Result<Trained, TaskError> {
     let scenarios = plan.scenarios();
     let seed = plan.key.seed(part.seed);
-    let (environments, config) = (plan.environments, &plan.config);
+    let (environments, config) = (plan.config.environments, &plan.config);
     let is_overdue = || part.results.is_overdue(part.task, part.stop());
     let resume =
         |state: Vec<u8>| TrainingRun::resume(&state, &scenarios, plan.drive.as_ref(), environments, config, &seed).ok();
