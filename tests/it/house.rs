@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_780),
     ("src/results", 26_510),
     ("src/program", 11_420),
-    ("tests", 25_343),
+    ("tests", 25_567),
 ];
 
 /// Crates that only some places may name.

@@ -6,6 +6,7 @@ mod repository;
 mod approach;
 mod covers;
 mod estimates;
+mod gates;
 mod hardening;
 mod kinds;
 mod searches;

@@ -1,0 +1,223 @@
+//! Gates: which cells they choose, how they judge them, and what is refused.
+
+use polars::prelude::{Column, DataFrame, df};
+use results::record::{ColumnReference, TableReference};
+use results::report::{Gate, GateError, Judged};
+
+#[test]
+fn a_column_of_searches_alone_makes_a_gate_about_searches() {
+    let about = |text: &str| Gate::parse(text).map(|gate| gate.is_about_searches());
+    assert_eq!(about("faults > 0 and town == village"), Ok(true));
+    assert_eq!(about("preventable_rate > 0 and town == village"), Ok(false));
+    assert_eq!(about("town == village"), Ok(false), "a column of both");
+    assert!(matches!(about("faults > much"), Err(GateError::Kind { .. })));
+    let mixed = about("faults > 0 and preventable_rate > 0");
+    assert!(matches!(mixed, Err(GateError::Column { name, .. }) if name == "faults"));
+}
+
+fn cells() -> DataFrame {
+    let rates: Vec<Option<f64>> = vec![Some(0.04), Some(0.06), None];
+    let learnt: Vec<Option<&str>> = vec![Some("yes"), Some("no"), None];
+    df!(
+        "town" => ["harbour", "village", "village"],
+        "controller" => ["trained", "trained", "random"],
+        "learnt" => learnt,
+        "preventable_rate" => rates,
+        "errors" => [0_u32, 0, 3]
+    )
+    .unwrap()
+}
+
+fn judged(text: &str) -> String {
+    letters(&cells(), text)
+}
+
+/// How a gate judges each cell, as letters.
+fn letters(cells: &DataFrame, text: &str) -> String {
+    let letter = |judged: &Judged| match judged {
+        Judged::Passed => 'p',
+        Judged::Broken(_) => 'b',
+        Judged::Missing(_) => 'm',
+        Judged::TooFewRuns(_) => 'f',
+        Judged::MissingEverywhere(_) => 'M',
+        Judged::NothingEvaluated => 'n',
+        Judged::OffRoad(_) => 'r',
+        Judged::Thin(_) => 't',
+        Judged::TooFewStarts(_) => 's',
+        Judged::Elsewhere => 'e',
+    };
+    gate(cells, text).judge(cells).iter().map(letter).collect()
+}
+
+/// A gate on a table.
+fn gate(cells: &DataFrame, text: &str) -> Gate {
+    let said = |column: &Column| ColumnReference {
+        name: column.name().to_string().into(),
+        unit: "".into(),
+        doc: "".into(),
+        holds: column.dtype().clone(),
+    };
+    let columns: Vec<ColumnReference> = cells.columns().iter().map(said).collect();
+    Gate::of_table(text, &TableReference { name: "cells", doc: "", columns }).unwrap()
+}
+
+#[test]
+fn a_gate_is_broken_where_all_its_conditions_hold() {
+    for (text, wanted) in [
+        ("preventable_rate > 0.05", "pbm"),
+        ("preventable_rate>=0.04", "bbm"),
+        ("preventable_rate < 0.05", "bpm"),
+        ("preventable_rate <= 0.04", "bpm"),
+        ("preventable_rate == 0.04", "bpm"),
+        ("preventable_rate != 0.04", "pbm"),
+        ("errors > 0", "ppb"),
+        ("preventable_rate > 0.01 and town == village", "ebm"),
+        ("preventable_rate > 0.01 and town != \"village\"", "bee"),
+        ("preventable_rate > 0.05 and errors > 0", "ppm"),
+        ("preventable_rate > 0.05 and errors < 1", "pbp"),
+    ] {
+        assert_eq!(judged(text), wanted, "{text}");
+    }
+}
+
+#[test]
+fn words_of_the_key_choose_cells_and_other_words_are_judged() {
+    for (text, wanted) in [
+        ("learnt != yes", "pbe"),
+        ("learnt == yes", "bpe"),
+        ("learnt != yes and town == harbour", "pee"),
+        ("learnt != yes and preventable_rate > 0.05", "pbe"),
+        ("controller == random and town == harbour", "eee"),
+        ("controller == random", "eeb"),
+    ] {
+        assert_eq!(judged(text), wanted, "{text}");
+    }
+    let gate = Gate::parse("learnt != yes").unwrap();
+    assert_eq!(gate.judge(&cells())[1], Judged::Broken(vec![("learnt".into(), "no".into())]));
+}
+
+#[test]
+fn a_gate_on_an_interval_fails_where_too_few_runs_have_one() {
+    let cells = df!(
+        "town" => ["harbour", "village", "quay"],
+        "runs" => [4_u32, 3, 3],
+        "fault_rate_student_low" => [Some(0.01), None, None],
+        "fault_rate_wilson_low" => [Some(0.01), Some(0.02), None],
+        "fault_rate_mean" => [Some(0.02), Some(0.03), Some(0.04)],
+        "front_rate_mean" => [Some(0.02), None, Some(0.04)]
+    )
+    .unwrap();
+    assert_eq!(letters(&cells, "fault_rate_student_low > 0.05"), "pff", "it could never be true of three runs");
+    assert_eq!(letters(&cells, "fault_rate_student_low > 0.05 and fault_rate_mean > 0.03"), "ppf");
+    assert_eq!(letters(&cells, "front_rate_mean > 0.5"), "pmp", "other columns may have no value");
+    let said = |row: usize| match &gate(&cells, "fault_rate_student_low > 0.05").judge(&cells)[row] {
+        Judged::TooFewRuns(few) => few.to_string(),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(
+        said(1),
+        "there is no `fault_rate_student_low`, since fewer than 4 runs have no interval; write `fault_rate_wilson_low`, or give more `runs`"
+    );
+    assert!(said(2).contains("write `fault_rate_mean`"), "{}", said(2));
+}
+
+#[test]
+fn a_gate_that_judges_nothing_fails() {
+    let cells = df!(
+        "town" => ["harbour", "village"],
+        "episodes" => [10_u32, 0],
+        "errors" => [0_u32, 3],
+        "fault_rate_mean" => [Some(0.02), None],
+        "front_rate_mean" => [None::<f64>, None],
+        "learning_gain" => [None::<f64>, None]
+    )
+    .unwrap();
+    assert_eq!(
+        letters(&cells, "fault_rate > 0.05"),
+        "tn",
+        "one failure in ten episodes would break it; all others were left out"
+    );
+    assert_eq!(letters(&cells, "fault_rate > 0.1"), "pn");
+    assert_eq!(letters(&cells, "max over controllers fault_rate > 0.05"), "tn");
+    assert_eq!(letters(&cells, "errors > 5"), "pn");
+    assert_eq!(letters(&cells, "errors > 0"), "pb", "what is broken is said");
+    assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "te");
+    assert_eq!(letters(&cells.head(Some(1)), "learning_gain > 0"), "M", "no row has it");
+    assert_eq!(letters(&cells.head(Some(1)), "front_rate > 0.5"), "m", "nothing was touched");
+    let searches = df!(
+        "starts_mean" => [0.0, 1.5],
+        "faults_mean" => [0.0, 0.0]
+    )
+    .unwrap();
+    assert_eq!(letters(&searches, "faults > 0"), "np", "its budget holds no start");
+}
+
+#[test]
+fn a_gate_on_a_probability_fails_where_no_number_of_failures_could_break_it() {
+    let cells = |starts: [u32; 2], runs: [u32; 2]| {
+        df!(
+            "runs" => runs,
+            "common_starts" => starts,
+            "fault_rate_difference" => [0.5, 0.0],
+            "fault_rate_p_holm" => [Some(0.25), Some(1.0)]
+        )
+    };
+    let gate = "fault_rate_p_holm < 0.05 and fault_rate_difference > 0";
+    let judged = |starts, runs| letters(&cells(starts, runs).unwrap(), gate);
+    assert_eq!(judged([5, 5], [1, 1]), "ss", "5 of 5 starts worse have p = 0.06");
+    assert_eq!(judged([6, 6], [1, 1]), "ss", "6 of 6 have p = 0.03, and 0.06 in one of two rows");
+    assert_eq!(judged([7, 7], [1, 1]), "pp");
+    assert_eq!(judged([7, 5], [1, 1]), "ps");
+    assert_eq!(judged([5, 5], [4, 4]), "pp", "Student's test over runs has other limits");
+    assert_eq!(judged([0, 7], [1, 1]), "np");
+}
+
+#[test]
+fn a_gate_over_controllers_judges_one_cell_of_each_place() {
+    let rates: Vec<Option<f64>> = vec![Some(0.02), Some(0.15), Some(0.15), Some(0.03), None, None];
+    let cells = df!(
+        "town" => ["harbour", "harbour", "harbour", "village", "village", "quay"],
+        "controller" => ["trained", "intercept", "homing", "trained", "random", "random"],
+        "preventable_rate" => rates,
+        "errors" => [0_u32, 2, 0, 0, 0, 0]
+    )
+    .unwrap();
+    for (text, wanted) in [
+        // A trained row that learnt nothing hides nothing.
+        ("max over controllers preventable_rate > 0.05", "ebepem"),
+        ("min over controllers preventable_rate < 0.025", "beepem"),
+        ("max over controllers preventable_rate > 0.05 and controller != intercept", "eebpem"),
+        ("max over controllers preventable_rate > 0.05 and errors < 1", "epepem"),
+        ("max over controllers preventable_rate > 0.05 and town == harbour", "ebeeee"),
+    ] {
+        assert_eq!(letters(&cells, text), wanted, "{text}");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
+    let said = |text: &str| Gate::parse(text).unwrap_err().to_string();
+    assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
+    let means = df!("preventable_rate_mean" => [0.5]).unwrap();
+    let broken = Judged::Broken(vec![("preventable_rate_mean".into(), "0.5".into())]);
+    assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().judge(&means), [broken]);
+    for typo in ["preventible_rate", "preventable_rat"] {
+        assert!(said(&format!("{typo} > 0.05")).contains("did you mean `preventable_rate`?"), "{typo}");
+    }
+    assert!(said("xyz > 1").contains("reports/README.md lists the metrics"));
+    for text in ["", "preventable_rate", "preventable_rate = 1", "> 1", "preventable_rate >", "a > 1 and "] {
+        assert!(matches!(Gate::parse(text), Err(GateError::Form { .. } | GateError::Column { .. })), "{text}");
+    }
+    assert!(said("preventable_rate > 5 %").contains("without a unit"));
+    assert!(said("preventable_rate > 5").contains("shares from 0 to 1: write 5 % as 0.05"));
+    assert!(said("preventable_rate > 0.5 or errors > 0").contains("for `or` write several gates"));
+    assert!(said("preventable_rate > 0.5 && errors > 0").contains("`and` joins conditions"));
+    assert!(said("town > a").contains("== or !="));
+    assert!(said("max over controllers town == a").contains("only numbers"));
+    let twice = "max over controllers collision_rate > 0 and min over controllers collision_rate > 0";
+    assert!(matches!(Gate::parse(twice), Err(GateError::Extremes { .. })));
+    for text in ["max over towns collision_rate > 0", "max over controllers > 0", "maximum collision_rate > 0"] {
+        assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
+    }
+    assert!(Gate::parse("max over controllers preventable_rate_student_low > 0.05 and learnt == yes").is_ok());
+}
