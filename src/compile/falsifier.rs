@@ -47,14 +47,14 @@ pub fn kinds() -> Vec<FalsifierKind> {
     vec![
         FalsifierKind::new(OpenLoop::cross_entropy),
         FalsifierKind::new(OpenLoop::cma_es),
-        FalsifierKind::new(TreeSearch::new),
-        FalsifierKind::new(Archive::new),
-        FalsifierKind::new(Exhaustive::new),
+        FalsifierKind::new(|keys: TreeSearch| keys),
+        FalsifierKind::new(|keys: Archive| keys),
+        FalsifierKind::new(|keys: Exhaustive| keys),
         FalsifierKind::naming(|_: LearningKeys, named| {
             Learning(named.training.clone().expect("checked: it has a training"))
         }),
         FalsifierKind::naming(|_: ControlledKeys, named| {
-            Controlled::new(named.controller.clone().expect("checked: it names a controller"))
+            Controlled(named.controller.clone().expect("checked: it names a controller"))
         }),
     ]
 }

@@ -30,7 +30,7 @@ impl WalkerKind {
             controller: Controller::new(K::KIND, || Box::new(W::default())),
             falsifier: FalsifierKind::new(move |keys| {
                 let walker = make(keys);
-                Controlled::new(Controller::new(K::KIND, move || Box::new(walker.clone())))
+                Controlled(Controller::new(K::KIND, move || Box::new(walker.clone())))
             }),
             draws: false,
             is_scripted: false,

@@ -15,7 +15,7 @@ use learn::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded
 use rand::RngExt;
 use results::jobs::watch;
 use world::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
-use world::falsifier::{Random, evaluate, train};
+use world::falsifier::{Random, TrainingRun, evaluate};
 use world::judge::{NearMiss, judge};
 use world::road::LaneFilter;
 
@@ -127,7 +127,8 @@ fn training(bencher: Bencher<'_, '_>) {
     let mut config = training.config.clone();
     config.steps = 3_000;
     bencher.counter(ItemsCount::new(3_000_u32)).bench_local(|| {
-        train(&training.scenario, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
+        TrainingRun::begin(&training.scenarios(), 1, &config, &Seed::root(1))
+            .and_then(|run| run.carry_on(&mut |_| ControlFlow::Continue(())))
             .expect("numbers stay finite")
     });
 }

@@ -215,7 +215,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     assert!(!outcome.is_collision() && outcome.least_gap > 20.0);
     assert_eq!(contact.pedestrian_at_ego(), None);
     let pair = trace.main_pair(&scenario);
-    assert!(pair.contact().is_none() && judge(&pair).is_none());
+    assert!(pair.contact.is_none() && judge(&pair).is_none());
     // At the touch the boxes have no gap; one tick earlier they have one.
     let (ego, other) = (trace.vehicle(0), trace.vehicle(1));
     let last = ego.len() - 1;
@@ -243,11 +243,11 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     assert!(pair.gap(&pair.last().unwrap()) < 0.5 && pair.in_sight(&pair.frame(0)));
     assert!(judge(&pair).is_some() && NearMiss::new(&pair).min_ttc == Some(0.0));
     let first = trace.pair(&scenario, 0, 0);
-    assert!(first.contact().is_none() && judge(&first).is_none() && NearMiss::new(&first).min_ttc != Some(0.0));
-    assert_eq!((first.len(), first.decisions()), (pair.len(), &vec![STANDING; first.decisions().len()][..]));
+    assert!(first.contact.is_none() && judge(&first).is_none() && NearMiss::new(&first).min_ttc != Some(0.0));
+    assert_eq!((first.len(), first.decisions), (pair.len(), &vec![STANDING; first.decisions.len()][..]));
     // The second car drives behind and forms a pair of its own.
     let other = trace.pair(&scenario, 1, 1);
-    assert!(other.contact().is_none() && other.frame(0).ego.pose == behind.pose);
+    assert!(other.contact.is_none() && other.frame(0).ego.pose == behind.pose);
 }
 
 #[test]
@@ -257,7 +257,7 @@ fn traffic_that_touches_a_pedestrian_ends_the_episode_too() {
     let (outcome, trace) = run(&scenario, [STANDING; 2]);
     assert_eq!(trace.contact().unwrap().pair, (ActorId::Vehicle(1), ActorId::Pedestrian(1)));
     assert_eq!(outcome.ending, Ending::OtherContact);
-    assert!(trace.pair(&scenario, 1, 1).contact().is_some() && trace.main_pair(&scenario).contact().is_none());
+    assert!(trace.pair(&scenario, 1, 1).contact.is_some() && trace.main_pair(&scenario).contact.is_none());
 }
 
 #[test]

@@ -7,7 +7,7 @@ use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, ControllerKind, compile};
 use world::env::Outcome;
-use world::falsifier::{ActionMode, Random, TrainedWalker, TrainingRun, WalkPolicy, evaluate, first_networks, train};
+use world::falsifier::{ActionMode, Random, TrainedWalker, TrainingRun, WalkPolicy, evaluate, first_networks};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -31,8 +31,8 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let (training, evaluation) =
         (&plan.campaigns[0].nth::<compile::Training>(0), &plan.campaigns[0].nth::<compile::Evaluation>(0));
     assert_eq!((&evaluation.controller, evaluation.origin.needs), (&ControllerKind::Trained, Some(0)));
-    let go_on = |_: &_| ControlFlow::Continue(());
-    let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
+    let begun = TrainingRun::begin(&training.scenarios(), 1, &training.config, &Seed::root(3)).unwrap();
+    let trained = begun.carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
     let rate = |walker: &mut dyn WalkPolicy| {
         let (episodes, own) = (Seed::root(4), Seed::root(5));
         let outcomes = evaluate(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));

@@ -11,7 +11,7 @@ use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use learn::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
 use world::env::{ObservationSpec, PedestrianEnv, Simulation};
-use world::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy, train};
+use world::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy};
 use world::sim::WalkCommand;
 
 /// Short episodes with drivers that have memory and drivers that draw random numbers; settings of both kinds.
@@ -67,7 +67,12 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
         assert_eq!(whole.learning_curve.len(), 4);
         assert_eq!(Trained::from_safetensors(&whole.to_safetensors()).unwrap(), whole);
         assert_eq!(states.len(), 5);
-        assert_eq!(train(scenario, envs, config, &seed, &mut |_| ControlFlow::Continue(())).unwrap(), whole);
+        assert_eq!(
+            TrainingRun::begin(from_ref(scenario), envs, config, &seed)
+                .and_then(|run| run.carry_on(&mut |_| ControlFlow::Continue(())))
+                .unwrap(),
+            whole
+        );
         for (updates, state) in states.iter().enumerate() {
             let resumed = TrainingRun::resume(state, from_ref(scenario), None, envs, config, &seed).unwrap();
             assert_eq!(&resumed.state(&none), state, "a state survives being read");
@@ -144,8 +149,8 @@ fn threads_within_a_training_change_nothing() {
         let at = |workers: usize, threads: Option<usize>| -> Trained {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build().unwrap();
             let config = learn::PpoConfig { threads, ..training.config.clone() };
-            let mut go_on = |_: &_| ControlFlow::Continue(());
-            pool.install(|| train(&training.scenario, 5, &config, &Seed::root(2), &mut go_on).unwrap())
+            let begin = || TrainingRun::begin(from_ref(&training.scenario), 5, &config, &Seed::root(2));
+            pool.install(|| begin().and_then(|run| run.carry_on(&mut |_| ControlFlow::Continue(()))).unwrap())
         };
         let one = at(1, Some(1));
         for (workers, threads) in [(1, None), (4, Some(1)), (4, Some(2)), (4, Some(3)), (4, None), (2, Some(64))] {
@@ -158,8 +163,8 @@ fn threads_within_a_training_change_nothing() {
 fn a_trained_walker_sees_stacked_and_normalised_states() {
     let plan = plan();
     let training = &plan.campaigns[1].nth::<compile::Training>(0);
-    let mut go_on = |_: &_| ControlFlow::Continue(());
-    let trained = train(&training.scenario, 3, &training.config, &Seed::root(2), &mut go_on).unwrap();
+    let begun = TrainingRun::begin(from_ref(&training.scenario), 3, &training.config, &Seed::root(2)).unwrap();
+    let trained = begun.carry_on(&mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(trained.actor_critic.obs_dim(), 3 * ObservationSpec::DIM);
     assert!(trained.actor_critic.observation_moments().is_some());
     // The value after it is read back from a file.

@@ -9,7 +9,7 @@ use compile::{Catalog, Training, compile};
 use learn::{Env, shaping};
 use rand::RngExt;
 use world::env::{PedestrianEnv, Simulation, SpawnRule};
-use world::falsifier::train;
+use world::falsifier::TrainingRun;
 
 /// Rewards with and without a potential; a spawn whose near part is empty.
 const SCENARIO: &str = r#"
@@ -95,8 +95,9 @@ fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
     let trained: Vec<_> = trainings()[..3]
         .iter()
         .map(|it| {
-            let go_on = &mut |_: &_| ControlFlow::Continue(());
-            train(&it.scenario, it.config.environments, &it.config, &Seed::root(3), go_on).unwrap()
+            let begun =
+                TrainingRun::begin(&it.scenarios(), it.config.environments, &it.config, &Seed::root(3)).unwrap();
+            begun.carry_on(&mut |_| ControlFlow::Continue(())).unwrap()
         })
         .collect();
     assert_eq!(trained[0], trained[1], "a potential of 0 is none");

@@ -12,7 +12,7 @@ use compile::{Catalog, Plan, compile};
 use process::ProcessOpener;
 use world::av::{BrakeKeys, DrivingMode, Exit, Fault};
 use world::env::{Ending, Outcome, Scenario};
-use world::falsifier::{Intercept, Random, TrainError, evaluate, train};
+use world::falsifier::{Intercept, Random, TrainError, TrainingRun, evaluate};
 
 use crate::program::falsify;
 
@@ -195,7 +195,8 @@ fn a_training_survives_some_faults_and_ends_with_the_cause_of_too_many() {
         let mut config = plan.campaigns[0].nth::<compile::Training>(0).config.clone();
         config.steps = 150;
         let against = &plan.campaigns[0].nth::<compile::Evaluation>(0).scenario;
-        train(against, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
+        TrainingRun::begin(std::slice::from_ref(against), 1, &config, &Seed::root(1))
+            .and_then(|run| run.carry_on(&mut |_| ControlFlow::Continue(())))
     };
     assert!(training("crash").is_ok());
     assert_eq!(training("gone").err(), Some(TrainError::Driver { update: 1, fault: Fault::Ended(Exit::Code(0)) }));

@@ -44,7 +44,7 @@ impl Approach {
 
     /// The end of an episode; none when the two did not touch.
     pub fn new(pair: &Pair<'_>) -> Option<Self> {
-        let contact = pair.contact()?;
+        let contact = pair.contact?;
         let touch = (pair.len().checked_sub(2)?) as f64 + contact.fraction;
         let stations = std::array::from_fn(|i| {
             let back = (Self::STATIONS - 1 - i) as f64 * Self::STEP / pair.dt();

@@ -41,7 +41,7 @@ impl Drivers {
     pub(super) fn cruising_speed(&mut self, world: &World, run_up: &RunUp, stream: Stream) -> f64 {
         let perception = perceive(&mut self.sensors, self.held_limit, world, run_up, 0);
         self.path.reset(&perception, stream);
-        cruising_speed(&self.path, &perception).min(run_up.speed())
+        cruising_speed(&self.path, &perception).min(run_up.speed)
     }
 
     /// Lets all drivers begin anew.

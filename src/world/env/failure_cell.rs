@@ -102,15 +102,15 @@ impl FailureCell {
     /// The cell of the touch that ended a traced episode with this mode of the driver, or of the frame that violates its goal; `None` if the two did not
     /// touch, or the goal is not violated.
     pub fn of_pair(pair: &Pair<'_>, mode: DrivingMode) -> Option<Self> {
-        if let Some(goal) = pair.scenario().criterion.requirement() {
+        if let Some(goal) = pair.scenario.criterion.requirement() {
             let degree = pair.degrees().get(goal).filter(|degree| degree.is_violated())?;
             let Frame { ego, pedestrian, mode, .. } = pair.frame(degree.sample as usize);
             let place = ego.pose.to_local(pedestrian.pose.position());
             let met = ((place.x, place.y), ego.speed);
-            return Some(Self::of(met, (pair.blueprint(), ego.pose.yaw), pedestrian.velocity, mode));
+            return Some(Self::of(met, (pair.blueprint, ego.pose.yaw), pedestrian.velocity, mode));
         }
-        let (contact, last) = (pair.contact()?, pair.last()?);
-        Some(Self::of(met(contact), (pair.blueprint(), last.ego.pose.yaw), last.pedestrian.velocity, mode))
+        let (contact, last) = (pair.contact?, pair.last()?);
+        Some(Self::of(met(contact), (pair.blueprint, last.ego.pose.yaw), last.pedestrian.velocity, mode))
     }
 
     /// The cell of a pedestrian at this place, ahead and to the left of the middle of the ego (m), of this velocity (m/s), and of the ego of this speed

@@ -25,15 +25,15 @@ pub struct OtherDrive<'a> {
 impl<'a> OtherDrive<'a> {
     /// Starts at a tick of an episode.
     pub fn new(pair: Pair<'a>, requirement: &'a Requirement, first: usize) -> Self {
-        let scenario = pair.scenario();
+        let scenario = pair.scenario;
         let cast = &scenario.cast;
-        let count = pair.trace().pedestrian_count();
+        let count = pair.trace.pedestrian_count();
         let bodies: Vec<_> = cast.pedestrians.iter().take(count).map(|role| role.body).collect();
-        let lights = pair.trace().lights();
+        let lights = pair.trace.lights();
         let cycle = lights.is_some().then_some(scenario.episode.light_cycle());
         let (town, obstacles) = (scenario.town.clone(), scenario.obstacles.clone());
         let starts = vec![ActorStart::default(); bodies.len()];
-        let mut world = World::new(town, obstacles, vec![pair.blueprint().clone()], bodies, cycle, pair.dt());
+        let mut world = World::new(town, obstacles, vec![pair.blueprint.clone()], bodies, cycle, pair.dt());
         let light_phase = lights.map_or(0.0, |clock| clock.time() + first as f64 * pair.dt());
         world.begin(&Start { vehicles: &[ActorStart::default()], pedestrians: &starts, light_phase });
         let wanted = Wanted::new(|id| is_measured(id) && requirement.mentions(&|other| other == id));
@@ -55,7 +55,7 @@ impl<'a> OtherDrive<'a> {
         let mut samples = Self::new(pair, requirement, 0);
         let last = pair.len() - 1;
         for (tick, frame) in pair.frames().enumerate() {
-            let touch = pair.contact().filter(|_| tick == last);
+            let touch = pair.contact.filter(|_| tick == last);
             let speed = touch.map_or(frame.ego.speed, |touch| touch.impact_speed);
             samples.push(frame.ego.pose, speed, frame.pedestrian.pose.position(), touch);
         }
@@ -67,7 +67,7 @@ impl<'a> OtherDrive<'a> {
         let number = self.pair.pedestrian_number();
         let tick = self.first + self.samples;
         for (other, pedestrian) in self.world.pedestrians.iter_mut().enumerate() {
-            let states = self.pair.trace().pedestrian(other);
+            let states = self.pair.trace.pedestrian(other);
             if let Some(state) = states.get(tick).or(states.last()) {
                 pedestrian.state = *state;
             }
@@ -129,9 +129,9 @@ impl<'a> OtherDrive<'a> {
 
     /// The turn (rad) and the pace (m/s) of the command that a pedestrian had carried out before a tick; `None` at the start.
     fn command(&self, pedestrian: usize, tick: usize) -> (f64, f64) {
-        let trace = self.pair.trace();
+        let trace = self.pair.trace;
         let decisions = trace.decisions(pedestrian);
-        let hold = self.pair.scenario().episode.hold as usize;
+        let hold = self.pair.scenario.episode.hold as usize;
         let (Some(before), Some(last)) = (tick.checked_sub(1), decisions.len().checked_sub(1)) else {
             return (0.0, 0.0);
         };

@@ -23,15 +23,20 @@ pub struct Frame {
 /// An episode as seen by one vehicle and one pedestrian: a view of two tracks of a [`Trace`].
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
-    scenario: &'a Scenario,
-    blueprint: &'a VehicleBlueprint,
-    body: &'a PedestrianBody,
+    pub scenario: &'a Scenario,
+    /// The model of the vehicle.
+    pub blueprint: &'a VehicleBlueprint,
+    pub body: &'a PedestrianBody,
     role: &'a PedestrianRole,
     driving: &'a [VehicleFrame],
-    walking: &'a [PedestrianState],
-    decisions: &'a [WalkCommand],
-    contact: Option<&'a Contact>,
-    trace: &'a Trace,
+    /// The states of the pedestrian: at the start, and after each tick.
+    pub walking: &'a [PedestrianState],
+    /// The decisions of the pedestrian.
+    pub decisions: &'a [WalkCommand],
+    /// The touch of the two in the last tick; `None` if they did not touch.
+    pub contact: Option<&'a Contact>,
+    /// The record of all actors.
+    pub(super) trace: &'a Trace,
     actors: (ActorId, ActorId),
 }
 
@@ -53,32 +58,9 @@ impl<'a> Pair<'a> {
         }
     }
 
-    pub fn scenario(&self) -> &'a Scenario {
-        self.scenario
-    }
-
-    /// The model of the vehicle.
-    pub fn blueprint(&self) -> &'a VehicleBlueprint {
-        self.blueprint
-    }
-
-    pub fn body(&self) -> &'a PedestrianBody {
-        self.body
-    }
-
     /// Length of a tick (s).
     pub fn dt(&self) -> f64 {
         self.scenario.episode.tick
-    }
-
-    /// The states of the pedestrian: at the start, and after each tick.
-    pub fn pedestrian_states(&self) -> &'a [PedestrianState] {
-        self.walking
-    }
-
-    /// The touch of the two in the last tick; `None` if they did not touch.
-    pub fn contact(&self) -> Option<&'a Contact> {
-        self.contact
     }
 
     /// The degree of each requirement of the scenario in the episode; see [`Trace::degrees`].
@@ -105,16 +87,6 @@ impl<'a> Pair<'a> {
             ActorId::Pedestrian(number) => number.into(),
             ActorId::Vehicle(_) => 0,
         }
-    }
-
-    /// The record of all actors.
-    pub(super) fn trace(&self) -> &'a Trace {
-        self.trace
-    }
-
-    /// The decisions of the pedestrian.
-    pub fn decisions(&self) -> &'a [WalkCommand] {
-        self.decisions
     }
 
     /// The decision that the pedestrian takes after this number of ticks; `None` if it keeps its command, and at the end.

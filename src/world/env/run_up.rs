@@ -14,13 +14,15 @@ use rand::RngExt;
 pub(super) struct RunUp {
     /// The length of the way (m).
     length: f64,
-    goal: Pose,
+    pub goal: Pose,
     /// The lanes from the start of the way to the goal and, with turns, those of the route after it; each as a place on it.
     lanes: Vec<Waypoint>,
     /// The index of the goal's place among them.
     at_goal: usize,
-    limit: Option<f64>,
-    speed: f64,
+    /// The limit of the last speed sign before the start of the way (m/s); `None` if the last 500 m of road have no sign.
+    pub limit: Option<f64>,
+    /// The greatest speed that an average driver has at the start of the way after the bends before it (m/s).
+    pub speed: f64,
     branches: Vec<Waypoint>,
     pub(super) stage: Stage,
     /// The ticks of it up to now.
@@ -188,23 +190,9 @@ impl RunUp {
         None
     }
 
-    pub fn goal(&self) -> &Pose {
-        &self.goal
-    }
-
     /// The pose at the start of the way.
     pub fn start(&self, town: &Town) -> Pose {
         self.lanes.first().map_or(self.goal, |start| town.pose(*start))
-    }
-
-    /// The limit of the last speed sign before the start of the way (m/s); `None` if the last 500 m of road have no sign.
-    pub fn limit(&self) -> Option<f64> {
-        self.limit
-    }
-
-    /// The greatest speed that an average driver has at the start of the way after the bends before it (m/s).
-    pub fn speed(&self) -> f64 {
-        self.speed
     }
 
     /// Whether a vehicle is as near to the goal as it gets with ticks of this length (s): at most half a tick's way before or after it.

@@ -1,9 +1,26 @@
+//! A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
+//!
+//! The reward of a start is that of its worst failure; a further failure counts a share of it (`again`), the less the more its cell has earned.
+//!
+//! A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three factors: how near the start
+//! is to the one where it was found, what its variations have earned since, and how little its cell has earned. A failure *gains* less
+//! the more its cell has earned before. So the search neither finds one fault a thousand times nor leaves what works.
+//!
+//! What similar crossings gained at similar starts says what a variation can be expected to gain. The best of several guesses promises too much,
+//! so promises are corrected by what earlier ones have kept. A start is left as soon as a further try promises less per tick than the search gained
+//! lately, as a forager leaves a patch. The end of the budget chooses the controller
+//! that it returns: on starts of their own, the elites must earn more than `intercept` and `homing`.
+//!
+//! # Source
+//! Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909, with a start as the context of an elite; Charnov, *Optimal
+//! foraging, the marginal value theorem*, Theoretical Population Biology 9 (1976).
+
 use std::collections::{BTreeMap, VecDeque};
 
 use rand::RngExt;
 
 use super::crossing::{Crossing, Goal};
-use super::{BudgetedSimulation, Falsifier, Homing, Intercept, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, Homing, Intercept, Searched, WalkPolicy, play};
 use crate::env::{FailureCell, Scene, Simulation};
 use crate::sim::WalkCommand;
 use base::keys;
@@ -13,7 +30,7 @@ use learn::standard_normal;
 
 keys! {
     /// A quality-diversity search over crossings: keeps the best of each kind of failure, and varies them at new starts.
-    pub struct ArchiveKeys = "archive" {
+    pub struct Archive = "archive" {
         /// What a crossing is to earn; `on hit(fault)` makes it look for faults of the driver.
         reward: DeclarationId as Reference("reward"),
         /// Share of the starts at which a crossing is drawn uniformly.
@@ -27,33 +44,6 @@ keys! {
         again: f64 as share() = "0.3",
         /// Share of the budget that compares what was found with `intercept` and `homing`, to choose the controller.
         choice: f64 as within(RATIO, 0.0, 0.5) = "0.1",
-    }
-}
-
-/// A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
-///
-/// The reward of a start is that of its worst failure; a further failure counts a share of it (`again`), the less the more its cell has earned.
-///
-/// A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three factors: how near the start
-/// is to the one where it was found, what its variations have earned since, and how little its cell has earned. A failure *gains* less
-/// the more its cell has earned before. So the search neither finds one fault a thousand times nor leaves what works.
-///
-/// What similar crossings gained at similar starts says what a variation can be expected to gain. The best of several guesses promises too much,
-/// so promises are corrected by what earlier ones have kept. A start is left as soon as a further try promises less per tick than the search gained
-/// lately, as a forager leaves a patch. The end of the budget chooses the controller
-/// that it returns: on starts of their own, the elites must earn more than `intercept` and `homing`.
-///
-/// # Source
-/// Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909, with a start as the context of an elite; Charnov, *Optimal
-/// foraging, the marginal value theorem*, Theoretical Population Biology 9 (1976).
-#[derive(Debug, Clone)]
-pub struct Archive {
-    keys: ArchiveKeys,
-}
-
-impl Archive {
-    pub fn new(keys: ArchiveKeys) -> Self {
-        Self { keys }
     }
 }
 
@@ -296,7 +286,7 @@ impl Elites {
 impl Archive {
     /// A goal for a start.
     fn propose(&self, elites: &Elites, context: &Context, worth: &Worth, stream: &mut Stream) -> Proposal {
-        let explore = stream.random::<f64>() < self.keys.explore;
+        let explore = stream.random::<f64>() < self.explore;
         let parent = if explore { None } else { elites.draw(context, NOVELTY, stream) };
         let Some(parent) = parent else {
             // Before the first failure two thirds of the tries are those of the scripted controllers.
@@ -311,7 +301,7 @@ impl Archive {
         }
         let goals = parents.map(|parent| {
             let varied =
-                elites.all[parent].goal.components().map(|share| share + self.keys.spread * standard_normal(stream));
+                elites.all[parent].goal.components().map(|share| share + self.spread * standard_normal(stream));
             Goal::new(varied)
         });
         // The scripted controllers and crossings drawn uniformly compete with the variations.
@@ -333,14 +323,14 @@ impl Archive {
         elites: &mut Elites,
         stream: &mut Stream,
     ) -> Option<()> {
-        let mut worth = Worth { best: 0.0, again: self.keys.again, novelty: NOVELTY, of_search: true };
-        for number in 0..self.keys.tries {
+        let mut worth = Worth { best: 0.0, again: self.again, novelty: NOVELTY, of_search: true };
+        for number in 0..self.tries {
             if !simulator.begin(start) {
                 return None;
             }
             let context = context(&simulator.scene());
             let begins = elites.memory.len() < FIRST_TRIES;
-            let proposal = match begins && number == 0 && stream.random::<f64>() >= self.keys.explore {
+            let proposal = match begins && number == 0 && stream.random::<f64>() >= self.explore {
                 true => Proposal { goal: Goal::INTERCEPT, parent: None, expected: 0.0 },
                 false => self.propose(elites, &context, &worth, stream),
             };
@@ -376,15 +366,11 @@ impl Archive {
 }
 
 impl Falsifier for Archive {
-    fn search(
-        &self,
-        simulator: &mut BudgetedSimulation<'_>,
-        seed: &Seed,
-    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
         let mut stream = seed.child("archive").stream();
         let (budget, mut start) = (simulator.left(), 0);
         let mut elites = Elites { left: budget, ..Elites::default() };
-        let kept = (budget as f64 * self.keys.choice) as u64;
+        let kept = (budget as f64 * self.choice) as u64;
         while simulator.left() > kept {
             if self.search_from(start, simulator, &mut elites, &mut stream).is_none() {
                 break;

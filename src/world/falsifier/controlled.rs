@@ -2,7 +2,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::episodes::MAX_FAULTS;
-use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, Searched, TrainError, WalkPolicy, play};
 use base::keys;
 use base::seed::Seed;
 use base::signature::DeclarationId;
@@ -71,24 +71,11 @@ impl Ord for Controller {
 
 /// A controller as a falsifier: it runs one episode from every start.
 #[derive(Debug, Clone)]
-pub struct Controlled {
-    controller: Controller,
-}
-
-impl Controlled {
-    /// Makes a falsifier of a controller.
-    pub fn new(controller: Controller) -> Self {
-        Self { controller }
-    }
-}
+pub struct Controlled(pub Controller);
 
 impl Falsifier for Controlled {
-    fn search(
-        &self,
-        simulator: &mut BudgetedSimulation<'_>,
-        seed: &Seed,
-    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
-        let mut walker = self.controller.walk_policy();
+    fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
+        let mut walker = self.0.walk_policy();
         let mut faults = 0;
         for start in 0.. {
             if !simulator.begin(start) {
@@ -105,6 +92,6 @@ impl Falsifier for Controlled {
     }
 
     fn walk_policy(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(self.controller.walk_policy())
+        Some(self.0.walk_policy())
     }
 }

@@ -1,36 +1,26 @@
+//! Tries every crossing of a grid from one start after another: a ceiling for what a search can find there.
+//!
+//! A start from which no crossing of the grid leads to a fault is one where the driver does well, as far as the grid shows. So the share of the
+//! other starts says of two drivers which is better, whatever a pedestrian has learnt.
+//!
+//! | component of the [`Goal`] | values for `levels` *n* |
+//! |---|---|
+//! | pace, aim, depth | *n* from 0 to 1 |
+//! | hurry | 2*n* − 1 from 0 to 1 |
+//! | pursuit and slant | straight at the car; to where the two meet; 2*n* − 1 lines between the slants 0 and 1 |
+
 use super::crossing::{Crossing, Goal};
-use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, Searched, play};
 use base::keys;
 use base::seed::Seed;
 
 keys! {
     /// Tries every crossing of a grid from each start: a ceiling for the other falsifiers.
-    pub struct ExhaustiveKeys = "exhaustive" {
+    pub struct Exhaustive = "exhaustive" {
         /// Values of a component: 2 makes 120 crossings, 3 makes 945, 4 makes 4,032.
         levels: u32 as whole(2, 6) = "3",
         /// Most starts; the budget may end the search before.
         starts: u64 as whole(1, 1_000_000) = "1000",
-    }
-}
-
-/// Tries every crossing of a grid from one start after another: a ceiling for what a search can find there.
-///
-/// A start from which no crossing of the grid leads to a fault is one where the driver does well, as far as the grid shows. So the share of the
-/// other starts says of two drivers which is better, whatever a pedestrian has learnt.
-///
-/// | component of the [`Goal`] | values for `levels` *n* |
-/// |---|---|
-/// | pace, aim, depth | *n* from 0 to 1 |
-/// | hurry | 2*n* − 1 from 0 to 1 |
-/// | pursuit and slant | straight at the car; to where the two meet; 2*n* − 1 lines between the slants 0 and 1 |
-#[derive(Debug, Clone)]
-pub struct Exhaustive {
-    keys: ExhaustiveKeys,
-}
-
-impl Exhaustive {
-    pub fn new(keys: ExhaustiveKeys) -> Self {
-        Self { keys }
     }
 }
 
@@ -56,13 +46,9 @@ pub fn crossings(levels: u32) -> Vec<Goal> {
 }
 
 impl Falsifier for Exhaustive {
-    fn search(
-        &self,
-        simulator: &mut BudgetedSimulation<'_>,
-        _: &Seed,
-    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
-        let goals = crossings(self.keys.levels);
-        for start in 0..self.keys.starts {
+    fn search(&self, simulator: &mut BudgetedSimulation<'_>, _: &Seed) -> Searched {
+        let goals = crossings(self.levels);
+        for start in 0..self.starts {
             for goal in &goals {
                 if !simulator.begin(start) || play(simulator, &mut Crossing::new(*goal), &mut ()).is_none() {
                     return Ok(None);

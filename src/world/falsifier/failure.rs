@@ -7,7 +7,7 @@ use crate::av::{Exit, Fault};
 use crate::env::{Draw, FailureCell, Outcome, Scenario, Scene, Trace};
 use crate::requirement::Degree;
 use crate::sim::WalkCommand;
-use base::seed::{Seed, Stream};
+use base::seed::Seed;
 
 /// A collision that a falsifier found, or a violation of its goal, with all data to repeat it; a bump is none.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -52,8 +52,6 @@ impl<'a> Recorded<'a> {
 }
 
 impl WalkPolicy for Recorded<'_> {
-    fn begin(&mut self, _: Stream) {}
-
     fn choose(&mut self, _: &Scene<'_>, commands: &mut [WalkCommand]) {
         let next = self.decisions.next().or(self.kept);
         self.kept = next.filter(|_| self.keeps_last);

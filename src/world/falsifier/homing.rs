@@ -2,7 +2,6 @@ use super::WalkPolicy;
 use crate::env::Scene;
 use crate::sim::WalkCommand;
 use base::keys;
-use base::seed::Stream;
 
 keys! {
     /// Walks straight at the ego, as fast as it can.
@@ -14,8 +13,6 @@ keys! {
 pub struct Homing;
 
 impl WalkPolicy for Homing {
-    fn begin(&mut self, _: Stream) {}
-
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         for (pedestrian, command) in commands.iter_mut().enumerate() {
             *command = scene.homing(pedestrian);

@@ -1,4 +1,4 @@
-use super::{ActionMode, BudgetedSimulation, Falsifier, TrainError, TrainedWalker, WalkPolicy};
+use super::{ActionMode, BudgetedSimulation, Falsifier, Searched, TrainedWalker};
 use crate::env::Simulation;
 use base::keys;
 use base::seed::Seed;
@@ -66,11 +66,7 @@ impl Env for Ground<'_> {
 }
 
 impl Falsifier for Learning {
-    fn search(
-        &self,
-        simulator: &mut BudgetedSimulation<'_>,
-        seed: &Seed,
-    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
         let scenario = simulator.scenario();
         let (hold, obs_dim) = (u64::from(scenario.episode.hold), scenario.cast.obs_dim());
         let run_up = u64::from(scenario.most_run_up());

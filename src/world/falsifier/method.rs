@@ -1,6 +1,9 @@
 use super::{BudgetedSimulation, TrainError, WalkPolicy};
 use base::seed::Seed;
 
+/// The walk policy that a search ends up with, if any.
+pub type Searched = Result<Option<Box<dyn WalkPolicy>>, TrainError>;
+
 /// A method that searches for failures of a driver, with a budget of simulator ticks.
 ///
 /// It starts episodes and takes decisions in a [`BudgetedSimulation`] until the budget is used up. The simulator stores the failures. Starts 0, 1,
@@ -12,11 +15,7 @@ pub trait Falsifier: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// A training whose numbers are not finite, or a controller that fails in ten episodes in a row.
-    fn search(
-        &self,
-        simulator: &mut BudgetedSimulation<'_>,
-        seed: &Seed,
-    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError>;
+    fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched;
 
     /// The walk policy that it evaluates once from each start *k*, with the stream `seed.index(k)` of its seed; `None` for a method that
     /// chooses its commands in another way.

@@ -5,7 +5,7 @@
 //! them know an environment by the dimensions of its states and actions, not by the number of its pedestrians.
 
 mod walk_policy;
-mod training;
+mod train_error;
 mod training_ground;
 mod training_run;
 mod hard_start;
@@ -48,7 +48,7 @@ pub use failure::{Failure, follow, recorded_commands, walk_again};
 pub use homing::{Homing, HomingKeys};
 pub use intercept::{Intercept, InterceptKeys};
 pub use learning::{Learning, LearningKeys};
-pub use method::Falsifier;
+pub use method::{Falsifier, Searched};
 pub use natural::{Gaps, Natural, NaturalKeys, Recording};
 pub use open_loop::OpenLoop;
 pub use outside::{Networked, NetworkedKeys, PROTOCOL, Programmed, ProgrammedKeys, UnsuitableNetwork};
@@ -56,8 +56,8 @@ pub use random::{Random, RandomKeys};
 pub use recorded_walking::RecordedWalking;
 pub use scripted::{Scripted, ScriptedKeys};
 pub use start_set::StartSet;
+pub use train_error::TrainError;
 pub use trained::{ActionMode, TrainedWalker};
-pub use training::{TrainError, train};
 pub use training_run::{TrainingRun, first_networks};
 pub use tree_search::TreeSearch;
 pub use walk_policy::WalkPolicy;

@@ -1,5 +1,5 @@
 use super::optimizer::{CmaEs, CrossEntropy, Optimizer};
-use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, Searched, WalkPolicy, play};
 use crate::env::{ActionSpec, Cast, Criterion, Outcome, Scene, Simulation};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
@@ -200,11 +200,7 @@ fn command(spec: &ActionSpec, line: f64, [heading, speed]: [f64; ActionSpec::DIM
 }
 
 impl Falsifier for OpenLoop {
-    fn search(
-        &self,
-        simulator: &mut BudgetedSimulation<'_>,
-        seed: &Seed,
-    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
         for start in 0.. {
             if self.search_from(start, simulator, &seed.index(start)).is_none() {
                 break;

@@ -2,7 +2,6 @@ use super::WalkPolicy;
 use crate::env::Scene;
 use crate::sim::WalkCommand;
 use base::keys;
-use base::seed::Stream;
 
 keys! {
     /// Walks as the test of the spawn rule (`crossing_test`, `along_test`) or its path (`given_path`) states: the nominal case
@@ -16,8 +15,6 @@ keys! {
 pub struct Scripted;
 
 impl WalkPolicy for Scripted {
-    fn begin(&mut self, _: Stream) {}
-
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         let facing = |pedestrian: usize| scene.world.pedestrians[pedestrian].state.pose.yaw;
         for (pedestrian, command) in commands.iter_mut().enumerate() {

@@ -86,7 +86,7 @@ impl TrainingRun {
 
     /// Continues a training that was started with the same scenarios, rule of a driver (none: of a pedestrian), environments, settings and seed.
     ///
-    /// `total_steps` and `threads` may differ.
+    /// `steps` and `threads` may differ.
     ///
     /// # Errors
     /// The bytes are not the state of such a training: they are damaged, a setting differs, or the running episodes lead to other states

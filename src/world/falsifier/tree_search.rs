@@ -1,7 +1,22 @@
+//! Monte Carlo tree search over the pedestrian's actions, in the manner of adaptive stress testing.
+//!
+//! A node represents the actions that lead to it from the start. The simulator is deterministic, so these actions are its state, and
+//! *double* progressive widening reduces to that of actions. Each simulation runs from the start and all of its ticks count, as for a
+//! simulator that cannot be reset to a state. On its way down it adds an action to a node with *N* visits while there are fewer than *k
+//! √N* of them; otherwise it takes the action with the greatest upper confidence bound. Below the tree it acts at random. The sum of
+//! rewards is backed up as a mean. New actions are drawn as the `random` falsifier draws them. Returns are scaled to the least and
+//! greatest of the tree, so the exploration constant does not depend on the reward.
+//!
+//! The reward is that of the scenario; the reward of adaptive stress testing is in `scenarios/lib/rewards.scn`.
+//!
+//! # Source
+//! Lee, Kochenderfer, Mengshoel, Brat, Owen, *Adaptive stress testing of airborne collision avoidance systems*, DASC 2015
+//! (algorithm 1); Koren, Alsaif, Lee, Kochenderfer, *Adaptive stress testing for autonomous vehicles*, IV 2018.
+
 use rand::RngExt;
 
 use super::open_loop::{AfterFailure, FailureKeys};
-use super::{BudgetedSimulation, Falsifier, TrainError, WalkPolicy};
+use super::{BudgetedSimulation, Falsifier, Searched};
 use crate::env::Simulation;
 use base::keys;
 use base::seed::{Seed, Stream};
@@ -9,7 +24,7 @@ use base::signature::DeclarationId;
 
 keys! {
     /// Monte Carlo tree search with progressive widening, in the manner of adaptive stress testing, start by start.
-    pub struct TreeSearchKeys = "mcts" {
+    pub struct TreeSearch = "mcts" {
         /// What it maximises over an episode.
         reward: DeclarationId as Reference("reward"),
         /// Most simulations from one start.
@@ -20,25 +35,6 @@ keys! {
         exploration: f64 as within(RATIO, 0.0, 100.0) = "0.15",
         ..on: FailureKeys,
     }
-}
-
-/// Monte Carlo tree search over the pedestrian's actions, in the manner of adaptive stress testing.
-///
-/// A node represents the actions that lead to it from the start. The simulator is deterministic, so these actions are its state, and
-/// *double* progressive widening reduces to that of actions. Each simulation runs from the start and all of its ticks count, as for a
-/// simulator that cannot be reset to a state. On its way down it adds an action to a node with *N* visits while there are fewer than *k
-/// √N* of them; otherwise it takes the action with the greatest upper confidence bound. Below the tree it acts at random. The sum of
-/// rewards is backed up as a mean. New actions are drawn as the `random` falsifier draws them. Returns are scaled to the least and
-/// greatest of the tree, so the exploration constant does not depend on the reward.
-///
-/// The reward is that of the scenario; the reward of adaptive stress testing is in `scenarios/lib/rewards.scn`.
-///
-/// # Source
-/// Lee, Kochenderfer, Mengshoel, Brat, Owen, *Adaptive stress testing of airborne collision avoidance systems*, DASC 2015
-/// (algorithm 1); Koren, Alsaif, Lee, Kochenderfer, *Adaptive stress testing for autonomous vehicles*, IV 2018.
-#[derive(Debug, Clone)]
-pub struct TreeSearch {
-    keys: TreeSearchKeys,
 }
 
 /// An action that was taken at a node, and the node it leads to.
@@ -76,19 +72,15 @@ struct Taken {
 }
 
 impl TreeSearch {
-    pub fn new(keys: TreeSearchKeys) -> Self {
-        Self { keys }
-    }
-
     /// Grows a tree from one start; `None` if the budget is used up.
     fn search_from(&self, start: u64, simulator: &mut BudgetedSimulation<'_>, stream: &mut Stream) -> Option<()> {
         let mut tree = Tree::new(simulator.scene().bounds().len());
-        for _ in 0..self.keys.tries {
+        for _ in 0..self.tries {
             if !simulator.begin(start) {
                 return None;
             }
             self.simulate(&mut tree, simulator, stream)?;
-            if self.keys.on.after_failure == AfterFailure::Next && simulator.is_failure() {
+            if self.on.after_failure == AfterFailure::Next && simulator.is_failure() {
                 break;
             }
         }
@@ -126,7 +118,7 @@ impl TreeSearch {
     ) -> (usize, bool) {
         let (next, scale) = (tree.nodes.len(), tree.scale());
         let here = &mut tree.nodes[node];
-        let allowed = self.keys.widening * libm::pow(here.visits, 0.5);
+        let allowed = self.widening * libm::pow(here.visits, 0.5);
         if here.branches.is_empty() || (here.branches.len() as f64) < allowed {
             here.branches.push(Branch { visits: 0.0, value: 0.0, node: next });
             let branch = here.branches.len() - 1;
@@ -135,7 +127,7 @@ impl TreeSearch {
             return (branch, true);
         }
         let explored = libm::log(here.visits);
-        let bound = |branch: &Branch| scale(branch.value) + self.keys.exploration * (explored / branch.visits).sqrt();
+        let bound = |branch: &Branch| scale(branch.value) + self.exploration * (explored / branch.visits).sqrt();
         let best = (0..here.branches.len()).max_by(|a, b| {
             let (a, b) = (bound(&here.branches[*a]), bound(&here.branches[*b]));
             a.total_cmp(&b)
@@ -184,11 +176,7 @@ fn draw<'a>(simulator: &'a BudgetedSimulation<'_>, stream: &'a mut Stream) -> im
 }
 
 impl Falsifier for TreeSearch {
-    fn search(
-        &self,
-        simulator: &mut BudgetedSimulation<'_>,
-        seed: &Seed,
-    ) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+    fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
         for start in 0.. {
             if self.search_from(start, simulator, &mut seed.index(start).stream()).is_none() {
                 break;

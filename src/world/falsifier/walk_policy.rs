@@ -6,7 +6,9 @@ use base::seed::Stream;
 /// A policy that chooses the commands of pedestrians.
 pub trait WalkPolicy: Send {
     /// Prepares for an episode that has just started; `stream` holds its random numbers.
-    fn begin(&mut self, stream: Stream);
+    fn begin(&mut self, stream: Stream) {
+        let _ = stream;
+    }
 
     /// Chooses the next decision: one command for each pedestrian, in the order of their numbers.
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]);

@@ -40,7 +40,7 @@ const CORNER: (f64, f64) = (0.5, 0.1);
 
 /// The side of the recorded touch, and whether the pedestrian walked into the flank or ran into the rear, after the front had passed it.
 pub(super) fn touched(pair: &Pair<'_>, motion: &PedestrianMotion) -> Option<(ContactSide, bool)> {
-    let (contact, last, blueprint) = (pair.contact()?, pair.last()?, pair.blueprint());
+    let (contact, last, blueprint) = (pair.contact?, pair.last()?, pair.blueprint);
     let side = ContactSide::new(contact.ahead, contact.aside, Vector::new(blueprint.half_length, blueprint.half_width));
     let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
     let inward = if contact.aside > 0.0 { -sideways } else { sideways };

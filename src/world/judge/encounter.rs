@@ -107,7 +107,7 @@ impl<'a> Encounter<'a> {
     ///
     /// A car that has stood has done what a careful human does. To drive off is a new decision, and from there on the question is asked anew.
     pub fn new(pair: &Pair<'a>) -> Option<Self> {
-        let contact = pair.contact()?;
+        let contact = pair.contact?;
         let last = pair.len() - 2;
         let mut encounter = Self::ending_at(pair, last);
         encounter.warning += contact.fraction * encounter.dt;
@@ -132,12 +132,12 @@ impl<'a> Encounter<'a> {
         let mut encounter = Self::between(pair, path, &ways, begun..pair.len());
         encounter.warning = (last - begun) as f64 * encounter.dt;
         // What would have come after a touch is not recorded.
-        if let Some(end) = pair.last().filter(|_| pair.contact().is_some()) {
+        if let Some(end) = pair.last().filter(|_| pair.contact.is_some()) {
             encounter.walker = Some(Walker {
                 state: end.pedestrian,
-                command: pair.decisions().last().copied().unwrap_or_default(),
-                body: pair.body(),
-                obstacles: &pair.scenario().obstacles,
+                command: pair.decisions.last().copied().unwrap_or_default(),
+                body: pair.body,
+                obstacles: &pair.scenario.obstacles,
             });
             encounter.step_count += (AFTERWARDS / encounter.dt) as usize;
         }
@@ -184,12 +184,12 @@ impl<'a> Encounter<'a> {
         let start = ways[ticks.start];
         let speeds: Vec<f64> = frames().map(|frame| frame.ego.speed).collect();
         let steps: Vec<Step> = frames().map(|frame| step(&path, &frame.pedestrian, start)).collect();
-        let blueprint = pair.blueprint();
+        let blueprint = pair.blueprint;
         let half = Vector::new(blueprint.half_length, blueprint.half_width);
         let motion = CarMotion { speeds, ways: ways[ticks].to_vec() };
         Self {
             brake: blueprint.greatest_deceleration(),
-            ..Self::of_steps(path, motion, steps, (half, pair.body().radius), pair.dt())
+            ..Self::of_steps(path, motion, steps, (half, pair.body.radius), pair.dt())
         }
     }
 
@@ -310,8 +310,8 @@ impl Approach<'_> {
 
     /// Whether the pedestrian is not behind the car, is in its way or moves into it, and can be seen.
     fn is_dangerous(&self, frame: &Frame, way: f64) -> bool {
-        let blueprint = self.pair.blueprint();
-        let sizes = (Vector::new(blueprint.half_length, blueprint.half_width), self.pair.body().radius);
+        let blueprint = self.pair.blueprint;
+        let sizes = (Vector::new(blueprint.half_length, blueprint.half_width), self.pair.body.radius);
         let step = step(self.path, &frame.pedestrian, way);
         let threat = threat(&step, &step, 0.0, way, sizes);
         threat.is_some_and(|threat| threat.is_on_its_way()) && self.pair.in_sight(frame)

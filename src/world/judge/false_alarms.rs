@@ -17,7 +17,7 @@ pub struct FalseAlarms {
 impl FalseAlarms {
     /// Looks for them; `None` if vehicle and pedestrian touched.
     pub fn new(pair: &Pair<'_>) -> Option<Self> {
-        if pair.contact().is_some() {
+        if pair.contact.is_some() {
             return None;
         }
         let mut alarms = Self::default();

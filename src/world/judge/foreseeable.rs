@@ -46,7 +46,7 @@ impl PedestrianMotion {
 
     /// Measures the pedestrian of a pair at the end of the episode.
     pub fn new(pair: &Pair<'_>) -> Self {
-        Self::of(pair.pedestrian_states(), pair.dt())
+        Self::of(pair.walking, pair.dt())
     }
 
     /// Measures states that are `dt` (s) apart, at their end. A part of an episode is a part of the slice.

@@ -30,7 +30,7 @@ impl<'a> Inquiry<'a> {
         let free = FreeRun::new(&mut encounter);
         Some(Self {
             pair: *pair,
-            contact: *pair.contact()?,
+            contact: *pair.contact?,
             encounter,
             free,
             noticed: None,

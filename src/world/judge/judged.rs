@@ -52,7 +52,7 @@ impl Judged {
     }
 
     fn of(outcome: &Outcome, pair: &Pair<'_>, touch: bool, is_asked: impl Fn(usize) -> bool) -> Self {
-        let named = pair.scenario().requirements.iter();
+        let named = pair.scenario.requirements.iter();
         let judged = |(place, (named, degree)): (usize, (&crate::requirement::NamedRequirement, &Degree))| {
             let asked = is_asked(place).then(|| ViolationVerdict::new(pair, &named.requirement, degree));
             JudgedDegree { degree: *degree, verdict: asked.flatten() }

@@ -22,7 +22,7 @@ impl LaneDeparture {
         if !pair.is_on_map() {
             return None;
         }
-        let (town, mut watch) = (&pair.scenario().town, LaneWatch::new());
+        let (town, mut watch) = (&pair.scenario.town, LaneWatch::new());
         let mut found = Self::default();
         for (tick, frame) in pair.frames().enumerate() {
             let place = watch.look(town, &frame.ego);

@@ -31,9 +31,9 @@ pub struct NearMiss {
 impl NearMiss {
     /// Measures an episode.
     pub fn new(pair: &Pair<'_>) -> Self {
-        let half = Vector::new(pair.blueprint().half_length, pair.blueprint().half_width);
-        let bodies = Bodies { half, radius: pair.body().radius };
-        let ticks = if pair.contact().is_none() { bodies.least_lag(pair.frames()) } else { None };
+        let half = Vector::new(pair.blueprint.half_length, pair.blueprint.half_width);
+        let bodies = Bodies { half, radius: pair.body.radius };
+        let ticks = if pair.contact.is_none() { bodies.least_lag(pair.frames()) } else { None };
         Self { min_ttc: bodies.least_time(pair.frames()), pet: ticks.map(|ticks| ticks as f64 * pair.dt()) }
     }
 }

@@ -71,7 +71,7 @@ impl ViolationVerdict {
             preventable = Humans::new(&pair, requirement, first, encounter).all_satisfy();
         }
         let foreseeable = PedestrianMotion::new(&pair).is_foreseeable();
-        let touch = pair.contact().filter(|touch| touch.impact_speed > STANDING && sample + 1 >= pair.len());
+        let touch = pair.contact.filter(|touch| touch.impact_speed > STANDING && sample + 1 >= pair.len());
         let counts = |_: &_| Inquiry::new(&pair).is_some_and(|mut inquiry| inquiry.class().is_fault());
         let fault = preventable && foreseeable && touch.as_ref().is_none_or(counts);
         Some(Self { preventable, foreseeable, fault, danger: danger as u32 })

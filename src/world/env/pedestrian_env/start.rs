@@ -76,7 +76,7 @@ impl PedestrianEnv {
         let start = ActorStart::standing(self.run_up.start(town));
         let test_speed = scenario.spawn.test_speed(self.next_episode - 1);
         self.place_vehicles(start);
-        if let Some(limit) = self.run_up.limit() {
+        if let Some(limit) = self.run_up.limit {
             self.world.vehicles[0].speed_limit = limit;
         }
         let cruising = self.drivers.cruising_speed(&self.world, &self.run_up, stream);
@@ -102,7 +102,7 @@ impl PedestrianEnv {
         self.meet_at_goal();
         let over = touched || self.run_up.ticks >= self.scenario.most_run_up();
         if self.run_up.is_running() && over {
-            self.place_vehicles(ActorStart::standing(*self.run_up.goal()));
+            self.place_vehicles(ActorStart::standing(self.run_up.goal));
             self.observers.road.miss_start();
             self.meet();
             self.drivers.reset(&self.world, &self.run_up, &mut self.actions);

@@ -17,7 +17,7 @@ impl EpisodeView<'_> {
 
     /// The visible part of the town.
     pub fn draw_ground(&self) -> Markup {
-        let ((low, size), town) = (self.ground(), &self.pair().scenario().town);
+        let ((low, size), town) = (self.ground(), &self.pair().scenario.town);
         html! {
             rect.ground x=(fine(low.x)) y=(fine(-low.y - size.y)) width=(fine(size.x)) height=(fine(size.y)) {}
             (Scenery::new(town).within(low, low + size).drawn())
@@ -37,7 +37,7 @@ impl EpisodeView<'_> {
 
     /// The drawn radius of the pedestrian (m): its true radius, but large enough to be visible.
     pub fn person_radius(&self) -> f64 {
-        self.pair().body().radius.max(self.ground().1.x * 0.012)
+        self.pair().body.radius.max(self.ground().1.x * 0.012)
     }
 
     /// The paths of both from the first shown tick to this one.
@@ -80,7 +80,7 @@ impl EpisodeView<'_> {
 
     /// The car at the origin, facing along x, with the opacity of its brake lamps or the animation of it.
     pub fn draw_car(&self, lamps: &str, animation: &Markup) -> Markup {
-        let vehicle = self.pair().blueprint();
+        let vehicle = self.pair().blueprint;
         let (length, width) = (vehicle.half_length, vehicle.half_width);
         html! {
             rect.car x=(fine(-length)) y=(fine(-width)) width=(fine(2.0 * length)) height=(fine(2.0 * width)) rx=".45" {}

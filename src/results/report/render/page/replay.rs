@@ -105,8 +105,8 @@ impl Replay {
         Self {
             origin: [origin.x, origin.y],
             dt: scenario.episode.tick,
-            car: [whole(pair.blueprint().half_length, 0.01), whole(pair.blueprint().half_width, 0.01)],
-            radius: whole(pair.body().radius, 0.01),
+            car: [whole(pair.blueprint.half_length, 0.01), whole(pair.blueprint.half_width, 0.01)],
+            radius: whole(pair.body.radius, 0.01),
             scenery: scenery.within(low - margin, high + margin).polygons.iter().map(polygon).collect(),
             ego: frames.iter().map(|frame| state(&frame.ego.pose, frame.ego.speed)).collect(),
             person: frames.iter().map(|m| state(&m.pedestrian.pose, m.pedestrian.speed())).collect(),
