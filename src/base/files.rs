@@ -72,7 +72,7 @@ pub fn text_of(stream: impl Read) -> io::Result<String> {
 /// The text of bytes in UTF-8. The error names another encoding that the bytes show or their XML declares.
 fn decoded(bytes: Vec<u8>) -> io::Result<String> {
     let other = |what: &str| Err(io::Error::new(io::ErrorKind::InvalidData, format!("{what}: save it as UTF-8")));
-    if matches!(bytes.as_slice(), [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, _, ..] | [_, 0, ..]) {
+    if matches!(bytes.as_slice(), [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1..=255, ..] | [1..=255, 0, ..]) {
         return other("it is UTF-16 text");
     }
     String::from_utf8(bytes).or_else(|error| {
