@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_890),
-    ("src/learn", 5_650),
-    ("src/world", 31_710),
+    ("src/base", 3_270),
+    ("src/learn", 5_570),
+    ("src/world", 30_700),
     ("src/ported", 4_650),
-    ("src/lang", 6_337),
-    ("src/compile", 7_750),
+    ("src/lang", 6_350),
+    ("src/compile", 6_910),
     ("src/process", 830),
     ("src/export", 3_780),
-    ("src/results", 26_510),
-    ("src/program", 11_420),
-    ("tests", 25_567),
+    ("src/results", 25_540),
+    ("src/program", 11_240),
+    ("tests", 25_660),
 ];
 
 /// Crates that only some places may name.

@@ -37,8 +37,7 @@ impl Lowering<'_> {
                 continue;
             }
             let variables = &self.catalog.vocabulary.variables;
-            let is_about =
-                |formula: &Formula| formula.mentions(&|id| part.variables.contains(&variables[id.0].name.as_ref()));
+            let is_about = |formula: &Formula| formula.mentions(&|id| part.variables.contains(&variables[id.0].name));
             let places = block.members("requirements");
             let requirements = grid.usual.requirements.all.iter().enumerate().filter_map(|(index, each)| {
                 let is_named = each.requirement.parts.iter().any(|part| is_about(&part.margin));

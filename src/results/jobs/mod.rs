@@ -30,6 +30,11 @@ use crate::record::TableReference;
 use crate::report::{Findings, Group, Manifest, SectionMaker, Table};
 use compile::{Job, Planned};
 
+/// Makes tables of a report, with their names; `None` without results.
+type TablesMaker = fn(&Findings<'_>) -> Option<Vec<(&'static str, Table)>>;
+/// Makes files of a report: their paths relative to its folder, and their contents.
+type FilesMaker = fn(&Findings<'_>, &Manifest) -> Vec<(String, Vec<u8>)>;
+
 /// A kind of job: its words, and what a report has of it.
 #[derive(Debug)]
 pub struct Kind {
@@ -50,13 +55,13 @@ pub struct Kind {
     /// The columns of its tables in a report.
     pub references: fn() -> Vec<TableReference>,
     /// Its tables in a report, with their names; `None` without results.
-    pub tables: fn(&Findings<'_>) -> Option<Vec<(&'static str, Table)>>,
+    pub tables: TablesMaker,
     /// Its section in a report, and where that stands.
     pub section: Option<(Group, SectionMaker)>,
     /// The folders of its files in a report.
     pub folders: &'static [&'static str],
     /// Its files in a report beside the tables, with their paths relative to the report's folder.
-    pub files: fn(&Findings<'_>, &Manifest) -> Vec<(String, Vec<u8>)>,
+    pub files: FilesMaker,
 }
 
 impl Kind {
