@@ -171,7 +171,7 @@ impl VehicleBlueprint {
         self.demanded(control, speed).clamp(-self.grip, self.grip)
     }
 
-    /// The greatest deceleration of the brake on this road (m/s²), but for what the car gains below [`VehicleBlueprint::low_speed`].
+    /// The greatest deceleration of the brake on this road (m/s²), but for what low speeds add to it.
     pub fn greatest_deceleration(&self) -> f64 {
         self.full_brake.min(self.grip)
     }
