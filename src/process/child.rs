@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::signal::{Signal, kill, killpg};
+#[cfg(target_os = "linux")]
 use nix::sys::wait::{Id, WaitPidFlag, WaitStatus, waitid};
 use nix::unistd::Pid;
 
@@ -25,8 +26,10 @@ const CHUNK: usize = 1 << 16;
 /// Time that a child has to end after its input was closed.
 const LEAVE: Duration = Duration::from_millis(500);
 /// Time that a child has to end after it closed its output, so that its exit code can be told.
+#[cfg(target_os = "linux")]
 const FAREWELL: Duration = Duration::from_secs(1);
 /// Time between two looks whether it has ended.
+#[cfg(target_os = "linux")]
 const LOOK: Duration = Duration::from_millis(2);
 
 /// The running children, for an immediate end of the whole program.
@@ -188,6 +191,7 @@ impl Link for Child {
 
 impl Child {
     /// A fault, with the exit code or the signal if it is that the child has ended.
+    #[cfg(target_os = "linux")]
     fn with_exit(&self, fault: Fault) -> Fault {
         let begun = Instant::now();
         let child = Pid::from_raw(self.process.id() as i32);
@@ -199,6 +203,12 @@ impl Child {
                 _ => std::thread::sleep(LOOK),
             }
         }
+        fault
+    }
+
+    /// Only Linux tells how a child has ended without giving its number to another process.
+    #[cfg(not(target_os = "linux"))]
+    fn with_exit(&self, fault: Fault) -> Fault {
         fault
     }
 

@@ -8,6 +8,7 @@ use world::av::external::{Link, Opener, Program};
 /// Maximum number of notes about programs that are printed.
 const MAX_NOTES: usize = 20;
 /// Maximum number of bytes that are passed on of what programs write to their standard error, of all starts together.
+#[cfg(unix)]
 const MAX_BYTES: usize = 1 << 20;
 
 /// Starts drivers as child processes, and reports their errors on the error stream.
@@ -59,11 +60,13 @@ struct Said {
     count: usize,
     last: String,
     /// The number of bytes that were passed on.
+    #[cfg(unix)]
     bytes: usize,
 }
 
 impl Notes {
     /// Passes on what a program wrote, without commands to the terminal.
+    #[cfg(unix)]
     pub fn pass_on(&self, written: &[u8]) {
         let mut said = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if said.bytes >= MAX_BYTES {
