@@ -57,7 +57,7 @@ def judge(
             Without it the sizes are those of the paper (4.79 m by 2.16 m, 0.188 m), on an empty plane.
 
     Returns:
-        ``verdict`` (empty without a touch), ``foreseeable``, ``fault``, ``warning_s`` and ``impact_speed_mps`` as the columns of the
+        ``verdict`` (empty without a touch; ``cannot_tell`` if the recording begins too late, by ``begins_late_s``), ``counts_as``, ``foreseeable``, ``fault``, ``warning_s`` and ``impact_speed_mps`` as the columns of the
         table of episodes; ``avoided_by``, which reference drivers avoid it; ``touch_s``, the time of the touch from the first instant;
         ``least_gap_m``, ``min_ttc_s`` and ``pet_s``; ``requirements``, each by its name as in the info of an episode: ``violated``,
         ``robustness``, ``sample``, ``part``, ``preventable`` and ``fault``, or ``None`` for one about the lane, the lights or crosswalks, since a

@@ -52,17 +52,18 @@ pub fn judged<'py>(
     };
     let recording = Recording::new(dt, cars.collect(), walkers).map_err(refused)?;
     let found = py.detach(|| recording.judged(&scenario, obstacles));
-    dictionary(py, &found)
+    dictionary(py, &found, boxes.is_none())
 }
 
-/// Names are those of the table of episodes; a number that does not apply is not a number.
-fn dictionary<'py>(py: Python<'py>, found: &Encountered) -> PyResult<Bound<'py, PyDict>> {
-    let verdict = found.verdict.as_ref();
+/// Names are those of the table of episodes; a number that does not apply is not a number. An episode of ours begins where its danger begins.
+fn dictionary<'py>(py: Python<'py>, found: &Encountered, is_ours: bool) -> PyResult<Bound<'py, PyDict>> {
+    let is_told = is_ours || found.begins_late.is_none();
+    let verdict = found.verdict.as_ref().filter(|_| is_told);
     let dict = PyDict::new(py);
     dict.set_item("touch_s", found.touch.unwrap_or(f64::NAN))?;
     dict.set_item("impact_speed_mps", verdict.map_or(f64::NAN, |verdict| verdict.impact_speed))?;
     episode::verdict_of(&dict, verdict)?;
-    if found.begins_late.is_some() {
+    if !is_told {
         dict.set_item("verdict", "cannot_tell")?;
     }
     dict.set_item("begins_late_s", found.begins_late.unwrap_or(f64::NAN))?;

@@ -133,7 +133,7 @@ fn tell(found: &Encountered) {
 
 /// Makes an object of the result, with the names of the table of episodes; what does not apply is null.
 fn as_json(found: &Encountered) -> serde_json::Value {
-    let verdict = found.verdict.as_ref();
+    let verdict = found.verdict.as_ref().filter(|_| found.begins_late.is_none());
     let avoided = verdict.map(|verdict| {
         let of = |reference: Reference| (reference.name(), json!(verdict.trial(reference).is_avoided()));
         Reference::ALL.map(of).into_iter().collect::<std::collections::BTreeMap<_, _>>()

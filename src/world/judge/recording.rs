@@ -89,10 +89,10 @@ pub struct Encountered {
     pub least_gap: f64,
     /// How near the two came to a touch.
     pub near_miss: NearMiss,
-    /// The verdict; `None` without a touch, and if the recording begins too late to tell.
+    /// The verdict; `None` without a touch. It holds if nothing of the danger is missing.
     pub verdict: Option<Verdict>,
-    /// How much earlier the recording must begin for a verdict (s): the danger was under way at its start, and a careful human who saw it there does not
-    /// avoid the touch. `None` if it can be judged.
+    /// How much earlier the recording must begin for a verdict that holds (s): the danger was under way at its start, and a careful human who saw it there
+    /// does not avoid the touch. `None` if nothing is missing.
     pub begins_late: Option<f64>,
     /// The requirements of the scenario.
     pub requirements: Vec<RecordedRequirement>,
@@ -225,8 +225,14 @@ impl Recording {
         });
         let requirements = requirements.collect();
         let begins_late = Inquiry::new(&pair).and_then(|mut inquiry| inquiry.begins_late());
-        let verdict = judge(&pair).filter(|_| begins_late.is_none());
-        Encountered { touch, least_gap, near_miss: NearMiss::new(&pair), verdict, begins_late, requirements }
+        Encountered {
+            touch,
+            least_gap,
+            near_miss: NearMiss::new(&pair),
+            verdict: judge(&pair),
+            begins_late,
+            requirements,
+        }
     }
 
     /// Judges the first touch on a plane without obstacles: see [`Recording::judged`].
