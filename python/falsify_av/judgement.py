@@ -44,7 +44,7 @@ def judge(
     Coordinates are those of any right-handed frame with x and y on the ground; angles count from x to y.
 
     Args:
-        ego: A row for each instant: x and y of the middle of the car's box (m), its heading (rad), its speed along the heading (m/s, 0 to 150).
+        ego: A row for each instant: x and y of the middle of the car's box (m), its heading (rad), its speed along the heading (m/s, at most 150; negative when it reverses).
             CARLA and Unreal have y to the right: change the sign of y and of the heading.
         pedestrian: A row for each instant: x and y of its middle (m). With x, y, direction of motion (rad) and speed (m/s) the velocity is not
             taken from differences of positions.
@@ -65,7 +65,7 @@ def judge(
 
     Raises:
         ValueError: The arrays have other shapes or lengths, a number that is not finite or out of its range, or units that do not fit each
-            other: speeds explain how far an actor moves in ``dt``, and it moves where it heads, or backwards.
+            other: speeds explain how far an actor moves in ``dt``, and it moves where it heads. A car may reverse.
     """
     chosen = choose(scenario, {"campaign": campaign, **options})
     if boxes is None and scenario is None:
