@@ -106,4 +106,6 @@ fn a_full_run_after_a_quick_check_is_a_full_run() {
         let differing: Vec<&String> = alone.keys().filter(|name| alone.get(*name) != after.get(*name)).collect();
         assert!(alone.len() == after.len() && differing.is_empty(), "{differing:?}");
     }
+    let manifest = std::fs::read_to_string(folder.path().join("alone/all/manifest.toml")).unwrap();
+    assert!(!manifest.contains("\"00000000\""), "a training is recorded as a run without a name");
 }

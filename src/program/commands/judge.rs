@@ -17,7 +17,7 @@ Examples:
   falsify judge trace.csv                    would a careful driver have avoided the first touch?
   falsify judge trace.csv --length 4.2 --width 1.8 --radius 0.25 --json
   falsify replay 1a2b3c4d:17 --ticks way.csv && falsify judge way.csv
-                                             an episode of ours, as if no building stood there
+                                             an episode of ours, as if no building stood there; `cannot tell` if it begins in danger
 
 The columns, in any order, others are ignored:
   time_s                                     time, with a constant step of 0.001 s to 0.5 s

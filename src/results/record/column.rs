@@ -73,6 +73,16 @@ impl Cell<f64> for Option<f64> {
     }
 }
 
+/// A number whose sign counts, also that of 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Signed(pub Option<f64>);
+
+impl Cell<f64> for Signed {
+    fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
+        Series::new(name, values.into_iter().map(|Signed(value)| value).collect::<Vec<_>>())
+    }
+}
+
 /// A column of a table: its name, its unit and its meaning. The only place where its name is spelt.
 #[derive(Debug)]
 pub struct Column<K> {

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::jobs::work;
-use compile::{ExternalProgram, Job};
+use compile::{ExternalProgram, Job, Training};
 
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -163,6 +163,9 @@ pub struct TrainingRecord {
 impl RunRecord {
     /// The record of a job; None for a training, which has a record of its own.
     pub fn of(job: &Job) -> Option<Self> {
+        if job.of::<Training>().is_some() {
+            return None;
+        }
         let (planned, work) = (job.planned(), work(job));
         let what = match work.kind().has_episodes {
             true => work.what(),

@@ -17,7 +17,7 @@ keys! {
     /// Tries every pedestrian in every town against every policy.
     pub struct EvaluateKeys = "evaluate" {
         ..places: PlaceKeys,
-        /// Episodes of each; all pedestrians have the same starts. By default 1,000, and of the `scripted` target of a test one for each of its cases.
+        /// Episodes of each; all pedestrians have the same starts. By default 1,000, and of the `scripted` target of a test, if it alone walks, one for each of its cases.
         episodes: Option<u32> as whole(1, 1_000_000),
         // The catalogue adds the words of the others.
         /// Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it as in

@@ -5,7 +5,7 @@ use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
 use crate::record::columns::{RUN, RUN_ID};
 use crate::record::episodes::named;
-use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Table, cell_key, parse_degrees};
+use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Table, cell_key, parse_degrees};
 use base::statistics::{ClusteredCount, wilson};
 use world::judge::{JudgedDegree, NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
@@ -105,7 +105,7 @@ pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     .column(REQUIREMENT.of(|row: &RequirementRow| row.violation.requirement.clone()))
     .column(PRIORITY.of(|row: &RequirementRow| row.violation.priority))
     .column(VIOLATED.of(|row: &RequirementRow| row.degree.is_violated()))
-    .column(ROBUSTNESS.of(|row: &RequirementRow| row.degree.robustness))
+    .column(ROBUSTNESS.of(|row: &RequirementRow| Signed(Some(row.degree.robustness))))
     .column(ROBUSTNESS_UNIT.of(|row: &RequirementRow| row.violation.unit.clone()))
     .column(SCALED.of(|row: &RequirementRow| row.is_scaled))
     .column(INSTANT.of(|row: &RequirementRow| row.instant))

@@ -12,7 +12,7 @@ use crate::record::columns::{
     BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN,
     RUN_ID, STATE_HASHES, TOWN,
 };
-use crate::record::{Column, Entry, Table, reference_columns, verdict_columns};
+use crate::record::{Column, Entry, Signed, Table, reference_columns, verdict_columns};
 use compile::SearchKey;
 use world::falsifier;
 
@@ -216,7 +216,7 @@ fn violation_table() -> Table<'static, Failure> {
     Table::new("", "")
         .column(REQUIREMENT.of(of(|found| found.requirement.clone())))
         .column(PRIORITY.of(of(|found| found.priority)))
-        .column(ROBUSTNESS.of(of(|found| found.robustness)))
+        .column(ROBUSTNESS.of(|row: &Failure| Signed(row.violation.as_ref().map(|found| found.robustness))))
         .column(ROBUSTNESS_UNIT.of(of(|found| found.unit.clone())))
         .column(INSTANT.of(|row: &Failure| row.violation.as_ref().map(|_| row.length)))
         .column(

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 
 use super::{ReadError, StoredReport};
 use crate::failure::{Failure, FoundBy, Impact, Violation, is_occluded};
@@ -11,7 +11,7 @@ use crate::record::columns::{
     CONTROLLER, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
     POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
-use crate::record::{CellKey, Column, EPISODES, EpisodeTable, RunKey, Table};
+use crate::record::{CellKey, Column, EPISODES, EpisodeTable, RunKey, Signed, Table};
 use crate::report::aggregate::{
     AT_COLLISION, COMMANDS, COUNTS, FAILURE, FAILURES, FALSIFIER, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
     GOAL_PREVENTABLE, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY, REQUIREMENT, REQUIREMENTS, ROBUSTNESS,
@@ -116,7 +116,8 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
             block: row.count(&SEARCH_BLOCK)? as u32,
             ..CellKey::default()
         };
-        let id = row.text(&RUN_ID)?.parse().unwrap_or_default();
+        let no_run = |error: compile::NoRunId| PolarsError::ComputeError(error.to_string().into());
+        let id = row.text(&RUN_ID)?.parse().map_err(no_run)?;
         let found = Failure {
             start: row.count(&START)?,
             commands: commands(&row.text(&COMMANDS)?).unwrap_or_default(),
@@ -216,7 +217,7 @@ pub fn failure_list(failures: &[(PathBuf, Failure)]) -> DataFrame {
         .column(IMPACT_SPEED.of(|row: &Listed| Some(row.1.impact_speed).filter(|_| row.1.violation.is_none())))
         .column(EPISODE_LENGTH.of(|row: &Listed| row.1.length))
         .column(REQUIREMENT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.requirement.clone())))
-        .column(ROBUSTNESS.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.robustness)))
+        .column(ROBUSTNESS.of(|row: &Listed| Signed(row.1.violation.as_ref().map(|found| found.robustness))))
         .column(ROBUSTNESS_UNIT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.unit.clone())))
         .column(INSTANT.of(|row: &Listed| row.1.violation.as_ref().map(|_| row.1.length)))
         .column(PART.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.part.clone())))

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use polars::prelude::{AnyValue, DataFrame};
 
 use super::condition::{Bound, Comparison, Condition, Extreme, P_HOLM};
@@ -401,12 +403,13 @@ fn absent(cells: &DataFrame, column: &str, row: usize) -> Judged {
     TooFewRuns::of(cells, column, row).map_or_else(|| Judged::Missing(column.to_string()), Judged::TooFewRuns)
 }
 
-/// The requirements whose rates a gate names: `violation_rate(NAME)`, `fault_rate(NAME)`.
+/// The requirements whose rates a gate names, each once: `violation_rate(NAME)`, `fault_rate(NAME)`.
 fn requirements_in(text: &str) -> Vec<&str> {
     let named = |word: &'static str| {
         text.split(word).skip(1).filter_map(|rest| Some(rest.strip_prefix('(')?.split_once(')')?.0))
     };
-    GATED.into_iter().flat_map(|(word, ..)| named(word)).collect()
+    let names: BTreeSet<&str> = GATED.into_iter().flat_map(|(word, ..)| named(word)).collect();
+    names.into_iter().collect()
 }
 
 fn value<'a>(cells: &'a DataFrame, column: &str, row: usize) -> AnyValue<'a> {
@@ -440,5 +443,11 @@ mod tests {
         let gate = Gate::parse("preventable_rate > 0.05").unwrap();
         let empty = gate.check(&[]).unwrap_err().to_string();
         assert_eq!(empty, "`preventable_rate > 0.05` matches no row: no campaign has an `evaluate` block");
+    }
+    #[test]
+    fn a_requirement_may_be_named_twice() {
+        let names = requirements_in("violation_rate(b) > 0.05 and fault_rate(b) > 0.01 and violation_rate(a) > 0");
+        assert_eq!(names, ["a", "b"]);
+        assert_eq!(cell_table(&names).frame(&[]).height(), 0);
     }
 }

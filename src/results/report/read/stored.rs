@@ -17,7 +17,7 @@ use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
 use crate::report::{Manifest, ScenarioFile};
 use base::files;
-use compile::{RunId, TrainingKey};
+use compile::{NoRunId, RunId, TrainingKey};
 use learn::{ActorCritic, CheckpointError};
 
 /// Why a report cannot be read.
@@ -370,7 +370,8 @@ impl StoredReport {
     /// The runs of rows.
     fn ids(&self, table: &str, rows: &DataFrame) -> Result<Vec<RunId>, ReadError> {
         let ids = RUN_ID.read(rows).map_err(|source| self.damaged(table, source))?;
-        Ok(ids.iter().map(|id| id.and_then(|id| id.parse().ok()).unwrap_or_default()).collect())
+        let no_run = |error: NoRunId| self.damaged(table, PolarsError::ComputeError(error.to_string().into()));
+        ids.iter().map(|id| id.unwrap_or_default().parse().map_err(no_run)).collect()
     }
 
     /// The names of rows: the run and a number.

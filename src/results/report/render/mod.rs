@@ -1,6 +1,6 @@
 //! The visible parts of a report: tables as text, pictures, the summary, the page.
 //!
-//! Nothing here computes a result. [`sections`](sections::SECTIONS) makes the sections of a report; each is rendered for a terminal, as Markdown and as HTML. Pictures are drawn
+//! Nothing here computes a result. [`sections`](sections::sections) makes the sections of a report; each is rendered for a terminal, as Markdown and as HTML. Pictures are drawn
 //! with [`svg`].
 
 pub(crate) mod table;

@@ -98,7 +98,7 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
     Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
 }
 
-/// How many cells of a row were passed, of those that were run, and in how many of these the target was hit: `3 of 3, 1 hit, 3 not run`.
+/// How many cells of a row were passed, of those that were run, and in how many of these the target was hit: `3 of 3, 1 with contact, 3 not run`.
 fn passes(passed: usize, of: &[&&ProtocolCell]) -> Value {
     let run = of.iter().filter(|cell| cell.is_run()).count();
     let hit = of.iter().filter(|cell| cell.passes() == Some(true) && cell.impact_speed > Some(0.0)).count();
@@ -113,6 +113,7 @@ fn passes(passed: usize, of: &[&&ProtocolCell]) -> Value {
 
 /// A cell of a test within its layers.
 struct Layered<'a> {
+    /// The nominal test; `None` if it was not run.
     nominal: Option<&'a ProtocolCell>,
     /// The worst result of each search.
     found: Vec<&'a ProtocolCell>,
@@ -126,7 +127,7 @@ impl<'a> Layered<'a> {
             match all.iter_mut().find(|known| known.key().is_same_case(found)) {
                 Some(known) => known.found.push(found),
                 None => {
-                    let nominal = cells.iter().find(|cell| cell.is_same_case(found));
+                    let nominal = cells.iter().find(|cell| cell.is_same_case(found) && cell.is_run());
                     all.push(Self { nominal, found: vec![found] });
                 }
             }
