@@ -27,6 +27,8 @@ pub enum RecordingFileError {
     Number { line: usize, column: &'static str, text: String },
     #[error("line {line}: the time is {time} s, {}; the others are {step} s apart. Give rows at a constant step", since(*.found))]
     Uneven { line: usize, time: f64, found: f64, step: f64 },
+    #[error("line {line}: `pedestrian_speed_mps` is {speed}; it is a speed in the direction of motion, 0 or more")]
+    Backwards { line: usize, speed: f64 },
     #[error("{0}; instant 0 is line 2")]
     Recording(#[from] RecordingError),
 }
@@ -82,6 +84,9 @@ impl Recording {
                 })?;
             }
             let [time, x, y, yaw, speed, walker_x, walker_y, walker_yaw, walker_speed] = numbers;
+            if walker_speed < 0.0 {
+                return Err(RecordingFileError::Backwards { line: index + 1, speed: walker_speed });
+            }
             times.push((index + 1, time));
             ego.push(VehicleState { pose: Pose::new(x, y, yaw.to_radians()), speed, ..VehicleState::default() });
             positions.push(Point::new(walker_x, walker_y));

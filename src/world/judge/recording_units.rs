@@ -16,6 +16,8 @@ const MIN_SHORT_STRETCHES: usize = 2;
 const EXPLAINED: (f64, f64) = (0.6, 1.7);
 /// Units of speed: their names, and what the stretches then are.
 const SPEEDS: [(&str, f64); 2] = [("km/h", 1.0 / 3.6), ("mph", 0.44704)];
+/// A ratio at which there is hardly any speed.
+const FAR: f64 = 20.0;
 /// How near a ratio is to that of a unit, as a share of it.
 const NEAR: f64 = 0.1;
 /// Headings that deviate by less (rad) are right, whatever would fit better.
@@ -99,6 +101,9 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
 
 /// What explains stretches of another length.
 fn cause_of(ratio: f64, dt: f64) -> String {
+    if ratio > FAR {
+        return "its positions move and its speeds are near 0".to_owned();
+    }
     let unit = SPEEDS.iter().find(|(_, factor)| (ratio / factor - 1.0).abs() < NEAR);
     unit.map_or_else(
         || format!("with these speeds an instant would be {} s after the one before", significant(ratio * dt)),
@@ -121,7 +126,7 @@ fn stretches(track: &[(Pose, f64)], dt: f64, length: f64) -> Vec<Stretch> {
             continue;
         }
         let speed = explained / ((instant - first) as f64 * dt);
-        if speed >= MOVING {
+        if explained.max(moved.norm()) >= MOVING * (instant - first) as f64 * dt {
             let mean = |factor: f64| -> Vector {
                 let units = track[first..=instant].iter().map(|(pose, _)| {
                     let yaw = wrap_angle(pose.yaw * factor);
@@ -216,6 +221,7 @@ mod tests {
             let step = "with these speeds an instant would be 0.05 s after the one before";
             assert_eq!(said(&track, DT / 10.0), format!("10.00: {step}"));
             assert_eq!(said(&track, DT * 2.0), format!("0.50: {step}"));
+            assert!(said(&scaled(0.0), DT).ends_with("its positions move and its speeds are near 0"));
             let degrees = said(&headed(&track, f64::to_degrees), DT);
             assert_eq!(degrees, "the numbers look like degrees where radians are needed", "{heading}");
         }
