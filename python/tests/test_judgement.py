@@ -183,7 +183,8 @@ def test_numbers_at_random_never_end_the_interpreter():
             touched += found["verdict"] != ""
         except ValueError:
             refused += 1
-    assert touched > 50 and 10 < refused < 300, (touched, refused)
+    # Most headings at random are not those of the motion.
+    assert touched > 50 and 10 < refused < 350, (touched, refused)
 
 
 REQUIRED = """edition 1
