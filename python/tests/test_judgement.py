@@ -171,8 +171,8 @@ def test_numbers_at_random_never_end_the_interpreter():
         walked = ego + numbers.normal(0, 10 ** numbers.uniform(-3, 2), (count, 4))
         walked[:, 3] = 10 ** numbers.uniform(-9, 2, count)
         dt = float(10 ** numbers.uniform(-3.1, -0.2))
-        if numbers.random() < 0.5:
-            # Velocities that fit the positions.
+        if numbers.random() < 0.9:
+            # Velocities that fit the positions: others are mostly refused.
             for track in (ego, walked):
                 step = np.gradient(track[:, :2], axis=0) if count > 1 else 0 * track[:, :2]
                 track[:, 2:] = np.stack([np.arctan2(step[:, 1], step[:, 0]), np.hypot(*step.T) / dt], axis=1)
@@ -183,8 +183,7 @@ def test_numbers_at_random_never_end_the_interpreter():
             touched += found["verdict"] != ""
         except ValueError:
             refused += 1
-    # Most headings at random are not those of the motion.
-    assert touched > 50 and 10 < refused < 350, (touched, refused)
+    assert touched > 50 and 10 < refused < 300, (touched, refused)
 
 
 REQUIRED = """edition 1

@@ -93,8 +93,13 @@ fn what_a_plausible_pedestrian_does_in_free_space_is_foreseeable() {
             }
         }
         let nimble = motions(&free("suicidal"), walker().as_mut(), 40);
-        assert!(nimble.iter().any(|motion| !motion.is_foreseeable()), "{name}: {nimble:?}");
+        // A body without inertia starts and turns at once, unless it has walked straight on for three seconds.
+        let unforeseeable = nimble.iter().filter(|motion| !motion.is_foreseeable()).count();
+        assert!(unforeseeable >= 20, "{name}: {nimble:?}");
+        assert!(nimble.iter().all(|motion| !motion.is_foreseeable() || motion.is_steady() || name == "random"));
     }
     let fastest = motions(&free("plausible"), &mut Intercept, 40);
     assert!(fastest.iter().any(|motion| motion.peak_speed > 2.2), "{fastest:?}");
+    let changes = motions(&free("plausible"), &mut Random::default(), 40);
+    assert!(changes.iter().any(|motion| motion.velocity_change > 1.6), "{changes:?}");
 }

@@ -6,9 +6,9 @@
 //! is to the one where it was found, what its variations have earned since, and how little its cell has earned. A failure *gains* less
 //! the more its cell has earned before. So the search neither finds one fault a thousand times nor leaves what works.
 //!
-//! What similar crossings gained at similar starts says what a variation can be expected to gain. The best of several guesses promises too much,
-//! so promises are corrected by what earlier ones have kept. A start is left as soon as a further try promises less per tick than the search gained
-//! lately, as a forager leaves a patch. The end of the budget chooses the controller
+//! What similar crossings gained at similar starts says what a variation can be expected to gain. The best of several estimates is too high,
+//! so an expected gain is corrected by what earlier ones turned out to be. A start is left as soon as the expected gain of a further attempt is less per tick
+//! than the search gained lately, as a forager leaves a patch. The end of the budget chooses the controller
 //! that it returns: on starts of their own, the elites must earn more than `intercept` and `homing`.
 //!
 //! # Source
