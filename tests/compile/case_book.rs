@@ -231,7 +231,7 @@ impl Family {
 }
 
 /// A scenario with the paper's car and pedestrian; the rest of it does not matter.
-fn scenario() -> Arc<Scenario> {
+pub fn scenario() -> Arc<Scenario> {
     const TEXT: &str = r#"
 edition 1
 import "lib/paper.scn"

@@ -32,6 +32,7 @@ mod messages;
 mod natural_walking;
 mod pedestrians;
 mod protocols;
+mod recordings;
 mod resuming;
 mod sensors;
 mod shaping;

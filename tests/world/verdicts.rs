@@ -43,8 +43,9 @@ fn each_bound_alone_decides() {
     ] {
         assert!(!motion.is_foreseeable(), "{motion:?}");
     }
-    let steady = PedestrianMotion { peak_speed: 4.2, unsteadiness: 0.29, ..kept };
-    assert!(steady.is_foreseeable() && steady.is_fast());
+    let cyclist = PedestrianMotion { peak_speed: 4.2, peak_acceleration: 1.0, ..kept };
+    assert!(cyclist.is_foreseeable() && cyclist.is_fast());
+    assert!(!PedestrianMotion { peak_acceleration: 1.01, ..cyclist }.is_foreseeable());
 }
 
 #[test]
@@ -62,8 +63,10 @@ fn a_motion_is_one_of_half_a_second_in_the_last_three() {
         let stopped = PedestrianMotion::of(&walked(&[(2.0, (2.8, 0.0)), (stands, (0.0, 0.0))]), 0.05);
         assert_eq!(stopped.is_foreseeable(), foreseeable, "{stands} s: {stopped:?}");
     }
-    // A jogger who keeps the speed is foreseeable, one who changes it is not.
+    // A jogger who keeps the speed or slows down gently is foreseeable, one who changes it at once is not.
     assert!(PedestrianMotion::of(&walked(&[(4.0, (2.8, 0.0))]), 0.05).is_foreseeable());
+    let slowing: Vec<_> = (0..60).map(|tick| (3.2 - 0.3 * 0.05 * f64::from(tick), 0.0)).collect();
+    assert!(PedestrianMotion::of(&states(&slowing), 0.05).is_foreseeable());
     assert!(!PedestrianMotion::of(&walked(&[(2.0, (2.8, 0.0)), (2.0, (2.0, 0.0))]), 0.05).is_foreseeable());
     // Ticks longer than a second: only neighbours are compared.
     let slow = PedestrianMotion::of(&states(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]), 1.5);

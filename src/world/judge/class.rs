@@ -15,7 +15,7 @@ choice! {
     /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear. One that kept its velocity and is touched within half a metre and 0.1 s behind the bumper did not |
     /// | `slow` | the car was slower than [`WALKING_PACE`] |
     /// | `narrow` | a careful human has less than [`CLEAR`] to spare |
-    /// | `runner` | none of these, and somebody at a steady speed above 8 km/h was hit, such as a jogger or a cyclist: it counts against the driver |
+    /// | `runner` | none of these, and somebody faster than 8 km/h was hit, such as a jogger or a cyclist: it counts against the driver |
     /// | `fault` | none of these: the collision counts against the driver |
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
     pub enum Class {
@@ -86,7 +86,7 @@ impl Class {
             Self::Slow => "the car was slower than 1 m/s",
             Self::Narrow => "a careful human has less than 0.1 m to spare",
             Self::Runner => {
-                "a careful human avoids it; the person was faster than 8 km/h and kept its speed, as runners and cyclists do"
+                "a careful human avoids it; the person was faster than 8 km/h and moved as runners and cyclists do"
             }
             Self::Fault => "a careful human avoids it, and the pedestrian moved as people do",
         }

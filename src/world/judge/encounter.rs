@@ -7,6 +7,8 @@ use crate::sim::{PedestrianBody, PedestrianState, WalkCommand};
 
 /// Time without danger (s) after which a pedestrian starts a new approach.
 const FORGETTING: f64 = 1.0;
+/// Time (s) that a stop lasts at least.
+const STOP: f64 = 0.5;
 /// Time after the recorded touch for which the pedestrian continues (s).
 const AFTERWARDS: f64 = 5.0;
 /// Time between the instants at which an episode without a touch is searched for danger (s).
@@ -105,7 +107,7 @@ impl<'a> Encounter<'a> {
     /// Rewinds an episode to the start of its danger, or to the last instant at which the car stood in it and drove off; `None` if the two
     /// did not touch.
     ///
-    /// A car that has stood has done what a careful human does. To drive off is a new decision, and from there on the question is asked anew.
+    /// A car that has stood for half a second has done what a careful human does. To drive off is a new decision, and from there on the question is asked anew.
     pub fn new(pair: &Pair<'a>) -> Option<Self> {
         let contact = pair.contact?;
         let last = pair.len() - 2;
@@ -127,8 +129,7 @@ impl<'a> Encounter<'a> {
         let ways = ways(pair);
         let path = DrivenPath::new(pair.frames().map(|frame| frame.ego.pose));
         let danger = Approach { path: &path, pair, ways: &ways }.begins(last);
-        let stood = (danger..=last).rev().find(|tick| pair.frame(*tick).ego.speed <= STANDING);
-        let begun = stood.unwrap_or(danger);
+        let begun = (danger..=last).rev().find(|tick| has_stood(pair, *tick)).unwrap_or(danger);
         let mut encounter = Self::between(pair, path, &ways, begun..pair.len());
         encounter.warning = (last - begun) as f64 * encounter.dt;
         // What would have come after a touch is not recorded.
@@ -316,6 +317,13 @@ impl Approach<'_> {
         let threat = threat(&step, &step, 0.0, way, sizes);
         threat.is_some_and(|threat| threat.is_on_its_way()) && self.pair.in_sight(frame)
     }
+}
+
+/// Whether the car stands at a tick and has stood for half a second, on average: a single sample of 0 is no stop.
+fn has_stood(pair: &Pair<'_>, tick: usize) -> bool {
+    let speed = |tick: usize| pair.frame(tick).ego.speed;
+    let first = (tick + 1).saturating_sub(((STOP / pair.dt()).round() as usize).max(1));
+    speed(tick) <= STANDING && (first..=tick).map(speed).sum::<f64>() <= STANDING * (tick + 1 - first) as f64
 }
 
 /// The car's position along its own path at each frame (m).

@@ -5,7 +5,8 @@
 //! 1. The traced episode is rewound to the start of the danger ([`Encounter`]). This is the first instant of the unbroken approach
 //!    before the touch at which two things are true: the pedestrian can be seen, and it is in, or moves towards, the path that the
 //!    car is going to sweep. A pedestrian that turned away for longer than a second ended an earlier approach. From then on the
-//!    reference drivers know where it is. A car that has stood since then is judged from the instant at which it drove off.
+//!    reference drivers know where it is. A car that has stood for half a second since then is judged from the instant at which it
+//!    drove off.
 //! 2. From there the car follows the path that it drove, and straight on beyond its end. Another driver has a brake of its own
 //!    ([`Trial`]). Until that driver brakes, its car is the recorded one. From then on it has the speed of the recorded car or the one to which
 //!    its driver would have braked from the fastest speed since it noticed the pedestrian, whichever is less, and never gains speed. So a
