@@ -4,7 +4,7 @@
 
 Every run trains with a seed of its own and is then evaluated in the same 200 episodes. ``--ours`` also trains the built-in learner
 (`own_learner.scn`, with the program `falsify`) and prints the difference of the mean collision rates with Welch's 95 % interval.
-It needs ``pip install falsify-av[sb3]``.
+It needs ``pip install falsify-av[sb3]``, and ``--ours`` also ``pip install falsify-av[tables] scipy`` and the program.
 """
 
 import argparse
@@ -14,6 +14,7 @@ import os
 import statistics
 import tempfile
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -94,6 +95,11 @@ def main():
     torch.set_num_threads(1)
     if options.runs < 2:
         parser.error("an interval needs at least two runs")
+    if options.ours:
+        missing = [name for name in ("pyarrow", "scipy") if find_spec(name) is None]
+        if missing:
+            parser.error(f"--ours needs {' and '.join(missing)}: pip install {' '.join(missing)}")
+        falsify_av.program.find()
     rates = []
     for seed in range(options.runs):
         rate, spent = train_and_evaluate(options.algorithm, seed, options.decisions)

@@ -11,9 +11,10 @@ from gymnasium import register as _register
 from . import drivers, pedestrians, program
 from ._core import __version__
 from .environments import PedestrianEnv, PedestrianVectorEnv, make, make_vec
-from .evaluation import evaluate, onnx
+from .evaluation import evaluate
 from .judgement import judge
-from .program import compare, export, failures, replay, run
+from .network import onnx
+from .program import ProgramError, compare, export, failures, replay, run
 from .scenarios import Diagnostic, ScenarioError, check, scenarios
 from .worlds import RunUpWarning
 
@@ -21,6 +22,7 @@ __all__ = [
     "Diagnostic",
     "PedestrianEnv",
     "PedestrianVectorEnv",
+    "ProgramError",
     "RunUpWarning",
     "ScenarioError",
     "__version__",

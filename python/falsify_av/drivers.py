@@ -23,12 +23,24 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .answers import answers
+from .network import Network, fits
 from .suggestion import suggested
 
 _GREETING = {"protocol": "falsify-av/1", "name": "falsify_av"}
 _LIGHTS = {"green": 1.0, "yellow": 2.0, "red": 3.0}
 _PEDALS = ("throttle", "brake")
 _CONTROLS = (*_PEDALS, "acceleration", "steer", "mode")
+#: The lengths of each input of a network, besides its first, and its shape in words.
+_INPUTS: dict[str, tuple[tuple[int | range, ...], str]] = {
+    "ego": ((4,), "(1, 4)"),
+    "actors": ((range(1, 65), 8), "(1, K, 8) with K from 1 to 64"),
+    "route": ((range(1, 41), 3), "(1, R, 3) with R from 1 to 40"),
+}
+_OUTPUTS = {2: ("acceleration", "steer"), 3: ("throttle", "brake", "steer")}
+_NOTHING: dict[str, Any] = {
+    "ego": {"x": 0.0, "y": 0.0, "yaw": 0.0, "speed": 0.0}, "speed_limit": 0.0, "light": None, "actors": [], "route": []
+}
 _MODES = ("cruise", "turn", "follow", "yield", "emergency_stop", "red_light", "give_way", "arrived", "unknown")
 
 
@@ -117,34 +129,42 @@ def answering(make: Callable[[], Driver]) -> Callable[[], Callable[[bytes], byte
 
 
 def serve(make: Callable[[], Driver]) -> None:
-    """Answer the messages on the standard input until it ends, as a program that a scenario names."""
-    answer = _Answers(make)
+    """Answer the messages on the standard input until it ends, as a program that a scenario names.
+
+    What anything prints on the standard output meanwhile goes to the standard error.
+    """
+    answer, out = _Answers(make), answers()
     for line in sys.stdin.buffer:
-        sys.stdout.buffer.write(answer(line) + b"\n")
-        sys.stdout.buffer.flush()
+        out.write(answer(line) + b"\n")
+        out.flush()
 
 
 class OnnxDriver:
     """A network with the inputs ``ego``, ``actors`` and ``route`` as `scenarios/external/README.md` describes them.
 
-    It runs in onnxruntime: ``driver=lambda: OnnxDriver("net.onnx")``, or with a session of your own. A scenario's ``policy p = onnx(model: …)``
+    A file that the program refuses raises a ``ValueError`` here, too. It runs in onnxruntime: ``driver=lambda: OnnxDriver("net.onnx")``, or with a session of your own. A scenario's ``policy p = onnx(model: …)``
     needs no onnxruntime. The two compute the same function with other last bits, so episodes drift apart: digests differ, outcomes seldom.
     """
 
     def __init__(self, model: Any) -> None:
-        if hasattr(model, "get_inputs"):
-            self.session = model
-        else:
-            import onnxruntime
-
-            self.session = onnxruntime.InferenceSession(str(model), providers=["CPUExecutionProvider"])
-        self._rows = {each.name: each.shape for each in self.session.get_inputs()}
+        self._network = Network(model)
+        for name, shape in self._network.shapes.items():
+            if name not in _INPUTS:
+                raise ValueError(f"the network's input `{name}` is none of {', '.join(f'`{each}`' for each in _INPUTS)}")
+            lengths, wanted = _INPUTS[name]
+            if not fits(shape, *lengths):
+                raise ValueError(f"the network's input `{name}` must have the shape {wanted}, and has {tuple(shape)}")
+        count = self._answer(_NOTHING).size
+        if count not in _OUTPUTS:
+            raise ValueError(f"the network's output has {count} numbers instead of two (acceleration, steer) or three (throttle, brake, steer)")
 
     def drive(self, world: dict[str, Any]) -> dict[str, float]:
         """Run the network."""
-        numbers = self.session.run(None, {name: self._input(name, shape, world) for name, shape in self._rows.items()})[0].ravel()
-        names = ("acceleration", "steer") if len(numbers) == 2 else ("throttle", "brake", "steer")
-        return {name: float(number) for name, number in zip(names, numbers)}
+        numbers = self._answer(world)
+        return {name: float(number) for name, number in zip(_OUTPUTS[numbers.size], numbers)}
+
+    def _answer(self, world: dict[str, Any]) -> NDArray[Any]:
+        return self._network.answer({name: self._input(name, shape, world) for name, shape in self._network.shapes.items()}).ravel()
 
     def _input(self, name: str, shape: list[Any], world: dict[str, Any]) -> NDArray[np.float32]:
         ego = world["ego"]
@@ -166,10 +186,8 @@ class OnnxDriver:
                 for each in world["actors"]
             ]
             empty = [0.0] * 8
-        elif name == "route":
+        else:
             rows = [list(place(*point)) for point in world["route"]]
             empty = rows[-1] if rows else [0.0] * 3
-        else:
-            raise ValueError(f"the network has the input {name!r}; there are ego, actors, route")
         count = shape[1]
         return np.array([(rows + [empty] * count)[:count]], np.float32)

@@ -229,8 +229,8 @@ def make(
 def make_vec(
     scenario: Files | None = None,
     num_envs: int = 1,
-    *,
     campaign: str | None = None,
+    *,
     autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
     seed: int = 1,
     render_mode: str | None = None,

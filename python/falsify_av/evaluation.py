@@ -1,10 +1,9 @@
-"""Episodes of a pedestrian of your own: a callable, such as a function, a trained policy or an ONNX session."""
+"""Episodes of a pedestrian of your own: a callable, such as a function, a trained policy or a network."""
 
 from __future__ import annotations
 
-import os
 import warnings
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
@@ -84,12 +83,3 @@ def evaluate(
     if text:
         warnings.warn(text, RunUpWarning, stacklevel=2)
     return ends
-
-
-def onnx(path: str | os.PathLike[str]) -> Pedestrian:
-    """A pedestrian of an ONNX file with one input of states and actions as its first output. It needs ``pip install onnxruntime``."""
-    import onnxruntime
-
-    session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
-    name = session.get_inputs()[0].name
-    return lambda states: cast("np.ndarray[Any, Any]", session.run(None, {name: states})[0])

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .answers import answers
+
 _PROTOCOL = "falsify-pedestrian/1"
 
 
@@ -18,7 +20,11 @@ Pedestrian = Callable[[NDArray[np.float32]], ArrayLike]
 
 
 def serve(choose: Pedestrian) -> None:
-    """Answer the messages on the standard input until it ends. ``choose`` is called as :func:`falsify_av.evaluate` calls it."""
+    """Answer the messages on the standard input until it ends. ``choose`` is called as :func:`falsify_av.evaluate` calls it.
+
+    What anything prints on the standard output meanwhile goes to the standard error.
+    """
+    out = answers()
     for line in sys.stdin:
         request = json.loads(line)
         if request["type"] == "hello":
@@ -28,5 +34,5 @@ def serve(choose: Pedestrian) -> None:
             states = np.array([world["state"] for world in worlds], np.float32)
             actions = np.asarray(choose(states), np.float64)
             answer = {"actions": [{"id": world["id"], "action": action.tolist()} for world, action in zip(worlds, actions)]}
-        sys.stdout.write(json.dumps(answer) + "\n")
-        sys.stdout.flush()
+        out.write(json.dumps(answer).encode() + b"\n")
+        out.flush()

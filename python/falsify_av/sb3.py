@@ -9,7 +9,7 @@ import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 
 from .scenarios import Files
-from .worlds import SIZE, Closable, action_space, checked_seed, numbers_of, observation_space, started
+from .worlds import SIZE, Closable, action_space, checked_seed, episode_option, numbers_of, observation_space, started
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -28,8 +28,8 @@ class PedestrianVecEnv(Closable, VecEnv):
         self,
         scenario: Files | None = None,
         num_envs: int = 1,
-        *,
         campaign: str | None = None,
+        *,
         seed: int = 1,
         render_mode: str | None = None,
         **options: Unpack[Options],
@@ -47,7 +47,7 @@ class PedestrianVecEnv(Closable, VecEnv):
         seeds = np.array([-1 if seed is None else checked_seed(seed) for seed in self._seeds], np.int64)
         if seeds.max() >= 0:
             core.reseed(seeds)
-        episodes = [int((options or {}).get("episode", -1)) for options in self._options]
+        episodes = [episode_option(options) for options in self._options]
         self._reset_seeds()
         self._reset_options()
         self._lengths[:] = 0
@@ -122,11 +122,11 @@ class PedestrianVecEnv(Closable, VecEnv):
 def make_vec(
     scenario: Files | None = None,
     num_envs: int = 1,
-    *,
     campaign: str | None = None,
+    *,
     seed: int = 1,
     render_mode: str | None = None,
     **options: Unpack[Options],
 ) -> PedestrianVecEnv:
     """Make a ``VecEnv`` of a scenario; the arguments are those of :class:`PedestrianVecEnv`."""
-    return PedestrianVecEnv(scenario, num_envs, campaign=campaign, seed=seed, render_mode=render_mode, **options)
+    return PedestrianVecEnv(scenario, num_envs, campaign, seed=seed, render_mode=render_mode, **options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import warnings
 from collections.abc import Callable, Mapping
 from typing import Any, cast
@@ -72,9 +73,17 @@ def make_worlds(count: int, scenario: Files | None, seed: int, options: Mapping[
     return choose(scenario, options).worlds(count, checked_seed(seed), made)
 
 
+def whole(what: str, number: Any) -> int:
+    """A whole number, as it was given."""
+    try:
+        return operator.index(number)
+    except TypeError:
+        raise TypeError(f"{what} is {number!r}, which is no whole number") from None
+
+
 def checked_seed(seed: Any) -> int:
     """A seed from 0 to 2^63 - 1."""
-    number = int(seed)
+    number = whole("the seed", seed)
     if not 0 <= number < 2**63:
         raise ValueError(f"the seed is {number}; give one from 0 to 2^63 - 1")
     return number
@@ -87,7 +96,7 @@ def episode_option(options: Mapping[str, Any] | None) -> int:
     unknown = set(options) - {"episode"}
     if unknown:
         raise ValueError(f"reset has no option {', '.join(sorted(map(str, unknown)))}; there is `episode`")
-    episode = int(options["episode"])
+    episode = whole("the number of the episode", options["episode"])
     if episode < 0:
         raise ValueError(f"the number of the episode is {episode}; episodes count from 0")
     return episode

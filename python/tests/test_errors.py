@@ -157,3 +157,27 @@ def test_ten_thousand_random_sequences_of_calls_raise_or_return(scenario):
                 assert str(error), call
                 wrong += 1
     assert fine > 1000 and wrong > 1000, (fine, wrong)
+
+
+@pytest.mark.parametrize("number", [1.5, "3", None, [1]])
+def test_seeds_and_episodes_are_whole_numbers(scenario, number):
+    env = falsify_av.make(scenario, campaign="short", town="harbour", policy="blind", task="train")
+    if number is not None:
+        with pytest.raises(TypeError, match="the seed is .*, which is no whole number"):
+            env.reset(seed=number)
+    with pytest.raises(TypeError, match="the number of the episode is .*, which is no whole number"):
+        env.reset(options={"episode": number})
+    env.reset(seed=np.int64(3), options={"episode": np.int32(1)})
+
+
+def test_names_and_places_are_alike_everywhere(scenario):
+    assert falsify_av.ProgramError is falsify_av.program.ProgramError
+    choice = {"town": "harbour", "policy": "blind", "task": "train"}
+    one, many = falsify_av.make(scenario, "short", **choice), falsify_av.make_vec(scenario, 2, "short", **choice)
+    assert np.array_equal(one.reset(seed=1)[0], many.reset(seed=1)[0][0])
+
+
+def test_a_program_that_may_not_be_started_names_the_argument_of_python(tmp_path):
+    (tmp_path / "a.scn").write_text('edition 1\npolicy mine = external(command: "python3 mine.py")\n')
+    [found] = falsify_av.check(tmp_path / "a.scn")
+    assert found.code == "external-not-allowed" and "allow_external=True" in str(found)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -98,6 +100,46 @@ def test_a_stack_that_is_not_there_is_named_with_what_installs_it(capsys: pytest
     assert capsys.readouterr().err == "SUMO's car-following model needs the Python package libsumo: `pip install libsumo==1.28.0`\n"
     assert main(["--missing", "somo"]) == 2
     assert "'somo' is no driver of others" in capsys.readouterr().err
+
+
+#: Stands in for the packages of others: each prints when it is imported, as `libsumo` does beside `pyarrow`.
+LOUD = """
+import importlib.abc, importlib.machinery, os, sys
+from unittest.mock import MagicMock
+
+class Loud(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    def find_spec(self, name, path=None, target=None):
+        theirs = name.partition(".")[0] in ("libsumo", "fiss_planner", "commonroad", "commonroad_dc", "commonroad_rp", "jupedsim", "shapely")
+        return importlib.machinery.ModuleSpec(name, self, is_package=True) if theirs else None
+
+    def exec_module(self, module):
+        print("Warning!", module.__name__, flush=True)
+        os.write(1, b"of C")
+        module.__getattr__ = lambda name: MagicMock()
+
+sys.meta_path.insert(0, Loud())
+"""
+
+
+@pytest.mark.parametrize("stack", ["sumo", "fiss", "commonroad", "jupedsim"])
+def test_what_a_library_prints_is_no_answer(stack: str, tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(LOUD)
+    protocol = "falsify-pedestrian/1" if stack == "jupedsim" else "falsify-av/1"
+    hello = {"type": "hello", "protocol": protocol, "tick_s": 0.05, "vehicle": VEHICLE, "worlds": 1, "actors": ACTORS, "route_points": POINTS}
+    paths = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    command = [sys.executable, "-m", "falsify_av.stacks", stack]
+    found = subprocess.run(command, input=json.dumps(hello) + "\n", env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr
+    assert json.loads(found.stdout)["protocol"] == protocol
+    assert "Warning!" in found.stderr and "of C" in found.stderr
+
+
+def test_older_versions_of_pip_find_the_extra_of_every_stack() -> None:
+    tomllib = pytest.importorskip("tomllib")
+    project = tomllib.loads(Path(__file__).parents[1].joinpath("pyproject.toml").read_text(encoding="utf-8"))
+    extras = project["project"]["optional-dependencies"]
+    assert {name.replace("_", "-") for name in STACKS} <= set(extras)
+    assert not [name for name in extras if "_" in name]
 
 
 def test_sumo_brakes_for_a_person_in_its_way_and_for_no_other() -> None:

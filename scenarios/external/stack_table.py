@@ -42,7 +42,7 @@ def main(folders):
         for controller in ("natural", "intercept"):
             those = [row for (_, name, _), row in rows.items() if name == controller and not row["error"]]
             faults = [row for row in those if row["fault"] == "true"]
-            cells += [share(len(faults), len(those)), str(sum(row["moving"] == "true" for row in those))]
+            cells += [share(len(faults), len(those)), str(sum(row["collision"] == "true" for row in those))]
             fastest[policy] = max([fastest.get(policy, 0.0), *(float(row["impact_speed_mps"]) for row in faults)])
         free = [(row, rows[key]) for key, row in episodes["blind"].items() if key[1] == "natural" and key in rows]
         free = [pair for pair in free if pair[0]["collision"] == "false" and float(pair[0]["least_gap_m"] or "inf") >= SPARE]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 
+from ..answers import answers
 from . import STACKS
 
 USAGE = "usage: python3 -m falsify_av.stacks [--missing] NAME [OPTIONS]"
@@ -23,6 +24,8 @@ def main(words: list[str]) -> int:
     if missing is not None:
         print(missing, file=sys.stderr)
         return 3
+    # Some libraries print when they are imported.
+    answers()
     module = import_module(f".{stack.module}", __package__)
     if only_look:
         getattr(module, "look", lambda: None)()

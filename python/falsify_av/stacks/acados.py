@@ -81,7 +81,7 @@ def _libraries(folder: str) -> None:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """The generator and the compiler print, and the standard output is for answers alone; what goes wrong is on the standard error."""
+    """The generator and the compiler print pages; what goes wrong is on the standard error."""
     kept = os.dup(1)
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, 1)

@@ -7,7 +7,6 @@ no text. ``scenarios/external/README.md`` describes the form.
 from __future__ import annotations
 
 import json
-import os
 import struct
 import sys
 from collections.abc import Callable
@@ -15,6 +14,8 @@ from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..answers import answers
 
 Array = NDArray[np.float64]
 
@@ -143,16 +144,13 @@ def serve(name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[A
     """Answer the frames on the standard input until it ends.
 
     ``start`` gets the greeting of the program and returns a function from a frame to accelerations (m/s^2) and steers, one for each world.
-    What a library prints goes to the standard error.
     """
-    source = sys.stdin.buffer
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
+    source, out = sys.stdin.buffer, answers()
     hello = json.loads(source.readline())
     decide = start(hello)
     greeting = {"protocol": hello["protocol"], "name": name, "encoding": "binary", "control": "acceleration", "revision": 2}
-    answers.write(json.dumps(greeting).encode() + b"\n")
-    answers.flush()
+    out.write(json.dumps(greeting).encode() + b"\n")
+    out.flush()
     actors, points = int(hello["actors"]), int(hello["route_points"])
     width = _HEAD + (_ACTOR + 1) * actors + (_POINT + _LANE) * points
     while (body := _frame(source)) is not None:
@@ -160,8 +158,8 @@ def serve(name: str, start: Callable[[dict[str, Any]], Callable[[Frame], tuple[A
         acceleration, steer = decide(frame)
         answer = np.zeros((len(frame.ids), 4))
         answer[:, 0], answer[:, 1], answer[:, 3] = frame.ids, acceleration, steer
-        answers.write(struct.pack("<I", answer.nbytes) + answer.astype("<f8").tobytes())
-        answers.flush()
+        out.write(struct.pack("<I", answer.nbytes) + answer.astype("<f8").tobytes())
+        out.flush()
 
 
 def _frame(source: BinaryIO) -> bytes | None:

@@ -26,7 +26,7 @@ from commonroad_rp.utility.config import ReactivePlannerConfiguration, VehicleCo
 from commonroad_rp.utility.utils_coordinate_system import create_coordinate_system
 
 from ..drivers import serve
-from .pursuit import APART, limit, only_answers, pursue
+from .pursuit import APART, limit, pursue
 
 EVERY, STEP, STEPS = 6, 0.1, 30  # ticks, s, steps
 BRAKE, FULL, PULL = -6.0, -8.0, 3.0  # m/s^2
@@ -189,5 +189,4 @@ def main(_words: list[str]) -> None:
     """Serve the planner."""
     logging.disable(logging.CRITICAL)
     warnings.simplefilter("ignore")
-    with only_answers():
-        serve(Driver)
+    serve(Driver)

@@ -17,6 +17,8 @@ from typing import Any
 import jupedsim as jps
 from shapely import Point, Polygon, box
 
+from ..answers import answers
+
 SPEED, SPREAD, SLOWEST = 1.34, 0.26, 0.5  # m/s: Weidmann 1993
 RADIUS = 0.2  # m
 FLOOR, BEYOND, REACHED = 80.0, 8.0, 0.5  # m: half of the floor, of the goal behind the car's line, of the goal
@@ -90,6 +92,7 @@ def main(_words: list[str]) -> None:
     """Answer the messages on the standard input until it ends. The adversary needs ``action_frame: world``."""
     walks: dict[int, Walk] = {}
     hello: dict[str, Any] = {}
+    out = answers()
     for line in sys.stdin:
         message = json.loads(line)
         if message["type"] == "hello":
@@ -98,7 +101,8 @@ def main(_words: list[str]) -> None:
             hello, answer = message, {"protocol": message["protocol"], "name": "jupedsim"}
         else:
             answer = {"actions": [act(world, walks, hello) for world in message["worlds"]]}
-        print(json.dumps(answer), flush=True)
+        out.write(json.dumps(answer).encode() + b"\n")
+        out.flush()
 
 
 def act(world: dict[str, Any], walks: dict[int, Walk], hello: dict[str, Any]) -> dict[str, Any]:

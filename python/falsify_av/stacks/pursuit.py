@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import os
-import sys
-from collections.abc import Iterator
 from typing import Any
 
 APART = 2.0  # m: between two points of the route
@@ -26,16 +22,3 @@ def pursue(x: float, y: float, yaw: float, vehicle: dict[str, float]) -> float:
     angle = math.remainder(math.atan2(y, x) - yaw, math.tau)
     wheel = math.atan2(2.0 * vehicle["wheelbase"] * math.sin(angle), math.hypot(x, y))
     return max(-1.0, min(1.0, wheel / vehicle["greatest_wheel_angle"]))
-
-
-@contextlib.contextmanager
-def only_answers() -> Iterator[None]:
-    """Keep the standard output for answers: what a library prints goes to the standard error."""
-    kept = sys.stdout
-    with os.fdopen(os.dup(1), "w") as answers:
-        os.dup2(2, 1)
-        sys.stdout = answers
-        try:
-            yield
-        finally:
-            sys.stdout = kept

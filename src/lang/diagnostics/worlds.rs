@@ -176,7 +176,7 @@ pub fn is_unplaceable(diagnostic: &Diagnostic) -> bool {
 /// A scenario names a program to be started, and the user has not allowed that.
 pub fn external_not_allowed(span: Span, command: &str) -> Diagnostic {
     Diagnostic::error("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))
-        .help("`--allow-external` lets scenarios start programs; give it only with files that you trust")
+        .help("`--allow-external` (in Python `allow_external=True`) lets scenarios start programs; give it only with files that you trust")
 }
 
 /// A command cannot be split into a program and its arguments.

@@ -69,7 +69,9 @@ fn installed(name: &str) -> Result<(), String> {
     match asked.status.success() {
         true => Ok(()),
         false if said.contains("No module named") => Err(format!(
-            "the Python package of falsify is not installed: `pip install './python[{name}]'` in a clone installs it and what the driver needs"
+            "the Python package of falsify is not installed: `pip install './python[{}]'` in a clone installs it and what the driver needs",
+            // Older versions of pip find no extra whose name has an underscore.
+            name.replace('_', "-")
         )),
         false => Err(said.trim_end().into()),
     }
@@ -189,11 +191,14 @@ fn failed(what: &str) -> ExitCode {
 /// The first episode in which the driver failed, in words.
 fn first_fault(outcomes: &[Outcome]) -> Option<String> {
     let mut faults = outcomes.iter().enumerate().filter_map(|(episode, outcome)| Some((episode, outcome.fault()?)));
-    faults.next().map(|(episode, fault)| {
-        let late = matches!(fault, Fault::Late { .. });
-        let help = if late { "; `--timeout` here, and `timeout` in a scenario, give it more time" } else { "" };
-        format!("in episode {episode} it {fault}{help}")
-    })
+    faults.next().map(|(episode, fault)| format!("in episode {episode} {}", told(fault)))
+}
+
+/// What a driver did wrong, and what helps.
+pub(super) fn told(fault: Fault) -> String {
+    let late = matches!(fault, Fault::Late { .. });
+    let help = if late { "; `--timeout` here, and `timeout` in a scenario, give it more time" } else { "" };
+    format!("it {fault}{help}")
 }
 
 /// The first episode that is another one, in words; an episode in error is not another one.

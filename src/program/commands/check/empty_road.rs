@@ -57,7 +57,7 @@ pub fn follow(scenario: &Scenario, driver: &mut dyn DrivingPolicy, seed: &Seed) 
         driver.prepare(&perception);
         let control = driver.drive(&perception);
         if let Some(fault) = driver.fault() {
-            return Err(format!("it {fault}"));
+            return Err(super::driver_trial::told(fault));
         }
         world.tick(&[control], &[]);
         let ego = world.ego().state;

@@ -1,0 +1,110 @@
+"""Networks in ONNX files: the files of the program's reports, and files that it refuses."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import falsify_av
+from falsify_av import drivers
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+pytest.importorskip("onnxruntime")
+
+
+def network(path, inputs, width, kind="FLOAT"):
+    """Writes a network whose output is the sum of the numbers of its first input, `width` times."""
+    onnx = pytest.importorskip("onnx")
+    from onnx import TensorProto, helper
+
+    kind = getattr(TensorProto, kind)
+    nodes = [helper.make_node("ReduceSum", [name], [f"{name}_sum"], keepdims=0) for name in inputs]
+    nodes.append(helper.make_node("Expand", [f"{next(iter(inputs))}_sum", "shape"], ["out"]))
+    given = [helper.make_tensor_value_info(name, kind, shape) for name, shape in inputs.items()]
+    shape = helper.make_tensor("shape", TensorProto.INT64, [2], [1, width])
+    graph = helper.make_graph(nodes, "sums", given, [helper.make_tensor_value_info("out", kind, [1, width])], [shape])
+    onnx.save(helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8), path)
+    return path
+
+
+def test_a_pedestrian_of_a_report_walks_in_python(program, tmp_path):
+    (tmp_path / "a.scn").write_text(
+        'edition 1\nimport "std/paper.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
+        "training brisk = ppo(steps: 300, normalize_observations: true)\n"
+        "spawn near { ego_speed: 4 m/s .. 8 m/s  bearing: -60 deg .. 60 deg  distance: 7 m .. 20 m }\n"
+        "episode brief { ticks: 100 }\n"
+        "campaign a { vehicle: model3 adversary: suicidal spawn: near episode: brief training: brisk\n"
+        "train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }\n"
+        "evaluate { towns: [harbour] policies: [behavior] pedestrians: [trained] episodes: 20 } }\n"
+    )
+    report = falsify_av.run(tmp_path / "a.scn", out=tmp_path / "out")["a"].folder
+    [file] = report.glob("pedestrians/*.onnx")
+    with open(report / "episodes.csv", encoding="utf-8") as table:
+        recorded = list(csv.DictReader(table))
+    found = falsify_av.evaluate(falsify_av.onnx(file), tmp_path / "a.scn", episodes=20, task="evaluate")
+    assert [row["outcome"] for row in found] == [row["outcome"] for row in recorded]
+    assert [row["least_gap_m"] for row in found] == pytest.approx([float(row["least_gap_m"]) for row in recorded], abs=0.01)
+    assert {row["outcome"] for row in found} >= {"collision", "timeout"}
+    # The program's file takes any number of states; one that takes a single state says the same.
+    states = np.random.default_rng(0).uniform(-1, 1, (5, 4)).astype(np.float32)
+    pedestrian = falsify_av.onnx(file)
+    assert np.allclose(pedestrian(states), np.concatenate([pedestrian(state[None]) for state in states]))
+    with pytest.raises(ValueError, match="takes 4 numbers, and a state of this scenario has 8"):
+        pedestrian(np.zeros((1, 8), np.float32))
+
+
+@pytest.mark.parametrize("kind", ["FLOAT", "DOUBLE"])
+def test_a_network_for_one_state_walks_in_many_worlds(scenario, tmp_path, kind):
+    single = falsify_av.onnx(network(tmp_path / "single.onnx", {"state": [1, 4]}, 2, kind))
+    states = np.arange(12, dtype=np.float32).reshape(3, 4)
+    assert single(states).tolist() == [[6.0, 6.0], [22.0, 22.0], [38.0, 38.0]]
+    choice = {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"}
+    many, alone = (falsify_av.evaluate(single, scenario, episodes=6, num_envs=worlds, **choice) for worlds in (6, 1))
+    assert [row["digest"] for row in many] == [row["digest"] for row in alone]
+
+
+@pytest.mark.parametrize(
+    ("inputs", "kind", "text"),
+    [
+        ({"state": [3, 4]}, "FLOAT", "one input, of the shape"),
+        ({"state": [4]}, "FLOAT", "one input, of the shape"),
+        ({"state": [1, "n"]}, "FLOAT", "one input, of the shape"),
+        ({"state": [1, 4], "more": [1, 4]}, "FLOAT", "one input, of the shape"),
+        ({"state": [1, 4]}, "INT64", "input `state` is a tensor\\(int64\\)"),
+    ],
+)
+def test_other_networks_are_no_pedestrians(tmp_path, inputs, kind, text):
+    file = network(tmp_path / "other.onnx", inputs, 2, kind)
+    with pytest.raises(ValueError, match=text):
+        falsify_av.onnx(file)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "width", "text"),
+    [
+        ({"ego": [1, 4]}, 5, "output has 5 numbers instead of two"),
+        ({"ego": [1, 4]}, 1, "output has 1 numbers instead of two"),
+        ({"ego": [1, 4], "actors": [1, "K", 8]}, 2, r"`actors` must have the shape \(1, K, 8\) with K from 1 to 64, and has \(1, 'K', 8\)"),
+        ({"actors": [1, 65, 8]}, 2, "`actors` must have the shape"),
+        ({"route": [1, 41, 3]}, 2, r"`route` must have the shape \(1, R, 3\) with R from 1 to 40"),
+        ({"ego": [2, 4]}, 2, r"`ego` must have the shape \(1, 4\), and has \(2, 4\)"),
+        ({"ego": [1, 5]}, 2, "`ego` must have the shape"),
+        ({"lidar": [1, 4]}, 2, "input `lidar` is none of `ego`, `actors`, `route`"),
+    ],
+)
+def test_networks_that_the_program_refuses_are_no_drivers(tmp_path, inputs, width, text):
+    file = network(tmp_path / "other.onnx", inputs, width)
+    with pytest.raises(ValueError, match=text):
+        drivers.OnnxDriver(file)
+
+
+def test_a_network_of_64_bits_drives(tmp_path):
+    import onnxruntime
+
+    world = {**drivers._NOTHING, "speed_limit": 3.0}
+    files = [network(tmp_path / f"{kind}.onnx", {"ego": ["batch", 4]}, 3, kind) for kind in ("FLOAT", "DOUBLE")]
+    for model in [*files, onnxruntime.InferenceSession(str(files[1]))]:
+        assert drivers.OnnxDriver(model).drive(world) == {"throttle": 3.0, "brake": 3.0, "steer": 3.0}
+    with pytest.raises(ValueError, match="output has 5 numbers"):
+        drivers.OnnxDriver(REPOSITORY / "tests/reference/onnx/five.onnx")
