@@ -3,13 +3,22 @@
 #
 #     kubernetes.sh IMAGE SHARDS FILE.scn [a file that it imports …]
 #
-# IMAGE is one of the Dockerfile here. It waits until all shards have ended, whether they succeeded or not; the merge names those that are missing, and
+# Files are named from the current folder, which is above all of them. IMAGE is one of the Dockerfile here. It waits until all shards have ended, whether they succeeded or not; the merge names those that are missing, and
 # a second call makes them.
 set -eu
 image=$1 shards=$2 scenario=$3
 shift 2
-manifest=$(sed -e "s|registry\.example/falsify:0\.1\.0|$image|; s|\([^0-9]\)16\b|\1$shards|g; s|mine\.scn|$(basename "$scenario")|" \
-    "$(dirname "$0")/kubernetes.yaml")
+# A ConfigMap is flat: each file has a key, and the volume puts it back into its folder. Names of files with blanks have no place here.
+files="" items="" count=0
+for file; do
+    case $file in
+    /* | ../* | */../*) echo "$file is not below the current folder" >&2; exit 2 ;;
+    esac
+    files="$files --from-file=file$count=$file" items="$items{key: file$count, path: $file}, " count=$((count + 1))
+done
+# The image comes last: it may have any number in its name.
+manifest=$(sed -e "s|\([^0-9]\)16\b|\1$shards|g; s|mine\.scn|$scenario|; s|{name: scenarios}|{name: scenarios, items: [${items%, }]}|" \
+    -e "s|registry\.example/falsify:0\.1\.0|$image|" "$(dirname "$0")/kubernetes.yaml")
 
 apply() {
     printf '%s\n' "$manifest" | kubectl apply -f - -l "step=$1"
@@ -24,9 +33,6 @@ ended() {
     return 1
 }
 
-files=""
-for file; do files="$files --from-file=$file"; done
-# Names of files with blanks have no place here.
 kubectl create configmap scenarios $files --dry-run=client -o yaml | kubectl apply -f -
 kubectl delete job falsify falsify-merge --ignore-not-found
 apply volume

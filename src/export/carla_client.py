@@ -152,6 +152,11 @@ def main(arguments=None):
     parser.add_argument("--map", help="a map of the server; without it the OpenDRIVE file beside this script is loaded")
     options = parser.parse_args(arguments)
     client = carla.Client(options.host, options.port)
+    client.set_timeout(5.0)
+    try:
+        client.get_server_version()
+    except RuntimeError as error:
+        raise SystemExit(f"no CARLA server answers at {options.host}:{options.port}: {error}") from None
     client.set_timeout(60.0)
     if options.map:
         client.load_world(options.map)

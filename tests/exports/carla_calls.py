@@ -107,6 +107,7 @@ def with_value(name):
 
 METHODS = {
     "set_timeout": lambda client, second: None,
+    "get_server_version": lambda client: "0.9.16",
     "load_world": lambda client, name: client.values["world"],
     "generate_opendrive_world": lambda client, road, parameters: None,
     "get_world": lambda client: client.values["world"],

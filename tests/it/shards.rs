@@ -156,3 +156,34 @@ fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
         assert!(most <= dealt.len() / count as usize * 2 + 8, "{most} of {} tasks in one of {count}", dealt.len());
     }
 }
+
+/// Kubernetes' client is a script that keeps what it is given.
+#[cfg(unix)]
+#[test]
+fn the_script_for_kubernetes_changes_no_image_and_keeps_the_folders_of_files() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = tempfile::tempdir().unwrap();
+    let client = place.path().join("kubectl");
+    std::fs::write(&client, "#!/bin/sh\ncase $1 in apply) cat >>applied.yaml ;; esac\n").unwrap();
+    std::fs::set_permissions(&client, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let call = |files: &[&str]| {
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cluster/kubernetes.sh");
+        let path = format!("{}:{}", place.path().display(), std::env::var("PATH").unwrap());
+        let mut command = std::process::Command::new(script);
+        command.args(["falsify:0.1.16", "40"]).args(files).env("PATH", path).current_dir(place.path()).output().unwrap()
+    };
+    let output = call(&["a/mine.scn", "lib/streets.scn"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let applied = std::fs::read_to_string(place.path().join("applied.yaml")).unwrap();
+    for wanted in [
+        "image: falsify:0.1.16\n",
+        "completions: 40\n",
+        "auto/40",
+        "/scenarios/a/mine.scn]",
+        "items: [{key: file0, path: a/mine.scn}, {key: file1, path: lib/streets.scn}]",
+    ] {
+        assert!(applied.contains(wanted), "{wanted} is not in {applied}");
+    }
+    assert!(!applied.contains("registry.example"), "{applied}");
+    assert_eq!(call(&["../mine.scn"]).status.code(), Some(2));
+}
