@@ -122,7 +122,7 @@ pub struct Failure {
     pub verdict: Option<Label>,
     /// Whether the pedestrian moved as people do.
     pub foreseeable: bool,
-    /// Whether it counts against the driver: preventable and foreseeable.
+    /// Whether it counts against the driver, see [`world::judge`].
     pub fault: bool,
     /// The side of the car that was hit; `None` without a touch.
     pub impact: Option<Impact>,
