@@ -237,10 +237,14 @@ fn write_light(xml: &mut Xml, episode: &Episode, number: usize, light: &TrafficL
     });
 }
 
-/// A point of a bound to 1e-6 m: lanelets that meet have the same points. CommonRoad's checker crashes at points a nanometre apart.
+/// A point of a bound to 1e-6 m, so that lanelets that meet have the same points, and then moved by at most 5e-6 m, as its place decides, so that
+/// no three points are on a line. CommonRoad's checker crashes at points a nanometre apart and at triangles that are nearly lines.
 fn write_joint(xml: &mut Xml, place: &Point) {
-    let round = |number: f64| (number * 1e6).round() / 1e6;
-    write_point(xml, &Point::new(round(place.x), round(place.y)));
+    let [x, y] = [place.x, place.y].map(|number| (number * 1e6).round() as i64);
+    let seed = (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (y as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
+    let mixed = (seed ^ (seed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let moved = |number: i64, bits: u64| (number * 1000 + (bits % 10_001) as i64 - 5000) as f64 / 1e9;
+    write_point(xml, &Point::new(moved(x, mixed >> 40), moved(y, mixed >> 16 & 0xFF_FFFF)));
 }
 
 fn write_point(xml: &mut Xml, place: &Point) {

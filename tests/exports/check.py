@@ -7,6 +7,7 @@ environment commonroad-io and commonroad-drivability-checker. FOXGLOVE_SCHEMAS i
 What is not installed is named in a line that starts with SKIPPED.
 """
 
+import functools
 import importlib.util
 import json
 import os
@@ -44,12 +45,17 @@ def qc(kind, path):
 
 def schema(package, version_of, place, path):
     """Validates a file by the schema inside ASAM's package."""
-    import xmlschema
-
     folder = Path(importlib.util.find_spec(package).origin).parent / "schema"
-    errors = list(xmlschema.XMLSchema(str(folder / place(version_of(path)))).iter_errors(str(path)))
+    errors = list(loaded(folder / place(version_of(path))).iter_errors(str(path)))
     assert not errors, (path, str(errors[0]))
     return "schema"
+
+
+@functools.cache
+def loaded(path):
+    import xmlschema
+
+    return xmlschema.XMLSchema(str(path))
 
 
 def minor(path):
@@ -183,7 +189,6 @@ def commonroad(path):
     """The schema and the drivability checker. A planning problem starts in a free place and has a name of its own; in a recording, which has
     no problem, ego and pedestrian first collide at the last tick."""
     import commonroad
-    import xmlschema
     from commonroad.common.file_reader import CommonRoadFileReader
     from commonroad.scenario.obstacle import ObstacleType
     from commonroad.scenario.scenario import ScenarioID
@@ -194,7 +199,7 @@ def commonroad(path):
     )
 
     xsd = next(Path(list(commonroad.__path__)[0]).rglob("XML_commonRoad_XSD.xsd"))
-    errors = list(xmlschema.XMLSchema(str(xsd)).iter_errors(str(path)))
+    errors = list(loaded(xsd).iter_errors(str(path)))
     scenario, problems = CommonRoadFileReader(str(path)).open()
     name = str(scenario.scenario_id)
     assert ScenarioID.benchmark_id_pattern.fullmatch(name), (path, name)

@@ -388,6 +388,25 @@ fn a_planning_problem_has_a_name_of_its_own_and_no_recorded_car() {
     let (name, _) = &exported[0];
     let (run, number) = name.split_once(':').unwrap();
     assert!(names.contains(&format!("ZAM_Falsify{run}-1_{}_T-1", number.parse::<u32>().unwrap() + 1)), "{names:?}");
+    let (_, text) = &exported[0];
+    let read = roxmltree::Document::parse(text).unwrap();
+    let bounds = read.descendants().filter(|node| node.has_tag_name("leftBound") || node.has_tag_name("rightBound"));
+    for bound in bounds {
+        let number = |point: roxmltree::Node<'_, '_>, tag: &str| {
+            let text = point.children().find(|node| node.has_tag_name(tag)).unwrap().text().unwrap();
+            text.parse::<f64>().unwrap()
+        };
+        let points: Vec<[f64; 2]> = bound
+            .children()
+            .filter(|node| node.is_element())
+            .map(|point| ["x", "y"].map(|tag| number(point, tag)))
+            .collect();
+        for three in points.windows(3) {
+            let [a, b, c] = [three[0], three[1], three[2]];
+            let area = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
+            assert!(area > 1e-9, "CommonRoad's checker crashes at points on a line: {three:?}");
+        }
+    }
     // A recording has the car and no problem.
     let (_, recording) =
         &exported_with_lights(folder.path(), &["--as", "commonroad", "--ego", "recorded", "--out", "recorded"])[0];
