@@ -4,7 +4,6 @@ use world::geometry::{OrientedBox, Point, Pose, Vector};
 use world::road::{LaneFilter, LaneKind};
 
 use super::world::World;
-use world::env::Simulation;
 
 /// Metres that a picture shows from side to side.
 const SPAN: f64 = 60.0;
@@ -22,8 +21,8 @@ const PEDESTRIAN: [u8; 3] = [214, 48, 48];
 
 /// Draws a world, north up, about the middle between the ego and the first pedestrian. Three bytes for each pixel, row by row.
 pub fn picture(world: &World, size: usize) -> Vec<u8> {
-    let env = world.env();
-    let (sim, scenario) = (env.world(), env.scenario());
+    let scene = world.simulation().scene();
+    let (sim, scenario) = (scene.world, scene.scenario);
     let (ego, first) = (sim.ego().state.pose.position(), sim.pedestrians[0].state.pose.position());
     let middle = Point::from((ego.coords + first.coords) / 2.0);
     let scale = SPAN / size as f64;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use learn::Step;
-use world::env::{Observer, Outcome, PedestrianEnv, Scenario, Simulation, Trace, carry_out};
+use world::env::{Draw, Observer, Outcome, Scenario, Simulation, Trace, carry_out};
+use world::falsifier::FaultStreak;
 use world::judge::{Judged, Verdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
@@ -32,7 +33,7 @@ pub type Starts = Arc<dyn Fn(&Seed) -> Seed + Send + Sync>;
 /// A world. Episode *k* of a seed has the start of episode *k* of every evaluation in the town that a campaign with this seed runs; in the
 /// scenario of a search, start *k* of its first run.
 pub struct World {
-    env: PedestrianEnv,
+    simulation: Box<dyn Simulation>,
     trace: Trace,
     starts: Starts,
     seed: u64,
@@ -54,6 +55,7 @@ pub struct World {
     pub placed: bool,
     /// The run-ups that did not reach their start, and all of them.
     pub run_ups: (u64, u64),
+    faults: FaultStreak,
 }
 
 /// The step of an episode that has just started.
@@ -64,7 +66,7 @@ impl World {
     pub fn new(scenario: &Arc<Scenario>, starts: &Starts, seed: u64) -> Self {
         let cast = &scenario.cast;
         Self {
-            env: PedestrianEnv::new(scenario.clone(), starts(&Seed::root(seed))),
+            simulation: scenario.simulation(),
             trace: Trace::new(scenario),
             starts: starts.clone(),
             seed,
@@ -78,26 +80,24 @@ impl World {
             end: None,
             placed: false,
             run_ups: (0, 0),
+            faults: FaultStreak::default(),
         }
     }
 
     /// The next episodes belong to this seed; the next one is number 0.
-    pub fn reseed(&mut self, scenario: &Arc<Scenario>, seed: u64) {
-        if self.seed != seed {
-            self.env = PedestrianEnv::new(scenario.clone(), (self.starts)(&Seed::root(seed)));
-        }
+    pub fn reseed(&mut self, seed: u64) {
         (self.seed, self.episode) = (seed, None);
     }
 
     /// Starts an episode: that of the number, or the next one.
     pub fn reset(&mut self, episode: Option<u64>) {
         let number = episode.unwrap_or_else(|| self.episode.map_or(0, |last| last.wrapping_add(1)));
-        self.env.begin(number);
-        let has_run_up = self.env.run_up_ticks() > 0;
-        self.placed = has_run_up && self.env.world().ego().state.speed == 0.0;
+        self.simulation.start(Draw::new(&(self.starts)(&Seed::root(self.seed)), number));
+        let has_run_up = self.simulation.run_up_ticks() > 0;
+        self.placed = has_run_up && self.simulation.scene().world.ego().state.speed == 0.0;
         self.run_ups = (self.run_ups.0 + u64::from(self.placed), self.run_ups.1 + u64::from(has_run_up));
-        self.trace.begin(&self.env.scene());
-        self.env.scene().write_state(&mut self.state);
+        self.trace.begin(&self.simulation.scene());
+        self.simulation.scene().write_state(&mut self.state);
         (self.episode, self.step, self.started_over) = (Some(number), FIRST, false);
     }
 
@@ -112,20 +112,21 @@ impl World {
 
     /// Takes a decision. The action is clamped to its bounds.
     pub fn decide(&mut self, action: impl Iterator<Item = f64>) {
-        for ((number, (low, high)), given) in self.action.iter_mut().zip(self.env.scene().bounds()).zip(action) {
+        for ((number, (low, high)), given) in self.action.iter_mut().zip(self.simulation.scene().bounds()).zip(action) {
             *number = given.clamp(*low, *high);
         }
         self.started_over = false;
-        self.env.scene().write_commands(&self.action, &mut self.commands);
-        self.step = carry_out(&mut self.env, &self.commands, &mut self.trace);
-        self.env.scene().write_state(&mut self.state);
-        if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
-            let scenario = self.env.scenario();
+        self.simulation.scene().write_commands(&self.action, &mut self.commands);
+        self.step = carry_out(&mut *self.simulation, &self.commands, &mut self.trace);
+        self.simulation.scene().write_state(&mut self.state);
+        if let (Some(outcome), Some(episode)) = (self.simulation.outcome(), self.episode) {
+            let scenario = self.simulation.scenario();
             let pair = self.trace.main_pair(scenario);
             let Judged { outcome, verdict, degrees } = Judged::new(outcome, &pair);
             let requirements = scenario.requirements.iter().cloned().zip(degrees);
             let requirements = requirements.map(|(named, judged)| (named, judged.degree, judged.verdict)).collect();
-            let is_failure = self.env.is_failure();
+            let is_failure = self.simulation.is_failure();
+            self.faults.count(outcome.fault());
             self.end = Some(End { seed: self.seed, episode, outcome, verdict, requirements, is_failure });
         }
     }
@@ -140,9 +141,14 @@ impl World {
         self.episode.map(|episode| (self.seed, episode))
     }
 
-    /// The environment.
-    pub fn env(&self) -> &PedestrianEnv {
-        &self.env
+    /// The simulation of the present episode.
+    pub fn simulation(&self) -> &dyn Simulation {
+        &*self.simulation
+    }
+
+    /// The episodes in a row in which the driver failed.
+    pub fn faults(&self) -> &FaultStreak {
+        &self.faults
     }
 
     /// The record of the present episode.

@@ -8,7 +8,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use world::env::{Scenario, Simulation};
+use world::env::Scenario;
 use world::judge::Label;
 use world::sim::WalkCommand;
 
@@ -154,7 +154,6 @@ impl Worlds {
     /// Gives worlds new seeds; their next episode is number 0. A negative seed leaves a world as it is.
     fn reseed(&mut self, py: Python<'_>, seeds: PyReadonlyArray1<'_, i64>) -> PyResult<()> {
         let seeds = seeds.as_array().to_vec();
-        let scenario = self.scenario.clone();
         let worlds = self.worlds();
         if seeds.len() != worlds.len() {
             return Err(PyValueError::new_err(format!("{} seeds for {} worlds", seeds.len(), worlds.len())));
@@ -162,7 +161,7 @@ impl Worlds {
         py.detach(|| {
             each(worlds, |index, world| {
                 if let Ok(seed) = u64::try_from(seeds[index]) {
-                    world.reseed(&scenario, seed);
+                    world.reseed(seed);
                 }
             });
         });
@@ -242,7 +241,7 @@ impl Worlds {
     /// The ticks of the run-up to the present episode of a world, and whether the driver did not reach its start and was placed there.
     fn run_up(&mut self, world: usize) -> PyResult<(u32, bool)> {
         let world = self.world(world)?;
-        Ok((world.env().run_up_ticks(), world.placed))
+        Ok((world.simulation().run_up_ticks(), world.placed))
     }
 
     /// The run-ups of all worlds up to now: how many did not reach their start, and how many there were.
@@ -278,7 +277,7 @@ impl Worlds {
         if world.place().is_none() {
             return Err(PyRuntimeError::new_err("there is no episode yet; call reset first"));
         }
-        let scene = world.env().scene();
+        let scene = world.simulation().scene();
         let command = |pedestrian| -> PyResult<WalkCommand> {
             match controller {
                 "homing" => Ok(scene.homing(pedestrian)),
@@ -359,7 +358,7 @@ fn step<T: Copy + Into<f64> + Sync>(
             }
         });
     });
-    match worlds.iter().find_map(|world| world.env().hopeless()) {
+    match worlds.iter().find_map(|world| world.faults().hopeless()) {
         Some(fault) => Err(PyRuntimeError::new_err(format!("the driver failed in ten episodes in a row: it {fault}"))),
         None => Ok(()),
     }

@@ -14,8 +14,8 @@ use falsify::session::{Input, Session};
 use learn::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
 use rand::RngExt;
 use results::jobs::watch;
-use world::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
-use world::falsifier::{Random, TrainingRun, evaluate};
+use world::env::{Draw, Outcome, PolicyMaker, Scenario, Trace};
+use world::falsifier::{PedestrianEnv, Random, TrainingRun, evaluate};
 use world::judge::{NearMiss, judge};
 use world::road::LaneFilter;
 
@@ -138,7 +138,7 @@ fn training(bencher: Bencher<'_, '_>) {
 fn rollout(bencher: Bencher<'_, '_>) {
     let plan = plan();
     let training = &plan.campaigns[0].nth::<compile::Training>(0);
-    let mut envs = [PedestrianEnv::new(training.scenario.clone(), Seed::root(1))];
+    let mut envs = [PedestrianEnv::new(training.scenario.simulation(), Seed::root(1))];
     let mut trainer = Trainer::new(&mut envs, &training.config, &Seed::root(1)).expect("states are finite");
     bencher.counter(ItemsCount::new(training.config.steps_per_update)).bench_local(|| {
         trainer.collect(&mut envs, &|| false).map(drop).expect("rewards are finite");
@@ -194,10 +194,10 @@ fn startup(bencher: Bencher<'_, '_>) {
 /// The start of an episode: spawn, driver's first route.
 #[divan::bench]
 fn spawn(bencher: Bencher<'_, '_>) {
-    let mut env = PedestrianEnv::new(scenario("behavior"), Seed::root(1));
+    let mut env = scenario("behavior").simulation();
     let mut episode = 0;
     bencher.bench_local(|| {
-        env.begin(episode);
+        env.start(Draw::new(&Seed::root(1), episode));
         episode += 1;
     });
 }

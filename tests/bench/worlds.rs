@@ -13,7 +13,7 @@ use base::seed::Seed;
 use compile::{Catalog, compile, episodes_seed};
 use learn::Env;
 use rayon::prelude::*;
-use world::env::PedestrianEnv;
+use world::falsifier::PedestrianEnv;
 
 /// CPU seconds of the process; wall seconds where the system has no such count.
 #[cfg(unix)]
@@ -54,7 +54,8 @@ fn main() {
     let world = |number: u64| {
         let seed = episodes_seed(&Seed::root(1 + number), &training.key.town);
         let action = numbers[number as usize * width..][..width].to_vec();
-        let mut world = World { env: PedestrianEnv::new(scenario.clone(), seed), action, state: vec![0.0; states] };
+        let mut world =
+            World { env: PedestrianEnv::new(scenario.simulation(), seed), action, state: vec![0.0; states] };
         world.env.reset(&mut world.state);
         world
     };

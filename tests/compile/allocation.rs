@@ -8,7 +8,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::{Controller, Observer, PedestrianEnv, Simulation, Trace, carry_out};
+use world::env::{Controller, Draw, Observer, Trace, carry_out};
 use world::sim::WalkCommand;
 
 use crate::cast::{ahead, away, two_and_two};
@@ -76,15 +76,15 @@ fn a_tick_allocates_nothing_with_any_driver() {
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap();
     for evaluation in plan.campaigns[0].all::<compile::Evaluation>() {
-        let mut env = PedestrianEnv::new(Arc::clone(&evaluation.scenario), Seed::root(1));
+        let mut env = evaluation.scenario.simulation();
         let mut trace = Trace::new(&evaluation.scenario);
         let mut walk = |episode| {
-            env.begin(episode);
+            env.start(Draw::new(&Seed::root(1), episode));
             let before = ALLOCATIONS.get();
             trace.begin(&env.scene());
             while env.outcome().is_none() {
                 let commands = [env.scene().intercept(0)];
-                carry_out(&mut env, &commands, &mut trace);
+                carry_out(&mut *env, &commands, &mut trace);
             }
             ALLOCATIONS.get() - before
         };
@@ -101,15 +101,15 @@ fn a_tick_allocates_nothing_with_any_driver() {
 fn a_tick_of_two_cars_and_two_pedestrians_allocates_nothing() {
     let walking = Controller::Fixed(WalkCommand { heading: 1.0, speed: 1.0 });
     let scenario = Arc::new(two_and_two("follower", ("slow", ahead(40.0)), (away(), walking)));
-    let mut env = PedestrianEnv::new(Arc::clone(&scenario), Seed::root(1));
+    let mut env = scenario.simulation();
     let mut trace = Trace::new(&scenario);
     let mut walk = |episode| {
-        env.begin(episode);
+        env.start(Draw::new(&Seed::root(1), episode));
         let before = ALLOCATIONS.get();
         trace.begin(&env.scene());
         while env.outcome().is_none() {
             let commands = [env.scene().homing(0), env.scene().homing(1)];
-            carry_out(&mut env, &commands, &mut trace);
+            carry_out(&mut *env, &commands, &mut trace);
         }
         ALLOCATIONS.get() - before
     };

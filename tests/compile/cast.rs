@@ -10,10 +10,12 @@ use compile::{Catalog, Plan, compile};
 use learn::Env;
 use world::av::{DrivingMode, PerfectSensors};
 use world::env::{
-    ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianEnv,
-    PedestrianRole, Scenario, Simulation, Trace, VehicleRole, carry_out,
+    ActionSpec, Controller, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianRole,
+    Scenario, Trace, VehicleRole, carry_out,
 };
-use world::falsifier::{BudgetedSimulation, Failure, Intercept, Random, WalkPolicy, evaluate, follow, play};
+use world::falsifier::{
+    BudgetedSimulation, Failure, Intercept, PedestrianEnv, Random, WalkPolicy, evaluate, follow, play,
+};
 use world::geometry::{Obstacles, Pose};
 use world::judge::{NearMiss, judge};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
@@ -91,12 +93,12 @@ pub fn away() -> ActorStart {
 
 /// Runs episode 0 with the same decision each time.
 fn run(scenario: &Arc<Scenario>, commands: [WalkCommand; 2]) -> (Outcome, Trace) {
-    let mut env = PedestrianEnv::new(Arc::clone(scenario), Seed::root(1));
+    let mut env = scenario.simulation();
     let mut trace = Trace::new(scenario);
-    env.begin(0);
+    env.start(Draw::new(&Seed::root(1), 0));
     trace.begin(&env.scene());
     while env.outcome().is_none() {
-        carry_out(&mut env, &commands, &mut trace);
+        carry_out(&mut *env, &commands, &mut trace);
     }
     (*env.outcome().unwrap(), trace)
 }
@@ -138,7 +140,7 @@ fn an_episode_of_four_is_the_same_again_and_goes_on_from_where_it_was_saved() {
     );
     let nearer = Arc::new(two_and_two("follower", ("slow", ahead(39.0)), (away(), Controller::External)));
     assert_ne!(run(&nearer, commands).0.digest, outcome.digest, "the traffic is in the digest");
-    let make = || PedestrianEnv::new(Arc::clone(&scenario), Seed::root(1));
+    let make = || PedestrianEnv::new(scenario.simulation(), Seed::root(1));
     let mut env = make();
     env.begin(0);
     for _ in 0..7 {
@@ -148,10 +150,10 @@ fn an_episode_of_four_is_the_same_again_and_goes_on_from_where_it_was_saved() {
     let mut again = make();
     assert!(again.load(&saved) && again.save().unwrap() == saved);
     for env in [&mut env, &mut again] {
-        while env.outcome().is_none() {
+        while env.simulation().outcome().is_none() {
             env.carry_out(&commands);
         }
-        assert_eq!(env.outcome(), Some(&outcome));
+        assert_eq!(env.simulation().outcome(), Some(&outcome));
     }
 }
 
@@ -278,24 +280,25 @@ fn pedestrians_pass_through_each_other() {
 #[test]
 fn policies_and_searches_see_an_environment_by_its_dimensions() {
     let both = Arc::new(two_and_two("blind", ("slow", ahead(60.0)), (away(), Controller::External)));
-    let mut env = PedestrianEnv::new(Arc::clone(&both), Seed::root(3));
+    let mut env = PedestrianEnv::new(both.simulation(), Seed::root(3));
     assert_eq!((env.obs_dim(), env.action_bounds().len()), (2 * ObservationSpec::DIM, 2 * ActionSpec::DIM));
     let mut state = vec![0.0; env.obs_dim()];
     env.reset(&mut state);
     let distance = |number: usize| {
-        let world = env.world();
+        let world = env.simulation().scene().world;
         (world.pedestrians[number].state.pose.position() - world.ego().state.pose.position()).norm()
     };
     assert!((state[1] - distance(0)).abs() < 1e-9 && (state[ObservationSpec::DIM + 1] - distance(1)).abs() < 1e-9);
     let mut commands = [STANDING; 2];
-    env.scene().write_commands(&[0.0, 1.0, 0.0, 2.0], &mut commands);
-    let homing = [env.scene().homing(0), env.scene().homing(1)];
+    let scene = env.simulation().scene();
+    scene.write_commands(&[0.0, 1.0, 0.0, 2.0], &mut commands);
+    let homing = [scene.homing(0), scene.homing(1)];
     for (command, towards) in commands.iter().zip(homing) {
         assert!((command.heading - towards.heading).abs() < 1e-12, "angles are measured from the line of sight");
     }
     assert_eq!(commands.map(|command| command.speed), [1.0, 2.0]);
     let alone = Arc::new(two_and_two("blind", ("slow", ahead(60.0)), (away(), Controller::Fixed(STANDING))));
-    assert_eq!(PedestrianEnv::new(alone, Seed::root(3)).obs_dim(), ObservationSpec::DIM);
+    assert_eq!(PedestrianEnv::new(alone.simulation(), Seed::root(3)).obs_dim(), ObservationSpec::DIM);
 
     let go_on = &mut |_| ControlFlow::Continue(());
     let policies: [&mut dyn WalkPolicy; 2] = [&mut Random::default(), &mut Intercept];

@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock};
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use world::av::{DrivingMode, PerfectSensors};
-use world::env::{Scenario, Simulation};
+use world::env::{Draw, Scenario};
 use world::geometry::{Obstacles, Pose};
 use world::sim::{ActorStart, Contact, Start, WalkCommand, World};
 
@@ -105,10 +105,10 @@ fn they_drive_past_a_person_on_the_far_pavement() {
 #[test]
 fn the_oracle_hits_no_person_while_it_moves() {
     let scenario = scenario("oracle");
-    let mut env = world::env::PedestrianEnv::new(scenario, Seed::root(2));
+    let mut env = scenario.simulation();
     let (mut hits, mut moving) = (0, 0);
     for episode in 0..60 {
-        env.begin(episode);
+        env.start(Draw::new(&Seed::root(2), episode));
         while env.outcome().is_none() {
             env.carry_out(&[env.scene().intercept(0)]);
         }

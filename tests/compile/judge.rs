@@ -8,7 +8,7 @@ use std::sync::Arc;
 use base::seed::Seed;
 use compile::{Catalog, compile};
 use world::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
-use world::env::{Actions, Ending, Observer, Outcome, PedestrianEnv, Scenario, Scene, Simulation, Trace, VehicleFrame};
+use world::env::{Actions, Draw, Ending, Observer, Outcome, Scenario, Scene, Trace, VehicleFrame};
 use world::falsifier::{Intercept, evaluate_observed};
 use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use world::judge::{
@@ -61,8 +61,8 @@ impl ReferenceDriver for Never {
 fn a_recording_repeats_its_episode_bit_by_bit() {
     let scenario = scenario("behavior");
     for (episode, (outcome, trace)) in episodes(&scenario, 60).into_iter().enumerate() {
-        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
-        env.begin(episode as u64);
+        let mut env = scenario.simulation();
+        env.start(Draw::new(&Seed::root(5), episode as u64));
         for command in trace.decisions(0) {
             env.carry_out(&[*command]);
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Compiled, compile};
-use world::env::{PedestrianEnv, Scenario, Simulation};
+use world::env::{Draw, Scenario};
 
 use crate::straight_road::map;
 
@@ -49,8 +49,8 @@ fn scenario(map: &str, driver: &str, spawn: &str) -> Arc<Scenario> {
 
 /// The places of the front of the car (m) and its speeds (m/s), tick by tick up to a place (m) or 100 s.
 fn drive(map: &str, driver: &str, spawn: &str, to: f64) -> Vec<(f64, f64)> {
-    let mut env = PedestrianEnv::new(scenario(map, driver, spawn), Seed::root(4));
-    env.begin(0);
+    let mut env = scenario(map, driver, spawn).simulation();
+    env.start(Draw::new(&Seed::root(4), 0));
     let still = [env.scene().homing(0)];
     env.decide(&still);
     let mut driven = Vec::new();
@@ -58,7 +58,7 @@ fn drive(map: &str, driver: &str, spawn: &str, to: f64) -> Vec<(f64, f64)> {
         if env.tick().is_some() {
             env.decide(&still);
         }
-        let ego = env.world().ego();
+        let ego = env.scene().world.ego();
         driven.push((ego.state.pose.x + ego.blueprint.half_length, ego.state.speed));
         if ego.state.pose.x > to {
             break;

@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::slice::from_ref;
-use std::sync::Arc;
 
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use learn::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
-use world::env::{ObservationSpec, PedestrianEnv, Simulation};
-use world::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy};
+use world::env::ObservationSpec;
+use world::falsifier::{ActionMode, Intercept, PedestrianEnv, TrainedWalker, TrainingRun, WalkPolicy};
 use world::sim::WalkCommand;
 
 /// Short episodes with drivers that have memory and drivers that draw random numbers; settings of both kinds.
@@ -105,7 +104,7 @@ fn a_state_is_refused_where_its_episodes_lead_elsewhere() {
 /// The state of the only pedestrian.
 fn state(env: &PedestrianEnv) -> [f64; ObservationSpec::DIM] {
     let mut state = [0.0; ObservationSpec::DIM];
-    env.scene().write_state(&mut state);
+    env.simulation().scene().write_state(&mut state);
     state
 }
 
@@ -114,14 +113,14 @@ fn an_environment_goes_back_to_any_decision_of_an_episode() {
     let plan = plan();
     let trainings: Vec<&compile::Training> = plan.campaigns[0].all().collect();
     for (training, other_driver) in [(&trainings[0], &trainings[1]), (&trainings[1], &trainings[0])] {
-        let make = || PedestrianEnv::new(Arc::clone(&training.scenario), Seed::root(9));
-        let mut elsewhere = PedestrianEnv::new(Arc::clone(&other_driver.scenario), Seed::root(9));
+        let make = || PedestrianEnv::new(training.scenario.simulation(), Seed::root(9));
+        let mut elsewhere = PedestrianEnv::new(other_driver.scenario.simulation(), Seed::root(9));
         let (mut env, mut walker, mut refused) = (make(), Intercept, 0);
         assert!(make().load(&env.save().unwrap()), "an environment before its first episode");
         for episode in 0..4 {
             env.begin(episode);
             walker.begin(Seed::root(1).index(episode).stream());
-            while env.outcome().is_none() {
+            while env.simulation().outcome().is_none() {
                 let saved = env.save().unwrap();
                 let mut other = make();
                 assert!(other.load(&saved));
@@ -129,11 +128,11 @@ fn an_environment_goes_back_to_any_decision_of_an_episode() {
                 assert_eq!(state(&other).map(f64::to_bits), state(&env).map(f64::to_bits));
                 for env in [&mut env, &mut other] {
                     let mut commands = [WalkCommand::default()];
-                    walker.choose(&env.scene(), &mut commands);
+                    walker.choose(&env.simulation().scene(), &mut commands);
                     env.carry_out(&commands);
                 }
                 assert_eq!(other.save(), env.save());
-                assert_eq!(other.outcome(), env.outcome());
+                assert_eq!(other.simulation().outcome(), env.simulation().outcome());
                 refused += u32::from(!elsewhere.load(&saved));
             }
         }
@@ -171,21 +170,21 @@ fn a_trained_walker_sees_stacked_and_normalised_states() {
     let bytes = trained.actor_critic.to_safetensors(&BTreeMap::new());
     let (policy, _) = ActorCritic::from_safetensors(&bytes).unwrap();
     let mut walker = TrainedWalker::new(policy, ObservationSpec::DIM, ActionMode::Deterministic);
-    let mut env = PedestrianEnv::new(Arc::clone(&training.scenario), Seed::root(5));
+    let mut env = PedestrianEnv::new(training.scenario.simulation(), Seed::root(5));
     let (mut stack, mut scratch) = (FrameStack::new(4, 3), trained.actor_critic.scratch(1));
     for episode in 0..3 {
         env.begin(episode);
         walker.begin(Seed::root(1).stream());
         stack.begin(&state(&env));
-        while env.outcome().is_none() {
+        while env.simulation().outcome().is_none() {
             let mut action = [0.0; 2];
             trained.actor_critic.act(stack.as_slice(), &mut action, &mut scratch);
-            let bounds = env.scene().bounds();
+            let bounds = env.simulation().scene().bounds();
             let clamped = [0, 1].map(|i| action[i].clamp(bounds[i].0, bounds[i].1));
             let mut commands = [WalkCommand::default(); 2];
             let (chosen, wanted) = commands.split_at_mut(1);
-            walker.choose(&env.scene(), chosen);
-            env.scene().write_commands(&clamped, wanted);
+            walker.choose(&env.simulation().scene(), chosen);
+            env.simulation().scene().write_commands(&clamped, wanted);
             assert_eq!(chosen, wanted);
             env.carry_out(chosen);
             stack.push(&state(&env));

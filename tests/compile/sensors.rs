@@ -8,7 +8,7 @@ use compile::{Catalog, Plan, compile};
 use rand::Rng;
 use world::av::sensors::{ConfusedAs, Prediction, Seam, Sector, SensorKeys, SensorModel, SensorWrapper};
 use world::av::{Actor, ActuationDelay, DrivingMode, DrivingPolicy, Perception};
-use world::env::{PedestrianEnv, Scenario, Simulation};
+use world::env::{Draw, Scenario};
 use world::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use world::sim::{ActorId, Control};
 
@@ -143,10 +143,10 @@ fn exact_sensors_change_no_bit_of_an_episode() {
     // The library declares its drivers in a file without sensors named `perfect`, so they have no sensors in front of them.
     let plan = campaign(&format!("{declarations} {others}"), &format!("{}, a, b, c, d, e, f", names.join(", ")));
     let digests = |scenario: &Arc<Scenario>| -> Vec<u64> {
-        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
+        let mut env = scenario.simulation();
         (0..15)
             .map(|episode| {
-                env.begin(episode);
+                env.start(Draw::new(&Seed::root(5), episode));
                 while env.outcome().is_none() {
                     env.carry_out(&[env.scene().intercept(0)]);
                 }

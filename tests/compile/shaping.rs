@@ -8,8 +8,8 @@ use base::seed::Seed;
 use compile::{Catalog, Training, compile};
 use learn::{Env, shaping};
 use rand::RngExt;
-use world::env::{PedestrianEnv, Simulation, SpawnRule};
-use world::falsifier::TrainingRun;
+use world::env::SpawnRule;
+use world::falsifier::{PedestrianEnv, TrainingRun};
 
 /// Rewards with and without a potential; a spawn whose near part is empty.
 const SCENARIO: &str = r#"
@@ -52,7 +52,7 @@ fn whatever_the_pedestrian_does_a_terminated_episode_earns_the_potential_of_its_
     let all = trainings();
     let (plain, shaped) = (&all[0].scenario, &all[2].scenario);
     let seed = Seed::root(5);
-    let mut envs = [plain, shaped].map(|scenario| PedestrianEnv::new(scenario.clone(), seed));
+    let mut envs = [plain, shaped].map(|scenario| PedestrianEnv::new(scenario.simulation(), seed));
     let (mut terminated, mut cut) = (0, 0);
     for episode in 0..60 {
         let mut stream = seed.child("acts").index(episode).stream();
@@ -82,7 +82,7 @@ fn whatever_the_pedestrian_does_a_terminated_episode_earns_the_potential_of_its_
                 assert!((sum + begin - discount * after).abs() < 1e-12);
             }
             if step.done() {
-                assert_eq!(plain.outcome(), shaped.outcome());
+                assert_eq!(plain.simulation().outcome(), shaped.simulation().outcome());
                 break;
             }
         }
@@ -113,13 +113,14 @@ fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
 fn starts_widen_from_near_to_all() {
     let training = &trainings()[0];
     let begin = |width: Option<f64>| -> Vec<_> {
-        let mut env = PedestrianEnv::new(training.scenario.clone(), Seed::root(8));
+        let mut env = PedestrianEnv::new(training.scenario.simulation(), Seed::root(8));
         if let Some(width) = width {
             env.set_curriculum(width);
         }
         let spawns = (0..200).map(|episode| {
             env.begin(episode);
-            (env.world().ego().state.pose, env.world().pedestrians[0].state.pose)
+            let world = env.simulation().scene().world;
+            (world.ego().state.pose, world.pedestrians[0].state.pose)
         });
         spawns.collect()
     };
@@ -138,10 +139,10 @@ fn where_no_pedestrian_can_stand_near_they_begin_anywhere() {
     let training = &trainings()[3];
     let rule: SpawnRule = training.scenario.spawn.nearest(0.0).unwrap();
     assert!(rule.distance.support().1 < 12.0, "none of them is 12 m aside");
-    let mut env = PedestrianEnv::new(training.scenario.clone(), Seed::root(8));
+    let mut env = PedestrianEnv::new(training.scenario.simulation(), Seed::root(8));
     env.set_curriculum(0.0);
     for episode in 0..5 {
         env.begin(episode);
-        assert!(env.scene().observe(0).distance > 12.0);
+        assert!(env.simulation().scene().observe(0).distance > 12.0);
     }
 }

@@ -7,9 +7,8 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, Training, compile};
-use world::env::{Ending, HardStarts, Outcome, PedestrianEnv, Scenario, Simulation, StartBank};
-use world::falsifier::TrainingRun;
-use world::sim::WalkCommand;
+use world::env::{Ending, Outcome, Scenario};
+use world::falsifier::{HardStarts, PedestrianEnv, StartBank, TrainingRun};
 
 fn scenario(spawn: &str, driver: &str) -> Arc<Scenario> {
     training(spawn, driver, "").scenario.clone()
@@ -43,11 +42,11 @@ fn bank(scenario: &Arc<Scenario>, size: usize) -> Option<Arc<StartBank>> {
 fn outcomes(env: &mut PedestrianEnv, episodes: u64) -> Vec<Outcome> {
     let outcome = |episode| {
         env.begin(episode);
-        while env.outcome().is_none() {
-            let commands = [env.scene().intercept(0)];
+        while env.simulation().outcome().is_none() {
+            let commands = [env.simulation().scene().intercept(0)];
             env.carry_out(&commands);
         }
-        *env.outcome().expect("it is over")
+        *env.simulation().outcome().expect("it is over")
     };
     (0..episodes).map(outcome).collect()
 }
@@ -69,9 +68,9 @@ fn rates_from_the_bank_and_from_fresh_starts_agree() {
     ];
     for driver in ["behavior", "squinting"] {
         let scenario = scenario("", driver);
-        let fresh = outcomes(&mut PedestrianEnv::new(scenario.clone(), Seed::root(6)), EPISODES);
+        let fresh = outcomes(&mut PedestrianEnv::new(scenario.simulation(), Seed::root(6)), EPISODES);
         let kept = bank(&scenario, EPISODES as usize);
-        let copied = outcomes(&mut PedestrianEnv::new(scenario, Seed::root(7)).with_bank(kept), EPISODES);
+        let copied = outcomes(&mut PedestrianEnv::new(scenario.simulation(), Seed::root(7)).with_bank(kept), EPISODES);
         for (name, kind) in kinds {
             let (fresh, copied) = (share(&fresh, kind), share(&copied, kind));
             let rate = 0.5 * (fresh + copied);
@@ -102,14 +101,14 @@ fn copies_share_their_start_and_only_what_is_random_differs_after_it() {
         let mut differ = false;
         // From most starts the driver does the same whatever its sensors miss.
         for seed in (15..45).map(Seed::root) {
-            let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7))
+            let mut env = PedestrianEnv::new(scenario.simulation(), Seed::root(7))
                 .with_bank(StartBank::new(&scenario, 1, None, seed).map(Arc::new));
             let copies = outcomes(&mut env, 12);
             let first = copies[0];
             assert!(copies.iter().all(|copy| (copy.start, copy.spawn) == (first.start, first.spawn)), "{driver}");
             differ |= copies.iter().any(|copy| copy.digest != first.digest);
             // The copy is what the driven start is, up to the last bit.
-            let original = outcomes(&mut PedestrianEnv::new(scenario.clone(), seed), 1)[0];
+            let original = outcomes(&mut PedestrianEnv::new(scenario.simulation(), seed), 1)[0];
             assert_eq!((original.start, original.spawn, original.run_up), (first.start, first.spawn, first.run_up));
             assert!(random || original == first, "{driver}");
         }
@@ -121,19 +120,19 @@ fn copies_share_their_start_and_only_what_is_random_differs_after_it() {
 fn an_episode_depends_on_its_number_and_not_on_what_was_drawn_before() {
     let scenario = scenario("", "squinting");
     let kept = bank(&scenario, 4);
-    let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(kept.clone());
+    let mut env = PedestrianEnv::new(scenario.simulation(), Seed::root(7)).with_bank(kept.clone());
     let all = outcomes(&mut env, 10);
     let starts: std::collections::BTreeSet<u64> = all.iter().map(|outcome| outcome.start).collect();
     assert!(starts.len() > 1 && starts.len() <= 4, "{starts:?}");
     for bank in [kept, bank(&scenario, 4)] {
-        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(bank);
+        let mut env = PedestrianEnv::new(scenario.simulation(), Seed::root(7)).with_bank(bank);
         for number in [7, 2, 9] {
             env.begin(number);
-            while env.outcome().is_none() {
-                let commands: [WalkCommand; 1] = [env.scene().intercept(0)];
+            while env.simulation().outcome().is_none() {
+                let commands = [env.simulation().scene().intercept(0)];
                 env.carry_out(&commands);
             }
-            assert_eq!(env.outcome(), Some(&all[number as usize]));
+            assert_eq!(env.simulation().outcome(), Some(&all[number as usize]));
         }
     }
 }
@@ -154,25 +153,25 @@ fn the_stated_share_of_copies_is_of_hard_starts_whatever_was_drawn_before() {
     let kept = || StartBank::new(&scenario, 20, Some(hard), Seed::root(8)).map(Arc::new);
     let begin = |env: &mut PedestrianEnv, episode| {
         env.begin(episode);
-        env.world().ego().state
+        env.simulation().scene().world.ego().state
     };
-    let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(kept());
+    let mut env = PedestrianEnv::new(scenario.simulation(), Seed::root(7)).with_bank(kept());
     let drawn: Vec<_> = (0..400).map(|episode| begin(&mut env, episode)).collect();
-    let mut driven = PedestrianEnv::new(scenario.clone(), Seed::root(8));
+    let mut driven = PedestrianEnv::new(scenario.simulation(), Seed::root(8));
     let hard_ones: Vec<_> = (0..200).step_by(7).map(|number| begin(&mut driven, number)).collect();
     let share = drawn.iter().filter(|start| hard_ones.contains(start)).count() as f64 / 400.0;
     // Of the others a seventh is hard by chance.
     let expected = SHARE + (1.0 - SHARE) * 3.0 / 20.0;
     assert!((share - expected).abs() < 0.08, "{share} beside {expected}");
-    let mut later = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(kept());
+    let mut later = PedestrianEnv::new(scenario.simulation(), Seed::root(7)).with_bank(kept());
     for episode in [301, 4, 77] {
         assert_eq!(begin(&mut later, episode), drawn[episode as usize]);
     }
     // Where no start is hard, starts are those of a bank without the difference.
     let none = HardStarts { share: SHARE, is_hard: |_, _| false };
     let of = |hard| StartBank::new(&scenario, 20, hard, Seed::root(8)).map(Arc::new);
-    let mut plain = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(of(None));
-    let mut without = PedestrianEnv::new(scenario.clone(), Seed::root(7)).with_bank(of(Some(none)));
+    let mut plain = PedestrianEnv::new(scenario.simulation(), Seed::root(7)).with_bank(of(None));
+    let mut without = PedestrianEnv::new(scenario.simulation(), Seed::root(7)).with_bank(of(Some(none)));
     for episode in 0..20 {
         assert_eq!(begin(&mut plain, episode), begin(&mut without, episode));
     }

@@ -9,8 +9,8 @@ use base::seed::Seed;
 use compile::{Catalog, Plan, compile};
 use learn::Env;
 use process::ProcessOpener;
-use world::env::{Outcome, PedestrianEnv, Scenario, Simulation};
-use world::falsifier::{BudgetedSimulation, Intercept, Random, WalkPolicy, evaluate, play};
+use world::env::{Draw, Outcome, Scenario, Simulation};
+use world::falsifier::{BudgetedSimulation, Intercept, PedestrianEnv, Random, WalkPolicy, evaluate, play};
 
 /// Every kind of route and of memory.
 const DRIVERS: [&str; 12] = [
@@ -88,17 +88,17 @@ fn a_longer_way_gives_the_same_speed() {
     let spawn = |x: f64| format!("ego_poses: [({x} m, -1.75 m, 0 deg)]  bearing: 180 deg  distance: 900 m");
     for driver in DRIVERS {
         let start = &outcomes(&scenario("straight", &spawn(400.0), driver), &mut Random::default(), 1)[0];
-        let mut env = PedestrianEnv::new(scenario("straight", &spawn(320.0), driver), Seed::root(4));
-        env.begin(0);
+        let mut env = scenario("straight", &spawn(320.0), driver).simulation();
+        env.start(Draw::new(&Seed::root(4), 0));
         let still = [env.scene().homing(0)];
         env.decide(&still);
         // LAV and InterFuser never drive at one speed: their throttle opens and closes. So the speeds of the last 20 m are compared.
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-        while env.world().ego().state.pose.x < start.spawn.ego.x {
+        while env.scene().world.ego().state.pose.x < start.spawn.ego.x {
             if env.tick().is_some() {
                 env.decide(&still);
             }
-            let ego = env.world().ego().state;
+            let ego = env.scene().world.ego().state;
             if !["lav", "interfuser"].contains(&driver) {
                 (least, most) = (ego.speed, ego.speed);
             } else if ego.pose.x > start.spawn.ego.x - 20.0 {
@@ -133,9 +133,9 @@ fn a_driver_that_does_not_arrive_starts_at_rest_at_the_drawn_pose() {
 #[test]
 fn a_copy_goes_on_like_the_original() {
     for driver in DRIVERS {
-        let mut original = PedestrianEnv::new(scenario("harbour", "", driver), Seed::root(6));
+        let mut original = scenario("harbour", "", driver).simulation();
         for number in 0..3 {
-            original.begin(number);
+            original.start(Draw::new(&Seed::root(6), number));
             let commands = [original.scene().intercept(0)];
             original.carry_out(&commands);
             let mut copy = original.snapshot().expect("every driver of ours can be copied");
@@ -174,13 +174,13 @@ fn a_start_that_is_tried_again_at_once_costs_its_run_up_once() {
 #[test]
 fn a_saved_episode_has_its_run_up_again() {
     let scenario = scenario("harbour", "", "squinting");
-    let [mut first, mut second] = [(); 2].map(|()| PedestrianEnv::new(Arc::clone(&scenario), Seed::root(9)));
+    let [mut first, mut second] = [(); 2].map(|()| PedestrianEnv::new(scenario.simulation(), Seed::root(9)));
     first.begin(3);
-    let commands = [first.scene().intercept(0)];
+    let commands = [first.simulation().scene().intercept(0)];
     first.carry_out(&commands);
     assert!(second.load(&first.save().expect("it can be saved")));
-    assert_eq!(first.world().ego().state, second.world().ego().state);
-    assert_eq!(first.run_up_ticks(), second.run_up_ticks());
+    let now = |env: &PedestrianEnv| (env.simulation().scene().world.ego().state, env.simulation().run_up_ticks());
+    assert_eq!(now(&first), now(&second));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use base::signature::{Form, Param, Signature, Type};
 use base::units::Dimension;
 use compile::{Catalog, compile};
 use proptest::prelude::*;
-use world::env::{ObservationSpec, PedestrianEnv, Scenario, Simulation};
+use world::env::{Draw, ObservationSpec, Outcome, Scenario};
 
 use crate::samples::samples;
 
@@ -173,9 +173,9 @@ fn step(text: &str) {
         lang::format(Sources::default().add("", text), text).unwrap_or_else(|said| panic!("{said:?}\n{text}"));
     assert_eq!(lang::format(Sources::default().add("", &laid_out), &laid_out).as_ref(), Ok(&laid_out), "{text}");
     let Some(scenario) = compiled(text) else { return };
-    let mut env = PedestrianEnv::new(scenario, Seed::root(1));
+    let mut env = scenario.simulation();
     for episode in 0..2 {
-        env.begin(episode);
+        env.start(Draw::new(&Seed::root(1), episode));
         let mut commands = [env.scene().intercept(0)];
         if episode == 1 {
             env.scene().write_commands(&[0.3, 1.0], &mut commands);
@@ -183,7 +183,7 @@ fn step(text: &str) {
         env.decide(&commands);
         for _ in 0..TICKS {
             let step = env.tick();
-            assert!(env.hopeless().is_none());
+            assert!(env.outcome().and_then(Outcome::fault).is_none());
             if let Some(step) = step {
                 assert!(step.reward.is_finite(), "a reward of {}", step.reward);
                 let mut state = [0.0; ObservationSpec::DIM];

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use base::seed::Seed;
 use compile::{Campaign, Catalog, compile};
-use world::env::{Outcome, PedestrianEnv, Scenario, Simulation, Trace};
+use world::env::{Draw, Outcome, Scenario, Trace};
 use world::falsifier::{Scripted, evaluate_observed};
 use world::geometry::{OrientedBox, Point};
 use world::judge::{Reference, judge};
@@ -118,8 +118,8 @@ fn a_path_departs_after_its_delay_and_the_driver_holds_the_test_speed() {
 #[test]
 fn the_first_command_paces_and_turns_a_path_and_later_ones_do_not() {
     let scenario = walking(&format!("ego_poses: [(-300 m, -1.75 m, 0 deg)],  ego_speed: 0 m/s,  {PATH}"), "blind");
-    let mut env = PedestrianEnv::new(scenario, Seed::root(3));
-    env.begin(0);
+    let mut env = scenario.simulation();
+    env.start(Draw::new(&Seed::root(3), 0));
     let stated = env.scene().scenario.spawn.scripted().expect("the rule has a path");
     assert!((stated.heading - std::f64::consts::FRAC_PI_2).abs() < 1e-12 && (stated.speed - 1.0).abs() < 1e-12);
     env.decide(&[WalkCommand { heading: 0.0, speed: 2.0 }]);
@@ -132,7 +132,7 @@ fn the_first_command_paces_and_turns_a_path_and_later_ones_do_not() {
     // Twice the pace: after 3 s the path as it is given has been walked for 6 s, and it is turned to the right by 90 degrees.
     let given = Point::new(60.0 + 6.0 / 7.0, -5.0 + 13.0 / 7.0);
     let wanted = Point::new(60.0 + (given.y + 8.0), -8.0 - (given.x - 60.0));
-    let place = env.world().pedestrians[0].state.pose.position();
+    let place = env.scene().world.pedestrians[0].state.pose.position();
     assert!((place - wanted).norm() < 1e-6, "{place} instead of {wanted}");
 }
 
@@ -353,12 +353,12 @@ fn lights_keep_their_cycle_and_opposite_legs_share_a_turn() {
         let opposite = lights.iter().find(|other| light.stop.forward().dot(&other.stop.forward()) < -0.9).unwrap();
         assert_eq!(light.turn, opposite.turn);
     }
-    let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(1));
-    env.begin(0);
+    let mut env = scenario.simulation();
+    env.start(Draw::new(&Seed::root(3), 0));
     env.decide(&[env.scene().scenario.spawn.scripted().unwrap()]);
     for tick in 0..400 {
         let time = 3.5 + f64::from(tick) * 0.05;
-        let clock = env.world().light_clock().expect("lights work");
+        let clock = env.scene().world.light_clock().expect("lights work");
         let wanted = |turn: u32| -> LightColour {
             match (time - 7.0 * f64::from(turn)).rem_euclid(14.0) {
                 since if since < 4.0 => Green,

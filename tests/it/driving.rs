@@ -9,7 +9,7 @@ use compile::{Catalog, Plan, Training, compile};
 use learn::{ActorCritic, Env, Trained};
 use world::av::onnx::{Model, Onnx};
 use world::driving::{ACTION_BOUNDS, ACTION_SCALES, DriveEnv, inputs};
-use world::env::{Draw, PedestrianEnv, Phase, Simulation};
+use world::env::{Draw, Phase};
 use world::falsifier::TrainingRun;
 
 use crate::program::{error, falsify};
@@ -64,7 +64,7 @@ fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64;
     let model = Arc::new(Model::read(bytes).unwrap());
     let mut elsewhere = (**scenario).clone();
     elsewhere.cast.vehicles[0].policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
-    let mut driver = PedestrianEnv::new(Arc::new(elsewhere), seed);
+    let mut driver = Arc::new(elsewhere).simulation();
     driver.place(Draw::new(&seed, 0));
     let mut obs = vec![0.0; learner.obs_dim()];
     learner.reset(&mut obs);
@@ -78,12 +78,12 @@ fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64;
         }
         assert!(!learner.step(&action, &mut obs).done());
         driver.tick();
-        assert_eq!(learner.env().phase(), driver.phase());
+        assert_eq!(learner.simulation().phase(), driver.phase());
         if driver.phase() != Phase::RunUp {
             break;
         }
-        for (way, env) in ways.iter_mut().zip([learner.env(), &driver]) {
-            let ego = &env.world().ego().state;
+        for (way, simulation) in ways.iter_mut().zip([learner.simulation(), &*driver]) {
+            let ego = &simulation.scene().world.ego().state;
             way.push([ego.pose.x, ego.pose.y]);
         }
     }

@@ -5,8 +5,7 @@ use std::path::Path;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use learn::Env;
-use world::env::{Observer, PedestrianEnv, Simulation, Trace, carry_out};
+use world::env::{Draw, Observer, Trace, carry_out};
 
 use crate::program::{error, falsify, said};
 
@@ -39,19 +38,19 @@ fn a_trace_has_the_states_and_actions_of_the_episode_in_every_frame() {
         let compiled = compiled.unwrap();
         let plan = compiled.plan.unwrap_or_else(|| panic!("{frames}: {:?}", compiled.diagnostics));
         let scenario = plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone();
-        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
+        let mut simulation = scenario.simulation();
         let (mut state, mut trace) = ([0.0; 4], Trace::new(&scenario));
-        env.reset(&mut state);
-        trace.begin(&env.scene());
-        let bounds = env.action_bounds();
-        let (mut taken, mut commands) = (Vec::new(), env.scene().commands().to_vec());
+        simulation.start(Draw::new(&Seed::root(5), 0));
+        trace.begin(&simulation.scene());
+        let bounds = scenario.cast.action_bounds();
+        let (mut taken, mut commands) = (Vec::new(), simulation.scene().commands().to_vec());
         loop {
             let share = [0.2, 0.9, 0.45][taken.len() % 3];
             let action = [0, 1].map(|part: usize| bounds[part].0 + share * (bounds[part].1 - bounds[part].0));
-            env.scene().write_state(&mut state);
-            env.scene().write_commands(&action, &mut commands);
+            simulation.scene().write_state(&mut state);
+            simulation.scene().write_commands(&action, &mut commands);
             taken.push((state, action));
-            if carry_out(&mut env, &commands, &mut trace).done() {
+            if carry_out(&mut *simulation, &commands, &mut trace).done() {
                 break;
             }
         }

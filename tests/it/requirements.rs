@@ -8,11 +8,10 @@ use base::seed::Seed;
 use base::signature::VariableId;
 use compile::{Catalog, Plan, compile};
 use falsify::session::{FailuresArgs, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
-use learn::Env;
 use results::campaign::{self, NoStore, Silent};
 use results::jobs::{Repeatable, watch};
 use results::report::{Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
-use world::env::{Outcome, PedestrianEnv, Simulation, Trace as EpisodeTrace};
+use world::env::{Draw, Outcome, Trace as EpisodeTrace};
 use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
 use world::requirement::Trace;
 use world::sim::WalkCommand;
@@ -501,18 +500,18 @@ fn a_reward_pays_for_violations_and_robustness() {
     let found = compiled(text);
     let plan = found.plan.unwrap_or_else(|| panic!("{:?}", found.diagnostics));
     let scenario = &plan.campaigns[0].nth::<compile::Search>(0).scenario;
-    let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(4));
+    let mut env = scenario.simulation();
     let (mut violations, mut ends) = (0, 0);
     for episode in 0..60 {
-        env.begin(episode);
-        let mut last = env.potential();
+        env.start(Draw::new(&Seed::root(4), episode));
+        let mut last = env.shaping();
         let outcome = loop {
-            let world = env.world();
+            let world = env.scene().world;
             let (car, walker) = (&world.ego().state.pose, &world.pedestrians[0].state.pose);
             let ahead = car.position() + car.forward() * 6.0;
             env.decide(&[WalkCommand { heading: walker.yaw + walker.bearing_to(ahead), speed: 1.4 }]);
             while env.tick().is_none() {}
-            let now = env.potential();
+            let now = env.shaping();
             assert!(now >= last, "what must always be true becomes no truer: {last} {now}");
             last = now;
             if let Some(outcome) = env.outcome() {

@@ -3,21 +3,21 @@ use std::sync::Arc;
 use super::wheel::{ACTION_BOUNDS, ACTION_SCALES, Seat, inputs};
 use super::{DriveReward, DriveRule, Pupil};
 use crate::av::view::View;
-use crate::env::{Draw, MOVING_ABOVE, PedestrianEnv, Phase, Scenario, Simulation, VehicleRole};
-use crate::falsifier::{Controller, WalkPolicy, advance};
+use crate::env::{Draw, MOVING_ABOVE, Phase, Scenario, Simulation, VehicleRole};
+use crate::falsifier::{Controller, FaultStreak, WalkPolicy, advance};
 use crate::geometry::Pose;
-use crate::sim::{ActorId, ActorStart, Contact, LightColour, WalkCommand};
+use crate::sim::{ActorId, ActorStart, Contact, LightColour, WalkCommand, World};
 use base::seed::Seed;
 use learn::{Env, Inputs, Step};
 
 /// An environment whose agent drives the ego.
 ///
-/// An episode is that of a [`PedestrianEnv`] with its run-up. A decision is acceleration and steer, divided by [`ACTION_SCALES`], for the ticks that the
+/// An episode is that of a [`Simulation`] with its run-up. A decision is acceleration and steer, divided by [`ACTION_SCALES`], for the ticks that the
 /// rule says; while a teacher is there, for one tick. The observation are the numbers of a learnt driver's network, squashed as [`inputs`] says.
 ///
 /// An episode ends with a touch, 3 m from the route, when the pedestrian's episode ends, or when the car does not reach the place of the encounter in time.
 pub struct DriveEnv {
-    env: PedestrianEnv,
+    simulation: Box<dyn Simulation>,
     seat: Seat,
     rule: Arc<DriveRule>,
     inputs: Inputs,
@@ -35,6 +35,7 @@ pub struct DriveEnv {
     is_collision: bool,
     /// Ticks for which an action is kept.
     hold: u32,
+    faults: FaultStreak,
 }
 
 /// What the reward of a tick compares with.
@@ -74,10 +75,9 @@ impl DriveEnv {
         scenario.cast.vehicles[0].policy = seat.policy();
         let others = traffic(&scenario, rule, seed);
         scenario.cast.vehicles.extend(others);
-        let env = PedestrianEnv::new(Arc::new(scenario), *seed);
-        let commands = vec![WalkCommand::default(); env.world().pedestrians.len()];
+        let commands = vec![WalkCommand::default(); scenario.cast.pedestrians.len()];
         Self {
-            env,
+            simulation: Arc::new(scenario).simulation(),
             seat,
             walkers: rule.walkers.iter().map(Controller::walk_policy).collect(),
             rule: rule.clone(),
@@ -90,12 +90,22 @@ impl DriveEnv {
             last: Last::default(),
             is_collision: false,
             hold: rule.hold,
+            faults: FaultStreak::default(),
         }
     }
 
-    /// The pedestrian's side of the running episode.
-    pub fn env(&self) -> &PedestrianEnv {
-        &self.env
+    /// The simulation of the running episode.
+    pub fn simulation(&self) -> &dyn Simulation {
+        &*self.simulation
+    }
+
+    /// The episodes in a row in which the driver of another car failed.
+    pub fn faults(&self) -> &FaultStreak {
+        &self.faults
+    }
+
+    fn world(&self) -> &World {
+        self.simulation.scene().world
     }
 
     /// The numbers of a learnt driver's inputs for the present state, in the order of [`inputs`].
@@ -106,10 +116,10 @@ impl DriveEnv {
     fn begin(&mut self, number: u64) {
         self.next = number + 1;
         self.actions.clear();
-        self.env.place(Draw::new(&self.seed, number));
-        self.env.prepare();
+        self.simulation.place(Draw::new(&self.seed, number));
+        self.simulation.prepare();
         (self.met, self.is_collision) = (false, false);
-        self.last = Last { speed: self.env.world().ego().state.speed, ..Last::default() };
+        self.last = Last { speed: self.world().ego().state.speed, ..Last::default() };
         self.last.red = red_light(&self.seat.wheel().view);
     }
 
@@ -121,8 +131,11 @@ impl DriveEnv {
     fn drive(&mut self, action: [f32; 2]) -> Step {
         self.actions.push(action);
         self.seat.wheel().action = action;
-        let (ended, contact) = if self.env.phase() == Phase::RunUp { self.run_up() } else { self.encounter() };
-        self.env.prepare();
+        let (ended, contact) = if self.simulation.phase() == Phase::RunUp { self.run_up() } else { self.encounter() };
+        if let Some(outcome) = self.simulation.outcome() {
+            self.faults.count(outcome.fault());
+        }
+        self.simulation.prepare();
         let is_lost = self.aside().is_none_or(|aside| aside > LOST);
         let collided = contact.filter(|contact| contact.pair.0 == ActorId::EGO);
         let hit = collided.filter(|hit| hit.impact_speed > MOVING_ABOVE);
@@ -141,12 +154,12 @@ impl DriveEnv {
 
     /// A tick of the run-up; returns whether it ended the episode, and whether the car failed.
     fn run_up(&mut self) -> (Option<bool>, Option<Contact>) {
-        self.env.tick();
-        let restarted = self.env.phase() != Phase::RunUp && self.env.world().run_up == 0;
+        self.simulation.tick();
+        let restarted = self.simulation.phase() != Phase::RunUp && self.world().run_up == 0;
         // A car that was placed among others, that stood or that waited too long is cut off.
         let is_fast = self.last.speed > MOVING_ABOVE;
-        let ticks = self.env.run_up_ticks();
-        let touched = SETTLED < ticks && ticks < self.env.scenario().most_run_up();
+        let ticks = self.simulation.run_up_ticks();
+        let touched = SETTLED < ticks && ticks < self.simulation.scenario().most_run_up();
         (restarted.then_some(is_fast && touched), None)
     }
 
@@ -159,14 +172,14 @@ impl DriveEnv {
             walker.begin(self.seed.index(number).child("walker").stream());
             self.met = true;
         }
-        if self.env.phase() == Phase::Decision {
-            advance(&mut self.env, walker.as_mut(), &mut self.commands, &mut ());
-            if self.env.outcome().is_some() {
+        if self.simulation.phase() == Phase::Decision {
+            advance(&mut *self.simulation, walker.as_mut(), &mut self.commands, &mut ());
+            if self.simulation.outcome().is_some() {
                 return (Some(false), None);
             }
         }
-        let step = self.env.tick();
-        let contact = self.env.scene().contact().copied();
+        let step = self.simulation.tick();
+        let contact = self.simulation.scene().contact().copied();
         let done = step.is_some_and(|step| step.done());
         (done.then(|| contact.is_some_and(|contact| contact.pair.0 == ActorId::EGO)), contact)
     }
@@ -180,7 +193,7 @@ impl DriveEnv {
     /// The reward of the last tick, without that of its end.
     fn reward(&mut self) -> f64 {
         let wheel = self.seat.wheel();
-        let (view, dt) = (&wheel.view, self.env.world().dt);
+        let (view, dt) = (&wheel.view, self.world().dt);
         let Last { speed: before, acceleration: last_acceleration, steer: last_steer, red } = self.last;
         let (speed, limit) = (view.speed, view.speed_limit.max(1.0));
         let acceleration = (speed - before) / dt;
@@ -189,7 +202,7 @@ impl DriveEnv {
             let heading = libm::cos(view.ego.yaw - abeam.yaw);
             (speed * heading, abeam.to_local(view.ego.position()).y)
         });
-        let blueprint = &self.env.world().ego().blueprint;
+        let blueprint = &self.world().ego().blueprint;
         let (slip, _) = blueprint.slip(blueprint.wheel_angle(steer, speed), speed);
         let lateral = speed * speed * libm::sin(slip) / (blueprint.wheelbase / 2.0);
         let bounded = |value: f64, one: f64| (value / one * (value / one)).min(1.0);
@@ -291,7 +304,7 @@ impl Pupil for DriveEnv {
 
 impl DriveEnv {
     fn is_over(&self) -> bool {
-        self.env.outcome().is_some()
+        self.simulation.outcome().is_some()
     }
 }
 

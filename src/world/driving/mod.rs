@@ -1,6 +1,6 @@
 //! A car that learns to drive: the environment whose agent is the ego, and the imitation of another driver before it learns by itself.
 //!
-//! A [`DriveEnv`] plays the episodes of a [`PedestrianEnv`](crate::env::PedestrianEnv), run-ups included: on the run-up the car drives alone, then it
+//! A [`DriveEnv`] plays the episodes of a [`Simulation`](crate::env::Simulation), run-ups included: on the run-up the car drives alone, then it
 //! meets a pedestrian. It observes the numbers that a network of [`av::onnx`](crate::av::onnx) gets, and chooses an acceleration and a steer in every
 //! tick, as such a network does. [`inputs`] says how the numbers are scaled; an exported network holds the scaling.
 

@@ -1,7 +1,7 @@
 //! The Markov decision process: what an episode is, how it starts, what a pedestrian observes and does, and its reward.
 //!
 //! A [`Scenario`] has a [`Cast`]: the ego and other vehicles with their drivers, and pedestrians. A pedestrian has four parts: a body, an
-//! [`ObservationSpec`], an [`ActionSpec`] and a [`Controller`]. A [`PedestrianEnv`] draws episodes of it. A [`Trace`] records an episode,
+//! [`ObservationSpec`], an [`ActionSpec`] and a [`Controller`]. A [`Simulation`] runs episodes of it; ours is [`LocalSimulation`]. A [`Trace`] records an episode,
 //! and a [`Pair`] is its view for one car and one pedestrian.
 //!
 //! | paper | here |
@@ -28,12 +28,10 @@ mod signal_meter;
 mod lane_watch;
 mod reward;
 mod motion;
-mod start_bank;
 mod state_hashes;
 mod outcome;
 mod criterion;
 mod failure_cell;
-mod running;
 mod run_up;
 mod pursuit;
 mod scene;
@@ -45,7 +43,7 @@ mod tally;
 mod road_watch;
 mod requirement_watch;
 mod observers;
-mod pedestrian_env;
+mod local_simulation;
 mod trace;
 mod pair;
 mod other_drive;
@@ -57,11 +55,11 @@ pub use component::Component;
 pub use criterion::Criterion;
 pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};
+pub use local_simulation::LocalSimulation;
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
 pub use other_drive::OtherDrive;
 pub use outcome::{Ending, LeftOut, Outcome};
 pub use pair::{Frame, Pair};
-pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};
 pub(crate) use scenario::MOVING_ABOVE;
@@ -76,7 +74,6 @@ pub use spawn::{
     Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn,
     SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
-pub use start_bank::{HardStarts, StartBank};
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};
 pub use trace::{Driven, Trace, VehicleFrame};

@@ -1,13 +1,12 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::{Cast, Criterion, EgoSpeed, PedestrianEnv, RewardRule, Simulation, SpawnRule, TestOracle, run_up};
+use super::{Cast, Criterion, EgoSpeed, LocalSimulation, RewardRule, Simulation, SpawnRule, TestOracle, run_up};
 use crate::geometry::Obstacles;
 use crate::requirement::NamedRequirement;
 use crate::road::Town;
 use crate::sim::LightCycle;
 use base::keys;
-use base::seed::Seed;
 use base::signature::{Distribution, Formula};
 
 /// The ego counts as moving above this speed (m/s).
@@ -80,7 +79,7 @@ pub struct Scenario {
 impl Scenario {
     /// What runs its episodes.
     pub fn simulation(self: &Arc<Self>) -> Box<dyn Simulation> {
-        Box::new(PedestrianEnv::new(self.clone(), Seed::root(0)))
+        Box::new(LocalSimulation::new(self.clone()))
     }
 
     /// Maximum number of ticks of an episode's run-up; 0 where episodes have none.

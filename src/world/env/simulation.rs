@@ -1,18 +1,22 @@
 use std::sync::Arc;
 
-use super::{FailureCell, Outcome, Scenario, Scene};
+use super::{FailureCell, Outcome, Scenario, Scene, SpawnRule};
 use crate::av::Fault;
 use crate::requirement::Degree;
 use crate::sim::WalkCommand;
 use base::seed::{Seed, Stream};
 use learn::Step;
 
-/// Runs episodes of a scenario, tick by tick: our simulator ([`PedestrianEnv`](super::PedestrianEnv)), or a bridge to another one.
+/// Runs episodes of a scenario, tick by tick: our simulator ([`LocalSimulation`](super::LocalSimulation)), or a bridge to another one.
 ///
 /// Searches, trainings, evaluations and estimates need no more of a simulator than this. A method with a body is something that a simulator
 /// need not be able to do.
 pub trait Simulation: Send {
     fn scenario(&self) -> &Arc<Scenario>;
+
+    /// Draws the next episodes by another spawn rule. It is not probed: it must be a part of the present one around whose poses of the car a
+    /// pedestrian can be placed.
+    fn respawn(&mut self, rule: SpawnRule);
 
     /// Places the actors. Its run-up follows, if the episode has one.
     fn place(&mut self, draw: Draw);
@@ -42,6 +46,17 @@ pub trait Simulation: Send {
     fn run_up_ticks(&self) -> u32 {
         0
     }
+
+    /// Why the driver failed in the run-up, which the next tick reports; `None` if it did not.
+    fn failed_run_up(&self) -> Option<Fault> {
+        None
+    }
+
+    /// Draws from another seed what drivers draw from now on, so that copies of one start go on differently.
+    fn reseed(&mut self, drivers: &Seed);
+
+    /// The hash of the start of the running episode and of all its states since.
+    fn state_hash(&self) -> u64;
 
     /// The degree of each requirement of the scenario in the episode that has ended; empty without requirements, while it runs, and after a
     /// driver or a controller failed.
@@ -163,13 +178,15 @@ pub struct Draw {
     pub start: Stream,
     /// The seed of all that drivers draw, the way to the start included.
     pub drivers: Seed,
+    /// The part of the spawn rule to draw from where that is easily done ([`SpawnRule::nearest`]); `None` for all of it.
+    pub near: Option<Arc<SpawnRule>>,
 }
 
 impl Draw {
     /// Episode *k* of a seed: it depends only on the seed and on *k*.
     pub fn new(seed: &Seed, number: u64) -> Self {
         let drivers = seed.index(number);
-        Self { number, start: drivers.child("spawn").stream(), drivers }
+        Self { number, start: drivers.child("spawn").stream(), drivers, near: None }
     }
 }
 

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::{Failure, StartSet};
 use crate::av::Fault;
-use crate::env::{Draw, FailureCell, Outcome, Phase, Scenario, Scene, Simulation};
+use crate::env::{Draw, FailureCell, Outcome, Phase, Scenario, Scene, Simulation, SpawnRule};
 use crate::requirement::Degree;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
@@ -206,6 +206,11 @@ impl Simulation for BudgetedSimulation<'_> {
         &self.scenario
     }
 
+    fn respawn(&mut self, rule: SpawnRule) {
+        self.ready = None;
+        self.simulation.respawn(rule);
+    }
+
     fn place(&mut self, draw: Draw) {
         (self.progress)(self.used - self.heard);
         self.heard = self.used;
@@ -275,6 +280,18 @@ impl Simulation for BudgetedSimulation<'_> {
 
     fn run_up_ticks(&self) -> u32 {
         self.simulation.run_up_ticks()
+    }
+
+    fn failed_run_up(&self) -> Option<Fault> {
+        self.simulation.failed_run_up()
+    }
+
+    fn reseed(&mut self, drivers: &Seed) {
+        self.simulation.reseed(drivers);
+    }
+
+    fn state_hash(&self) -> u64 {
+        self.simulation.state_hash()
     }
 
     fn degrees(&self) -> &[Degree] {

@@ -1,8 +1,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::episodes::MAX_FAULTS;
-use super::{BudgetedSimulation, Falsifier, Searched, TrainError, WalkPolicy, play};
+use super::{BudgetedSimulation, Falsifier, FaultStreak, Searched, TrainError, WalkPolicy, play};
 use base::keys;
 use base::seed::Seed;
 use base::signature::DeclarationId;
@@ -76,15 +75,15 @@ pub struct Controlled(pub Controller);
 impl Falsifier for Controlled {
     fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
         let mut walker = self.0.walk_policy();
-        let mut faults = 0;
+        let mut faults = FaultStreak::default();
         for start in 0.. {
             if !simulator.begin(start) {
                 break;
             }
             walker.begin(seed.index(start).stream());
             play(simulator, walker.as_mut(), &mut ());
-            faults = if walker.fault().is_some() { faults + 1 } else { 0 };
-            if let Some(fault) = walker.fault().filter(|_| faults == MAX_FAULTS) {
+            faults.count(walker.fault());
+            if let Some(fault) = faults.hopeless() {
                 return Err(TrainError::Controller { fault });
             }
         }

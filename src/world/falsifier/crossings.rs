@@ -1,8 +1,9 @@
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
+use super::FaultStreak;
 use super::drive::play;
-use super::episodes::{MAX_FAULTS, evaluate_observed};
+use super::episodes::evaluate_observed;
 use super::{Crossing, Goal};
 use crate::env::{Draw, Observer, Outcome, Scenario, Simulation, Trace};
 use base::seed::Seed;
@@ -39,7 +40,7 @@ pub fn evaluate_crossings<T>(
     }
     let mut trace = Trace::new(scenario);
     let mut slots = notes.iter_mut();
-    let mut faults = 0;
+    let mut faults = FaultStreak::default();
     for start in starts {
         let mut ready: Option<Box<dyn Simulation>> = None;
         for goal in goals {
@@ -54,8 +55,8 @@ pub fn evaluate_crossings<T>(
             let outcome = play(&mut *simulation, &mut Crossing::new(*goal), &mut trace);
             let outcome = outcome.expect("our simulator ends every episode");
             *slots.next().expect("there is a slot for every episode") = Some(note(&outcome, &trace));
-            faults = if outcome.fault().is_some() { faults + 1 } else { 0 };
-            if faults == MAX_FAULTS {
+            faults.count(outcome.fault());
+            if faults.hopeless().is_some() {
                 return notes;
             }
         }

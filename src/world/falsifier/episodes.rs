@@ -1,15 +1,12 @@
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
-use super::WalkPolicy;
 use super::drive::{advance, place, play};
+use super::{FaultStreak, WalkPolicy};
 use crate::av::Fault;
 use crate::env::{Draw, Outcome, Phase, Scenario, Simulation, Trace};
 use crate::sim::WalkCommand;
 use base::seed::Seed;
-
-/// Number of episodes in a row that a driver or a controller may fail; then no more are run.
-pub(super) const MAX_FAULTS: usize = 10;
 
 /// Evaluates a walk policy in this number of episodes, and reports the number of finished episodes to the observer.
 ///
@@ -56,7 +53,7 @@ pub fn evaluate_observed<T>(
         notes: episodes.map(|_| None).collect(),
         done: 0,
         settled: 0,
-        faults: 0,
+        faults: FaultStreak::default(),
     };
     let _ = if batch.is_empty() {
         let mut trace = Trace::new(scenario);
@@ -101,13 +98,13 @@ struct Trial<'a, T> {
     observer: &'a mut dyn FnMut(u32) -> ControlFlow<()>,
     /// Number of the first episode.
     first: u64,
-    /// The result of `note` for each episode, and whether the driver failed in it.
-    notes: Vec<Option<(T, bool)>>,
+    /// The result of `note` for each episode, and the fault of the driver or controller that failed in it.
+    notes: Vec<Option<(T, Option<Fault>)>>,
     done: u32,
     /// Episodes up to the first that is not finished yet.
     settled: usize,
-    /// The number of the last of these that are in error.
-    faults: usize,
+    /// Those of these that are in error.
+    faults: FaultStreak,
 }
 
 impl<T> Trial<'_, T> {
@@ -171,12 +168,12 @@ impl<T> Trial<'_, T> {
             return ControlFlow::Break(());
         }
         let noted = (self.note)(episode as u32, outcome, trace);
-        self.notes[(episode - self.first) as usize] = Some((noted, outcome.fault().is_some()));
+        self.notes[(episode - self.first) as usize] = Some((noted, outcome.fault()));
         self.done += 1;
-        while let Some(Some((_, failed))) = self.notes.get(self.settled) {
+        while let Some(Some((_, fault))) = self.notes.get(self.settled) {
             self.settled += 1;
-            self.faults = if *failed { self.faults + 1 } else { 0 };
-            if self.faults == MAX_FAULTS {
+            self.faults.count(*fault);
+            if self.faults.hopeless().is_some() {
                 return ControlFlow::Break(());
             }
         }

@@ -5,10 +5,8 @@
 //! them know an environment by the dimensions of its states and actions, not by the number of its pedestrians.
 
 mod walk_policy;
-mod train_error;
-mod training_ground;
-mod training_run;
-mod hard_start;
+mod fault_streak;
+mod training;
 mod trained;
 mod random;
 mod homing;
@@ -45,6 +43,7 @@ pub use episodes::{evaluate, evaluate_observed};
 pub use exhaustive::{Exhaustive, crossings};
 pub(crate) use failure::Recorded;
 pub use failure::{Failure, follow, recorded_commands, walk_again};
+pub use fault_streak::FaultStreak;
 pub use homing::{Homing, HomingKeys};
 pub use intercept::{Intercept, InterceptKeys};
 pub use learning::{Learning, LearningKeys};
@@ -56,8 +55,7 @@ pub use random::{Random, RandomKeys};
 pub use recorded_walking::RecordedWalking;
 pub use scripted::{Scripted, ScriptedKeys};
 pub use start_set::StartSet;
-pub use train_error::TrainError;
 pub use trained::{ActionMode, TrainedWalker};
-pub use training_run::{TrainingRun, first_networks};
+pub use training::{HardStarts, PedestrianEnv, StartBank, TrainError, TrainingRun, first_networks};
 pub use tree_search::TreeSearch;
 pub use walk_policy::WalkPolicy;

@@ -1,8 +1,6 @@
 use std::sync::Arc;
 
-use crate::env::{
-    Draw, DrawnParameter, Outcome, PedestrianEnv, Scenario, Simulation, SpawnRule, StartParameter, Trace,
-};
+use crate::env::{Draw, DrawnParameter, Outcome, Scenario, Simulation, SpawnRule, StartParameter, Trace};
 use crate::falsifier::{Recorded, WalkPolicy, place, play};
 use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
@@ -14,7 +12,7 @@ pub struct BoxOfStarts {
     spawn: SpawnRule,
     parameters: Vec<DrawnParameter>,
     walker: Box<dyn WalkPolicy>,
-    env: PedestrianEnv,
+    simulation: Box<dyn Simulation>,
     trace: Trace,
     seed: Seed,
 }
@@ -26,7 +24,7 @@ impl BoxOfStarts {
             spawn: scenario.spawn.clone(),
             parameters: scenario.start_parameters(),
             walker,
-            env: PedestrianEnv::new(scenario.clone(), seed.child("episodes")),
+            simulation: scenario.simulation(),
             trace: Trace::new(scenario),
             seed,
         }
@@ -46,22 +44,22 @@ impl BoxOfStarts {
     pub fn run(&mut self, at: &[f64], number: u64) -> Option<(Outcome, &Trace)> {
         let values = self.values(at);
         let rule = self.spawn.fixed(&values);
-        let scenario = self.env.scenario();
+        let scenario = self.simulation.scenario();
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let first = scenario.cast.pedestrian().first_heading;
         let drawn = &mut self.seed.child("place").index(number).stream();
         let rule = rule.settled(town, obstacles, first, drawn)?;
         let target = rule.target_walk.as_ref().map(|walk| stated(walk.command(), &values));
-        self.env.respawn(rule);
+        self.simulation.respawn(rule);
         self.walker.begin(self.seed.child("walker").index(number).stream());
-        let stated = target.map(|command| vec![command; self.env.world().pedestrians.len()]);
+        let stated = target.map(|command| vec![command; self.simulation.scenario().cast.pedestrians.len()]);
         let mut stated = stated.as_deref().map(|commands| Recorded::new(commands.len(), commands, true));
         let walker: &mut dyn WalkPolicy = match &mut stated {
             Some(stated) => stated,
             None => self.walker.as_mut(),
         };
-        place(&mut self.env, Draw::new(&self.seed.child("episodes"), number), &mut self.trace);
-        let outcome = play(&mut self.env, walker, &mut self.trace).expect("our simulator ends every episode");
+        place(&mut *self.simulation, Draw::new(&self.seed.child("episodes"), number), &mut self.trace);
+        let outcome = play(&mut *self.simulation, walker, &mut self.trace).expect("our simulator ends every episode");
         Some((outcome, &self.trace))
     }
 }

@@ -1,8 +1,10 @@
 use std::sync::Arc;
 
+use super::{PedestrianEnv, StartBank};
 use crate::av::Fault;
 use crate::driving::{DriveEnv, DriveRule, Pupil};
-use crate::env::{PedestrianEnv, Scenario, StartBank};
+use crate::env::Scenario;
+use crate::falsifier::FaultStreak;
 use base::seed::Seed;
 use learn::{Env, Step};
 
@@ -18,8 +20,8 @@ pub(super) struct TrainingGround {
 
 /// An environment of one scenario.
 trait Place: Env + Send {
-    /// The pedestrian's side of it.
-    fn pedestrian(&self) -> &PedestrianEnv;
+    /// The episodes in a row in which a driver failed.
+    fn faults(&self) -> &FaultStreak;
 
     /// The driver that learns; `None` if a pedestrian does.
     fn driver(&mut self) -> Option<&mut DriveEnv> {
@@ -28,14 +30,14 @@ trait Place: Env + Send {
 }
 
 impl Place for PedestrianEnv {
-    fn pedestrian(&self) -> &PedestrianEnv {
-        self
+    fn faults(&self) -> &FaultStreak {
+        self.faults()
     }
 }
 
 impl Place for DriveEnv {
-    fn pedestrian(&self) -> &PedestrianEnv {
-        self.env()
+    fn faults(&self) -> &FaultStreak {
+        self.faults()
     }
 
     fn driver(&mut self) -> Option<&mut DriveEnv> {
@@ -60,7 +62,7 @@ impl TrainingGround {
         let seed = |place: u64| if place == 0 { *episodes } else { episodes.child("place").index(place) };
         let envs = (0..).zip(scenarios).zip(banks).map(|((place, scenario), bank)| match rule {
             Some(rule) => Box::new(DriveEnv::new(scenario, rule, &seed(place))) as Box<dyn Place>,
-            None => Box::new(PedestrianEnv::new(scenario.clone(), seed(place)).with_bank(bank.clone())),
+            None => Box::new(PedestrianEnv::new(scenario.simulation(), seed(place)).with_bank(bank.clone())),
         });
         // The first reset moves on to the scenario of the number.
         Self { current: (number + scenarios.len() - 1) % scenarios.len(), envs: envs.collect() }
@@ -68,12 +70,12 @@ impl TrainingGround {
 
     /// Why a driver failed in ten episodes in a row, if one did.
     pub fn hopeless(&self) -> Option<Fault> {
-        self.envs.iter().find_map(|env| env.pedestrian().hopeless())
+        self.envs.iter().find_map(|env| env.faults().hopeless())
     }
 
     /// Whether the user asked to stop while a driver was waited for.
     pub fn is_stopped(&self) -> bool {
-        self.envs.iter().any(|env| env.pedestrian().is_stopped())
+        self.envs.iter().any(|env| env.faults().is_stopped())
     }
 
     fn env(&self) -> &dyn Place {

@@ -1,4 +1,4 @@
-use super::PedestrianEnv;
+use super::LocalSimulation;
 use crate::av::Fault;
 use crate::env::reward::{Hit, HitClass};
 use crate::env::{Ending, MOVING_ABOVE, Outcome, RewardRule, Simulation, Situation};
@@ -6,7 +6,7 @@ use crate::sim::Contact;
 use learn::Step;
 
 /// The end of a decision: its situation and reward, and the outcome of an episode that is over.
-impl PedestrianEnv {
+impl LocalSimulation {
     /// Computes the reward of the decision, and ends the episode when it is over.
     pub(super) fn settle(&mut self) -> Step {
         self.observers.settle();
@@ -60,7 +60,6 @@ impl PedestrianEnv {
         self.episode.is_due = true;
         if let Some(ending) = ending {
             self.finish(ending);
-            self.faults_in_a_row = 0;
         }
         let truncated = ending == Some(Ending::Timeout);
         Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
@@ -69,8 +68,6 @@ impl PedestrianEnv {
     /// Ends an episode whose driver failed: the decision has no reward, and the rest of the episode is unknown.
     pub(super) fn give_up(&mut self, fault: Fault) -> Step {
         self.finish(Ending::Error(fault));
-        self.faults_in_a_row += 1;
-        self.last_fault = Some(fault);
         Step { reward: 0.0, terminated: false, truncated: true }
     }
 

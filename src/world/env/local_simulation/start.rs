@@ -1,42 +1,23 @@
 use rand::RngExt;
 
-use super::{Episode, PedestrianEnv};
+use super::{Episode, LocalSimulation};
 use crate::env::run_up::Stage;
 use crate::env::script::Script;
-use crate::env::{Draw, EgoSpeed, Scene, Simulation};
+use crate::env::{Draw, EgoSpeed, Scene};
 use crate::geometry::Pose;
 use crate::sim::{ActorStart, Control, Start};
 use base::seed::Stream;
 
 /// The start of an episode: the draw, the run-up of the ego alone, and the moment at which the pedestrians appear.
-impl PedestrianEnv {
-    /// Starts the episode with this number, and drives its run-up.
-    pub fn begin(&mut self, number: u64) {
-        self.start(Draw::new(&self.seed, number));
-    }
-
-    /// Starts an episode with a copy of a start of the bank, if there is a bank for it.
-    pub(super) fn place_copy(&mut self, draw: &Draw) -> bool {
-        let bank = self.source.bank.clone().filter(|_| self.source.near.is_none());
-        let Some(copy) = bank.and_then(|bank| bank.copy(&draw.drivers)) else { return false };
-        let Self { seed, faults_in_a_row, last_fault, .. } = *self;
-        let source = self.source.clone();
-        *self = Self { seed, source, faults_in_a_row, last_fault, next_episode: draw.number + 1, ..copy };
-        self.episode.width = self.source.width;
-        self.drivers.seed = draw.drivers;
-        self.drivers.reseed(&draw.drivers);
-        true
-    }
-
+impl LocalSimulation {
     /// Draws the start of an episode and places the actors.
-    pub(super) fn place_drawn(&mut self, Draw { number, start: mut stream, drivers: seed }: Draw) {
+    pub(super) fn place_drawn(&mut self, Draw { number, start: mut stream, drivers: seed, near }: Draw) {
         self.drivers.seed = seed;
         let scenario = &self.scenario;
         let first = scenario.cast.pedestrian().first_heading;
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let (script, stated) = Script::draw(scenario, number, &mut stream);
         let spawn = stated.unwrap_or_else(|| {
-            let near = self.source.near.as_ref();
             let near = near.and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
             near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream))
         });
@@ -48,10 +29,8 @@ impl PedestrianEnv {
         let drawn = stream.random_range(0.0..12.0 * scenario.episode.light_cycle().turn());
         let phase = scenario.episode.light_phase.as_ref().map(|phase| phase.quantile(stream.random()));
         self.light_phase = phase.unwrap_or(drawn);
-        self.episode = Episode::new(spawn, self.source.width);
+        self.episode = Episode::new(number, spawn);
         self.observers.clear(scenario);
-        self.next_episode = number + 1;
-        self.decisions.clear();
         self.actions.starts[0] = ActorStart::standing(spawn.pedestrian);
         self.actions.contact = None;
         self.run_up.clear();
@@ -74,7 +53,7 @@ impl PedestrianEnv {
         self.run_up.plan(town, *goal, &scenario.cast.ego().blueprint, &mut stream);
         self.run_up.lead_on(town, goal, &scenario.spawn.ego_route);
         let start = ActorStart::standing(self.run_up.start(town));
-        let test_speed = scenario.spawn.test_speed(self.next_episode - 1);
+        let test_speed = scenario.spawn.test_speed(self.episode.number);
         self.place_vehicles(start);
         if let Some(limit) = self.run_up.limit {
             self.world.vehicles[0].speed_limit = limit;

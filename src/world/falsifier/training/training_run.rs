@@ -2,11 +2,11 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use super::TrainError;
 use super::hard_start::is_hard;
 use super::training_ground::TrainingGround;
+use super::{HardStarts, StartBank, TrainError};
 use crate::driving::{DriveRule, imitate};
-use crate::env::{Cast, HardStarts, Scenario, StartBank};
+use crate::env::{Cast, Scenario};
 use base::seed::Seed;
 use learn::{ActorCritic, CheckpointError, Env, PpoConfig, Trained, Trainer, UpdateLog};
 

@@ -2,13 +2,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rand::RngExt;
 
-use super::{EgoSpeed, PedestrianEnv, Scenario};
+use crate::env::{Draw, EgoSpeed, Scenario, Simulation};
 use base::seed::Seed;
 
 /// Starts of a scenario whose run-up has been driven, to be copied: a run-up takes more ticks than most encounters.
 ///
 /// Start *k* depends only on the seed and on *k*; it is driven when it is first drawn, by whichever environment draws it. What is random in a copy from tick 0
-/// on is drawn from streams of its own ([`DrivingPolicy::reseed`](crate::av::DrivingPolicy::reseed)), so copies share their past and not their future.
+/// on is drawn from streams of its own ([`Simulation::reseed`]), so copies share their past and not their future.
 /// A bank is for trainings: an evaluation whose episodes share starts would have a narrower interval than it claims.
 pub struct StartBank {
     scenario: Arc<Scenario>,
@@ -23,13 +23,13 @@ pub struct HardStarts {
     /// The share of the copies that are of hard starts, as far as a hundred draws find them.
     pub share: f64,
     /// Whether a start is hard; it also gets the start's number.
-    pub is_hard: fn(&PedestrianEnv, u64) -> bool,
+    pub is_hard: fn(&dyn Simulation, u64) -> bool,
 }
 
 /// What is known of a start.
 #[derive(Default)]
 struct Entry {
-    env: Option<Box<PedestrianEnv>>,
+    start: Option<Box<dyn Simulation>>,
     is_hard: Option<bool>,
 }
 
@@ -44,14 +44,14 @@ impl StartBank {
     pub fn new(scenario: &Arc<Scenario>, size: usize, hard: Option<HardStarts>, seed: Seed) -> Option<Self> {
         let spawn = &scenario.spawn;
         let suits = matches!(spawn.ego_speed, EgoSpeed::Steady) && spawn.target_walk.is_none() && size > 0;
-        suits.then(|| PedestrianEnv::new(scenario.clone(), seed).copy())??;
+        suits.then(|| scenario.simulation().snapshot())??;
         let starts = if hard.is_some() { WIDER * size } else { size };
         let starts = (0..starts).map(|_| Mutex::default()).collect();
         Some(Self { scenario: scenario.clone(), seed, starts, hard })
     }
 
     /// A copy of the start that this seed draws; `None` if its driver failed before tick 0.
-    pub(super) fn copy(&self, seed: &Seed) -> Option<PedestrianEnv> {
+    pub(super) fn copy(&self, seed: &Seed) -> Option<Box<dyn Simulation>> {
         let mut stream = seed.child("start").stream();
         let usual = if self.hard.is_some() { self.starts.len() / WIDER } else { self.starts.len() };
         let number = stream.random_range(0..usual);
@@ -65,32 +65,32 @@ impl StartBank {
             }
         }
         let mut entry = self.starts[number].lock().unwrap_or_else(PoisonError::into_inner);
-        copied(entry.env.get_or_insert_with(|| self.driven(number)))
+        copied(&**entry.start.get_or_insert_with(|| self.driven(number)))
     }
 
     /// A copy of this start if it is hard. Of others only that is kept.
-    fn hard_start(&self, number: usize, is_hard: fn(&PedestrianEnv, u64) -> bool) -> Option<PedestrianEnv> {
+    fn hard_start(&self, number: usize, is_hard: fn(&dyn Simulation, u64) -> bool) -> Option<Box<dyn Simulation>> {
         let mut entry = self.starts[number].lock().unwrap_or_else(PoisonError::into_inner);
-        let Entry { env, is_hard: known } = &mut *entry;
+        let Entry { start, is_hard: known } = &mut *entry;
         if known.is_none() {
-            let was_kept = env.is_some();
-            let start = env.take().unwrap_or_else(|| self.driven(number));
-            let found = start.failed_run_up().is_none() && is_hard(&start, number as u64);
+            let was_kept = start.is_some();
+            let driven = start.take().unwrap_or_else(|| self.driven(number));
+            let found = driven.failed_run_up().is_none() && is_hard(&*driven, number as u64);
             *known = Some(found);
-            *env = (found || was_kept).then_some(start);
+            *start = (found || was_kept).then_some(driven);
         }
-        env.as_ref().filter(|_| *known == Some(true)).and_then(|start| copied(start))
+        start.as_ref().filter(|_| *known == Some(true)).and_then(|start| copied(&**start))
     }
 
-    fn driven(&self, number: usize) -> Box<PedestrianEnv> {
-        let mut env = Box::new(PedestrianEnv::new(self.scenario.clone(), self.seed));
-        env.begin(number as u64);
-        env
+    fn driven(&self, number: usize) -> Box<dyn Simulation> {
+        let mut simulation = self.scenario.simulation();
+        simulation.start(Draw::new(&self.seed, number as u64));
+        simulation
     }
 }
 
-fn copied(start: &PedestrianEnv) -> Option<PedestrianEnv> {
-    start.failed_run_up().is_none().then(|| start.copy()).flatten()
+fn copied(start: &dyn Simulation) -> Option<Box<dyn Simulation>> {
+    start.failed_run_up().is_none().then(|| start.snapshot()).flatten()
 }
 
 impl std::fmt::Debug for StartBank {
