@@ -61,7 +61,7 @@ fn requirements<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>>
 }
 
 /// A requirement in an episode: whether it is violated, its robustness (SI units, or scaled), and the number of the sample and the text of the comparison
-/// that decide. Of a violation also whether both careful humans satisfy it and whether it is a fault; none where there is no verdict.
+/// that decide. Of a violation also whether both careful humans satisfy it and whether it is a fault; `None` without a verdict.
 pub fn requirement<'py>(
     py: Python<'py>,
     named: &NamedRequirement,

@@ -19,7 +19,7 @@ pub struct End {
     pub episode: u64,
     /// Its outcome.
     pub outcome: Outcome,
-    /// The verdict of the reference drivers; none without a collision.
+    /// The verdict of the reference drivers; `None` without a collision.
     pub verdict: Option<Verdict>,
     /// Each requirement of the scenario with its degree, and whose fault its violation is; empty without requirements, and in error.
     pub requirements: Vec<(NamedRequirement, Degree, Option<ViolationVerdict>)>,
@@ -37,7 +37,7 @@ pub struct World {
     trace: Trace,
     starts: Starts,
     seed: u64,
-    /// Number of the present episode; none before the first.
+    /// Number of the present episode; `None` before the first.
     episode: Option<u64>,
     /// The state after the last step, in the units of the controller.
     pub state: Vec<f64>,
@@ -136,7 +136,7 @@ impl World {
         self.episode.is_some() && (self.started_over || !self.step.done())
     }
 
-    /// The seed and the number of the present episode; none before the first.
+    /// The seed and the number of the present episode; `None` before the first.
     pub fn place(&self) -> Option<(u64, u64)> {
         self.episode.map(|episode| (self.seed, episode))
     }

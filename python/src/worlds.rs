@@ -233,7 +233,7 @@ impl Worlds {
         Ok(self.world(world)?.is_running())
     }
 
-    /// The seed and the number of the present episode of a world; none before the first.
+    /// The seed and the number of the present episode of a world; `None` before the first.
     fn place(&mut self, world: usize) -> PyResult<Option<(u64, u64)>> {
         Ok(self.world(world)?.place())
     }
@@ -250,7 +250,7 @@ impl Worlds {
         each.fold((0, 0), |sum, run_ups| (sum.0 + run_ups.0, sum.1 + run_ups.1))
     }
 
-    /// The outcome and the verdict of the last episode that ended in a world, as a new dictionary; none before the first end.
+    /// The outcome and the verdict of the last episode that ended in a world, as a new dictionary; `None` before the first end.
     fn end<'py>(&mut self, py: Python<'py>, world: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
         self.world(world)?.end.as_ref().map(|end| episode::end(py, end)).transpose()
     }

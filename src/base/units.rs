@@ -56,7 +56,7 @@ impl Dimension {
     /// Radians per second.
     pub const TURN_RATE: Self = Self::new(0, -1, 1, 0);
 
-    /// The dimension of a product; `None` when a power leaves the range of a byte.
+    /// The dimension of a product; `None` if a power leaves the range of a byte.
     pub fn times(self, other: Self) -> Option<Self> {
         Some(Self {
             metre: self.metre.checked_add(other.metre)?,
@@ -66,12 +66,12 @@ impl Dimension {
         })
     }
 
-    /// The dimension of a quotient; `None` when a power leaves the range of a byte.
+    /// The dimension of a quotient; `None` if a power leaves the range of a byte.
     pub fn over(self, other: Self) -> Option<Self> {
         self.times(other.to_the(-1)?)
     }
 
-    /// The dimension of a power; `None` when it leaves the range of a byte.
+    /// The dimension of a power; `None` if it leaves the range of a byte.
     pub fn to_the(self, power: i8) -> Option<Self> {
         Some(Self {
             metre: self.metre.checked_mul(power)?,
@@ -81,7 +81,7 @@ impl Dimension {
         })
     }
 
-    /// The dimension of a square root; `None` when a power is odd.
+    /// The dimension of a square root; `None` if a power is odd.
     pub fn root(self) -> Option<Self> {
         let half = |power: i8| (power % 2 == 0).then_some(power / 2);
         Some(Self {

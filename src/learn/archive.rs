@@ -61,7 +61,7 @@ pub(super) trait Number: Copy {
     /// Writes the number, least significant byte first.
     fn append(self, data: &mut Vec<u8>);
 
-    /// Reads the number from its bytes; `None` when it is not finite.
+    /// Reads the number from its bytes; `None` if it is not finite.
     fn parse(bytes: &[u8]) -> Option<Self>;
 }
 

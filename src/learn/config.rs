@@ -143,7 +143,7 @@ impl PpoConfig {
     }
 
     /// The share of all starts from which episodes are drawn after this number of steps, from 0 for the easiest to 1 for all;
-    /// none without a curriculum.
+    /// `None` without a curriculum.
     pub(super) fn widening(&self, steps: u64) -> Option<f64> {
         let whole = self.curriculum * self.steps as f64;
         (self.curriculum > 0.0).then(|| (steps as f64 / whole).min(1.0))

@@ -28,7 +28,7 @@ pub trait Env {
         false
     }
 
-    /// Returns whether it reached the goal in the way that counts: the driver is to blame. None where that is not judged.
+    /// Returns whether it reached the goal in the way that counts: the driver is to blame. `None` if that is not judged.
     fn is_fault(&self) -> Option<bool> {
         None
     }
@@ -48,7 +48,7 @@ pub trait Env {
         let _ = share;
     }
 
-    /// Returns everything that the environment's future depends on, also in mid-episode; `None` when it cannot be saved.
+    /// Returns everything that the environment's future depends on, also in mid-episode; `None` if it cannot be saved.
     ///
     /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the current
     /// episode is dropped and a new one starts.

@@ -64,7 +64,7 @@ impl Trainer {
         Self::with_networks(envs, first_networks(obs_dim, action_dim, config, seed), config, seed)
     }
 
-    /// As [`Trainer::new`], but with these first networks, which are no part of the settings.
+    /// As [`Trainer::new`], but with these first networks, which are not part of the settings.
     ///
     /// # Errors
     /// As [`Trainer::new`].

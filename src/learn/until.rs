@@ -23,7 +23,7 @@ const PARTS: u64 = 20;
 
 /// The number of parts in a row without a better one that are a plateau: half of the training. A reward that is paid seldom does not rise at first: with a
 /// quarter, trainings of 200,000 decisions ended before they had learnt anything.
-const PATIENCE: usize = 10;
+const MAX_PARTS_WITHOUT_GAIN: usize = 10;
 
 /// The standard errors by which a part is better.
 const CLEARLY: f64 = 2.0;
@@ -57,7 +57,7 @@ pub(super) fn is_plateau(curve: &[UpdateLog], total_steps: u64, curriculum: f64)
             _ => (best, waited) = (Some((mean, variance)), 0),
         }
     }
-    waited >= PATIENCE
+    waited >= MAX_PARTS_WITHOUT_GAIN
 }
 
 /// The mean of numbers and the variance of that mean; `None` for fewer than two.

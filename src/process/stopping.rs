@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time that a program has for its answer after the user has asked to stop.
-const PATIENCE: Duration = Duration::from_millis(500);
+const GRACE: Duration = Duration::from_millis(500);
 /// Time between two looks whether the user has asked.
 pub(super) const GLANCE: Duration = Duration::from_millis(50);
 
@@ -24,5 +24,5 @@ pub fn stop_waiting() {
 /// Whether programs are not waited for any more.
 pub(super) fn is_over() -> bool {
     let (allowed, asked) = *STATE.lock().unwrap_or_else(PoisonError::into_inner);
-    allowed && asked.is_some_and(|asked| asked.elapsed() >= PATIENCE)
+    allowed && asked.is_some_and(|asked| asked.elapsed() >= GRACE)
 }

@@ -12,7 +12,7 @@ const MAX_MEMORY: u64 = 2048;
 /// Maximum time of the processor (s); the largest network file needs 1.5 s. Other work of the machine does not count.
 const MAX_SECONDS: u64 = 10;
 /// Maximum time of the clock, for a child that waits, and for systems without the other limits.
-const PATIENCE: Duration = Duration::from_secs(30);
+const MAX_WAIT: Duration = Duration::from_secs(30);
 /// Time between two looks at the child.
 const PAUSE: Duration = Duration::from_millis(1);
 
@@ -68,7 +68,7 @@ fn this_program() -> std::io::Result<PathBuf> {
 
 /// Waits for the end of a child; `None` if it had to be ended.
 fn wait(child: &mut Child) -> std::io::Result<Option<ExitStatus>> {
-    let deadline = Instant::now() + PATIENCE;
+    let deadline = Instant::now() + MAX_WAIT;
     loop {
         if let Some(status) = child.try_wait()? {
             return Ok(Some(status));

@@ -29,7 +29,7 @@ pub enum ExitCode {
 }
 
 impl ExitCode {
-    /// Of two exit codes the first that is no success.
+    /// Of two exit codes the first that is not success.
     pub fn or(self, next: Self) -> Self {
         if self == Self::Done { next } else { self }
     }

@@ -230,7 +230,7 @@ impl Failure {
         format!("{}, {occluded}{mode}", self.impact.map_or("", Impact::name))
     }
 
-    /// Whether the pedestrian touched a standing car, which is no failure, and no requirement is violated.
+    /// Whether the pedestrian touched a standing car, which is not a failure, and no requirement is violated.
     pub fn is_bump(&self) -> bool {
         self.verdict == Some(Label::Bump) && self.violation.is_none()
     }

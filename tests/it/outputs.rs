@@ -88,7 +88,7 @@ fn a_device_is_written_to_and_a_file_is_no_folder() {
     ] {
         let output = falsify(arguments, place.path());
         assert_eq!(output.status.code(), Some(6), "{arguments:?}: {output:?}");
-        assert!(error(&output).contains("`cut.scn` is no folder"), "{arguments:?}: {}", error(&output));
+        assert!(error(&output).contains("`cut.scn` is not a folder"), "{arguments:?}: {}", error(&output));
     }
     assert_eq!(fs::read_to_string(place.path().join("cut.scn")).unwrap(), SCENARIO);
 }

@@ -77,5 +77,5 @@ fn what_is_no_toml_is_shown_where_it_breaks() {
     let output = falsify(&["run", "x.scn"], folder.path());
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2));
-    assert!(error.contains("error[syntax]: this is no TOML") && error.contains("falsify.toml:1:"), "{error}");
+    assert!(error.contains("error[syntax]: this is not TOML") && error.contains("falsify.toml:1:"), "{error}");
 }

@@ -59,7 +59,7 @@ def clones(folder: str | None) -> None:
     for name, inside in CLONES.items():
         place = Path(folder) / name
         if not (place / inside).is_dir():
-            raise SystemExit(f"there is no clone of {name} in {folder}: {place / inside} is no folder")
+            raise SystemExit(f"there is no clone of {name} in {folder}: {place / inside} is not a folder")
         sys.path.insert(0, str(place))
 
 

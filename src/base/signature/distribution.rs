@@ -36,7 +36,7 @@ impl Distribution {
         Self::Mixture(parts.into())
     }
 
-    /// The number of its parts that are no mixtures themselves.
+    /// The number of its parts that are not mixtures themselves.
     pub fn leaves(&self) -> usize {
         match self {
             Self::Mixture(parts) => parts.iter().map(|(_, part)| part.leaves()).sum(),
@@ -97,7 +97,7 @@ impl Distribution {
         }
     }
 
-    /// The distribution given that the value is from `low` to `high`; `None` when that is impossible.
+    /// The distribution given that the value is from `low` to `high`; `None` if that is impossible.
     pub fn truncated(&self, low: f64, high: f64) -> Option<Self> {
         let (a, b) = self.support();
         if low <= a && b <= high {
@@ -125,7 +125,7 @@ impl Distribution {
         }
     }
 
-    /// The distribution given that the value is not this one; `None` when it always is. Only parts that draw single values change.
+    /// The distribution given that the value is not this one; `None` if it always is. Only parts that draw single values change.
     pub fn without(&self, value: f64) -> Option<Self> {
         match self {
             Self::Constant(only) if *only == value => None,

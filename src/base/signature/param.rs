@@ -230,7 +230,7 @@ pub struct Param {
     pub name: &'static str,
     /// The type of its value.
     pub ty: Type,
-    /// The value when the key is not given, as written in a file. `None` when the key is required, and `Some("")`
+    /// The value when the key is not given, as written in a file. `None` if the key is required, and `Some("")`
     /// when it is optional and then absent.
     pub default: Option<&'static str>,
     /// One sentence for the reference.

@@ -58,7 +58,7 @@ pub enum Temporal {
 }
 
 impl Requirement {
-    /// The dimension of its robustness: that of all its comparisons, if they share one. None if they differ, or if there are none.
+    /// The dimension of its robustness: that of all its comparisons, if they share one. `None` if they differ, or if there are none.
     pub fn dimension(&self) -> Option<Dimension> {
         let mut measured = self.parts.iter().filter_map(|part| part.dimension);
         let first = measured.next()?;

@@ -94,7 +94,7 @@ pub struct Form {
     pub name: &'static str,
     /// One or two sentences for the reference.
     pub doc: &'static str,
-    /// The keys of `form name { … }`; `None` when a kind must be named.
+    /// The keys of `form name { … }`; `None` if a kind must be named.
     pub plain: Option<Signature>,
     /// Whether a `matrix` block may multiply its declarations.
     pub multiplies: bool,

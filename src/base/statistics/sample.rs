@@ -61,7 +61,7 @@ impl Sample {
         self.groups().iter().any(|(group, _)| (2..MIN_RUNS).contains(&group.len()))
     }
 
-    /// The standard error about further trainings and further episodes; `None` when a group is a single training.
+    /// The standard error about further trainings and further episodes; `None` if a group is a single training.
     ///
     /// Trainings and starts are crossed: the figure of training i at start j is μ + tᵢ + sⱼ + eᵢⱼ. The variance of a mean over I
     /// trainings and J starts is σt²/I + σs²/J + σe²/(I J). The variance between the trainings' means, divided by I, estimates the

@@ -148,7 +148,7 @@ impl Lowering<'_> {
         let kind = self.walker_kind(word);
         if kind.is_scripted && !has_script {
             let message = format!(
-                "a `{}` pedestrian walks as a test or a path states, and the spawn rule of this block is no test and has no path",
+                "a `{}` pedestrian walks as a test or a path states, and the spawn rule of this block is not a test and has no path",
                 kind.word()
             );
             let help = "use a `spawn` of kind `crossing_test`, `along_test` or `given_path`";

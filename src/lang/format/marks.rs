@@ -16,7 +16,7 @@ pub struct Marks {
     pub blocks: BTreeSet<usize>,
 }
 
-/// Reads a text that is known to parse; `None` when it does not.
+/// Reads a text that is known to parse; `None` if it does not.
 pub fn marks(text: &str) -> Option<Marks> {
     let mut marks = Marks::default();
     let file = ScenarioParser::parse(Rule::file, text).ok()?.next()?;

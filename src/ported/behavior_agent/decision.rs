@@ -5,7 +5,7 @@ pub struct Decision {
     pub red_light: bool,
     /// Distance to the actor that the walker step found, near or far (m); a vehicle if no walker is near.
     pub walker: Option<f64>,
-    /// Distance to the vehicle that the vehicle step found (m); also none when that step was not reached.
+    /// Distance to the vehicle that the vehicle step found (m); also `None` if that step was not reached.
     pub vehicle: Option<f64>,
     /// The control is an emergency stop.
     pub emergency: bool,

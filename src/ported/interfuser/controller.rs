@@ -12,13 +12,13 @@ const GAP: f64 = 2.0;
 /// It brakes for less room than this (m) at any speed.
 const MIN_ROOM: f64 = 3.0;
 /// Ticks at rest after which it creeps.
-const PATIENCE: u32 = 1200;
+const MAX_STOP_STEPS: u32 = 1200;
 /// Ticks that it creeps.
 const CREEP: u32 = 12;
 /// Throttle while creeping.
 const CREEP_THROTTLE: f64 = 0.8;
 /// Ticks at red after which the light is ignored.
-const RED_PATIENCE: u32 = 1000;
+const MAX_RED_LIGHT_STEPS: u32 = 1000;
 /// Ticks for which it is ignored.
 const RED_IGNORED: u32 = 80;
 /// Distance for which a stop sign is not checked again (m).
@@ -176,7 +176,7 @@ impl Controller {
             reason,
         };
         let counters = &mut self.counters;
-        if counters.stop_steps > PATIENCE {
+        if counters.stop_steps > MAX_STOP_STEPS {
             counters.forced_forward_steps = CREEP;
             counters.stop_steps = 0;
         }
@@ -204,7 +204,7 @@ impl Controller {
         }
         let mut p_red = inputs.p_red;
         counters.red_light_steps = if p_red > 0.7 { counters.red_light_steps + 1 } else { 0 };
-        if counters.red_light_steps > RED_PATIENCE {
+        if counters.red_light_steps > MAX_RED_LIGHT_STEPS {
             counters.block_red_light = RED_IGNORED;
             counters.red_light_steps = 0;
         }

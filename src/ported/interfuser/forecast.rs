@@ -42,7 +42,7 @@ impl Forecast {
         }
     }
 
-    /// The image of a horizon; `None` when it is empty.
+    /// The image of a horizon; `None` if it is empty.
     pub(super) fn image(&self, horizon: usize) -> Option<&Image> {
         (!self.clear[horizon]).then(|| &self.images[horizon])
     }

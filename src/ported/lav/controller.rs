@@ -18,7 +18,7 @@ const THROTTLE_UP_TO: f64 = 35.0 / 3.6;
 /// Below this speed (m/s) v2 counts its ticks at rest.
 const AT_REST: f64 = 0.1;
 /// It creeps after this number of ticks at rest,
-const PATIENCE: u32 = 600;
+const MAX_TICKS_AT_REST: u32 = 600;
 /// for this number of ticks,
 const CREEP_FOR: u32 = 20;
 const CREEP_THROTTLE: f64 = 0.4;
@@ -117,7 +117,7 @@ impl Controller {
         if speed > THROTTLE_UP_TO {
             pedals.throttle = 0.0;
         }
-        if self.ticks_at_rest >= PATIENCE {
+        if self.ticks_at_rest >= MAX_TICKS_AT_REST {
             self.creeping = CREEP_FOR;
         }
         if self.creeping > 0 {

@@ -62,7 +62,7 @@ fn options() -> Vec<Arg> {
     KEYS.into_iter().map(|(key, _)| option(key).expect("each setting is an option of `run`")).collect()
 }
 
-/// Finds the file in a folder or the nearest one above it, and reads it; `None` when there is no such file.
+/// Finds the file in a folder or the nearest one above it, and reads it; `None` if there is no such file.
 ///
 /// # Errors
 /// The exit code, after all errors have been printed.
@@ -95,7 +95,7 @@ fn read(path: &Path, text: &str, source: SourceId) -> Result<Settings, Vec<Diagn
     let span = |range: Range<usize>| Span { source, start: range.start, end: range.end };
     let table = DeTable::parse(text).map_err(|error| {
         let place = span(error.span().unwrap_or(0..0));
-        vec![Diagnostic::error("syntax", place, "this is no TOML").here(error.message().trim_end().to_string())]
+        vec![Diagnostic::error("syntax", place, "this is not TOML").here(error.message().trim_end().to_string())]
     })?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut values = BTreeMap::new();

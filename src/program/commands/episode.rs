@@ -41,7 +41,7 @@ impl FromStr for Named {
 /// All episodes that arguments name, with those on the standard input.
 ///
 /// # Errors
-/// The exit code, after the reason has been printed: the input cannot be read, or a line of it is no name.
+/// The exit code, after the reason has been printed: the input cannot be read, or a line of it is not a name.
 pub fn resolved(names: &[Named]) -> Result<Vec<EpisodePath>, ExitCode> {
     let mut all = Vec::new();
     for name in names {

@@ -29,7 +29,7 @@ The columns, in any order, others are ignored:
 The frame is right-handed. Of recordings from CARLA change the signs of y and of the heading.
 A recording begins before the pedestrian is a danger. It cannot say that it was dark or wet, or that something hid the pedestrian.
 
-Exit codes: 0 it was judged   2 the file cannot be read, or is no recording";
+Exit codes: 0 it was judged   2 the file cannot be read, or is not a recording";
 
 /// Options of `falsify judge`.
 #[derive(Debug, Args)]

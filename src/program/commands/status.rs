@@ -81,7 +81,7 @@ struct CampaignProgress {
     /// The kinds that have no measurement.
     #[serde(skip)]
     unmeasured: Vec<&'static str>,
-    /// Estimated remaining time with as many tasks under way as now (s); `None` when no task is under way.
+    /// Estimated remaining time with as many tasks under way as now (s); `None` if no task is under way.
     left_s: Option<f64>,
     /// The error of the task that failed last.
     last_error: Option<String>,

@@ -152,7 +152,7 @@ impl Places {
         let mut words = tokens(new);
         if !matches!((words.next(), words.next()), (Some(only), None) if only.kind == TokenKind::Name) {
             return Err(format!(
-                "`{new}` is no name: a name is a word of letters, digits and `_` that is not a keyword"
+                "`{new}` is not a name: a name is a word of letters, digits and `_` that is not a keyword"
             ));
         }
         for path in self.files.keys() {

@@ -230,7 +230,7 @@ impl<W: Write> Server<W> {
         self.publish()
     }
 
-    /// Loads a document with its imports and answers a query about a place in it; `None` when the document is not open.
+    /// Loads a document with its imports and answers a query about a place in it; `None` if the document is not open.
     fn at<T>(
         &self,
         at: &TextDocumentPositionParams,
@@ -275,7 +275,7 @@ impl<W: Write> Server<W> {
         all
     }
 
-    /// The word at a place that can get a new name; `None` where there is no name.
+    /// The word at a place that can get a new name; `None` without a name.
     fn prepare_rename(&self, at: &TextDocumentPositionParams) -> Result<Option<PrepareRenameResponse>, Refusal> {
         let Some(found) = self.places_of(at) else { return Ok(None) };
         found.check_old_name().map_err(|reason| Refusal(ErrorCode::RequestFailed, reason))?;

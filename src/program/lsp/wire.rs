@@ -22,7 +22,7 @@ pub enum WireError {
     Body(String),
 }
 
-/// Reads the next message; `None` when the stream has ended.
+/// Reads the next message; `None` if the stream has ended.
 ///
 /// # Errors
 /// See [`WireError`]; after [`WireError::Body`] reading can continue.

@@ -42,7 +42,7 @@ pub enum RecheckStage {
 
 /// Observes the calls of a session.
 pub trait Observer: Send + Sync {
-    /// Hears what happens. It may be called from several threads.
+    /// Called with what happens. It may be called from several threads.
     fn event(&self, event: &Event<'_>);
 }
 

@@ -97,7 +97,7 @@ pub struct NewestUpdate {
 }
 
 impl NewestUpdate {
-    /// Reads the growing learning curve of a training, which it finds by its name in the texts of tasks. None without a file or a row.
+    /// Reads the growing learning curve of a training, which it finds by its name in the texts of tasks. `None` without a file or a row.
     pub fn read(folder: &Path, training: &str) -> Option<Self> {
         let curves = fs::read_dir(folder).ok()?.flatten();
         curves

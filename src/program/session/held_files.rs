@@ -27,7 +27,7 @@ impl<'a> HeldFiles<'a> {
         Self { report, files: files.map(|file| (place(&file.path), file)).collect(), others, others_first }
     }
 
-    /// A file that neither the report nor the other reader has; `None` when all are there, or the report holds no file at all, since it is
+    /// A file that neither the report nor the other reader has; `None` if all are there, or the report holds no file at all, since it is
     /// of an earlier version.
     pub fn missing(&self) -> Option<&'a ScenarioFile> {
         let is_gone = |error: &std::io::Error| error.kind() == ErrorKind::NotFound;

@@ -1,7 +1,7 @@
 //! The program as a library: it checks scenarios, runs their campaigns, lists failures and repeats episodes.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
-//! takes a struct of plain options, returns a value or an [`Error`], and the observer hears each [`Event`] meanwhile. No call prints, reads
+//! takes a struct of plain options, returns a value or an [`Error`], and the observer is called with each [`Event`] meanwhile. No call prints, reads
 //! the arguments or the environment of the process, installs a signal handler or starts a program that the catalogue does not allow. The
 //! structs of options are also arguments of the command line, which alone parses them.
 

@@ -50,7 +50,7 @@ pub enum OtherInput {
         /// The digest of its code.
         then: String,
     },
-    /// Runs that are no part of what would be run, or are shorter there.
+    /// Runs that are not part of what would be run, or are shorter there.
     #[error("{missing} of its {all} runs and trainings would be lost or shortened; the first is {first}")]
     Runs {
         missing: usize,
@@ -76,7 +76,7 @@ impl OtherReport {
 }
 
 /// Checks that a finished report at the place of a campaign's report loses nothing when it is replaced: each of its runs is part of the
-/// campaign, with at least as many episodes. So the same campaign again is no replacement of something else, nor is one with further
+/// campaign, with at least as many episodes. So the same campaign again does not replace anything else, nor does one with further
 /// drivers or more episodes.
 ///
 /// # Errors

@@ -213,8 +213,8 @@ impl<'a> CampaignRun<'a> {
         results.take_failure().map_or(Ok(()), |error| Err(self.options.keep(error)))
     }
 
-    /// Gathers the episodes, which are written meanwhile, and works out what the report has; `None` when nothing was finished. The observer
-    /// hears what is wrong with the results.
+    /// Gathers the episodes, which are written meanwhile, and works out what the report has; `None` if nothing was finished. The observer
+    /// is called with what is wrong with the results.
     fn find<'f>(
         &self,
         draft: &ReportFolder,

@@ -19,7 +19,7 @@ pub(super) fn adjusted_rand(a: &[usize], b: &[usize]) -> f64 {
 
 /// The mean silhouette of a partition: 1 when the clusters are points far apart, about 0 when points lie between them.
 ///
-/// A point alone in its cluster counts as 0. The result is none for one cluster and for no points.
+/// A point alone in its cluster counts as 0. The result is `None` for one cluster and for no points.
 ///
 /// # Source
 /// Rousseeuw, *Silhouettes: a graphical aid to the interpretation and validation of cluster analysis*, J. Comput. Appl. Math. 20, 1987.

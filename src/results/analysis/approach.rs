@@ -42,7 +42,7 @@ impl Approach {
     pub const STEP: f64 = Self::WINDOW / (Self::STATIONS - 1) as f64;
     const STATIONS: usize = 7;
 
-    /// The end of an episode; none when the two did not touch.
+    /// The end of an episode; `None` if the two did not touch.
     pub fn new(pair: &Pair<'_>) -> Option<Self> {
         let contact = pair.contact?;
         let touch = (pair.len().checked_sub(2)?) as f64 + contact.fraction;

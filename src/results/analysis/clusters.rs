@@ -34,7 +34,7 @@ pub struct Stability {
 pub struct Clusters {
     /// The cluster of each point, from 0.
     pub labels: Vec<usize>,
-    /// Its stability; none for a single cluster.
+    /// Its stability; `None` for a single cluster.
     pub stability: Option<Stability>,
 }
 
@@ -79,7 +79,7 @@ fn bootstrap(points: &[Vec<f64>], labels: &[usize]) -> f64 {
     (0..SAMPLES).map(agreement).sum::<f64>() / SAMPLES as f64
 }
 
-/// Fits `k` centres to some points in several runs, and returns the nearest centre of each other point; none when a centre has no points.
+/// Fits `k` centres to some points in several runs, and returns the nearest centre of each other point; `None` if a centre has no points.
 fn partition(fit: &[Vec<f64>], points: &[Vec<f64>], k: usize) -> Option<Vec<usize>> {
     if fit.len() < k {
         return None;

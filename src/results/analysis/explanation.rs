@@ -74,7 +74,7 @@ pub struct Explanation {
 }
 
 impl Explanation {
-    /// Explains; none when there are too few episodes of either outcome to learn from or to test on.
+    /// Explains; `None` if there are too few episodes of either outcome to learn from or to test on.
     ///
     /// # Source
     /// Breiman et al., *Classification and Regression Trees*, 1984.

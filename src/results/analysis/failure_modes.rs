@@ -21,13 +21,13 @@ pub struct FailureMode {
     pub members: Vec<usize>,
     /// The member that is nearest to all the others, as index in the given list.
     pub medoid: usize,
-    /// Root mean square distance of the members from the medoid (m), see [`Approach::distance`]; none when no approach is known.
+    /// Root mean square distance of the members from the medoid (m), see [`Approach::distance`]; `None` if no approach is known.
     pub spread: Option<f64>,
     /// Quantiles of the car's speed at the touch (m/s): 10 %, 50 % and 90 % of the members are at most as fast.
     pub impact_speed: [f64; 3],
     /// Median time from the start of the episode to the touch (s).
     pub length: f64,
-    /// The stability of the clusters of the kind; none for a single cluster.
+    /// The stability of the clusters of the kind; `None` for a single cluster.
     pub stability: Option<Stability>,
 }
 

@@ -70,7 +70,7 @@ pub fn collect(campaign: &Campaign, seed: &Seed, results: &dyn ResultStore) -> F
     Finished::new(campaign, (0..campaign.jobs.len()).map(stored).collect(), false)
 }
 
-/// The stored result of a job; None for a job whose results are episodes.
+/// The stored result of a job; `None` for a job whose results are episodes.
 pub(super) fn read(
     campaign: &Campaign,
     place: usize,

@@ -73,7 +73,7 @@ impl<'a> Part<'a> {
         self.stop() || self.limit(0).is_some()
     }
 
-    /// The result of a job that has ended; None if there is none, or it is of another kind.
+    /// The result of a job that has ended; `None` if there is none, or it is of another kind.
     pub fn result_of<T: JobResult>(&self, job: usize) -> Option<&'a T> {
         let result: &dyn Any = self.ended[job].get()?.as_ref();
         result.downcast_ref()

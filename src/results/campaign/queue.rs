@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::Task;
 
 /// Time that a worker without work waits before it looks for a worker to help.
-const PATIENCE: Duration = Duration::from_millis(2);
+const WAIT: Duration = Duration::from_millis(2);
 /// Number of these waits after which the queue again offers tasks that another process had.
 const ROUNDS: u32 = 20;
 
@@ -57,7 +57,7 @@ impl Queue {
     /// Waits for a moment; a change of the queue ends the wait early.
     pub fn wait(&self) {
         let tasks = self.tasks();
-        let (mut tasks, _) = self.bell.wait_timeout(tasks, PATIENCE).unwrap_or_else(PoisonError::into_inner);
+        let (mut tasks, _) = self.bell.wait_timeout(tasks, WAIT).unwrap_or_else(PoisonError::into_inner);
         tasks.rounds += 1;
         if tasks.rounds.is_multiple_of(ROUNDS) {
             let elsewhere = std::mem::take(&mut tasks.elsewhere);

@@ -105,13 +105,13 @@ pub trait Work: Planned {
         format!("{}, block {}", self.title(), self.origin().block)
     }
 
-    /// Runs a part of it, stores it as far as it has ended, and reports [`Part::begin`] and [`Part::progress`]; None if the user asks to stop before there is any result.
+    /// Runs a part of it, stores it as far as it has ended, and reports [`Part::begin`] and [`Part::progress`]; `None` if the user asks to stop before there is any result.
     fn run(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>>;
 
-    /// A result from its stored form; None if that is damaged.
+    /// A result from its stored form; `None` if that is damaged.
     fn decode(&self, bytes: &[u8]) -> Option<Box<dyn JobResult>>;
 
-    /// The finished result that the store has; None without one.
+    /// The finished result that the store has; `None` without one.
     fn read(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>> {
         let stored = part.results.get(part.task).filter(|stored| stored.state == State::Finished)?;
         let result = self.decode(&stored.bytes);
@@ -145,7 +145,7 @@ pub trait JobResult: Any + fmt::Debug + Send + Sync + Collect {
         String::new()
     }
 
-    /// Its stored form; None for what cannot be stored, or has stored itself.
+    /// Its stored form; `None` for what cannot be stored, or has stored itself.
     fn encode(&self) -> Option<Vec<u8>> {
         None
     }
@@ -163,7 +163,7 @@ fn of<T: Work>(job: &Job) -> Option<&dyn Work> {
     job.of::<T>().map(|job| job as &dyn Work)
 }
 
-/// JSON from which the same value is read; None for what has no form in it, such as a number that is not finite.
+/// JSON from which the same value is read; `None` for what has no form in it, such as a number that is not finite.
 fn json<T: Serialize + DeserializeOwned + PartialEq>(value: &T) -> Option<Vec<u8>> {
     let bytes = serde_json::to_vec(value).ok()?;
     serde_json::from_slice::<T>(&bytes).is_ok_and(|read| read == *value).then_some(bytes)

@@ -96,7 +96,7 @@ pub const LEFT_LANE: Column<f64> = Column::new(
     "left_lane_s",
     "s",
     "time in which the centre of the car was outside its lane: more than 0.1 m beyond the edge of a driving lane that leads its way; in a junction, of \
-     all lanes that lead on from the lane by which it came. A lane beside it with the same direction is no other lane",
+     all lanes that lead on from the lane by which it came. A lane beside it with the same direction is not another lane",
 );
 pub const LEFT_ROAD: Column<bool> = Column::new(
     "left_road",

@@ -38,12 +38,12 @@ fn parse_degree(text: &str) -> Option<JudgedDegree> {
     Some(JudgedDegree { degree: degree.parse().ok()?, verdict: Some(verdict) })
 }
 
-/// The degrees of an episode as text, from which [`parse`] reads the same bits; none without any.
+/// The degrees of an episode as text, from which [`parse`] reads the same bits; `None` without any.
 fn text(degrees: &[JudgedDegree]) -> Option<String> {
     (!degrees.is_empty()).then(|| degrees.iter().map(degree_text).collect::<Vec<_>>().join(";"))
 }
 
-/// The degrees of an episode; none where the text has another form.
+/// The degrees of an episode; `None` if the text has another form.
 pub fn parse(text: &str) -> Option<Vec<JudgedDegree>> {
     text.split(';').map(parse_degree).collect()
 }
@@ -59,7 +59,7 @@ pub(super) fn add(table: &mut DataFrame, rows: &[EpisodeRow]) -> PolarsResult<()
 /// Gives a table the column, without values, if it lacks it.
 ///
 /// # Errors
-/// Those of polars; none for a table of episodes.
+/// Those of polars; `None` for a table of episodes.
 pub fn with_degrees(table: &mut DataFrame) -> PolarsResult<()> {
     if table.get_column_index(DEGREES.name).is_none() {
         let none = Values::full_null(DEGREES.name.into(), table.height(), &polars::prelude::DataType::String);

@@ -115,7 +115,7 @@ fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
     verdict_columns(|row: &EpisodeRow| row.judged.verdict).into_iter().chain(of_drivers).collect()
 }
 
-/// Whether the driver did not arrive at its start; none without a run-up.
+/// Whether the driver did not arrive at its start; `None` without a run-up.
 fn placed(row: &EpisodeRow) -> Option<bool> {
     (row.judged.outcome.run_up > 0).then_some(row.judged.outcome.spawn.ego_speed == 0.0)
 }
@@ -134,17 +134,17 @@ fn hit(row: &EpisodeRow) -> Option<Hit> {
     }
 }
 
-/// The near-miss figures of an episode; none for one in error, whose driver did not reach the end.
+/// The near-miss figures of an episode; `None` for one in error, whose driver did not reach the end.
 fn near_miss(row: &EpisodeRow) -> NearMiss {
     if row.judged.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
 }
 
-/// Whether the car stayed in its lane; none for an episode in error.
+/// Whether the car stayed in its lane; `None` for an episode in error.
 fn lane(row: &EpisodeRow) -> Option<LaneDeparture> {
     row.lane.filter(|_| row.judged.outcome.fault().is_none())
 }
 
-/// What the pedestrian did with its body; none for an episode in error.
+/// What the pedestrian did with its body; `None` for an episode in error.
 fn motion(row: &EpisodeRow) -> Option<PedestrianMotion> {
     row.judged.outcome.fault().is_none().then_some(row.motion)
 }

@@ -114,7 +114,7 @@ impl<'a> EpisodeTable<'a> {
         self.episode.get(row).unwrap_or_default()
     }
 
-    /// Its error; none if it has none.
+    /// Its error; `None` if it has none.
     pub fn error(&self, row: usize) -> Option<&'a str> {
         (self.outcome.get(row) == Some(named::ERROR)).then(|| self.error.get(row).unwrap_or_default())
     }
@@ -124,7 +124,7 @@ impl<'a> EpisodeTable<'a> {
         self.outcome.get(row).is_some_and(named::is_touch)
     }
 
-    /// Why it is left out; none if it is not.
+    /// Why it is left out; `None` if it is not.
     pub fn left_out(&self, row: usize) -> Option<LeftOut> {
         self.left_out.get(row).and_then(LeftOut::named)
     }
@@ -174,7 +174,7 @@ impl<'a> EpisodeTable<'a> {
         self.length.get(row)
     }
 
-    /// Simulator ticks; none if it was not run.
+    /// Simulator ticks; `None` if it was not run.
     pub fn ticks(&self, row: usize) -> Option<u32> {
         self.ticks.get(row)
     }

@@ -28,7 +28,7 @@ pub enum WriteError {
         source: io::Error,
     },
     /// Another file or folder is at the place of the report.
-    #[error("`{path}` is in the way, which is no part of a report of this program; move it away or choose another folder with --out", path = path.display())]
+    #[error("`{path}` is in the way, which is not part of a report of this program; move it away or choose another folder with --out", path = path.display())]
     Occupied { path: PathBuf },
     /// A file cannot be written.
     #[error("cannot write `{path}`: {source}", path = path.display())]
@@ -284,7 +284,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if folder.exists() && !folder.is_dir() {
-        let reason = format!("`{}` is no folder", folder.display());
+        let reason = format!("`{}` is not a folder", folder.display());
         return Err(failed(io::Error::new(io::ErrorKind::NotADirectory, reason)));
     }
     fs::create_dir_all(folder).map_err(failed)?;

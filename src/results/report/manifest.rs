@@ -161,7 +161,7 @@ pub struct TrainingRecord {
 }
 
 impl RunRecord {
-    /// The record of a job; None for a training, which has a record of its own.
+    /// The record of a job; `None` for a training, which has a record of its own.
     pub fn of(job: &Job) -> Option<Self> {
         if job.of::<Training>().is_some() {
             return None;

@@ -69,7 +69,7 @@ impl fmt::Display for OffRoadDriver {
         // A car in a ditch hits nobody.
         if left_road > road_end && episodes > left_out {
             let joint = if *left_out == 0 && !is_mostly_lost { ";" } else { ", and" };
-            write!(f, "{joint} to leave the road is no failure in them: `left_road_rate > 0.05` is a gate")?;
+            write!(f, "{joint} to leave the road is not a failure in them: `left_road_rate > 0.05` is a gate")?;
         }
         Ok(())
     }
@@ -142,12 +142,12 @@ mod tests {
             found,
             [
                 "`far` in a left the road in 1 of 100 episodes and drove past the end of the road in 9 of 100 episodes: make the road longer, or start \
-                 farther from its end; its rates there are those of the 91 episodes that count, and to leave the road is no failure in them: \
+                 farther from its end; its rates there are those of the 91 episodes that count, and to leave the road is not a failure in them: \
                  `left_road_rate > 0.05` is a gate",
                 "`lost` in a did not reach its start in 190 of 200 run-ups and left the road in 6 of 200 episodes: see whether it follows its \
-                 route; its rates there are those of the 10 episodes that count, and to leave the road is no failure in them: `left_road_rate > 0.05` is a \
+                 route; its rates there are those of the 10 episodes that count, and to leave the road is not a failure in them: `left_road_rate > 0.05` is a \
                  gate",
-                "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; to leave the road is no \
+                "`stray` in a left the road in 6 of 100 episodes: see whether it follows its route; to leave the road is not a \
                  failure in them: `left_road_rate > 0.05` is a gate",
             ]
         );

@@ -35,7 +35,7 @@ pub enum Found<'a> {
 pub struct OverviewRow<'a> {
     /// The report.
     pub variant: &'a Variant<'a>,
-    /// The value of each parameter; none where the campaign does not have it.
+    /// The value of each parameter; `None` if the campaign does not have it.
     pub values: Vec<Option<String>>,
     pub found: Found<'a>,
 }
@@ -98,7 +98,7 @@ impl<'a> Overview<'a> {
         this
     }
 
-    /// The value of each parameter in a report; none where its campaign does not have it.
+    /// The value of each parameter in a report; `None` if its campaign does not have it.
     pub fn values(&self, variant: &Variant<'_>) -> Vec<Option<String>> {
         self.parameters.iter().map(|name| value(variant, name).map(str::to_string)).collect()
     }

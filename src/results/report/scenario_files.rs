@@ -51,7 +51,7 @@ fn parts(path: &Path) -> Vec<String> {
     parts
 }
 
-/// The path of a held file on the disk; none if the manifest names a place outside of the folder for them, or a link may lead there.
+/// The path of a held file on the disk; `None` if the manifest names a place outside of the folder for them, or a link may lead there.
 pub(super) fn held_path(report: &Path, held: &str) -> Option<PathBuf> {
     let inside = Path::new(held).components().all(|part| matches!(part, Component::Normal(_)));
     let is_link = |part: &Path| !part.as_os_str().is_empty() && report.join(part).is_symlink();

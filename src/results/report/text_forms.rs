@@ -12,7 +12,7 @@ pub fn csv_text(table: &DataFrame) -> String {
     String::from_utf8(bytes).expect("CSV of texts is UTF-8")
 }
 
-/// The rows of a table as JSON objects. A missing value and one that is no number are `null`.
+/// The rows of a table as JSON objects. A missing value and one that is not a number are `null`.
 pub fn json_rows(table: &DataFrame) -> Vec<Value> {
     let object = |row: usize| {
         let field = |column: &polars::prelude::Column| {

@@ -212,7 +212,7 @@ impl Store {
         work.path().map_err(|source| StoreError::Folder { path: self.place.beside().to_path_buf(), source })
     }
 
-    /// Reads a text that belongs to a campaign; none if there is no such text, or it is damaged.
+    /// Reads a text that belongs to a campaign; `None` if it is missing or damaged.
     ///
     /// # Errors
     /// Its file is there and cannot be read.
@@ -240,7 +240,7 @@ impl Store {
         names
     }
 
-    /// The names of all tasks that are there, with their sizes in bytes. A link is no folder of tasks and no task: what it leads to is not ours.
+    /// The names of all tasks that are there, with their sizes in bytes. A link is neither a folder of tasks nor a task: what it leads to is not ours.
     pub fn sizes(&self) -> BTreeMap<String, u64> {
         let tasks = self.root().join("tasks");
         let folders = entries(&tasks).filter(|path| path.is_dir() && !path.is_symlink());

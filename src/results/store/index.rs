@@ -170,7 +170,7 @@ fn program_files(campaign: &Campaign, task: Task) -> BTreeMap<String, String> {
     programs(campaign, task).flat_map(|program| program.files.clone()).collect()
 }
 
-/// Which files of a task's programs have changed; none when none has.
+/// Which files of a task's programs have changed; `None` if none has.
 fn changed(then: &BTreeMap<String, String>, campaign: &Campaign, task: Task) -> Option<String> {
     let now = program_files(campaign, task);
     let files = changed_files(then, &now);

@@ -12,7 +12,7 @@ use super::{Index, Store, StoreError};
 #[derive(Debug)]
 pub struct References {
     pub campaign: String,
-    /// The folder for its reports; none for the current one.
+    /// The folder for its reports; `None` for the current one.
     pub elsewhere: Option<PathBuf>,
     /// The names of its tasks.
     pub tasks: BTreeSet<String>,

@@ -25,7 +25,7 @@ pub struct TaskStatus {
     pub what: String,
     /// Its size: updates, episodes, ticks.
     pub amount: u64,
-    /// The header of its file; none when there is no file that can be read.
+    /// The header of its file; `None` if no file can be read.
     pub header: Option<Header>,
     /// The time at which its file was written.
     pub written: Option<SystemTime>,

@@ -46,7 +46,7 @@ pub fn encode(header: &Header, bytes: &[u8]) -> Vec<u8> {
     file
 }
 
-/// Decodes a file; none when it was changed.
+/// Decodes a file; `None` if it was changed.
 pub fn decode(mut file: Vec<u8>) -> Option<(Header, Vec<u8>)> {
     let (header, start) = head(&file)?;
     let end = file.len().checked_sub(SUM)?;

@@ -53,7 +53,7 @@ pub(super) fn processes(root: &Path) -> usize {
     folders.filter(at_work).count()
 }
 
-/// Whether a process of this program made a folder: it is no link, has a name as we give it, and is empty or has our mark, which may have been
+/// Whether a process of this program made a folder: it is not a link, has a name as we give it, and is empty or has our mark, which may have been
 /// cut off.
 pub(super) fn is_ours(folder: &Path) -> bool {
     let name = folder.file_name().and_then(|name| name.to_str()?.strip_prefix(PREFIX));

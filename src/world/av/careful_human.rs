@@ -48,7 +48,7 @@ const STRAIGHT: [f64; 7] = [f64::INFINITY, 0.0, 3.0, 6.0, 10.0, 15.0, 22.0];
 /// The accelerations that it may want within the next two seconds (m/s²).
 const PUSHES: [f64; 5] = [0.0, 0.5, 1.0, 1.5, 2.0];
 /// At rest it waits for a pedestrian that is on course within this time (s).
-const PATIENCE: f64 = 5.0;
+const MAX_TIME_TO_COLLISION: f64 = 5.0;
 
 impl CarefulHuman {
     pub fn new(keys: CarefulHumanKeys) -> Guarded<Self> {
@@ -98,7 +98,9 @@ impl CarefulHuman {
                 views.filter_map(|(straight, after)| self.threat((trace, perception), actor, straight, after));
             seen && threats.any(|threat| {
                 owns.iter().any(|own| {
-                    let near = own.stands() && threat.time_to_collision(own) <= PATIENCE && threat.is_on_course(own);
+                    let near = own.stands()
+                        && threat.time_to_collision(own) <= MAX_TIME_TO_COLLISION
+                        && threat.is_on_course(own);
                     near || self.brake.notices(own, &threat)
                 })
             })

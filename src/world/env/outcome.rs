@@ -88,7 +88,7 @@ impl Outcome {
         matches!(self.ending, Ending::Touch { moving: true, .. })
     }
 
-    /// Whether the pedestrian touched the standing ego, which is no failure.
+    /// Whether the pedestrian touched the standing ego, which is not a failure.
     pub fn is_bump(&self) -> bool {
         matches!(self.ending, Ending::Touch { moving: false, .. })
     }

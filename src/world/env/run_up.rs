@@ -51,7 +51,7 @@ pub(super) const LENGTH: f64 = 80.0;
 /// The ego reaches the goal when it passes it at most this far aside (m).
 const ASIDE: f64 = 5.0;
 /// Time for the run-up (s), and the number of turns of traffic lights that are added where they work: a whole cycle of a crossing.
-const PATIENCE: f64 = 60.0;
+const TIME_LIMIT: f64 = 60.0;
 const TURNS: f64 = 4.0;
 /// Maximum number of ticks of a run-up.
 const MAX_TICKS: f64 = 20_000.0;
@@ -205,7 +205,7 @@ impl RunUp {
 
 /// Maximum number of ticks of this length (s) that a run-up takes, with or without traffic lights.
 pub(super) fn most_ticks(dt: f64, lights: Option<LightCycle>) -> u32 {
-    ((PATIENCE + lights.map_or(0.0, |cycle| TURNS * cycle.turn())) / dt).ceil().min(MAX_TICKS) as u32
+    ((TIME_LIMIT + lights.map_or(0.0, |cycle| TURNS * cycle.turn())) / dt).ceil().min(MAX_TICKS) as u32
 }
 
 /// The limit of the speed sign that a vehicle obeys at a pose.

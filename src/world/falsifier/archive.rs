@@ -8,7 +8,7 @@
 //!
 //! What similar crossings gained at similar starts says what a variation can be expected to gain. The best of several estimates is too high,
 //! so an expected gain is corrected by what earlier ones turned out to be. A start is left as soon as the expected gain of a further attempt is less per tick
-//! than the search gained lately, as a forager leaves a patch. The end of the budget chooses the controller
+//! than the search gained recently, as a forager leaves a patch. The end of the budget chooses the controller
 //! that it returns: on starts of their own, the elites must earn more than `intercept` and `homing`.
 //!
 //! # Source
@@ -120,7 +120,7 @@ struct Elites {
 
 /// What tries were expected to gain and what they gained, by their number at a start and by whether an earlier one there had failed the driver.
 ///
-/// The best of several guesses promises more than it keeps, and the more so the longer a start has kept its promise back.
+/// The best of several predictions is too high, and the more so the longer a start has gained nothing.
 #[derive(Debug, Clone, Copy, Default)]
 struct Calibration {
     expected: [[f64; 4]; 2],
@@ -128,7 +128,7 @@ struct Calibration {
 }
 
 impl Calibration {
-    /// What a try keeps of its promise, for each 1 that it promises.
+    /// The gain of a try as a share of the predicted gain.
     fn factor(&self, number: u32, worth: &Worth) -> f64 {
         let (number, failed) = (number.min(3) as usize, usize::from(worth.best > 0.0));
         (self.gained[failed][number] + DOUBT) / (self.expected[failed][number] + DOUBT)
@@ -148,13 +148,13 @@ struct Worth {
     best: f64,
     again: f64,
     novelty: f64,
-    /// Whether it guides the search, where an unknown crossing promises the average.
+    /// Whether it guides the search, where an unknown crossing is predicted to gain the average.
     of_search: bool,
 }
 
 /// The experience of the last tries.
 #[derive(Debug, Clone, Copy)]
-struct Lately {
+struct Recent {
     /// Gain per tick, with the run-ups of all starts, also of those that were left at once.
     rate: f64,
     /// Mean ticks of an episode without its run-up.
@@ -167,10 +167,10 @@ struct Lately {
 const MAX_ELITES: usize = 16;
 /// Exponent of the preference for failures of a kind that was seldom found.
 const NOVELTY: f64 = 0.5;
-/// Share of the starts that are tried although they promise little. Without it a search whose starts cost no tick might never end.
+/// Share of the starts that are tried although their predicted gain is small. Without it a search whose starts cost no tick might never end.
 const SECOND_LOOK: f64 = 0.1;
-/// Number of the last tries whose gain is compared with what a start promises.
-const LATELY: usize = 200;
+/// Number of the last tries whose gain is compared with the predicted gain of a start.
+const RECENT_TRIES: usize = 200;
 const FIRST_TRIES: usize = 60;
 /// Most tries that are remembered.
 const MEMORY: usize = 4000;
@@ -179,9 +179,9 @@ const GOAL_SCALE: f64 = 0.15;
 /// The square of the distance from which on a try says nothing, and the weight of the prior: the mean gain of the last tries.
 const REACH: f64 = 4.0;
 const PRIOR: f64 = 4.0;
-/// The weight of trust in promises, in rewards, before they have been kept or not.
+/// The weight of the prior that predictions are right, in rewards.
 const DOUBT: f64 = 0.5;
-/// Variations of which the most promising is tried, and elites among which a controller chooses.
+/// Variations of which that with the highest predicted gain is tried, and elites among which a controller chooses.
 const CANDIDATES: usize = 8;
 /// Crossings drawn uniformly that compete with the variations.
 const STRANGERS: usize = 6;
@@ -226,12 +226,12 @@ impl Elites {
     }
 
     /// What the last tries gained per tick with their run-ups, the mean ticks of their episodes, and their mean gain.
-    fn lately(&self) -> Lately {
-        let last = || self.memory.iter().rev().take(LATELY);
+    fn recent(&self) -> Recent {
+        let last = || self.memory.iter().rev().take(RECENT_TRIES);
         let sum = |of: fn(&Try) -> f64| last().map(of).sum::<f64>();
         let (all, own) = (sum(|tried| tried.ticks.1), sum(|tried| tried.ticks.0));
         let (gain, count) = (sum(|tried| tried.gain), last().count().max(1) as f64);
-        Lately { rate: gain / all.max(1.0), ticks: own / count, gain: gain / count }
+        Recent { rate: gain / all.max(1.0), ticks: own / count, gain: gain / count }
     }
 
     fn remember(&mut self, tried: Try) {
@@ -246,7 +246,7 @@ impl Elites {
 
     /// What goals can be expected to be worth at a start: a mean over similar tries at similar starts, weighted by a biweight kernel.
     fn expect<const N: usize>(&self, context: &Context, goals: &[Goal; N], worth: &Worth) -> [f64; N] {
-        let prior = if worth.of_search { self.lately().gain } else { 0.0 };
+        let prior = if worth.of_search { self.recent().gain } else { 0.0 };
         let mut sums = [(PRIOR, PRIOR * prior); N];
         for tried in &self.memory {
             let parts = context.iter().zip(&tried.context).zip(SCALES).map(|((a, b), scale)| (a - b) / scale);
@@ -268,10 +268,10 @@ impl Elites {
         sums.map(|(weight, earned)| earned / weight)
     }
 
-    /// The goal that promises most at a start: one of an elite, or of a scripted controller.
+    /// The goal with the highest predicted gain at a start: one of an elite, or of a scripted controller.
     fn best(&self, context: &Context) -> Goal {
-        let promise = |elite: &Elite| kernel(context, &elite.context) * elite.value();
-        let mut order: Vec<(f64, Goal)> = self.all.iter().map(|elite| (promise(elite), elite.goal)).collect();
+        let predicted = |elite: &Elite| kernel(context, &elite.context) * elite.value();
+        let mut order: Vec<(f64, Goal)> = self.all.iter().map(|elite| (predicted(elite), elite.goal)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let elites = order.into_iter().map(|(_, goal)| goal);
         let fallback = std::iter::repeat(Goal::INTERCEPT);
@@ -334,7 +334,7 @@ impl Archive {
                 true => Proposal { goal: Goal::INTERCEPT, parent: None, expected: 0.0 },
                 false => self.propose(elites, &context, &worth, stream),
             };
-            let Lately { rate, ticks, .. } = elites.lately();
+            let Recent { rate, ticks, .. } = elites.recent();
             let expected = proposal.expected * elites.calibration.factor(number, &worth);
             let promising = expected > rate * ticks || (number == 0 && stream.random::<f64>() < SECOND_LOOK);
             // At first one interception from each start, and more only where it failed the driver.
@@ -413,7 +413,7 @@ fn run(simulator: &mut BudgetedSimulation<'_>, walker: &mut dyn WalkPolicy) -> O
     Some(play(simulator, walker, &mut ())?.reward)
 }
 
-/// The controller that the search ends up with: at each start the elite that promises most.
+/// The controller that the search ends up with: at each start the elite with the highest predicted gain.
 #[derive(Debug, Clone)]
 struct Found {
     elites: Elites,

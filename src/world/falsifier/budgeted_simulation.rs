@@ -117,7 +117,7 @@ impl<'a> BudgetedSimulation<'a> {
         !self.spent
     }
 
-    /// Carries out the decision for a joint action; `None` when the budget is used up.
+    /// Carries out the decision for a joint action; `None` if the budget is used up.
     pub fn act(&mut self, action: &[f64]) -> Option<Step> {
         let mut commands = std::mem::take(&mut self.chosen);
         self.scene().write_commands(action, &mut commands);

@@ -68,7 +68,7 @@ enum Method {
         population: usize,
         elite: usize,
     },
-    /// None for the population that is usual for the dimensions.
+    /// `None` for the population that is usual for the dimensions.
     CmaEs {
         population: Option<usize>,
     },

@@ -35,7 +35,7 @@ pub struct RecordedWalking {
 const ACCEPTED_GAP: (f64, f64) = (6.4, 0.459);
 /// The departure at which three of four changes lead back, as a share of the standard deviation of a change: with 0.1 the spread of speeds within a
 /// walk leaves room for that between pedestrians.
-const PATIENCE: f64 = 0.1;
+const HALF_RETURN: f64 = 0.1;
 /// The standard deviation of the departure that follows, as a share of that of a change.
 const DEPARTURE: f64 = 1.07;
 /// Slowest and fastest preferred speed (m/s): no recorded pedestrian walks faster than 3.48 m/s.
@@ -69,7 +69,7 @@ impl RecordedWalking {
     pub(super) fn change(&self, faster: f64, turned: f64, seconds: f64, stream: &mut Stream) -> (f64, f64) {
         let mut draw = |(deviation, degrees): (f64, u32), departure: f64| {
             let size = (deviation * student(degrees, stream)).abs() * seconds.sqrt();
-            let back = 0.5 + 0.5 * departure.abs() / (departure.abs() + PATIENCE * deviation);
+            let back = 0.5 + 0.5 * departure.abs() / (departure.abs() + HALF_RETURN * deviation);
             let leads_back = stream.random::<f64>() < back;
             if leads_back == (departure > 0.0) { -size } else { size }
         };

@@ -68,9 +68,9 @@ impl fmt::Display for StartSet {
     }
 }
 
-/// A text that is no list of ranges in rising order.
+/// A text that is not a list of ranges in rising order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("it is no list of numbers of starts")]
+#[error("it is not a list of numbers of starts")]
 pub struct NoStartSet;
 
 impl FromStr for StartSet {

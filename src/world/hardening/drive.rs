@@ -44,12 +44,12 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Mean speed (m/s); none without an episode.
+    /// Mean speed (m/s); `None` without an episode.
     pub fn speed(&self) -> Option<f64> {
         (self.time > 0.0).then(|| self.distance / self.time)
     }
 
-    /// Share of episodes with hard braking; none without an episode.
+    /// Share of episodes with hard braking; `None` without an episode.
     pub fn braking_rate(&self) -> Option<f64> {
         (self.episodes > 0).then(|| self.hard_braking as f64 / self.episodes as f64)
     }

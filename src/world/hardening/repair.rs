@@ -67,7 +67,7 @@ pub(super) struct Repaired {
     pub within: u64,
 }
 
-/// Searches the keys; none when it was stopped. `now` are the values before this repair.
+/// Searches the keys; `None` if it was stopped. `now` are the values before this repair.
 pub(super) fn repair(
     plan: &Hardening,
     lessons: &mut Lessons,

@@ -80,7 +80,7 @@ pub struct Hardened {
     pub ticks: u64,
 }
 
-/// Hardens a driver; none when `stop` was true before the end. `progress` hears of ticks.
+/// Hardens a driver; `None` if `stop` was true before the end. `progress` gets the ticks.
 ///
 /// All that is drawn depends on the seed alone, so different drivers meet the same starts.
 ///

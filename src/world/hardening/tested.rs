@@ -31,7 +31,7 @@ pub struct Tested {
 /// The tests, and natural traffic before and after.
 pub(super) type Findings = (Vec<Tested>, [Traffic; 2]);
 
-/// Tests a driver with these values beside the driver as it was; none when it was stopped.
+/// Tests a driver with these values beside the driver as it was; `None` if it was stopped.
 pub(super) fn test(
     plan: &Hardening,
     values: &[f64],

@@ -164,11 +164,11 @@ impl<'a> Encounter<'a> {
         let path = DrivenPath::new(pair.frames().map(|frame| frame.ego.pose));
         let ways = ways(pair);
         let approach = Approach { path: &path, pair, ways: &ways };
-        let (patience, afterwards) = ((FORGETTING / pair.dt()) as usize, (AFTERWARDS / pair.dt()) as usize);
+        let (allowed, afterwards) = ((FORGETTING / pair.dt()) as usize, (AFTERWARDS / pair.dt()) as usize);
         let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
         for tick in samples().filter(|tick| is_near(*tick) && approach.is_dangerous(&pair.frame(*tick), ways[*tick])) {
             match ranges.last_mut() {
-                Some(range) if tick <= range.end + patience => range.end = tick,
+                Some(range) if tick <= range.end + allowed => range.end = tick,
                 _ => ranges.push(tick..tick),
             }
         }
@@ -296,10 +296,10 @@ struct Approach<'a> {
 impl Approach<'_> {
     /// The tick at which the approach that was under way at tick `last` started: at the latest that tick.
     fn begins(&self, last: usize) -> usize {
-        let patience = (FORGETTING / self.pair.dt()).ceil() as usize;
+        let allowed = (FORGETTING / self.pair.dt()).ceil() as usize;
         let mut begun = last;
         for tick in (0..=last).rev() {
-            if begun - tick > patience {
+            if begun - tick > allowed {
                 break;
             }
             if self.is_dangerous(&self.pair.frame(tick), self.ways[tick]) {

@@ -16,7 +16,7 @@ const ROUNDING: f64 = 1e-6;
 /// What a pedestrian did with its body in the last three seconds of an episode, over the whole velocity vector: a turn counts as much as a change
 /// of speed.
 ///
-/// All velocities are means over half a second, so that the noise of a recording is no motion. Before the first state the pedestrian had the
+/// All velocities are means over half a second, so that the noise of a recording is not motion. Before the first state the pedestrian had the
 /// velocity of that state. A wall that takes a part of the velocity counts too.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PedestrianMotion {

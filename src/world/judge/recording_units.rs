@@ -65,7 +65,7 @@ pub(super) enum TrackOf {
 }
 
 /// Finds units that do not fit, in the poses and speeds (m/s) of an actor at instants that are `dt` (s) apart. Medians decide, so noise and a standing
-/// actor are no misfit.
+/// actor are not a misfit.
 pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misfit> {
     let (length, minimum, reverses) = match of {
         TrackOf::Car { reverses } => (STRETCH, MIN_STRETCHES, reverses),

@@ -39,7 +39,7 @@ impl BoxOfStarts {
         self.parameters.iter().zip(at).map(|(drawn, share)| (drawn.parameter, drawn.value(*share))).collect()
     }
 
-    /// Runs the episode with this number from a point of the unit box; none where no place on the road has such a start. The number decides over
+    /// Runs the episode with this number from a point of the unit box; `None` if no place on the road has such a start. The number decides over
     /// everything that is chance.
     pub fn run(&mut self, at: &[f64], number: u64) -> Option<(Outcome, &Trace)> {
         let values = self.values(at);

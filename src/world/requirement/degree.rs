@@ -12,7 +12,7 @@ pub struct Degree {
     pub robustness: f64,
     /// The sample that decides: 0 at the start, then one for each tick.
     pub sample: u32,
-    /// The comparison that decides, by its place among those of the requirement; none where a constant or an empty bound does.
+    /// The comparison that decides, by its place among those of the requirement; `None` if a constant or an empty bound does.
     pub part: Option<u16>,
 }
 
@@ -52,7 +52,7 @@ impl fmt::Display for Degree {
     }
 }
 
-/// A text is no degree.
+/// A text is not a degree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("a degree is written as robustness@sample#part")]
 pub struct NoDegree;

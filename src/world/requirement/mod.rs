@@ -37,7 +37,7 @@ pub use degree::{Degree, NoDegree};
 pub use monitor::{Monitor, NamedRequirement};
 pub use robustness::Trace;
 
-/// The first and the last tick of a bound after the present sample: those whose time lies in it. None for a bound without an end. The last is before
+/// The first and the last tick of a bound after the present sample: those whose time lies in it. `None` for a bound without an end. The last is before
 /// the first if no tick lies in it.
 pub fn ticks_within(within: &Within, dt: f64) -> (usize, Option<usize>) {
     // A quotient such as 0.3 / 0.1 is a little less than 3.

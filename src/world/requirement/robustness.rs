@@ -215,7 +215,7 @@ impl Wanted {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Ticks {
     from: usize,
-    /// From its first sample to its last; none without an end.
+    /// From its first sample to its last; `None` without an end.
     width: Option<usize>,
     /// Whether no sample lies in it.
     is_empty: bool,

@@ -10,7 +10,7 @@ pub struct AssumedLimit {
 }
 
 impl AssumedLimit {
-    /// None for a map whose lanes all have a limit, and for one in which signs alone give limits.
+    /// `None` for a map whose lanes all have a limit, and for one in which signs alone give limits.
     pub fn of(roads: &[Road], signs: &[SpeedSign]) -> Option<Self> {
         let sections = || roads.iter().flat_map(|road| &road.sections);
         if !signs.is_empty() && !sections().any(LaneSection::has_limits) {

@@ -21,7 +21,7 @@ const START: (f64, f64) = (20.0, -1.75);
 const ASIDE: f64 = 1.0;
 /// How far behind the turn the road ends (m), and the time for it (s).
 const BEHIND: f64 = 20.0;
-const PATIENCE: f64 = 120.0;
+const TIME_LIMIT: f64 = 120.0;
 /// Steering that differs by less is constant.
 const SAME: f64 = 0.01;
 
@@ -52,7 +52,7 @@ pub fn follow(scenario: &Scenario, driver: &mut dyn DrivingPolicy, seed: &Seed) 
     let mut sensors = PerfectSensors::default();
     driver.reset(&perceive(&mut sensors, &world, &route), seed.stream());
     let mut drive = Drive { time: 0.0, way: 0.0, speed: 0.0, steer: (f64::INFINITY, f64::NEG_INFINITY, 0.0) };
-    while drive.time < PATIENCE {
+    while drive.time < TIME_LIMIT {
         let perception = perceive(&mut sensors, &world, &route);
         driver.prepare(&perception);
         let control = driver.drive(&perception);
@@ -102,8 +102,8 @@ impl Drive {
 
     fn stopped(&self) -> String {
         match self.way < 1.0 {
-            true => format!("the car stood for {PATIENCE:.0} s"),
-            false => format!("the car did not get through the turn in {PATIENCE:.0} s: it drove {:.0} m", self.way),
+            true => format!("the car stood for {TIME_LIMIT:.0} s"),
+            false => format!("the car did not get through the turn in {TIME_LIMIT:.0} s: it drove {:.0} m", self.way),
         }
     }
 }

@@ -77,7 +77,7 @@ fn on_disk(path: &Path) -> bool {
     path.is_file() && !library::holds(path)
 }
 
-/// Whether a file says that it is a scenario, by its name or its first word. Others are left alone: a program is no scenario with mistakes.
+/// Whether a file says that it is a scenario, by its name or its first word. Others are left alone: a program is not a scenario with mistakes.
 fn is_scenario(path: &Path, text: &str) -> bool {
     let first = text.lines().map(str::trim_start).find(|line| !line.is_empty() && !line.starts_with("//"));
     let says = first.and_then(|line| line.get(..7)).is_some_and(|word| word.eq_ignore_ascii_case("edition"));

@@ -41,7 +41,7 @@ type Row<'a> = (&'a Cover, &'a FoundInBox);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundInBox {
     pub coverage: Coverage,
-    /// The share of the box that the picture of the look with the least bound shows as failing; `None` when it ended before its first look.
+    /// The share of the box that the picture of the look with the least bound shows as failing; `None` if it ended before its first look.
     pub shown: Option<f64>,
     /// Points of the box for which no place on the road was found. They count as passed.
     pub unplaced: u64,

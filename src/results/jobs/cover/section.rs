@@ -16,7 +16,7 @@ pub fn covers(found: &Findings<'_>) -> Option<Section> {
         "The *picture* is a local regression over the episodes before the check. The *check* runs fresh episodes, uniform in the box, and counts those that fail \
          where the picture says that they pass. The bound is Clopper and Pearson's, one-sided; all checks of a box share the 5 %, so the last one may be \
          believed. *Shown as failing* is the other side: a picture that shows everything as failing is never wrong, and says nothing.",
-        "It is about this box, this pedestrian and these towns. It is no statement about other starts, and none about people.",
+        "It is about this box, this pedestrian and these towns. It says nothing about other starts or about people.",
     ];
     Some(Section {
         id: "covers",

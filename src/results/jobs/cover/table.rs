@@ -60,7 +60,7 @@ pub fn point_columns<'a>() -> Table<'a, Covering<'a>> {
     };
     Table::new(
         COVER_POINTS,
-        "One row for each episode of a `cover`, in their order, with its point in the box. Parameters that are no part of the box are missing.",
+        "One row for each episode of a `cover`, in their order, with its point in the box. Parameters outside the box are missing.",
     )
     .column(RUN_ID.of(|row: &Covering<'_>| row.0.origin.id.to_string()))
     .column(Column::<u64>::new("episode", "", "number of the episode, from 0").of(|row: &Covering<'_>| row.1))

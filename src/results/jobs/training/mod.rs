@@ -53,7 +53,7 @@ impl JobResult for TrainingResult {
     }
 }
 
-/// The networks of an evaluation's pedestrian; None if it is untrained, or if its training failed.
+/// The networks of an evaluation's pedestrian; `None` if it is untrained, or if its training failed.
 pub fn networks<'a>(evaluation: &Evaluation, trainings: &'a [TrainingResult]) -> Option<&'a ActorCritic> {
     evaluation.origin.needs?;
     let training = trainings.iter().find(|training| training.key == *evaluation.trained)?;

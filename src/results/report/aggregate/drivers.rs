@@ -17,9 +17,9 @@ pub struct SearchFailures {
     /// Those that count against the driver.
     pub fault: usize,
     /// The avoidable injury of a thousand episodes, as the mean over the searches: one that spends its budget on many short episodes has no greater
-    /// weight. None without any episode.
+    /// weight. `None` without any episode.
     pub injury_per_thousand: Option<f64>,
-    /// The share of the starts with a fault, as the mean over the searches; none without any start.
+    /// The share of the starts with a fault, as the mean over the searches; `None` without any start.
     pub fault_start_rate: Option<f64>,
     pub episodes: u64,
 }
@@ -28,11 +28,11 @@ pub struct SearchFailures {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriverResult {
     pub driver: Driver,
-    /// Its worst failure; none if there was no collision.
+    /// Its worst failure; `None` without a collision.
     pub worst: Option<Failure>,
-    /// The place of the cell with the highest rates in the list of cells; none if it was not evaluated.
+    /// The place of the cell with the highest rates in the list of cells; `None` if it was not evaluated.
     pub cell: Option<usize>,
-    /// The failures that searches found; none without a search.
+    /// The failures that searches found; `None` without a search.
     pub searched: Option<SearchFailures>,
     /// Its episodes that count, of evaluations and of searches.
     pub episodes: u64,

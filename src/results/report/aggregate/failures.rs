@@ -68,7 +68,7 @@ impl Failures {
         &self.violations
     }
 
-    /// The failure of a cell's evaluation that counts most against its driver; none without a collision.
+    /// The failure of a cell's evaluation that counts most against its driver; `None` without a collision.
     pub fn worst_of(&self, cell: &CellKey) -> Option<&Failure> {
         self.worst.iter().find(|(key, _)| key == cell).map(|(_, worst)| worst)
     }

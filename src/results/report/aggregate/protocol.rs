@@ -19,13 +19,13 @@ pub struct ProtocolCell {
     /// Name of the driver.
     pub policy: String,
     pub test: String,
-    /// Name of the search that looked for the worst result; none for the nominal test.
+    /// Name of the search that looked for the worst result; `None` for the nominal test.
     pub falsifier: Option<String>,
     /// The test speed (m/s).
     pub test_speed: f64,
     /// The overlap as a share of the car's width.
     pub overlap: f64,
-    /// The speed at the start of the worst episode (m/s); none for searches.
+    /// The speed at the start of the worst episode (m/s); `None` for searches.
     pub driven_speed: Option<f64>,
     /// Number of different episodes, or of searches.
     pub episodes: u32,
@@ -33,7 +33,7 @@ pub struct ProtocolCell {
     pub repeated: u32,
     /// How many of them the protocol does not pass.
     pub not_passed: u32,
-    /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. None when no episode ended.
+    /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. `None` if no episode ended.
     pub impact_speed: Option<f64>,
     /// Whether an episode has no result: an error, of its driver for example, or it is left out.
     pub failed: bool,
@@ -79,7 +79,7 @@ impl Colour {
 }
 
 impl ProtocolCell {
-    /// The colour of Euro NCAP; none for other protocols.
+    /// The colour of Euro NCAP; `None` for other protocols.
     ///
     /// # Source
     /// Crash Avoidance Frontal Collisions 1.1, 5.2: at 60 km/h green is 0, yellow up to 10, orange up to 20, brown up to 30 km/h. The same
@@ -95,7 +95,7 @@ impl ProtocolCell {
         })
     }
 
-    /// Whether the driver held the test speed within 1 km/h; none for searches.
+    /// Whether the driver held the test speed within 1 km/h; `None` for searches.
     pub fn is_held(&self) -> Option<bool> {
         self.driven_speed.map(|driven| (driven - self.test_speed).abs() <= HELD)
     }
@@ -186,7 +186,7 @@ pub(super) struct ProtocolRun<'a> {
 }
 
 impl<'a> ProtocolRun<'a> {
-    /// Starts without any episode; none for other evaluations.
+    /// Starts without any episode; `None` for other evaluations.
     pub fn new(evaluation: &'a Evaluation) -> Option<Self> {
         let spawn = &evaluation.scenario.spawn;
         let walk = spawn.target_walk.as_ref().filter(|_| evaluation.controller.name() == "scripted")?;
@@ -361,7 +361,7 @@ mod tests {
         assert_eq!(
             cell(10.0, 9.0, TestCriterion::EuroNcap).colour(),
             Some(Red),
-            "a tenth of the speed is no avoidance"
+            "a tenth of the speed does not avoid it"
         );
     }
 

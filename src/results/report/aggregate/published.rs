@@ -26,7 +26,7 @@ pub struct PublishedComparison<'a> {
     pub published_runs: u32,
     /// Our figure.
     pub ours: Rate,
-    /// Our figure less the published one; none when ours has no value.
+    /// Our figure less the published one; `None` if ours has no value.
     pub difference: Option<f64>,
     /// Student's 95 % interval of the difference: of ours over trainings and starts, of the published one over its trainings alone, since
     /// no publication states what its starts add. A published spread of 0.00 counts as 0.004. `None` without spreads, and if either side has fewer than

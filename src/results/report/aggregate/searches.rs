@@ -42,7 +42,7 @@ pub const STARTS: Column<u64> = Column::new(
 pub const TRIED: Column<String> = Column::new(
     "tried",
     "",
-    "numbers of these starts, as `0-31 40`; `archive` leaves starts that promise little without an episode",
+    "numbers of these starts, as `0-31 40`; `archive` leaves starts with a small predicted gain without an episode",
 );
 pub const FIRST_START: Column<String> = Column::new(
     "first_start",

@@ -38,7 +38,7 @@ pub struct ComparedCell {
     pub runs: u64,
     /// Pairs of episodes with equal starts, over all runs.
     pub starts: u64,
-    /// Figures as second less first; none without a common start.
+    /// Figures as second less first; `None` without a common start.
     pub figures: Vec<Comparison>,
     /// Collisions of the first side only, of the second only, and of both.
     pub collisions: Changed,

@@ -42,7 +42,7 @@ pub struct ComparedSearch {
     /// Second less first, of each run.
     pub differences: Vec<f64>,
     /// An interval of second less first such that, in 95 % of comparisons, those of all searches hold the truth (Bonferroni): Student's over four or
-    /// more runs; Bonett and Price's for a single run, Clopper and Pearson's where no start differs. None for two and three runs.
+    /// more runs; Bonett and Price's for a single run, Clopper and Pearson's where no start differs. `None` for two and three runs.
     pub interval: Option<(f64, f64)>,
     /// Probability of such a difference by chance: McNemar's exact test for one run, Student's paired test over several.
     pub p: Option<f64>,

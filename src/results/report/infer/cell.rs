@@ -22,7 +22,7 @@ pub struct CellEvidence {
     pub impact_speed_p90: (Option<f64>, u64),
     /// The number of collisions that each reference driver avoids, in the order of [`Reference::ALL`].
     pub avoided: [ClusteredCount; Reference::COUNT],
-    /// Whether its trainings learnt; none for an untrained controller.
+    /// Whether its trainings learnt; `None` for an untrained controller.
     pub learning: Option<Learning>,
 }
 

@@ -35,7 +35,7 @@ pub struct Comparison {
     pub difference: f64,
     /// The values of the runs of either side; the differences of the runs, and nothing, where drivers are compared.
     pub by_run: [Vec<f64>; 2],
-    /// The standard error of the difference about further trainings and episodes; none where a side is a single training.
+    /// The standard error of the difference about further trainings and episodes; `None` if a side is a single training.
     pub uncertainty: Option<Uncertainty>,
     /// Of single runs: the number of pairs of episodes with such an event in the first only, and in the second only.
     pub discordant: Option<(u64, u64)>,
@@ -100,7 +100,7 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Compares two cells of a place; none when one of them has no value.
+/// Compares two cells of a place; `None` if one of them has no value.
 pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize)) -> Option<Comparison> {
     let figure = measured.figure;
     let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);

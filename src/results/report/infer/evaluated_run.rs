@@ -142,7 +142,7 @@ impl EvaluatedRun {
         })
     }
 
-    /// A figure, and the influence of each kept episode on it, relative to its mean; none when it has no value.
+    /// A figure, and the influence of each kept episode on it, relative to its mean; `None` if it has no value.
     pub fn influence(&self, figure: Figure) -> Option<(f64, Vec<f64>)> {
         let whole = match figure {
             Figure::Front => is::TOUCH,
@@ -178,7 +178,7 @@ fn part(figure: Figure) -> u8 {
     }
 }
 
-/// The place of a figure among the quantities; none for a rate.
+/// The place of a figure among the quantities; `None` for a rate.
 fn quantity(figure: Figure) -> Option<usize> {
     [Figure::Reward, Figure::Length, Figure::ImpactSpeed].iter().position(|quantity| *quantity == figure)
 }

@@ -24,7 +24,7 @@ pub struct Learning {
     pub rewards: Vec<f64>,
     /// The untrained controllers of the place that have the same reward, in the order of the place.
     pub baselines: Vec<Baseline>,
-    /// Standard deviation of the trainings' rewards that their episodes explain; none for a single training.
+    /// Standard deviation of the trainings' rewards that their episodes explain; `None` for a single training.
     pub by_episodes: Option<f64>,
 }
 
@@ -64,7 +64,7 @@ choice! {
 }
 
 impl Learning {
-    /// Measures the rewards of the trainings of a cell; none for an untrained controller, and for a cell without a value.
+    /// Measures the rewards of the trainings of a cell; `None` for an untrained controller, and for a cell without a value.
     pub(super) fn new(place: &Place, measured: &Measured, cell: usize) -> Option<Self> {
         let key = &place.runs(cell)[0].key;
         if !key.is_trained() {
@@ -108,7 +108,7 @@ impl Learning {
     }
 
     /// Whether the trainings disagree: the standard deviation of their rewards is more than twice what their episodes explain, and more
-    /// than half of what they gained over `random` (over 0 without it). None for a single training.
+    /// than half of what they gained over `random` (over 0 without it). `None` for a single training.
     pub fn disagree(&self) -> Option<bool> {
         let by_episodes = self.by_episodes?;
         let n = self.rewards.len() as f64;

@@ -34,7 +34,7 @@ impl Place {
         Measured { figure, runs: self.evaluated.iter().map(|run| run.influence(figure)).collect() }
     }
 
-    /// A figure of one cell, or of its difference from another; none when a cell has no value.
+    /// A figure of one cell, or of its difference from another; `None` if a cell has no value.
     pub fn sample(&self, measured: &Measured, cell: usize, other: Option<usize>) -> Option<Sample> {
         let known = |cell: usize| self.cells[cell].clone().filter(|run| measured.runs[*run].is_some());
         let first: Vec<usize> = known(cell).collect();
@@ -57,7 +57,7 @@ impl Place {
     }
 
     /// The difference of a figure between two cells with the same controller, run by run: the runs of a number are one training, or draw the
-    /// same numbers. With the means of both cells over these runs; none when no run has a value in both.
+    /// same numbers. With the means of both cells over these runs; `None` if no run has a value in both.
     pub fn paired(&self, measured: &Measured, first: usize, second: usize) -> Option<(Sample, [f64; 2])> {
         let known = |run: &usize| Some((*run, measured.runs[*run].as_ref()?));
         let partner = |run: usize| {

@@ -18,7 +18,7 @@ pub(super) struct Condition {
     pub bound: Bound,
     /// Whether it chooses cells by a word of their key, instead of judging a result.
     pub chooses: bool,
-    /// Whether the column has no value where nothing collided, which is no reason to fail.
+    /// Whether the column has no value where nothing collided, which is not a reason to fail.
     pub is_of_collisions: bool,
 }
 

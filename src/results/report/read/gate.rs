@@ -30,7 +30,7 @@ pub struct Gate {
 pub enum GateError {
     /// It is not of the form `COLUMN < NUMBER`.
     #[error(
-        "`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
+        "`{text}` is not a condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
     )]
     Form { text: String },
     /// Conditions are joined by something else than `and`.
@@ -81,7 +81,7 @@ pub enum Judged {
     MissingEverywhere(String),
     /// No episode or start of the row was evaluated, so nothing is known there, and the gate fails.
     NothingEvaluated,
-    /// The driver left the road in this share of the episodes, at least half of them. That nothing failed there is no merit of it, and the gate fails.
+    /// The driver left the road in this share of the episodes, at least half of them. That nothing failed there is not a merit of it, and the gate fails.
     OffRoad(f64),
     /// The condition is false, but a single failure in this number of episodes would have made it true. That is worth a warning.
     Thin(u64),
@@ -114,7 +114,7 @@ pub struct TooFewRuns {
 }
 
 impl TooFewRuns {
-    /// Judges a row by a column; none if it has a value, or if runs are not the reason that it has none.
+    /// Judges a row by a column; `None` if it has a value, or if runs are not the reason that it has none.
     fn of(cells: &DataFrame, column: &str, row: usize) -> Option<Self> {
         let (stem, end) = ["_low", "_high"].iter().find_map(|end| Some((column.strip_suffix(end)?, end)))?;
         let (runs, found) = (number(&value(cells, RUNS, row))?, number(&value(cells, column, row)));

@@ -31,7 +31,7 @@ pub enum ReadError {
         source: io::Error,
     },
     /// The manifest is not ours, or is of a version that lacks necessary data.
-    #[error("`{path}` is no manifest that episodes can be repeated from: {reason}", path = path.display())]
+    #[error("`{path}` is not a manifest that episodes can be repeated from: {reason}", path = path.display())]
     Manifest {
         /// The file.
         path: PathBuf,
@@ -39,7 +39,7 @@ pub enum ReadError {
         reason: String,
     },
     /// A table is damaged or lacks a column.
-    #[error("`{path}` is no table of a report: {source}", path = path.display())]
+    #[error("`{path}` is not a table of a report: {source}", path = path.display())]
     Table {
         /// The file.
         path: PathBuf,
@@ -198,7 +198,7 @@ impl StoredReport {
         self.manifest.report_files.iter().find(|file| file.path == name)
     }
 
-    /// The file of the report that holds the contents of a scenario file; none if it does not hold them.
+    /// The file of the report that holds the contents of a scenario file; `None` if it does not hold them.
     pub fn held(&self, file: &ScenarioFile) -> Option<PathBuf> {
         held_path(&self.folder, &file.held)
     }
@@ -337,12 +337,12 @@ impl StoredReport {
         if is_csv { Err(ReadError::OnlyCsv { path }) } else { Ok(path) }
     }
 
-    /// Some rows of a table; none if the report has no such table or it ends before them.
+    /// Some rows of a table; `None` if the report has no such table or it ends before them.
     fn rows(&self, table: &str, first: usize, count: usize) -> Result<Option<DataFrame>, ReadError> {
         Ok(self.read(table, None, Some((first, count)))?.filter(|rows| rows.height() > 0))
     }
 
-    /// Reads a table, some of its columns, some of its rows; none if the report has no such table.
+    /// Reads a table, some of its columns, some of its rows; `None` if the report has no such table.
     fn read(
         &self,
         table: &str,

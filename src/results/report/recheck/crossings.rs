@@ -59,7 +59,7 @@ impl CrossedStarts {
         starts
     }
 
-    /// The number of starts whose faults are so; none when the old driver was not run.
+    /// The number of starts whose faults are so; `None` if the old driver was not run.
     pub fn count_starts(&self, is: impl Fn(StartFaults) -> bool) -> Option<u64> {
         self.encounters.has_before().then(|| self.starts().into_values().filter(|faults| is(*faults)).count() as u64)
     }

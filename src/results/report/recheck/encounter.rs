@@ -26,7 +26,7 @@ pub struct Encounter {
     pub start: u64,
     /// The number of the crossing on the fixed list; 0 for a failure of a report.
     pub crossing: u64,
-    /// How it ended for the old driver; none when that cannot be run any more.
+    /// How it ended for the old driver; `None` if that cannot be run any more.
     pub before: Option<Met>,
     /// How it ended for the new driver.
     pub after: Met,
@@ -92,7 +92,7 @@ impl Encounter {
         self.after.error || self.before.is_some_and(|before| before.error)
     }
 
-    /// Whether it is a fault for the old driver; none when that is not known.
+    /// Whether it is a fault for the old driver; `None` if that is not known.
     pub fn fault_before(&self) -> Option<bool> {
         self.before.map(|before| before.fault)
     }

@@ -24,7 +24,7 @@ use base::statistics::holm;
 pub struct Recheck {
     /// The folder of the old report.
     pub report: PathBuf,
-    /// The files of the new driver; none when they are those of the report.
+    /// The files of the new driver; `None` if they are those of the report.
     pub files: Vec<PathBuf>,
     /// What a reader of the result must know.
     pub notes: Vec<RecheckNote>,

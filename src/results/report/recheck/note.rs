@@ -18,7 +18,7 @@ pub enum RecheckNote {
         "failures of searches that are met by their recorded commands alone: {failures}; their falsifier chose commands, not a controller that could walk again"
     )]
     CommandsAlone { failures: u64 },
-    /// Failures of the report are no failures any more when the old driver drives.
+    /// Failures of the report are not failures any more when the old driver drives.
     #[error(
         "failures of the report that end otherwise now although the old driver drives: {failures}; another version of the program made the report, or the driver does not drive the same way twice; `falsify replay --all` shows them"
     )]

@@ -7,7 +7,7 @@
 //!              sends the request                           restart after a fault)    given from above)
 //! ```
 //! The protocol is described in `scenarios/external/README.md`. Nothing here starts a process or reads a clock: a [`Link`]
-//! does both, and an [`Opener`] makes the link. A [`Peer`] keeps the link of a program, also for programs that are no drivers.
+//! does both, and an [`Opener`] makes the link. A [`Peer`] keeps the link of a program, also for programs that are not drivers.
 
 mod link;
 mod peer;

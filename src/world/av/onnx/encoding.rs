@@ -13,7 +13,7 @@ pub enum Content<'a> {
 /// Takes the next field of a message: its number and its content; `None` at the end.
 ///
 /// # Errors
-/// The bytes are no field.
+/// The bytes are not a field.
 fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u32, Content<'a>)>, Refusal> {
     let short = || "it ends in the middle of a value".to_owned();
     if bytes.is_empty() {
@@ -39,7 +39,7 @@ fn field<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u32, Content<'a>)>, Refusal
 /// Calls a function with each field of a message.
 ///
 /// # Errors
-/// The bytes are no fields, and those of the function.
+/// The bytes are not fields, and those of the function.
 pub fn fields<'a>(
     mut bytes: &'a [u8],
     each: &mut dyn FnMut(u32, Content<'a>) -> Result<(), Refusal>,
@@ -71,7 +71,7 @@ fn varint(bytes: &mut &[u8]) -> Result<u64, Refusal> {
 /// Appends whole numbers, which are written one by one or together.
 ///
 /// # Errors
-/// The bytes are no numbers.
+/// The bytes are not numbers.
 pub fn whole_numbers(content: Content, to: &mut Vec<i64>) -> Result<(), Refusal> {
     match content {
         Content::Number(number) => to.push(number as i64),

@@ -142,7 +142,7 @@ impl SensorModel {
         ego.to_world(Vector::new(self.keys.eye, 0.0))
     }
 
-    /// The distance of a place from the eye (m) and the rate at which a seam hides it; `None` when it is outside.
+    /// The distance of a place from the eye (m) and the rate at which a seam hides it; `None` if it is outside.
     pub fn covers(&self, ego: &Pose, place: Point) -> Option<(f64, f64)> {
         let SensorKeys { ahead, behind, aside, range, eye, .. } = self.keys;
         let local = ego.to_local(place);

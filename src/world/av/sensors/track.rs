@@ -67,7 +67,7 @@ impl Track {
         }
     }
 
-    /// Updates the detection of the actor; `rate` is that of misses, `None` when it cannot be detected at all.
+    /// Updates the detection of the actor; `rate` is that of misses, `None` if it cannot be detected at all.
     pub fn update(&mut self, model: &SensorModel, kind: Kind, actor: &Actor, rate: Option<f64>) -> Option<Belief> {
         if rate.is_some_and(|rate| !self.miss.fails(rate)) {
             let confused = kind == Kind::Pedestrian && self.confusion.fails(model.keys.confusion);

@@ -109,7 +109,7 @@ impl SensorWrapper {
     }
 }
 
-/// The present rate at which an actor is missed; `None` when it is outside the field or hidden.
+/// The present rate at which an actor is missed; `None` if it is outside the field or hidden.
 fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor: &Actor) -> Option<f64> {
     let ego = &perception.ego.pose;
     let (distance, seam) = model.covers(ego, actor.pose.position())?;

@@ -108,7 +108,7 @@ pub fn cover(config: &CoverConfig, seed: &Seed, experiment: &mut Experiment<'_>)
 /// A cover in progress.
 struct Work<'a, 'b> {
     config: &'a CoverConfig,
-    /// Knows all points that are no part of a look in progress.
+    /// Knows all points that are not part of a look in progress.
     picture: Picture,
     coverage: Coverage,
     experiment: &'a mut Experiment<'b>,

@@ -65,7 +65,7 @@ pub enum DesignError {
         /// Whether cars cannot leave the street; otherwise they cannot reach it.
         stuck: bool,
     },
-    #[error("node `{node}` has traffic lights and is no junction")]
+    #[error("node `{node}` has traffic lights and is not a junction")]
     LightsWithoutJunction { node: String },
     #[error("building {building} stands on a lane of `{road}`")]
     BuildingOnLane { building: usize, road: String },

@@ -171,7 +171,7 @@ fn piece_tiles(piece: &Geometry, left: f64, right: f64) -> Vec<Tile> {
         .collect()
 }
 
-/// The carriageway of every leg up to its junction's node. The area between the connecting roads is no place for a building
+/// The carriageway of every leg up to its junction's node. The area between the connecting roads is not a place for a building
 /// either.
 fn middles(design: &TownDesign, layout: &Layout) -> Vec<(usize, Tile)> {
     let mut middles = Vec::new();

@@ -148,7 +148,7 @@ fn blame(named: &NamedRequirement, verdict: Option<ViolationVerdict>) -> String 
             "preventable, since both careful humans satisfy it; the pedestrian did not move as people do".into()
         }
         Some(ViolationVerdict { preventable: true, .. }) => {
-            "preventable, since both careful humans satisfy it; the collision that decides is no fault".into()
+            "preventable, since both careful humans satisfy it; the collision that decides is not a fault".into()
         }
         Some(_) => "not preventable: a careful human violates it as well".into(),
         None => match NoVerdict::of(&named.requirement) {

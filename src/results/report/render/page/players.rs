@@ -30,7 +30,7 @@ impl Players {
         self.options
     }
 
-    /// The player of a failure; none when it was not repeated.
+    /// The player of a failure; `None` if it was not repeated.
     pub fn get(&self, name: &str) -> Option<&Replay> {
         self.all.get(name)
     }
@@ -45,7 +45,7 @@ impl Players {
         format!("play-{}", name.replace(':', "-"))
     }
 
-    /// The link to the player of a failure; none when it was not repeated.
+    /// The link to the player of a failure; `None` if it was not repeated.
     pub fn link(&self, name: &str) -> Option<String> {
         self.all.contains_key(name).then(|| format!("#{}", Self::id(name)))
     }

@@ -40,7 +40,7 @@ pub struct Replay {
     pub throttle: Vec<i64>,
     /// Ticks at which the pedestrian comes into sight or is lost from it; before the first it is hidden.
     pub sight: Vec<usize>,
-    /// Tick at which the danger started; none without a collision.
+    /// Tick at which the danger started; `None` without a collision.
     pub danger: Option<usize>,
     /// The tick that decides each violated requirement, and its name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -48,7 +48,7 @@ pub struct Replay {
     /// The tick at which a picture of it opens: some seconds before the end, with the danger near.
     pub opens: usize,
     pub verdict: Option<&'static str>,
-    /// The results of the reference drivers: name, and impact speed (m/s), none when they avoid it.
+    /// The results of the reference drivers: name, and impact speed (m/s), `None` if they avoid it.
     pub drivers: Vec<(&'static str, Option<f64>)>,
     /// Whether it ends in a touch.
     pub touch: bool,

@@ -11,7 +11,7 @@ const BAR: (f64, f64) = (98.0, 236.0);
 /// Height of a row.
 const ROW: f64 = 22.0;
 
-/// The collisions by verdict of the reference drivers, as bars; none without any collision.
+/// The collisions by verdict of the reference drivers, as bars; `None` without any collision.
 pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
     let hit: Vec<Named<'_>> = cells.iter().filter(|named| named.cell.collisions > 0).cloned().collect();
     if hit.is_empty() {

@@ -7,7 +7,7 @@ use crate::report::{Comparison, Findings, Test};
 /// Maximum number of rows of drivers on a page; the file of the table has all.
 const MAX_DRIVERS: usize = 60;
 
-/// Comparisons of controllers and of drivers with the same starts; none without any pair.
+/// Comparisons of controllers and of drivers with the same starts; `None` without any pair.
 pub fn comparisons(found: &Findings<'_>) -> Option<Section> {
     let evidence = &found.gathered.evidence;
     let (drivers, controllers): (Vec<&Comparison>, Vec<&Comparison>) =

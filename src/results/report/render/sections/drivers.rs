@@ -45,7 +45,7 @@ pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
 }
 
 /// The scale of avoidable injuries: the head of a column of shares, and the whole. It is the greatest of the drivers that see no pedestrians; without one,
-/// the greatest of several drivers. None where nobody has any.
+/// the greatest of several drivers. `None` if nobody has any.
 pub fn injury_scale(results: &[DriverResult], cells: &[Cell]) -> Option<(String, f64)> {
     let greatest = |blind: bool| {
         let of = results.iter().filter(|result| result.driver.sees_no_pedestrians() == blind);

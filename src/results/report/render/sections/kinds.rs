@@ -57,7 +57,7 @@ fn table(cells: &[CellModes]) -> Table {
     Table { head, rows, ..Table::default() }
 }
 
-/// The most and the least dangerous rule of each cell; none without any rule.
+/// The most and the least dangerous rule of each cell; `None` without any rule.
 fn rules(cells: &[CellModes]) -> Option<Table> {
     let mut rows = Vec::new();
     for cell in cells {

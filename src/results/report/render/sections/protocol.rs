@@ -6,7 +6,7 @@ use crate::report::{Colour, Findings, ProtocolCell};
 use world::env::TestCriterion;
 
 /// How to read the tables.
-const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0 is no contact. Along the path it is the speed \
+const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0: no contact. Along the path it is the speed \
      of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h, `–` a case that was not run. A test is over when the car has \
      stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
      *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), a cell without \
@@ -15,7 +15,7 @@ const READING: &str = "A cell is the impact speed (km/h) at the test speed of it
      share: \"0 of 20: at most 14 %\". Episodes that are equal to the bit are one.";
 /// Shown below the tables in a terminal.
 const LEGEND: [&str; 2] = [
-    "cells: impact speed (km/h), 0 is no contact; !: the driver did not hold the test speed within 1 km/h; –: not run",
+    "cells: impact speed (km/h), 0: no contact; !: the driver did not hold the test speed within 1 km/h; –: not run",
     "passed: cells with points, or below the limit; a driver can pass a cell in which it hits the target",
 ];
 /// Why colours, passes and verdicts differ.
@@ -23,7 +23,7 @@ const JUDGES: &str = "A number is the impact speed in km/h. *Passed* counts the 
      So a driver can pass a cell in which it hits the target. The colour judges the speed alone. A verdict of the failures below judges something else: whether \
      careful humans would have avoided the touch. So a red cell can be *contested*: some reference drivers avoid it and some do not.";
 /// What a test does not say.
-const LIMITS: &str = "**This is no rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
+const LIMITS: &str = "**This is not a rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
      the car's sensors unless the scenario gives them, warnings to a driver, tyres and brakes beyond the car's blueprint, repeated runs and \
      tolerances of test tracks, turning and reversing tests. The target is a disc of its width in the world; its box only states the impact \
      point. Euro NCAP's colours are published for 60 km/h, and the same shares are taken at other speeds.";
@@ -294,7 +294,7 @@ fn of_searches(all: &[Layered<'_>]) -> Table {
     }
 }
 
-/// The cells that got worse, with the names of their collisions; none when no cell did.
+/// The cells that got worse, with the names of their collisions; `None` if no cell did.
 fn changes(all: &[Layered<'_>]) -> Option<Table> {
     let numbers = ["overlap", "test speed (km/h)"].map(Column::number);
     let words = |names: [&'static str; 4]| names.map(Column::text);

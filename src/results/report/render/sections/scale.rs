@@ -22,7 +22,7 @@ impl<'a> Scale<'a> {
         self.blind
     }
 
-    /// Whose rate is the upper end, for the head of a column; none where nobody can be compared.
+    /// Whose rate is the upper end, for the head of a column; `None` if nobody can be compared.
     pub fn name(&self) -> Option<&'a str> {
         let first = self.cells.first()?;
         let several = || self.cells.iter().any(|cell| cell.key.policy != first.key.policy);
@@ -35,7 +35,7 @@ impl<'a> Scale<'a> {
         self.cells.iter().filter(move |other| CellKey { policy: key.policy.clone(), ..other.key.clone() } == key)
     }
 
-    /// The ends of the scale in the setting of a cell: the lowest rate, and that of the driver that sees no pedestrians, or the highest; none for a driver
+    /// The ends of the scale in the setting of a cell: the lowest rate, and that of the driver that sees no pedestrians, or the highest; `None` for a driver
     /// that is alone there.
     pub fn ends(&self, cell: &Cell, rate: RateOf) -> Option<(f64, f64)> {
         let rates = || self.peers(cell).filter_map(|other| rate(other).value);
@@ -47,7 +47,7 @@ impl<'a> Scale<'a> {
         (rates().count() > 1).then(|| (rates().fold(top, f64::min), top))
     }
 
-    /// The rate of a cell as a share of the upper end; none where that is 0.
+    /// The rate of a cell as a share of the upper end; `None` if that is 0.
     pub fn share(&self, cell: &Cell, rate: RateOf) -> Option<f64> {
         let (_, top) = self.ends(cell, rate).filter(|(_, top)| *top > 0.0)?;
         rate(cell).value.map(|mean| mean / top)

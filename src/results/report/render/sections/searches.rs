@@ -66,7 +66,7 @@ fn falsifiers(cells: &[SearchCell]) -> Table {
     Table { place: Place::Everywhere, head, rows: cells.iter().map(row).collect(), ..Table::default() }
 }
 
-/// A note on the falsifiers that found failures from fewer starts than random walking did with the same budget; none without any.
+/// A note on the falsifiers that found failures from fewer starts than random walking did with the same budget; `None` without any.
 fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
     let outdone = |cell: &&SearchCell| {
         let chance = cells.iter().filter(|other| {
