@@ -9,7 +9,7 @@ use compile::{Catalog, Plan, Training, compile};
 use learn::{ActorCritic, Env, Trained};
 use world::av::onnx::{Model, Onnx};
 use world::driving::{ACTION_BOUNDS, ACTION_SCALES, DriveEnv, inputs};
-use world::env::{Draw, Phase};
+use world::env::{Draw, Phase, Scenario, Simulation};
 use world::falsifier::TrainingRun;
 
 use crate::program::{error, falsify};
@@ -55,16 +55,21 @@ fn trained(training: &Training, threads: usize) -> Trained {
     pool.install(|| begin(training).carry_on(&mut |_| std::ops::ControlFlow::Continue(()))).unwrap()
 }
 
+/// The scenario with a network from its file as the driver.
+fn driven_by(networks: &ActorCritic, scenario: &Scenario) -> Arc<Scenario> {
+    let bytes = networks.to_onnx_with(&inputs(), &ACTION_SCALES, &ACTION_BOUNDS, &Default::default());
+    let model = Arc::new(Model::read(bytes).unwrap());
+    let mut scenario = scenario.clone();
+    scenario.cast.vehicles[0].policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
+    Arc::new(scenario)
+}
+
 /// Lets a network drive as a learner and as a driver from its file along the same run-up; returns both ways, tick by tick.
 fn ways(networks: &ActorCritic, training: &Training, ticks: usize) -> [Vec<[f64; 2]>; 2] {
     let seed = Seed::root(9);
     let scenario = &training.scenarios()[1];
     let mut learner = DriveEnv::new(scenario, training.drive.as_ref().unwrap(), &seed);
-    let bytes = networks.to_onnx_with(&inputs(), &ACTION_SCALES, &ACTION_BOUNDS, &Default::default());
-    let model = Arc::new(Model::read(bytes).unwrap());
-    let mut elsewhere = (**scenario).clone();
-    elsewhere.cast.vehicles[0].policy = Arc::new(move || Box::new(Onnx::new(1, model.clone())));
-    let mut driver = Arc::new(elsewhere).simulation();
+    let mut driver = driven_by(networks, scenario).simulation();
     driver.place(Draw::new(&seed, 0));
     let mut obs = vec![0.0; learner.obs_dim()];
     learner.reset(&mut obs);
@@ -101,6 +106,30 @@ fn a_network_sees_and_does_in_its_file_what_it_saw_and_did_in_its_training() {
     // Both differ by the rounding of a hyperbolic tangent, which the road does not amplify.
     for (tick, (a, b)) in learner.iter().zip(&driver).enumerate() {
         assert!((a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-3, "tick {tick}: {a:?} and {b:?}");
+    }
+}
+
+#[test]
+fn copies_of_one_start_that_take_turns_do_not_get_each_others_answers() {
+    let plan = plan("hold: 1  cars: 0  demonstrations: 0");
+    let training = &plan.campaigns[0].nth::<Training>(0);
+    let learner = DriveEnv::new(&training.scenarios()[1], training.drive.as_ref().unwrap(), &Seed::root(9));
+    let (numbers, actions) = (learner.obs_dim(), learner.action_bounds().len());
+    let networks = learn::first_networks(numbers, actions, &training.config, &Seed::root(1));
+    let mut start = driven_by(&networks, &training.scenarios()[1]).simulation();
+    start.place(Draw::new(&Seed::root(9), 0));
+    let copies = || [start.snapshot().unwrap(), start.snapshot().unwrap()];
+    let [mut alone, _] = copies();
+    let [mut one, mut other] = copies();
+    one.prepare();
+    for _ in 0..40 {
+        other.prepare();
+        one.tick();
+        one.prepare();
+        other.tick();
+        alone.tick();
+        let place = |simulation: &dyn Simulation| simulation.scene().world.ego().state;
+        assert_eq!(place(&*other), place(&*alone));
     }
 }
 

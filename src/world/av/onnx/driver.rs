@@ -30,9 +30,10 @@ pub struct Onnx {
     fault: Option<Fault>,
 }
 
-/// The network with the requests of a tick.
+/// The network with the requests of a tick. Copies in a batch share them; a snapshot, which other threads may drive at other times, shares the
+/// network alone.
 struct Shared {
-    engine: Engine,
+    engine: Arc<Mutex<Engine>>,
     batch: Batch,
     answered: bool,
 }
@@ -42,8 +43,7 @@ impl Onnx {
     pub fn new(worlds: usize, model: Arc<Model>) -> Self {
         let network = model.clone();
         let engine = Engine::new(move |numbers, options| network.decide(numbers, options));
-        let shared = Shared { engine, batch: Batch::default(), answered: false };
-        Self::within(model, Arc::new(Mutex::new(shared)), worlds)
+        Self::within(model, Shared::new(Arc::new(Mutex::new(engine))), worlds)
     }
 
     fn within(model: Arc<Model>, shared: Arc<Mutex<Shared>>, worlds: usize) -> Self {
@@ -52,8 +52,14 @@ impl Onnx {
     }
 }
 
+impl Shared {
+    fn new(engine: Arc<Mutex<Engine>>) -> Arc<Mutex<Self>> {
+        Arc::new(Mutex::new(Self { engine, batch: Batch::default(), answered: false }))
+    }
+}
+
 /// The shared state is consistent between two calls, even if the thread that made them panicked.
-fn locked(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -84,7 +90,7 @@ impl DrivingPolicy for Onnx {
         let mut shared = locked(&self.shared);
         let Shared { engine, batch, answered } = &mut *shared;
         if !*answered {
-            engine.answer(batch);
+            locked(engine).answer(batch);
             *answered = true;
         }
         match &batch.answers[place] {
@@ -106,7 +112,8 @@ impl DrivingPolicy for Onnx {
 
     /// A network has no memory beside its route.
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
-        let copy = Self::within(self.model.clone(), self.shared.clone(), self.worlds);
+        let engine = locked(&self.shared).engine.clone();
+        let copy = Self::within(self.model.clone(), Shared::new(engine), self.worlds);
         Some(Box::new(Self { path: self.path.clone(), fault: self.fault, ..copy }))
     }
 
