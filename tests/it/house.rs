@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_270),
     ("src/learn", 5_570),
-    ("src/world", 30_710),
+    ("src/world", 30_810),
     ("src/ported", 4_650),
     ("src/lang", 6_350),
     ("src/compile", 6_910),
