@@ -43,13 +43,21 @@ impl Cubic {
     }
 }
 
+/// Starts of cubics that are nearer to each other are one place (m).
+const SAME_PLACE: f64 = 1e-6;
+
 /// Consecutive cubics, sorted by their starts; the first one also applies before its start.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Profile(Vec<Cubic>);
 
 impl Profile {
-    /// Puts cubics in order.
+    /// Puts cubics in order. Of two at one place the later one applies, also if it begins a rounding error before the other.
     pub fn new(mut cubics: Vec<Cubic>) -> Self {
+        cubics.iter_mut().fold(f64::NEG_INFINITY, |last, cubic| {
+            let rounded = (last - SAME_PLACE..last).contains(&cubic.start);
+            cubic.start = if rounded { last } else { cubic.start };
+            cubic.start
+        });
         cubics.sort_by(|a, b| a.start.total_cmp(&b.start));
         Self(cubics)
     }
@@ -121,5 +129,17 @@ impl Profile {
             sum
         };
         Self(begins.into_iter().map(at).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_cubics_at_one_place_the_later_one_applies() {
+        let second = Cubic { start: 137.699_999_990_024_25, a: -3.7, b: 0.068_9, ..Cubic::default() };
+        let first = Cubic { start: 137.700_000_000_016_44, b: 0.0, ..second };
+        assert!((Profile::new(vec![first, second]).value(190.1) + 0.09).abs() < 0.01);
     }
 }
