@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_270),
     ("src/learn", 5_570),
-    ("src/world", 30_810),
+    ("src/world", 30_822),
     ("src/ported", 4_650),
     ("src/lang", 6_350),
     ("src/compile", 6_910),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_780),
     ("src/results", 25_560),
     ("src/program", 11_240),
-    ("tests", 25_770),
+    ("tests", 25_824),
 ];
 
 /// Crates that only some places may name.

@@ -37,9 +37,8 @@ fn ours(town: &Town) -> Vec<Place> {
 
 #[test]
 fn signals_of_other_tools_agree_with_the_reference() {
-    let read_table = |name: &str| {
-        std::fs::read_to_string(repository().join("tests/reference/map_signals").join(name)).unwrap()
-    };
+    let read_table =
+        |name: &str| std::fs::read_to_string(repository().join("tests/reference/map_signals").join(name)).unwrap();
     let (table, sizes) = (read_table("signals.csv"), read_table("maps.csv"));
     let mut wanted: BTreeMap<&str, Vec<Place>> = BTreeMap::new();
     for row in table.lines().skip(1) {
