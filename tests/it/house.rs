@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_780),
     ("src/results", 25_560),
     ("src/program", 11_240),
-    ("tests", 25_824),
+    ("tests", 25_823),
 ];
 
 /// Crates that only some places may name.
