@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use numpy::PyReadonlyArray2;
-use numpy::ndarray::ArrayView2;
+use numpy::ndarray::{ArrayView1, ArrayView2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -39,18 +39,19 @@ pub fn judged<'py>(
         speed: row[3],
         ..VehicleState::default()
     });
-    let walkers = match pedestrian.ncols() {
+    let rows = pedestrian.rows().into_iter();
+    let recording = match pedestrian.ncols() {
         2 => {
-            let places: Vec<Point> = pedestrian.rows().into_iter().map(|row| Point::new(row[0], row[1])).collect();
-            Recording::walked(&places, dt)
+            let places: Vec<Point> = rows.map(|row| Point::new(row[0], row[1])).collect();
+            Recording::of_positions(dt, cars.collect(), &places)
         }
-        _ => pedestrian
-            .rows()
-            .into_iter()
-            .map(|row| PedestrianState::moving(Pose { x: row[0], y: row[1], yaw: row[2] }, row[3]))
-            .collect(),
+        _ => {
+            let state =
+                |row: ArrayView1<'_, f64>| PedestrianState::moving(Pose { x: row[0], y: row[1], yaw: row[2] }, row[3]);
+            Recording::new(dt, cars.collect(), rows.map(state).collect())
+        }
     };
-    let recording = Recording::new(dt, cars.collect(), walkers).map_err(refused)?;
+    let recording = recording.map_err(refused)?;
     let found = py.detach(|| recording.judged(&scenario, obstacles));
     dictionary(py, &found, boxes.is_none())
 }
@@ -68,6 +69,8 @@ fn dictionary<'py>(py: Python<'py>, found: &Encountered, is_ours: bool) -> PyRes
     }
     dict.set_item("begins_late_s", found.begins_late.unwrap_or(f64::NAN))?;
     dict.set_item("counts_as", verdict.map_or("", |verdict| verdict.class().name()))?;
+    dict.set_item("side", verdict.map_or("", |verdict| verdict.side.name()))?;
+    dict.set_item("ignored_instants", &found.ignored)?;
     let avoided = PyDict::new(py);
     if let Some(verdict) = verdict {
         for reference in Reference::ALL {
@@ -103,7 +106,7 @@ fn refused(error: RecordingError) -> PyErr {
 
 fn solids(boxes: &ArrayView2<'_, f64>) -> PyResult<Vec<OrientedBox>> {
     columns("boxes", boxes, &[5], "x, y, heading, length, width")?;
-    let solid = |(number, row): (usize, numpy::ndarray::ArrayView1<'_, f64>)| {
+    let solid = |(number, row): (usize, ArrayView1<'_, f64>)| {
         let is_bad = !row.iter().all(|value| value.abs() <= 1e6) || row[3] <= 0.0 || row[4] <= 0.0;
         if is_bad {
             let text =

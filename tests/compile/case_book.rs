@@ -324,7 +324,7 @@ fn noise_and_rate_of_a_recording_change_no_label() {
                 let walkers = walkers.iter().step_by(every);
                 let places: Vec<_> = walkers.map(|state| Point::new(draw(state.pose.x), draw(state.pose.y))).collect();
                 let dt = DT * every as f64;
-                let recording = Recording::new(dt, cars, Recording::walked(&places, dt));
+                let recording = Recording::of_positions(dt, cars, &places);
                 let found = recording.map(|recording| recording.judged(&scenario, walls));
                 let verdict = found.as_ref().map(|found| found.verdict.as_ref().map(|verdict| verdict.class().name()));
                 let is_fault = matches!(verdict, Ok(Some("fault" | "runner")));

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use base::seed::{Seed, Stream};
+use rand::RngExt;
 use world::env::Scenario;
 use world::judge::{Encountered, Recording, RecordingFileError};
 
@@ -104,7 +106,130 @@ fn undisturbed_recordings_have_their_classes() {
     unchanged(&[10.0, 20.0, 50.0, 100.0], "undisturbed", |_, _| ());
 }
 
+fn normal(stream: &mut Stream, deviation: f64) -> f64 {
+    let (radius, angle) = (stream.random_range(1e-12..1.0_f64), stream.random_range(0.0..std::f64::consts::TAU));
+    deviation * (-2.0 * libm::log(radius)).sqrt() * libm::cos(angle)
+}
+
 #[test]
 fn a_row_without_speed_is_no_stop() {
-    unchanged(&[10.0, 20.0, 50.0], "a row with speed 0", |rows, rate| rows[(7.3 * rate) as usize][4] = 0.0);
+    for before in [0.1, 0.6, 1.1, 1.2, 1.9, 2.4, 2.5] {
+        unchanged(&[10.0, 20.0, 50.0], "a row with speed 0", |rows, rate| {
+            rows[((9.0 - before) * rate).round() as usize][4] = 0.0;
+        });
+    }
+    unchanged(&[20.0], "a first row with speed 0", |rows, _| rows[0][4] = 0.0);
+    unchanged(&[20.0], "a row with another heading", |rows, _| rows[150][3] = 90.0);
+}
+
+#[test]
+fn positions_may_be_rounded_or_held() {
+    let round = |number: &mut f64, step: f64| *number = (*number / step).round() * step;
+    unchanged(&[10.0, 20.0, 50.0, 100.0], "rounded to 0.1 m", |rows, _| {
+        rows.iter_mut().for_each(|row| [1, 2, 5, 6].map(|place| round(&mut row[place], 0.1)).into_iter().collect());
+    });
+    unchanged(&[50.0, 100.0], "held for 0.1 s", |rows, rate| {
+        let held = rows.clone();
+        let every = (0.1 * rate) as usize;
+        rows.iter_mut()
+            .enumerate()
+            .for_each(|(number, row)| row[5..].copy_from_slice(&held[number / every * every][5..]));
+    });
+}
+
+#[test]
+fn noise_of_positions_speeds_and_headings_changes_no_class() {
+    let mut stream = Seed::root(7).stream();
+    for seed in 0..4 {
+        for (name, places, deviation) in [
+            ("3 cm in all positions", &[1, 2, 5, 6][..], 0.03),
+            ("0.1 m/s in speeds", &[4, 8], 0.1),
+            ("1 deg in headings", &[3], 1.0),
+            ("5 deg in the pedestrian's heading", &[7], 5.0),
+        ] {
+            unchanged(&[10.0, 20.0, 50.0], &format!("{name}, {seed}"), |rows, _| {
+                for row in rows {
+                    places.iter().for_each(|place| row[*place] += normal(&mut stream, deviation));
+                }
+            });
+        }
+    }
+}
+
+#[test]
+fn what_follows_the_touch_does_not_matter() {
+    let mut stream = Seed::root(8).stream();
+    unchanged(&[20.0, 50.0], "the pedestrian is thrown", |rows, rate| {
+        for row in rows.iter_mut() {
+            (row[5], row[6]) = (row[5] + normal(&mut stream, 0.02), row[6] + normal(&mut stream, 0.02));
+        }
+        let first = rows.iter().position(|row| row[1] + 2.3 > row[5]).unwrap();
+        for place in first..rows.len() {
+            let speed = 9.0;
+            (rows[place][5], rows[place][6]) = (rows[place - 1][5] + speed / rate, rows[place - 1][6]);
+            (rows[place][7], rows[place][8]) = (0.0, speed);
+        }
+    });
+}
+
+#[test]
+fn large_coordinates_are_as_good_as_small_ones() {
+    unchanged(&[20.0, 100.0], "UTM", |rows, _| {
+        for row in rows {
+            (row[1], row[2], row[5], row[6]) =
+                (row[1] + 461_000.0, row[2] + 5_481_000.0, row[5] + 461_000.0, row[6] + 5_481_000.0);
+        }
+    });
+}
+
+#[test]
+fn a_late_beginning_is_no_narrow_escape() {
+    let scenario = crate::case_book::scenario();
+    let mut told = 0;
+    for begin in 50..87 {
+        let late = class(&scenario, &STANDING.rows(10.0)[begin..], 9);
+        assert!(["fault", "cannot_tell"].contains(&&*late), "row {begin}: {late}");
+        told += u32::from(late == "fault");
+    }
+    assert!((5..35).contains(&told), "{told}");
+}
+
+#[test]
+fn a_jump_that_nobody_makes_is_an_error_with_its_row() {
+    let scenario = crate::case_book::scenario();
+    for rate in [10.0, 20.0, 100.0] {
+        for (place, who) in [(6, "the pedestrian has moved 1.0 m"), (2, "the car has moved 1.")] {
+            for columns in WITH_AND_WITHOUT {
+                let mut rows = STANDING.rows(rate);
+                rows[70][place] += 1.0;
+                let found = class(&scenario, &rows, columns);
+                assert!(found.starts_with("instant 70: ") && found.contains(who), "{rate} Hz, {columns}: {found}");
+            }
+        }
+    }
+}
+
+/// A recording of 99,000 rows whose pedestrian stands there all the time, or is never touched.
+#[test]
+fn a_long_recording_is_judged_at_once() {
+    let mut stream = Seed::root(9).stream();
+    for (rate, noise, aside) in
+        [(20.0, 0.0, 0.0), (20.0, 0.02, 0.0), (1000.0, 0.0, 0.0), (20.0, 0.0, 5.0), (20.0, 0.02, 5.0)]
+    {
+        let mut rows = STANDING.rows(rate);
+        let (first, missing) = (rows[0], 99_000 - rows.len() as u32);
+        let earlier = (0..missing).map(|instant| {
+            let before = f64::from(missing - instant) / rate;
+            [-before, first[1] - 13.0 * before, 0.0, 0.0, 13.0, first[5], first[6], 90.0, 0.0]
+        });
+        rows.splice(0..0, earlier);
+        for row in &mut rows {
+            row[6] += aside;
+            [1, 2, 5, 6].iter().for_each(|place| row[*place] += normal(&mut stream, noise));
+        }
+        let begun = std::time::Instant::now();
+        let class = class(&crate::case_book::scenario(), &rows, 9);
+        assert!(begun.elapsed().as_secs() < 10, "{rate} Hz, {noise} m: {:?}", begun.elapsed());
+        assert_eq!(class, if aside > 0.0 { "no touch" } else { "fault" });
+    }
 }

@@ -100,6 +100,12 @@ fn paper() -> Result<Scenario, Error> {
 /// Prints the result for people.
 fn tell(found: &Encountered) {
     let near = &found.near_miss;
+    if let [first, rest @ ..] = &found.ignored[..] {
+        let others = if rest.is_empty() { String::new() } else { format!(" and of {} others", rest.len()) };
+        console::say(&format!(
+            "ignored: the speed or heading of the car at instant {first}{others}, which those before and after contradict"
+        ));
+    }
     if let (Some(touch), Some(late)) = (found.touch, found.begins_late) {
         console::say(&format!("touch after {touch:.2} s"));
         console::say(&format!(
@@ -118,7 +124,11 @@ fn tell(found: &Encountered) {
         }
         return;
     };
-    console::say(&format!("touch after {touch:.2} s, the car drives {:.2} m/s", verdict.impact_speed));
+    console::say(&format!(
+        "touch after {touch:.2} s at the {} of the car, which drives {:.2} m/s",
+        verdict.side.name(),
+        verdict.impact_speed
+    ));
     console::say(&format!("verdict: {}", verdict.word()));
     let counts = if verdict.is_fault() { "counts" } else { "does not count" };
     let class = verdict.class();
@@ -141,6 +151,7 @@ fn as_json(found: &Encountered) -> serde_json::Value {
     json!({
         "touch_s": found.touch,
         "impact_speed_mps": verdict.map(|verdict| verdict.impact_speed),
+        "side": verdict.map(|verdict| verdict.side.name()),
         "verdict": verdict.map(|verdict| verdict.label.name()).or(found.begins_late.map(|_| "cannot_tell")),
         "begins_late_s": found.begins_late,
         "counts_as": verdict.map(|verdict| verdict.class().name()),
@@ -151,5 +162,6 @@ fn as_json(found: &Encountered) -> serde_json::Value {
         "least_gap_m": found.least_gap,
         "min_ttc_s": found.near_miss.min_ttc,
         "pet_s": found.near_miss.pet,
+        "ignored_instants": found.ignored,
     })
 }

@@ -11,8 +11,8 @@ pub struct Place {
     pub direction: Vector,
 }
 
-/// Number of vertices in a block that is skipped as a whole.
-const BLOCK: usize = 16;
+/// The minimum number of vertices between those that are looked at first.
+const MIN_STRIDE: usize = 16;
 /// Lengths and distances are exact to this (m).
 const ROUNDING: f64 = 1e-6;
 
@@ -64,21 +64,23 @@ impl DrivenPath {
     /// line backwards.
     pub fn place(&self, point: Point, from: f64) -> Place {
         let first = self.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;
+        let vertices = &self.vertices[first..];
         let apart = |(_, pose): &(f64, Pose)| (point - pose.position()).norm_squared();
-        let blocks = || self.vertices[first..].chunks(BLOCK);
-        let bound = blocks().map(|block| apart(&block[0])).fold(f64::INFINITY, f64::min).sqrt() + ROUNDING;
+        let sampled = vertices.iter().step_by(MIN_STRIDE.max(vertices.len().isqrt()));
+        let mut least = sampled.map(apart).fold(f64::INFINITY, f64::min);
         let mut nearest = (f64::INFINITY, first);
-        for (number, block) in blocks().enumerate() {
-            // No point of a block is nearer than its first vertex less the block's length.
-            let reach = bound + block[block.len() - 1].0 - block[0].0;
-            if apart(&block[0]) > reach * reach {
-                continue;
+        let mut place = 0;
+        while let Some(vertex) = vertices.get(place) {
+            let apart = apart(vertex);
+            if apart < nearest.0 {
+                nearest = (apart, first + place);
+                least = least.min(apart);
             }
-            for (place, vertex) in block.iter().enumerate() {
-                let apart = apart(vertex);
-                if apart < nearest.0 {
-                    nearest = (apart, first + number * BLOCK + place);
-                }
+            // No vertex before this length is as near as the nearest one: the way there is too short.
+            let next = vertex.0 + apart.sqrt() - least.sqrt() - ROUNDING;
+            place += 1;
+            if vertices.get(place).is_some_and(|(at, _)| *at < next) {
+                place += vertices[place..].partition_point(|(at, _)| *at < next);
             }
         }
         // One of the two segments that meet there is the nearest.

@@ -93,14 +93,15 @@ impl<'a> Inquiry<'a> {
     }
 
     /// How much earlier the episode would have to begin for a verdict (s): the danger was under way at its start, a careful human notices it there and
-    /// does not avoid the touch, and nobody knows since when it could be seen. `None` if that is not so.
+    /// does not avoid the touch clearly, and nobody knows since when it could be seen. `None` if that is not so.
     ///
     /// It is the time by which the gate had opened before, if both had kept their velocities.
     pub fn begins_late(&mut self) -> Option<f64> {
         let length = (self.pair.len() - 2) as f64 + self.contact.fraction;
         let encounter = &self.encounter;
         let is_whole = (encounter.warning / encounter.dt - length).abs() < 0.5;
-        if !is_whole || encounter.speeds[0] <= STANDING || !self.has_moved() || self.is_preventable() {
+        let is_open = |inquiry: &mut Self| matches!(inquiry.class(), Class::NotPreventable | Class::Narrow);
+        if !is_whole || encounter.speeds[0] <= STANDING || !is_open(self) {
             return None;
         }
         let human = DelayedBrake::careful_human();

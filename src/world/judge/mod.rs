@@ -51,6 +51,7 @@ mod lane_departure;
 mod oracle;
 mod recording;
 mod recording_file;
+mod recording_noise;
 mod recording_units;
 #[cfg(test)]
 mod tests;

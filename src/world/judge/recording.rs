@@ -1,7 +1,8 @@
 use std::sync::Arc;
 
+use super::recording_noise::{clean_car, clean_pedestrian, noise, remove_spikes, usual_speeds, walked};
 use super::recording_units::{Misfit, TrackOf, misfit};
-use super::{Inquiry, NearMiss, Verdict, ViolationVerdict, judge};
+use super::{Inquiry, NearMiss, Verdict, ViolationVerdict};
 use crate::env::{Driven, OtherDrive, Scenario, Trace, VehicleFrame, is_about_map};
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::requirement::{Degree, NamedRequirement};
@@ -16,10 +17,12 @@ pub struct Recording {
     dt: f64,
     ego: Vec<VehicleState>,
     pedestrian: Vec<PedestrianState>,
+    /// Whether the velocities of the pedestrian are those of its positions.
+    is_walked: bool,
+    /// The instants at which the car has a speed or a heading that no car has.
+    spikes: Vec<usize>,
 }
 
-/// A car whose speed is never negative may still move backwards, up to this speed (m/s).
-pub(super) const MAX_UNSIGNED_REVERSING: f64 = 5.0;
 /// Time (s) before the touch in which the direction of the car's motion is looked for.
 const DIRECTION: f64 = 0.5;
 
@@ -94,6 +97,8 @@ pub struct Encountered {
     /// How much earlier the recording must begin for a verdict that holds (s): the danger was under way at its start, and a careful human who saw it there
     /// does not avoid the touch. `None` if nothing is missing.
     pub begins_late: Option<f64>,
+    /// The instants whose speed or heading of the car was ignored, since no car has it between those before and after.
+    pub ignored: Vec<usize>,
     /// The requirements of the scenario.
     pub requirements: Vec<RecordedRequirement>,
 }
@@ -111,26 +116,44 @@ pub struct RecordedRequirement {
 impl Recording {
     /// The most instants: 80 minutes at 20 Hz.
     pub const MAX_INSTANTS: usize = 100_000;
-    /// The greatest coordinate (m).
-    const MAX_COORDINATE: f64 = 1e6;
+    /// The greatest coordinate (m): ten earths.
+    const MAX_COORDINATE: f64 = 1e8;
+    /// The greatest heading (rad).
+    const MAX_HEADING: f64 = 1e6;
     /// The greatest speed (m/s).
     const MAX_SPEED: f64 = 150.0;
-    /// How far a step may be, as a multiple of what the speed explains, and besides (m): recordings are noisy.
-    const SLACK: (f64, f64) = (1.5, 2.0);
-    /// The noise of a velocity that is taken from positions (m/s), where half a second is long enough for it.
-    const VELOCITY_NOISE: f64 = 0.05;
+    /// How long a step may be and how far it may lead to a side, as a multiple of what the speed explains; what either may be besides (m), and besides as
+    /// a multiple of the noise of positions.
+    const OF_WAY: (f64, f64) = (1.5, 0.3);
+    const BESIDES: f64 = 0.5;
+    const OF_NOISE: f64 = 6.0;
 
     /// Checks the states of both at instants that are `dt` (s) apart. A car that reverses has a negative speed.
     ///
     /// # Errors
-    /// The tracks have not 2 to [`Recording::MAX_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, a
-    /// speed is above 150 m/s, that of the pedestrian is negative, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
+    /// The tracks have not 2 to [`Recording::MAX_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 100,000 km, a
+    /// speed is above 150 m/s, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
     /// are longer or shorter than the speed explains, or are not along the heading.
-    pub fn new(
-        dt: f64,
-        mut ego: Vec<VehicleState>,
-        mut pedestrian: Vec<PedestrianState>,
-    ) -> Result<Self, RecordingError> {
+    pub fn new(dt: f64, ego: Vec<VehicleState>, pedestrian: Vec<PedestrianState>) -> Result<Self, RecordingError> {
+        Self::checked(Self { dt, ego, pedestrian, is_walked: false, spikes: Vec::new() })
+    }
+
+    /// The same of a pedestrian of which there are only positions. Its velocity is taken from them, over the longer a time the noisier they are.
+    ///
+    /// # Errors
+    /// Those of [`Recording::new`].
+    pub fn of_positions(dt: f64, ego: Vec<VehicleState>, positions: &[Point]) -> Result<Self, RecordingError> {
+        let coordinates: Vec<Vector> = positions.iter().map(|position| position.coords).collect();
+        let mut pedestrian = walked(&coordinates, dt);
+        for (state, position) in pedestrian.iter_mut().zip(positions) {
+            (state.pose.x, state.pose.y) = (position.x, position.y);
+        }
+        Self::checked(Self { dt, ego, pedestrian, is_walked: true, spikes: Vec::new() })
+    }
+
+    fn checked(mut self) -> Result<Self, RecordingError> {
+        let Self { dt, ego, pedestrian, .. } = &mut self;
+        let dt = *dt;
         if ego.len() != pedestrian.len() || !(2..=Self::MAX_INSTANTS).contains(&ego.len()) {
             return Err(RecordingError::Instants { ego: ego.len(), pedestrian: pedestrian.len() });
         }
@@ -138,15 +161,16 @@ impl Recording {
             return Err(RecordingError::Step(dt));
         }
         let far = (-Self::MAX_COORDINATE, Self::MAX_COORDINATE);
-        for (instant, (car, walker)) in ego.iter().zip(&pedestrian).enumerate() {
+        let turned = (-Self::MAX_HEADING, Self::MAX_HEADING);
+        for (instant, (car, walker)) in ego.iter().zip(&*pedestrian).enumerate() {
             for (quantity, number, (low, high)) in [
                 ("x of the car (m)", car.pose.x, far),
                 ("y of the car (m)", car.pose.y, far),
-                ("heading of the car (rad)", car.pose.yaw, far),
+                ("heading of the car (rad)", car.pose.yaw, turned),
                 ("speed of the car (m/s)", car.speed, (-Self::MAX_SPEED, Self::MAX_SPEED)),
                 ("x of the pedestrian (m)", walker.pose.x, far),
                 ("y of the pedestrian (m)", walker.pose.y, far),
-                ("heading of the pedestrian (rad)", walker.pose.yaw, far),
+                ("heading of the pedestrian (rad)", walker.pose.yaw, turned),
                 ("speed of the pedestrian (m/s)", walker.speed(), (0.0, Self::MAX_SPEED)),
             ] {
                 if !(low..=high).contains(&number) {
@@ -154,24 +178,26 @@ impl Recording {
                 }
             }
         }
-        for (instant, (cars, walkers)) in ego.windows(2).zip(pedestrian.windows(2)).enumerate() {
-            let car = (cars[1].pose.position() - cars[0].pose.position()).norm();
-            let walker = (walkers[1].pose.position() - walkers[0].pose.position()).norm();
-            let speeds = [cars[0].speed.abs().max(cars[1].speed.abs()), walkers[0].speed().max(walkers[1].speed())];
-            for (who, moved, speed) in [("car", car, speeds[0]), ("pedestrian", walker, speeds[1])] {
-                if moved > Self::SLACK.0 * speed * dt + Self::SLACK.1 {
-                    return Err(RecordingError::Jump { instant: instant + 1, who, moved, speed });
-                }
-            }
+        self.spikes = remove_spikes(&mut self.ego, dt);
+        let cars: Vec<_> = self.ego.iter().map(|state| (state.pose, state.speed)).collect();
+        let mut walkers: Vec<_> = self.pedestrian.iter().map(|state| (state.pose, state.speed())).collect();
+        if self.is_walked {
+            let positions: Vec<Vector> = walkers.iter().map(|(pose, _)| pose.position().coords).collect();
+            walkers.iter_mut().zip(usual_speeds(&positions, dt)).for_each(|(state, speed)| state.1 = speed);
         }
-        let led = |state: &VehicleState| if state.speed < 0.0 { state.reversed() } else { *state };
-        let cars: Vec<_> = ego.iter().map(led).map(|state| (state.pose, state.speed)).collect();
-        let walkers: Vec<_> = pedestrian.iter().map(|state| (state.pose, state.speed())).collect();
-        let reverses = if ego.iter().any(|state| state.speed < 0.0) { 0.0 } else { MAX_UNSIGNED_REVERSING };
-        for (who, track, track_of) in
-            [("car", cars, TrackOf::Car { reverses }), ("pedestrian", walkers, TrackOf::Pedestrian)]
-        {
-            match misfit(&track, dt, track_of) {
+        let tracks = [("car", cars, TrackOf::Car), ("pedestrian", walkers, TrackOf::Pedestrian)];
+        let jumps = |of_way: f64, length: fn(&Vector, &Pose) -> f64| {
+            let first =
+                |(who, track, _): &(&'static str, Vec<_>, _)| Some((*who, Self::jump(track, dt, of_way, length)?));
+            match tracks.iter().filter_map(first).min_by_key(|(_, (instant, ..))| *instant) {
+                Some((who, (instant, moved, speed))) => Err(RecordingError::Jump { instant, who, moved, speed }),
+                None => Ok(()),
+            }
+        };
+        jumps(Self::OF_WAY.0, |moved, _| moved.norm())?;
+        // A heading that was taken from positions fits them.
+        for (who, track, track_of) in tracks.iter().take(if self.is_walked { 1 } else { 2 }) {
+            match misfit(track, dt, *track_of) {
                 None => {}
                 Some(Misfit::Speed { ratio, likely }) => return Err(RecordingError::Units { who, ratio, dt, likely }),
                 Some(Misfit::Heading { degrees, likely }) => {
@@ -179,31 +205,30 @@ impl Recording {
                 }
             }
         }
+        jumps(Self::OF_WAY.1, |moved, pose| moved.dot(&pose.left()).abs())?;
         // Wrapped only now: degrees that were wrapped as radians are no longer recognised.
-        let poses = ego.iter_mut().map(|state| &mut state.pose);
-        for pose in poses.chain(pedestrian.iter_mut().map(|state| &mut state.pose)) {
+        let poses = self.ego.iter_mut().map(|state| &mut state.pose);
+        for pose in poses.chain(self.pedestrian.iter_mut().map(|state| &mut state.pose)) {
             pose.yaw = wrap_angle(pose.yaw);
         }
-        Ok(Self { dt, ego, pedestrian })
+        Ok(self)
     }
 
-    /// The states of a pedestrian that was at these positions, `dt` (s) apart. Its velocity is that of the step to each position; the first one
-    /// has the velocity of the second. The noisier the positions, the longer the way that a velocity is taken from: up to half a second around it. A
-    /// velocity below three standard deviations of its noise is none.
-    pub fn walked(positions: &[Point], dt: f64) -> Vec<PedestrianState> {
-        let last = positions.len().max(1) - 1;
-        let noise = noise(positions);
-        let span = (noise / (Self::VELOCITY_NOISE * dt)).ceil().clamp(1.0, (0.5 / dt).max(1.0)) as usize;
-        let span = span.min(last);
-        let time = span.max(1) as f64 * dt;
-        let state = |(instant, position): (usize, &Point)| {
-            let from = instant.saturating_sub(span - span / 2).min(last - span);
-            let moved = positions[from + span] - positions[from];
-            let velocity = if moved.norm() < 3.0 * noise { Vector::zeros() } else { moved / time };
-            let yaw = libm::atan2(velocity.y, velocity.x);
-            PedestrianState { velocity, ..PedestrianState::standing(Pose::new(position.x, position.y, yaw)) }
-        };
-        positions.iter().enumerate().map(state).collect()
+    /// The first step whose length is much more than this share of what the speed explains: its end, its length (m) and the speed (m/s).
+    fn jump(
+        track: &[(Pose, f64)],
+        dt: f64,
+        of_way: f64,
+        length: impl Fn(&Vector, &Pose) -> f64,
+    ) -> Option<(usize, f64, f64)> {
+        let positions: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
+        let besides = Self::BESIDES + Self::OF_NOISE * noise(&positions);
+        let mut steps = track.windows(2).zip(positions.windows(2)).enumerate();
+        steps.find_map(|(instant, (states, places))| {
+            let (moved, speed) = (places[1] - places[0], states[0].1.abs().max(states[1].1.abs()));
+            let is_far = length(&moved, &states[1].0) > of_way * speed * dt + besides;
+            is_far.then(|| (instant + 1, moved.norm(), speed))
+        })
     }
 
     /// Judges the first touch. `scenario` gives the sizes of the car and of the pedestrian, the grip of the road, and with `obstacles`
@@ -224,13 +249,15 @@ impl Recording {
             RecordedRequirement { named: named.clone(), degree, verdict }
         });
         let requirements = requirements.collect();
-        let begins_late = Inquiry::new(&pair).and_then(|mut inquiry| inquiry.begins_late());
+        let mut inquiry = Inquiry::new(&pair);
+        let begins_late = inquiry.as_mut().and_then(Inquiry::begins_late);
         Encountered {
             touch,
             least_gap,
             near_miss: NearMiss::new(&pair),
-            verdict: judge(&pair),
+            verdict: inquiry.map(Inquiry::verdict),
             begins_late,
+            ignored: self.spikes.clone(),
             requirements,
         }
     }
@@ -251,22 +278,23 @@ impl Recording {
         moved < -explained / 2.0 && explained > 0.0
     }
 
-    /// The tracks up to the first touch.
+    /// The tracks up to the first touch, without noise. The touch moves the pedestrian, so what follows says nothing of the motion before it.
     fn trace(&self, scenario: &Scenario) -> Trace {
         let (blueprint, body) = (&scenario.cast.ego().blueprint, &scenario.cast.pedestrian().body);
-        let touched = |ego: &[VehicleState]| {
-            let mut steps = ego.windows(2).zip(self.pedestrian.windows(2)).enumerate();
+        let touched = |ego: &[VehicleState], pedestrian: &[PedestrianState]| {
+            let mut steps = ego.windows(2).zip(pedestrian.windows(2)).enumerate();
             steps.find_map(|(step, (cars, walkers))| {
                 let contact =
                     Contact::of_ego_in_step([&cars[0], &cars[1]], blueprint, [&walkers[0], &walkers[1]], body);
                 Some((step, contact?))
             })
         };
-        let mut touch = touched(&self.ego);
-        let instants = touch.map_or(self.ego.len(), |(step, _)| step + 2);
+        let first = touched(&self.ego, &self.pedestrian);
+        let mut instants = first.map_or(self.ego.len(), |(step, _)| step + 2);
         let mut ego = self.ego[..instants].to_vec();
+        let mut walking = self.pedestrian[..instants].to_vec();
         // The end that leads is the front: a car that reverses is turned round.
-        if touch.is_some() && self.reverses(&ego) {
+        if first.is_some() && self.reverses(&ego) {
             let is_signed = ego.iter().any(|state| state.speed < 0.0);
             for state in &mut ego {
                 let speed = state.speed;
@@ -275,21 +303,22 @@ impl Recording {
                     state.speed = speed;
                 }
             }
-            touch = touched(&ego);
         }
-        let driving = ego.iter().map(|state| VehicleFrame { state: *state, driven: Driven::default() });
-        let walking = &self.pedestrian[..instants];
+        let mut touch = first.and_then(|_| touched(&ego, &walking));
+        clean_car(&mut ego, self.dt);
+        if self.is_walked {
+            let positions: Vec<Vector> = walking.iter().map(|state| state.pose.position().coords).collect();
+            walking = walked(&positions, self.dt);
+        } else {
+            clean_pedestrian(&mut walking, self.dt);
+        }
+        // Without noise they may touch a moment earlier, or later than the recording tells.
+        if let Some((step, contact)) = first.and_then(|_| touched(&ego, &walking)) {
+            (instants, touch) = (step + 2, Some((step, contact)));
+        }
+        let driving = ego[..instants].iter().map(|state| VehicleFrame { state: *state, driven: Driven::default() });
+        let walking = &walking[..instants];
         let decisions = walking[1..].iter().map(|state| WalkCommand { heading: state.pose.yaw, speed: state.speed() });
         Trace::recorded(driving.collect(), walking.to_vec(), decisions.collect(), touch.map(|(_, contact)| contact))
     }
-}
-
-/// The standard deviation of the difference of two positions by noise (m), from the median of their second differences: a body changes its velocity
-/// little between two instants.
-fn noise(positions: &[Point]) -> f64 {
-    let mut changes: Vec<f64> =
-        positions.windows(3).map(|near| ((near[2] - near[1]) - (near[1] - near[0])).norm()).collect();
-    changes.sort_by(f64::total_cmp);
-    // Each coordinate of a second difference deviates by the square root of 6; half of all pairs of normal numbers are shorter than 1.177.
-    changes.get(changes.len() / 2).map_or(0.0, |median| median / (1.177 * 6.0_f64.sqrt()) * 2.0_f64.sqrt())
 }

@@ -11,6 +11,8 @@ const VELOCITY: [&str; 2] = ["pedestrian_yaw_deg", "pedestrian_speed_mps"];
 const MAX_COLUMNS: usize = 10_000;
 /// The greatest deviation of a time from a constant step, as a share of the step.
 const UNEVEN: f64 = 0.1;
+/// A speed of a pedestrian may be as far below 0 by noise (m/s).
+const NOISE_OF_SPEED: f64 = 0.5;
 
 /// A file that holds no recording.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -84,7 +86,7 @@ impl Recording {
                 })?;
             }
             let [time, x, y, yaw, speed, walker_x, walker_y, walker_yaw, walker_speed] = numbers;
-            if walker_speed < 0.0 {
+            if walker_speed < -NOISE_OF_SPEED {
                 return Err(RecordingFileError::Backwards { line: index + 1, speed: walker_speed });
             }
             times.push((index + 1, time));
@@ -93,8 +95,10 @@ impl Recording {
             walkers.push(PedestrianState::moving(Pose::new(walker_x, walker_y, walker_yaw.to_radians()), walker_speed));
         }
         let dt = step(&times)?;
-        let pedestrian = if has_velocity { walkers } else { Self::walked(&positions, dt) };
-        Ok(Self::new(dt, ego, pedestrian)?)
+        match has_velocity {
+            true => Ok(Self::new(dt, ego, walkers)?),
+            false => Ok(Self::of_positions(dt, ego, &positions)?),
+        }
     }
 }
 

@@ -2,15 +2,20 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
+use super::recording_noise::noise;
 use crate::geometry::{Pose, Vector, wrap_angle};
 
 /// Length of a stretch of a car and of a pedestrian (m), longer than the noise of positions, and the least mean speed on it (m/s).
 const STRETCH: f64 = 2.0;
-const SHORT_STRETCH: f64 = 1.0;
+const SHORT_STRETCH: f64 = 0.5;
 const MOVING: f64 = 0.5;
 /// The minimum number of such stretches that say something.
 const MIN_STRETCHES: usize = 4;
 const MIN_SHORT_STRETCHES: usize = 2;
+/// A stretch of a pedestrian is at least this multiple of the noise of positions.
+const MIN_OF_NOISE: f64 = 10.0;
+/// A car whose speed is never negative may still move backwards, up to this speed (m/s).
+const MAX_UNSIGNED_REVERSING: f64 = 5.0;
 /// What the length of a stretch may be, as a multiple of what the speed explains: of the longest at least the first number, since an actor that turns round
 /// comes back, and of the median at most the second. Miles per hour give 0.45.
 const EXPLAINED: (f64, f64) = (0.6, 1.7);
@@ -21,7 +26,7 @@ const FAR: f64 = 20.0;
 /// How near a ratio is to that of a unit, as a share of it.
 const NEAR: f64 = 0.1;
 /// Headings that deviate by less (rad) are right, whatever would fit better.
-const SMALL: f64 = 0.1;
+const SMALL: f64 = 0.05;
 
 /// Units that do not fit each other, as parts of a sentence.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,8 +44,9 @@ struct Stretch {
     /// The length that the speeds explain (m), and their mean (m/s).
     explained: f64,
     speed: f64,
-    /// The unit vector of the mean heading: as the numbers are, if they were degrees, and if they were degrees that were taken for radians.
-    headings: [Vector; 3],
+    /// The unit vector of the mean direction: as the numbers are, if they were degrees, if they were degrees that were taken for radians, and if they
+    /// counted from y to x.
+    headings: [Vector; 4],
 }
 
 impl Stretch {
@@ -58,8 +64,8 @@ impl Stretch {
 /// Whose track it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum TrackOf {
-    /// A car, which may move backwards up to a speed (m/s).
-    Car { reverses: f64 },
+    /// A car, which reverses with a negative speed, or slowly without.
+    Car,
     /// A pedestrian, whose heading is that of its motion.
     Pedestrian,
 }
@@ -67,9 +73,13 @@ pub(super) enum TrackOf {
 /// Finds units that do not fit, in the poses and speeds (m/s) of an actor at instants that are `dt` (s) apart. Medians decide, so noise and a standing
 /// actor are not a misfit.
 pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misfit> {
+    let is_signed = track.iter().any(|(_, speed)| *speed < -MOVING);
     let (length, minimum, reverses) = match of {
-        TrackOf::Car { reverses } => (STRETCH, MIN_STRETCHES, reverses),
-        TrackOf::Pedestrian => (SHORT_STRETCH, MIN_SHORT_STRETCHES, 0.0),
+        TrackOf::Car => (STRETCH, MIN_STRETCHES, if is_signed { 0.0 } else { MAX_UNSIGNED_REVERSING }),
+        TrackOf::Pedestrian => {
+            let positions: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
+            (SHORT_STRETCH.max(MIN_OF_NOISE * noise(&positions)), MIN_SHORT_STRETCHES, 0.0)
+        }
     };
     let stretches = stretches(track, dt, length);
     if stretches.len() < minimum {
@@ -80,21 +90,27 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
     if longest < EXPLAINED.0 || ratio > EXPLAINED.1 {
         return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) });
     }
-    let deviation = |stretch: &Stretch| {
-        let angle = stretch.angle(0).abs();
+    let deviation = |stretch: &Stretch, reading: usize| {
+        let angle = stretch.angle(reading).abs();
         if stretch.speed <= reverses { FRAC_PI_2 - (angle - FRAC_PI_2).abs() } else { angle }
     };
-    let found = median(stretches.iter().map(deviation));
-    let other = |reading| median(stretches.iter().map(|stretch: &Stretch| stretch.angle(reading).abs()));
+    let of_reading = |reading| median(stretches.iter().map(|stretch| deviation(stretch, reading)));
+    let found = of_reading(0);
     // Numbers beyond 1 that fit much better as degrees are degrees.
     let turned = median(track.iter().map(|(pose, _)| pose.yaw.abs())) > 1.0;
-    let is_better = |reading| other(reading) < found / 4.0;
+    let is_better = |reading| of_reading(reading) < (found / 4.0).min(PI - found);
     let likely = match () {
         () if found <= SMALL => return None,
         () if turned && is_better(1) => "the numbers look like degrees where radians are needed",
+        () if is_better(3) => "they look left-handed; of a left-handed frame change the signs of y and of the heading",
         () if found <= FRAC_PI_4 => return None,
         () if is_better(2) => "the numbers look like radians where degrees are needed",
-        () => "angles count from x to y; of a left-handed frame change the signs of y and of the heading",
+        () if found < PI - FRAC_PI_4 => {
+            "angles count from x to y; of a left-handed frame change the signs of y and of the heading"
+        }
+        () if is_signed => "its speed is negative, which is that of a car that reverses, and it moves forwards",
+        () if of == TrackOf::Car => "a car that reverses has a negative speed",
+        () => "the heading is that of the motion",
     };
     Some(Misfit::Heading { degrees: found.to_degrees(), likely })
 }
@@ -120,7 +136,7 @@ fn significant(number: f64) -> f64 {
 fn stretches(track: &[(Pose, f64)], dt: f64, length: f64) -> Vec<Stretch> {
     let (mut found, mut first, mut explained) = (Vec::new(), 0, 0.0);
     for instant in 1..track.len() {
-        explained += (track[instant - 1].1 + track[instant].1) / 2.0 * dt;
+        explained += (track[instant - 1].1.abs() + track[instant].1.abs()) / 2.0 * dt;
         let moved = track[instant].0.position() - track[first].0.position();
         if moved.norm().max(explained) < length {
             continue;
@@ -128,13 +144,13 @@ fn stretches(track: &[(Pose, f64)], dt: f64, length: f64) -> Vec<Stretch> {
         let speed = explained / ((instant - first) as f64 * dt);
         if explained.max(moved.norm()) >= MOVING * (instant - first) as f64 * dt {
             let mean = |factor: f64| -> Vector {
-                let units = track[first..=instant].iter().map(|(pose, _)| {
+                let units = track[first..=instant].iter().map(|(pose, speed)| {
                     let yaw = wrap_angle(pose.yaw * factor);
-                    Vector::new(libm::cos(yaw), libm::sin(yaw))
+                    Vector::new(libm::cos(yaw), libm::sin(yaw)) * if *speed < 0.0 { -1.0 } else { 1.0 }
                 });
                 units.sum()
             };
-            found.push(Stretch { moved, explained, speed, headings: [mean(1.0), mean(PI / 180.0), mean(180.0 / PI)] });
+            found.push(Stretch { moved, explained, speed, headings: [1.0, PI / 180.0, 180.0 / PI, -1.0].map(mean) });
         }
         (first, explained) = (instant, 0.0);
     }
@@ -155,7 +171,7 @@ mod tests {
     use rand::RngExt;
 
     const DT: f64 = 0.05;
-    const CAR: TrackOf = TrackOf::Car { reverses: 5.0 };
+    const CAR: TrackOf = TrackOf::Car;
 
     /// Three seconds at a speed (m/s) along a bend that begins with a heading (rad).
     fn driven(speed: f64, heading: f64) -> Vec<(Pose, f64)> {
@@ -225,6 +241,30 @@ mod tests {
             let degrees = said(&headed(&track, f64::to_degrees), DT);
             assert_eq!(degrees, "the numbers look like degrees where radians are needed", "{heading}");
         }
+        for heading in [0.1, -0.2, 0.35, 0.6, 2.9] {
+            let mirrored = changed(&driven(10.0, heading), |pose, speed| (Pose { y: -pose.y, ..pose }, speed));
+            let Some(Misfit::Heading { likely, .. }) = misfit(&mirrored, DT, CAR) else { panic!("{heading} rad") };
+            assert!(likely.starts_with("they look left-handed"), "{heading} rad: {likely}");
+        }
+        for (track, cause) in [
+            (changed(&driven(10.0, 0.3), |pose, speed| (pose, -speed)), "its speed is negative"),
+            (headed(&driven(10.0, 0.3), |yaw| wrap_angle(yaw + PI)), "a car that reverses has a negative speed"),
+        ] {
+            let Some(Misfit::Heading { likely, degrees }) = misfit(&track, DT, CAR) else { panic!("{cause}") };
+            assert!(likely.starts_with(cause) && degrees > 170.0, "{likely}");
+        }
+        // A pedestrian who walks for a metre.
+        let short = |change: f64, turned: f64| {
+            let track = changed(&driven(1.4, 0.9)[..20], |pose, speed| {
+                (Pose { yaw: pose.yaw + turned, ..pose }, change * speed)
+            });
+            misfit(&track, DT, TrackOf::Pedestrian)
+        };
+        assert_eq!(short(1.0, 0.0), None);
+        assert!(
+            matches!(short(3.6, 0.0), Some(Misfit::Speed { .. }))
+                && matches!(short(1.0, 1.5), Some(Misfit::Heading { .. }))
+        );
         let along_y = headed(&driven(10.0, 1.57), f64::to_radians);
         let Some(Misfit::Heading { degrees, likely }) = misfit(&along_y, DT, CAR) else { panic!("{along_y:?}") };
         assert_eq!(likely, "the numbers look like radians where degrees are needed");
