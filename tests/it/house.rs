@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_270),
     ("src/learn", 5_570),
-    ("src/world", 30_822),
+    ("src/world", 31_161),
     ("src/ported", 4_650),
     ("src/lang", 6_350),
     ("src/compile", 6_910),
     ("src/process", 850),
     ("src/export", 3_780),
     ("src/results", 25_560),
-    ("src/program", 11_240),
-    ("tests", 25_823),
+    ("src/program", 11_250),
+    ("tests", 25_985),
 ];
 
 /// Crates that only some places may name.
