@@ -3,6 +3,7 @@
 pub mod record;
 pub mod campaign;
 pub mod jobs;
+pub mod parallel;
 pub mod failure;
 pub mod analysis;
 pub mod report;

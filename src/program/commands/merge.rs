@@ -3,7 +3,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, value_parser};
-use rayon::prelude::*;
 
 use super::run::{RunArgs, ended, finished};
 use crate::cli::failure::{failed, misused};
@@ -14,6 +13,7 @@ use crate::session::{Error, Event, Notice, RunOptions, RunReport, Session, Work,
 use compile::Campaign;
 use results::campaign::{Task, deal, tasks};
 use results::jobs::work;
+use results::parallel;
 use results::store::{Ids, Store, Taken, task_name};
 
 /// Maximum number of tasks that are named one by one.
@@ -121,7 +121,7 @@ fn imported(
         store.take(ids.get(task), amount, others).map(|taken| (task, taken))
     };
     let all: Vec<Task> = tasks(campaign).collect();
-    let taken = all.par_iter().map(|task| take(*task)).collect::<Result<Vec<_>, _>>();
+    let taken = parallel::map(&all, |task| take(*task)).into_iter().collect::<Result<Vec<_>, _>>();
     let missing = taken.map_err(|error| run.keep(error))?.into_iter();
     Ok(missing.filter(|(_, found)| !matches!(found, Taken::Whole | Taken::Failed(_))).collect())
 }

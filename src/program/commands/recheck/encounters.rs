@@ -3,8 +3,6 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::driver_pairs::with_driver;
 use crate::session::Source;
 use base::seed::Seed;
@@ -12,6 +10,7 @@ use compile::{Evaluation, Search, episodes_seed};
 use learn::ActorCritic;
 use results::failure::Failure;
 use results::jobs::Repeatable;
+use results::parallel;
 use results::report::{Encounter, Encounters, Met, WalkedBy};
 use world::env::{Criterion, Outcome, Scenario, Trace, VehicleRole};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
@@ -124,10 +123,11 @@ pub(super) fn cross(
     seed: Seed,
     played: &(dyn Fn() + Sync),
 ) -> Encounters {
-    let parts = starts.min(rayon::current_num_threads() as u32);
+    let count = starts.min(rayon::current_num_threads() as u32);
+    let parts: Vec<u32> = (0..count).collect();
     let of_part = |scenario: &Arc<Scenario>, part: u32| -> Vec<(u64, Met)> {
         // Products of starts and parts may exceed 32 bits.
-        let edge = |part: u32| (u64::from(part) * u64::from(starts) / u64::from(parts)) as u32;
+        let edge = |part: u32| (u64::from(part) * u64::from(starts) / u64::from(count)) as u32;
         let note = &mut |outcome: &Outcome, trace: &Trace| {
             let noted = (outcome.start, end(scenario, outcome, trace));
             played();
@@ -137,8 +137,7 @@ pub(super) fn cross(
         ends.into_iter().map(|end| end.unwrap_or((0, Met::error()))).collect()
     };
     let all = |scenario: &Arc<Scenario>| -> Vec<(u64, Met)> {
-        let parts: Vec<Vec<(u64, Met)>> = (0..parts).into_par_iter().map(|part| of_part(scenario, part)).collect();
-        parts.concat()
+        parallel::map(&parts, |part| of_part(scenario, *part)).concat()
     };
     let old = before.map(all);
     let encounter = |(place, (start, after)): (usize, (u64, Met))| {

@@ -2,14 +2,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
-
 use super::RecheckArgs;
 use super::driver_pairs::{DriverPair, Place, driver_pairs, new_role, places, with_driver};
 use super::encounters::{MetAgain, cross};
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
 use compile::{Campaign, RunId};
 use results::failure::{Failure, FoundBy};
+use results::parallel;
 use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
 use world::env::Scenario;
 use world::falsifier::{Goal, crossings};
@@ -205,7 +204,7 @@ impl Sides {
                 tally.add();
                 met
             };
-            return Ok(failures.par_iter().map(meet).collect());
+            return Ok(parallel::map(failures, meet));
         }
         let search = self.old.search(run).ok_or_else(gone)?;
         let role = new_role(&self.new, &pair.after, &search.key.town, None).ok_or_else(gone)?;
@@ -214,7 +213,7 @@ impl Sides {
             tally.add();
             met
         };
-        Ok(failures.par_iter().map(meet).collect())
+        Ok(parallel::map(failures, meet))
     }
 
     fn cross_all(

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use rand::seq::index::sample;
-use rayon::prelude::*;
 
 use crate::cli::console;
 use crate::exit_code::ExitCode;
@@ -15,6 +14,7 @@ use base::seed::Seed;
 use compile::{Campaign, Job, Training, TrainingKey};
 use results::campaign::{self, NoStore, Silent};
 use results::jobs::TrainingResult;
+use results::parallel;
 use results::report::StoredReport;
 
 /// Maximum number of differences that are shown.
@@ -115,8 +115,7 @@ fn differing(source: &Source, names: Vec<EpisodeName>) -> Result<Vec<Repeated>, 
         let repeated = run.iter().map(|name| source.repeat(*name)).collect::<Result<Vec<_>, _>>()?;
         Ok(repeated.into_iter().filter(|episode| !episode.differences.is_empty()).collect())
     };
-    let by_run: Vec<Result<Vec<Repeated>, Error>> = runs.par_iter().map(different).collect();
-    Ok(by_run.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+    Ok(parallel::map(&runs, different).into_iter().collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 /// Trains all pedestrians of the report again, and compares their networks bit by bit.

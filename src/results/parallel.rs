@@ -1,0 +1,42 @@
+//! Work on all threads of the present rayon pool.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What a function makes of each item, in the order of the items.
+///
+/// Each thread takes one item after the other, so its stack holds one of them. A thread of rayon's iterators takes further items while it waits for the
+/// other half of a join, one on top of the other, and long work on many items overflows its stack.
+///
+/// # Panics
+/// As the function does.
+pub fn map<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let take = |_: rayon::BroadcastContext<'_>| {
+        let places = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+        places.map_while(|place| Some((place, of(items.get(place)?)))).collect::<Vec<_>>()
+    };
+    let mut made: Vec<(usize, R)> = rayon::broadcast(take).into_iter().flatten().collect();
+    made.sort_unstable_by_key(|(place, _)| *place);
+    made.into_iter().map(|(_, made)| made).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thread_holds_one_item_at_a_time() {
+        const FRAME: usize = 64 << 10;
+        // An item of which a thread holds two is too much for its stack.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).stack_size(FRAME + FRAME / 4 * 3).build().unwrap();
+        let items: Vec<u8> = (0..=255).cycle().take(2_000).collect();
+        let of = |item: &u8| {
+            let mut frame = [*item; FRAME];
+            std::hint::black_box(&mut frame);
+            std::thread::yield_now();
+            u64::from(frame[FRAME - 1])
+        };
+        let made = pool.install(|| map(&items, of));
+        assert!(made.iter().zip(&items).all(|(made, item)| *made == u64::from(*item)) && made.len() == items.len());
+    }
+}
