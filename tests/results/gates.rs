@@ -1,7 +1,9 @@
 //! Gates: which cells they choose, how they judge them, and what is refused.
 
+use std::borrow::Cow;
+
 use polars::prelude::{Column, DataFrame, df};
-use results::record::{ColumnReference, TableReference};
+use results::record::{ColumnReference, Role, TableReference};
 use results::report::{Gate, GateError, Judged};
 
 #[test]
@@ -44,9 +46,27 @@ fn letters(cells: &DataFrame, text: &str) -> String {
         Judged::OffRoad(_) => 'r',
         Judged::Thin(_) => 't',
         Judged::TooFewStarts(_) => 's',
+        Judged::TooFewSearched(_) => 'S',
         Judged::Elsewhere => 'e',
     };
     gate(cells, text).judge(cells).iter().map(letter).collect()
+}
+
+/// What a column of these tables is.
+fn role(name: &str) -> Role {
+    match name {
+        _ if name.ends_with("_low") => Role::LowerBound,
+        _ if name.ends_with("_high") => Role::UpperBound,
+        _ if name.ends_with("_p_holm") => Role::AdjustedP,
+        _ if name.contains("_rate") => Role::Share,
+        _ => Role::Plain,
+    }
+}
+
+/// What it is about.
+fn figure(name: &str) -> Cow<'static, str> {
+    let rate = name.split_once("_rate").map(|(what, _)| format!("{what}_rate"));
+    rate.unwrap_or_else(|| name.split(['_']).next().unwrap_or(name).to_string()).into()
 }
 
 /// A gate on a table.
@@ -56,6 +76,8 @@ fn gate(cells: &DataFrame, text: &str) -> Gate {
         unit: "".into(),
         doc: "".into(),
         holds: column.dtype().clone(),
+        role: role(column.name()),
+        figure: figure(column.name()),
     };
     let columns: Vec<ColumnReference> = cells.columns().iter().map(said).collect();
     Gate::of_table(text, &TableReference { name: "cells", doc: "", columns }).unwrap()
@@ -150,6 +172,8 @@ fn a_gate_that_judges_nothing_fails() {
     )
     .unwrap();
     assert_eq!(letters(&searches, "faults > 0"), "np", "its budget holds no start");
+    let shares = df!("starts_mean" => [1.0, 9.5, 10.0, 1.0], "fault_start_rate_mean" => [0.0, 0.0, 0.0, 1.0]).unwrap();
+    assert_eq!(letters(&shares, "fault_start_rate > 0.1"), "SSpb", "one start shows no share");
 }
 
 #[test]
@@ -170,6 +194,19 @@ fn a_gate_on_a_probability_fails_where_no_number_of_failures_could_break_it() {
     assert_eq!(judged([7, 5], [1, 1]), "ps");
     assert_eq!(judged([5, 5], [4, 4]), "pp", "Student's test over runs has other limits");
     assert_eq!(judged([0, 7], [1, 1]), "np");
+    // A row of an unchanged driver is in no correction, and all controllers together are another family.
+    let of = |differing: [u32; 3]| {
+        df!(
+            "controller" => ["random", "intercept", "all controllers"],
+            "runs" => [1_u32, 1, 2],
+            "common_starts" => [6_u32, 6, 6],
+            "differing_episodes" => differing,
+            "fault_rate_difference" => [0.0, 0.0, 0.0],
+            "fault_rate_p_holm" => [1.0, 1.0, 1.0]
+        )
+    };
+    assert_eq!(letters(&of([3, 3, 6]).unwrap(), gate), "ssp");
+    assert_eq!(letters(&of([3, 0, 3]).unwrap(), gate), "ppp");
 }
 
 #[test]

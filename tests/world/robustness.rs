@@ -282,6 +282,21 @@ fn endpoints_ties_and_the_end_of_the_episode() {
 }
 
 #[test]
+fn a_requirement_applies_where_what_stands_before_its_implies_held() {
+    let parts = vec![comparison(0, 1.0, true), comparison(1, 1.0, true)];
+    let implies = Temporal::Or(Temporal::Not(Temporal::Part(0).into()).into(), Temporal::Part(1).into());
+    let applies = |formula: Temporal, samples: &[[f64; SIGNALS]]| {
+        let requirement = Requirement { parts: parts.clone(), formula };
+        recorded(&requirement, samples).degree(&requirement, 0.1).applies
+    };
+    let always = Temporal::Always(Within::EPISODE, implies.into());
+    assert!(!applies(always.clone(), &[[0.0, 9.0, 0.0]; 3]));
+    assert!(applies(always.clone(), &[[0.0, 9.0, 0.0], [2.0, 9.0, 0.0]]));
+    assert!(applies(always, &[[2.0, 0.0, 0.0]]), "it is violated");
+    assert!(applies(Temporal::Always(Within::EPISODE, Temporal::Part(1).into()), &[[0.0, 9.0, 0.0]]));
+}
+
+#[test]
 fn parts_of_different_dimensions_are_scaled_and_conditions_have_no_degree() {
     let speed = Comparison { dimension: Some(Dimension::SPEED), scale: 5.0, ..comparison(1, 0.0, true) };
     let sight = Comparison {

@@ -82,6 +82,19 @@ impl Requirement {
 }
 
 impl Temporal {
+    /// What must hold for the formula to say anything: what stands before each `implies`, which is its negation or the rest. Empty of a formula that
+    /// always says something.
+    pub fn conditions(&self) -> Vec<&Self> {
+        match self {
+            Self::Constant(_) | Self::Part(_) => Vec::new(),
+            Self::Or(first, second) if let Self::Not(condition) = &**first => {
+                std::iter::once(&**condition).chain(second.conditions()).collect()
+            }
+            Self::Not(inner) | Self::Always(_, inner) | Self::Eventually(_, inner) => inner.conditions(),
+            Self::And(a, b) | Self::Or(a, b) | Self::Until(_, a, b) => [a.conditions(), b.conditions()].concat(),
+        }
+    }
+
     fn reach(&self) -> f64 {
         let end = |within: &Within| if within.to.is_finite() { within.to } else { within.from };
         match self {

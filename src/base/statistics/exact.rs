@@ -20,17 +20,30 @@ pub fn clopper_pearson(successes: u64, trials: u64, alpha: f64) -> (f64, f64) {
 /// The adjusted interval of Bonett and Price, *Adjusted Wald confidence interval for a difference of binomial proportions based on paired data*,
 /// Journal of Educational and Behavioral Statistics 37, 2012.
 pub fn disagreement(only_first: u64, only_second: u64, pairs: u64, alpha: f64) -> (f64, f64) {
-    if only_first + only_second == 0 {
-        let (_, most) = clopper_pearson(0, pairs, alpha);
+    let (first, second) = (only_first as f64, only_second as f64);
+    adjusted(second - first, first + second, (only_first, only_second), pairs, alpha)
+}
+
+/// The same for the mean of differences between -1 and 1, each that of a start from which several pairs began: starts are independent, and the pairs of
+/// a start are not.
+pub fn mean_disagreement(differences: &[f64], alpha: f64) -> (f64, f64) {
+    let count = |is: fn(&f64) -> bool| differences.iter().copied().filter(is).count() as u64;
+    let uneven = (count(|each| *each < 0.0), count(|each| *each > 0.0));
+    let (sum, squares) = (differences.iter().sum(), differences.iter().map(|each| each * each).sum());
+    adjusted(sum, squares, uneven, differences.len() as u64, alpha)
+}
+
+/// With one more start of either sign.
+fn adjusted(sum: f64, squares: f64, (worse, better): (u64, u64), starts: u64, alpha: f64) -> (f64, f64) {
+    if worse + better == 0 {
+        let (_, most) = clopper_pearson(0, starts, alpha);
         return (-most, most);
     }
-    let n = pairs as f64 + 2.0;
-    let share = |count: u64| (count as f64 + 1.0) / n;
-    let (first, second) = (share(only_first), share(only_second));
-    let difference = second - first;
-    let half = normal_quantile(1.0 - alpha / 2.0) * ((first + second - difference * difference) / n).sqrt();
-    let (low, high) = ((difference - half).max(-1.0), (difference + half).min(1.0));
-    if mcnemar(only_first, only_second) > alpha { (low.min(0.0), high.max(0.0)) } else { (low, high) }
+    let n = starts as f64 + 2.0;
+    let mean = sum / n;
+    let half = normal_quantile(1.0 - alpha / 2.0) * (((squares + 2.0) / n - mean * mean) / n).sqrt();
+    let (low, high) = ((mean - half).max(-1.0), (mean + half).min(1.0));
+    if mcnemar(worse, better) > alpha { (low.min(0.0), high.max(0.0)) } else { (low, high) }
 }
 
 /// The value below which a share of the beta distribution lies.

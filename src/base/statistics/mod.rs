@@ -17,7 +17,7 @@ mod moments;
 
 pub use adjust::holm;
 pub use clustered::ClusteredCount;
-pub use exact::{clopper_pearson, disagreement};
+pub use exact::{clopper_pearson, disagreement, mean_disagreement};
 pub use mcnemar::mcnemar;
 pub use moments::{RunningMean, mean, sample_deviation};
 pub use normal::{normal_below, normal_quantile};

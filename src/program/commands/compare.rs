@@ -68,14 +68,15 @@ pub enum Form {
     Json,
 }
 
-/// The tables of a comparison that conditions are about.
-pub fn tables() -> [TableReference; 2] {
-    [report::comparison_reference(), report::compared_search_reference()]
+/// The tables of a comparison that conditions are about, with the columns of the requirements that these name.
+pub fn tables(conditions: &[String]) -> [TableReference; 2] {
+    let named: Vec<&str> = conditions.iter().flat_map(|text| report::requirements_in(text)).collect();
+    [report::comparison_reference(&named), report::compared_search_reference()]
 }
 
 /// `falsify compare`
 pub fn compare(options: &CompareArgs) -> Ended {
-    let conditions = Condition::parse_all(&options.fail_if, &tables(), "comparison")?;
+    let conditions = Condition::parse_all(&options.fail_if, &tables(&options.fail_if), "comparison")?;
     let reports = match (options.reports.as_slice(), &options.drivers) {
         ([before, after], _) => [before.clone(), after.clone()],
         ([one], Some(_)) => [one.clone(), one.clone()],
@@ -99,7 +100,7 @@ pub fn compare(options: &CompareArgs) -> Ended {
 /// Judges a comparison and reports which conditions are true.
 pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
     let cells = Subject {
-        judge: &|gate| gate.judge(&report::compared_cells(&comparison.cells)),
+        judge: &|gate| gate.judge(&report::compared_cells(comparison)),
         titles: comparison.cells.iter().map(ComparedCell::title).collect(),
         things: "place, driver and controller",
         is_idle: false,
@@ -170,19 +171,12 @@ fn played(
 fn as_json(comparison: &ReportComparison) -> serde_json::Value {
     let [before, after] = comparison.folders.each_ref().map(|folder| folder.display().to_string());
     let notes: Vec<String> = comparison.caveats.iter().map(ToString::to_string).collect();
-    let cells = report::json_rows(&report::compared_cells(&comparison.cells));
+    let cells = report::json_rows(&report::compared_cells(comparison));
     let searches = report::json_rows(&report::compared_search_table(&comparison.searches));
-    let violations: serde_json::Map<String, serde_json::Value> = comparison
-        .violations()
-        .into_iter()
-        .map(|(name, changed)| {
-            (name.into(), json!({ "new": changed.new, "fixed": changed.fixed, "same": changed.same }))
-        })
-        .collect();
     let found = comparison.searches.iter().flat_map(|search| &search.changes);
     json!({
         "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes(&comparison.changes),
-        "violations": violations, "searches": searches, "starts": changes(found),
+        "searches": searches, "starts": changes(found),
     })
 }
 

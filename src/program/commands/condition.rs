@@ -93,6 +93,10 @@ pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
             Judged::TooFewStarts(starts) => console::fail(&format!(
                 "--fail-if {text}: {starts} common starts are too few in {title}: even a failure in each of them would not make it true; run more episodes"
             )),
+            Judged::TooFewSearched(starts) => console::fail(&format!(
+                "--fail-if {text}: {} in {title} cannot show a share; give the search a larger `budget`",
+                console::count(*starts as usize, "start")
+            )),
             Judged::NothingEvaluated => {
                 console::fail(&format!("--fail-if {text}: nothing was evaluated in {title}, so nothing can be judged"));
             }

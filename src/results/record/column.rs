@@ -6,6 +6,25 @@ use polars::prelude::{
     Series, StringChunked, UInt32Chunked, UInt64Chunked,
 };
 
+/// What the values of a column are. Gates and tables ask this, and not the name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Role {
+    /// Any other value.
+    #[default]
+    Plain,
+    Count,
+    /// A share of a whole from 0 to 1, or a difference of two.
+    Share,
+    /// Expected severe injuries of one episode from 0 to 1, or a difference of two.
+    Risk,
+    /// The ends of an interval of a figure.
+    LowerBound,
+    UpperBound,
+    /// The probability of a difference by chance, and that after a correction for several tests.
+    P,
+    AdjustedP,
+}
+
 /// The kind of a column's values: text, counts, numbers or truth values.
 pub trait Kind: 'static {
     /// The values of such a column in memory.
@@ -13,6 +32,9 @@ pub trait Kind: 'static {
 
     /// The type in a table.
     const TYPE: DataType;
+
+    /// What they are, unless a column says otherwise.
+    const ROLE: Role;
 
     /// The values of a column.
     ///
@@ -33,10 +55,11 @@ pub trait Cell<K>: Sized {
 }
 
 macro_rules! kind {
-    ($kind:ty, $array:ty, $type:expr, $method:ident $(, $cell:ty)*) => {
+    ($kind:ty, $array:ty, $type:expr, $role:expr, $method:ident $(, $cell:ty)*) => {
         impl Kind for $kind {
             type Array = $array;
             const TYPE: DataType = $type;
+            const ROLE: Role = $role;
 
             fn array(column: &Values) -> PolarsResult<&$array> {
                 column.$method()
@@ -54,11 +77,21 @@ macro_rules! kind {
     };
 }
 
-kind!(String, StringChunked, DataType::String, str, String, Option<String>, &'static str, Option<&'static str>);
-kind!(u32, UInt32Chunked, DataType::UInt32, u32, u32, Option<u32>);
-kind!(u64, UInt64Chunked, DataType::UInt64, u64, u64, Option<u64>);
-kind!(f64, Float64Chunked, DataType::Float64, f64);
-kind!(bool, BooleanChunked, DataType::Boolean, bool, bool, Option<bool>);
+kind!(
+    String,
+    StringChunked,
+    DataType::String,
+    Role::Plain,
+    str,
+    String,
+    Option<String>,
+    &'static str,
+    Option<&'static str>
+);
+kind!(u32, UInt32Chunked, DataType::UInt32, Role::Count, u32, u32, Option<u32>);
+kind!(u64, UInt64Chunked, DataType::UInt64, Role::Count, u64, u64, Option<u64>);
+kind!(f64, Float64Chunked, DataType::Float64, Role::Plain, f64);
+kind!(bool, BooleanChunked, DataType::Boolean, Role::Plain, bool, bool, Option<bool>);
 
 impl Cell<f64> for f64 {
     fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
@@ -92,13 +125,19 @@ pub struct Column<K> {
     pub unit: &'static str,
     /// What it means, for `reports/README.md`.
     pub doc: &'static str,
+    pub role: Role,
     kind: PhantomData<fn() -> K>,
 }
 
 impl<K: Kind> Column<K> {
     /// A column of this name, unit and meaning.
     pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        Self { name, unit, doc, kind: PhantomData }
+        Self { name, unit, doc, role: K::ROLE, kind: PhantomData }
+    }
+
+    /// With values of another role.
+    pub const fn with_role(self, role: Role) -> Self {
+        Self { role, ..self }
     }
 
     /// Its values in a table.
@@ -118,12 +157,20 @@ impl<K: Kind> Column<K> {
     }
 
     pub fn reference(&self) -> ColumnReference {
-        ColumnReference { name: self.name.into(), unit: self.unit.into(), doc: self.doc.into(), holds: K::TYPE }
+        let name = self.name.into();
+        ColumnReference {
+            name,
+            unit: self.unit.into(),
+            doc: self.doc.into(),
+            holds: K::TYPE,
+            role: self.role,
+            figure: self.name.into(),
+        }
     }
 
     /// The column of a table whose rows give these values.
     pub fn of<'t, R, V: Cell<K>>(&self, value: impl Fn(&R) -> V + 't) -> Entry<'t, R> {
-        Entry::new::<K, V>(self.name.into(), self.unit.into(), self.doc.into(), value)
+        Entry::new::<K, V>(self.name.into(), self.unit.into(), self.doc.into(), value).of_figure(self.name, self.role)
     }
 }
 
@@ -133,13 +180,19 @@ pub struct Family<K> {
     suffix: &'static str,
     unit: &'static str,
     doc: &'static str,
+    role: Role,
     kind: PhantomData<fn() -> K>,
 }
 
 impl<K: Kind> Family<K> {
     /// The family of columns whose names end with this suffix.
     pub const fn new(suffix: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        Self { suffix, unit, doc, kind: PhantomData }
+        Self { suffix, unit, doc, role: K::ROLE, kind: PhantomData }
+    }
+
+    /// With values of another role.
+    pub const fn with_role(self, role: Role) -> Self {
+        Self { role, ..self }
     }
 
     /// What it means.
@@ -161,12 +214,20 @@ impl<K: Kind> Family<K> {
 
     /// A member of a table whose rows give these values.
     pub fn of<'t, R, V: Cell<K>>(&self, member: &str, value: impl Fn(&R) -> V + 't) -> Entry<'t, R> {
-        Entry::new::<K, V>(self.name(member).into(), self.unit.into(), self.doc.into(), value)
+        let entry = Entry::new::<K, V>(self.name(member).into(), self.unit.into(), self.doc.into(), value);
+        entry.of_figure(member.to_owned(), self.role)
     }
 
     pub fn reference(&self, member: &str) -> ColumnReference {
         let (unit, doc) = (self.unit.into(), self.doc.into());
-        ColumnReference { name: self.name(member).into(), unit, doc, holds: K::TYPE }
+        ColumnReference {
+            name: self.name(member).into(),
+            unit,
+            doc,
+            holds: K::TYPE,
+            role: self.role,
+            figure: member.to_owned().into(),
+        }
     }
 }
 
@@ -204,7 +265,8 @@ impl Interval {
         let [low_name, high_name] = self.names();
         let (unit, doc) = (self.unit.into(), self.doc.into());
         let low = Entry::new::<f64, _>(low_name.into(), unit, doc, low);
-        [low, Entry::new::<f64, _>(high_name.into(), self.unit.into(), self.doc.into(), high)]
+        let high = Entry::new::<f64, _>(high_name.into(), self.unit.into(), self.doc.into(), high);
+        [low.of_figure(self.name, Role::LowerBound), high.of_figure(self.name, Role::UpperBound)]
     }
 }
 
@@ -227,6 +289,9 @@ pub struct ColumnReference {
     pub doc: Cow<'static, str>,
     /// The kind of its values.
     pub holds: DataType,
+    pub role: Role,
+    /// What it is a value, an end of an interval or a probability of; its own name unless several columns are of one figure.
+    pub figure: Cow<'static, str>,
 }
 
 impl<'t, R> Entry<'t, R> {
@@ -238,13 +303,19 @@ impl<'t, R> Entry<'t, R> {
         value: impl Fn(&R) -> V + 't,
     ) -> Self {
         let write = move |name: PlSmallStr, rows: &[R]| V::series(name, rows.iter().map(&value).collect());
-        let reference = ColumnReference { name, unit, doc, holds: K::TYPE };
+        let reference = ColumnReference { figure: name.clone(), name, unit, doc, holds: K::TYPE, role: K::ROLE };
         Self { reference, write: Box::new(write) }
     }
 
     /// The same values under another name.
     pub fn named(mut self, name: impl Into<Cow<'static, str>>) -> Self {
         self.reference.name = name.into();
+        self
+    }
+
+    /// The same as a value of this role of a figure.
+    pub fn of_figure(mut self, figure: impl Into<Cow<'static, str>>, role: Role) -> Self {
+        (self.reference.figure, self.reference.role) = (figure.into(), role);
         self
     }
 

@@ -1,6 +1,6 @@
 //! The columns that several tables share, and those that are read back. Each is named only here.
 
-use super::{Column, Family};
+use super::{Column, Family, Role};
 
 pub const RUN_ID: Column<String> = Column::new(
     "run_id",
@@ -150,7 +150,8 @@ pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "avoidable_injury",
     "",
     "of a fault its `severe_injury_risk`, which a careful human would have spared the pedestrian; otherwise 0",
-);
+)
+.with_role(Role::Risk);
 pub const PEAK_SPEED: Column<f64> =
     Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian in the last 3 s, mean over 0.5 s");
 pub const PEAK_ACCELERATION: Column<f64> = Column::new(
@@ -211,7 +212,8 @@ pub const PREVENTABLE_PROBABILITY: Column<f64> = Column::new(
     "",
     "share of drivers who react within that time (lognormal, mean 1.21 s, standard deviation 0.63 s), 0 without such a time; missing for a \
      bump",
-);
+)
+.with_role(Role::Share);
 pub const AVOIDS: Family<bool> =
     Family::new("_avoids", "", "whether that reference driver touches no pedestrian while it moves");
 pub const FALSE_BRAKE: Family<bool> = Family::new(

@@ -9,7 +9,7 @@ use world::judge::{JudgedDegree, ViolationVerdict};
 pub const DEGREES: Column<String> = Column::new(
     "degrees",
     "",
-    "the degree of each requirement: robustness, sample and part, as `-0.25@31#0`, and of a violation the verdict: `!`, `p` if it is preventable, `f` if \
+    "the degree of each requirement: robustness, sample and part, as `-0.25@31#0`, `~` if it never applied, and of a violation the verdict: `!`, `p` if it is preventable, `f` if \
      it is foreseeable, `x` if it is a fault, and the sample at which the danger starts; missing of an episode in error",
 );
 
@@ -86,12 +86,16 @@ mod tests {
 
     #[test]
     fn degrees_and_verdicts_return_bit_for_bit() {
-        let degree =
-            |robustness, sample, part, verdict| JudgedDegree { degree: Degree { robustness, sample, part }, verdict };
+        let degree = |robustness, sample, part, verdict| JudgedDegree {
+            degree: Degree { robustness, sample, part, applies: true },
+            verdict,
+        };
         let verdict = |preventable, foreseeable, fault, danger| {
             Some(ViolationVerdict { preventable, foreseeable, fault, danger })
         };
+        let never = JudgedDegree { degree: Degree { applies: false, ..Degree::constant(true, 3) }, verdict: None };
         let all = [
+            never,
             degree(-0.1 - 0.2, 31, Some(0), verdict(true, true, true, 12)),
             degree(-0.0, 0, Some(65535), verdict(false, false, false, 0)),
             degree(f64::INFINITY, u32::MAX, None, None),

@@ -3,7 +3,7 @@
 use polars::prelude::DataType;
 
 use super::episodes::named;
-use super::{Column, ColumnReference, Entry, Family, columns};
+use super::{Column, ColumnReference, Entry, Family, Role, columns};
 use world::env::LeftOut;
 use world::judge::Label;
 
@@ -110,6 +110,7 @@ pub struct Mean {
     pub column: &'static str,
     unit: &'static str,
     doc: &'static str,
+    role: Role,
     /// The episodes that it is over.
     pub over: Over,
 }
@@ -136,7 +137,7 @@ impl Count {
 impl Mean {
     /// The mean of a column over the episodes that count.
     pub const fn new(column: &Column<f64>, doc: &'static str) -> Self {
-        Self { name: column.name, column: column.name, unit: column.unit, doc, over: Over::Valid }
+        Self { name: column.name, column: column.name, unit: column.unit, doc, role: column.role, over: Over::Valid }
     }
 
     /// The same mean, in a column of this name.
@@ -173,20 +174,22 @@ impl Metric {
 
     /// Its column in a table whose rows give its value.
     pub fn entry<'t, R>(&self, value: impl Fn(&R) -> Option<f64> + 't) -> Entry<'t, R> {
-        let ColumnReference { name, unit, doc, .. } = self.reference();
-        match self {
+        let ColumnReference { name, unit, doc, role, figure, .. } = self.reference();
+        let entry = match self {
             Self::Count(_) => Entry::new::<u32, _>(name, unit, doc, move |row| value(row).map(|count| count as u32)),
             _ => Entry::new::<f64, _>(name, unit, doc, value),
-        }
+        };
+        entry.of_figure(figure, role)
     }
 
     pub fn reference(&self) -> ColumnReference {
-        let (unit, doc, holds) = match self {
-            Self::Count(count) => ("", count.doc, DataType::UInt32),
-            Self::Mean(mean) => (mean.unit, mean.doc, DataType::Float64),
-            Self::Rate(rate) => ("", rate.doc, DataType::Float64),
+        let (unit, doc, holds, role) = match self {
+            Self::Count(count) => ("", count.doc, DataType::UInt32, Role::Count),
+            Self::Mean(mean) => (mean.unit, mean.doc, DataType::Float64, mean.role),
+            Self::Rate(rate) => ("", rate.doc, DataType::Float64, Role::Share),
         };
-        ColumnReference { name: self.name().into(), unit: unit.into(), doc: doc.into(), holds }
+        let name = self.name();
+        ColumnReference { name: name.into(), unit: unit.into(), doc: doc.into(), holds, role, figure: name.into() }
     }
 }
 

@@ -3,8 +3,8 @@
 use super::aggregate::{Cell, CellRequirement, GATED, Rate};
 use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, LEARNT, remaining_rate};
 use super::metric_table::TRAININGS_DISAGREE;
-use crate::record::metric::{MEAN, RUNS};
-use crate::record::{Column, Entry, Metric, Table, cell_key, metrics};
+use crate::record::metric::{IMPACT_SPEED, MEAN, RUNS};
+use crate::record::{Column, Entry, Metric, Role, Table, cell_key, metrics};
 use base::statistics::wilson;
 use world::judge::Reference;
 
@@ -33,23 +33,25 @@ pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
         let name = metric.name();
         let of = move |row: &Row<'a>| row.cell.average(name);
         table = table
-            .column(MEAN.of(name, move |row: &Row<'a>| of(row)?.value))
+            .column(MEAN.of(name, move |row: &Row<'a>| of(row)?.value).of_figure(name, metric.reference().role))
             .column(number(format!("{name}_sd"), move |row| of(row)?.sd));
         if matches!(*metric, Metric::Rate(_)) {
-            table = table.columns(interval(&format!("{name}_wilson"), move |row| of(row)?.interval));
+            table = table.columns(interval(name, "wilson", move |row| of(row)?.interval));
         }
     }
     for figure in Figure::ALL {
-        let name = format!("{}_student", figure.name());
-        table = table.columns(interval(&name, move |row| row.evidence.between(figure).interval));
+        table = table.columns(interval(figure.name(), "student", move |row| {
+            row.evidence.between(figure).interval.filter(|_| !row.cell.is_of_cases)
+        }));
     }
-    table = table.column(IMPACT_SPEED_P90.of(|row: &Row<'a>| row.evidence.impact_speed_p90.0));
+    let p90 = IMPACT_SPEED_P90.of(|row: &Row<'a>| row.evidence.impact_speed_p90.0);
+    table = table.column(p90.of_figure(IMPACT_SPEED.name, Role::Plain));
     for reference in Reference::ALL {
         let name = remaining_rate(reference).name;
         let rest = move |row: &Row<'a>| (row.evidence.remaining(reference), row.evidence.episodes);
         let rate = move |row: &Row<'a>| rest(row).0.share_of(&rest(row).1);
-        let ends = move |row: &Row<'a>| Some(wilson(rest(row).0, rest(row).1));
-        table = table.column(number(name.to_string(), rate)).columns(interval(&format!("{name}_wilson"), ends));
+        let ends = move |row: &Row<'a>| (!row.cell.is_of_cases).then(|| wilson(rest(row).0, rest(row).1));
+        table = table.column(share(&name, rate)).columns(interval(&name, "wilson", ends));
     }
     let learning = |row: &Row<'a>| row.evidence.learning.clone();
     let disagree = move |row: &Row<'a>| Some(if learning(row)?.disagree()? { "yes" } else { "no" });
@@ -66,9 +68,10 @@ pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
             (!needs_verdict || found.is_judged()).then(|| found.rate(counted))
         };
         let ends = rate.clone();
-        table = table
-            .column(number(name.clone(), move |row| rate(row)?.value))
-            .columns(interval(&format!("{name}_wilson"), move |row| ends(row)?.interval));
+        table =
+            table
+                .column(share(&name, move |row| rate(row)?.value))
+                .columns(interval(&name, "wilson", move |row| ends(row)?.interval));
     }
     table
 }
@@ -77,14 +80,21 @@ fn number<'a>(name: String, value: impl Fn(&KnownCell<'a>) -> Option<f64> + 'a) 
     Entry::new::<f64, _>(name.into(), "".into(), "".into(), value)
 }
 
-/// Both ends of an interval.
+fn share<'a>(name: &str, value: impl Fn(&KnownCell<'a>) -> Option<f64> + 'a) -> Entry<'a, KnownCell<'a>> {
+    number(name.to_owned(), value).of_figure(name.to_owned(), Role::Share)
+}
+
+/// Both ends of an interval of a figure.
 fn interval<'a>(
-    name: &str,
+    figure: &str,
+    method: &str,
     ends: impl Fn(&KnownCell<'a>) -> Option<(f64, f64)> + Clone + 'a,
 ) -> [Entry<'a, KnownCell<'a>>; 2] {
     let low = ends.clone();
     [
-        number(format!("{name}_low"), move |row| Some(low(row)?.0)),
-        number(format!("{name}_high"), move |row| Some(ends(row)?.1)),
+        number(format!("{figure}_{method}_low"), move |row| Some(low(row)?.0))
+            .of_figure(figure.to_owned(), Role::LowerBound),
+        number(format!("{figure}_{method}_high"), move |row| Some(ends(row)?.1))
+            .of_figure(figure.to_owned(), Role::UpperBound),
     ]
 }

@@ -46,6 +46,8 @@ impl<'a> Findings<'a> {
     ) -> Self {
         let cells = cells(&gathered.runs);
         let evidence = &gathered.evidence.cells;
+        let keys = evidence.iter().map(|found| &found.key);
+        assert!(cells.iter().map(|cell| &cell.key).eq(keys), "a bug: cells and their evidence are in one order");
         let searches = search_cells(finished.all::<SearchResult>());
         Self {
             drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>()),

@@ -2,7 +2,10 @@ use polars::prelude::DataFrame;
 
 use super::aggregate::{Cell, CellRequirement, Counted, Measured};
 use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, remaining_rate};
-use crate::record::{CellKey, Column, ColumnReference, Interval, Metric, Table, TableReference, cell_key, metrics};
+use crate::record::metric::RUNS;
+use crate::record::{
+    CellKey, Column, ColumnReference, Interval, Metric, Role, Table, TableReference, cell_key, metrics,
+};
 use base::statistics::wilson;
 use world::judge::Reference;
 
@@ -72,7 +75,7 @@ fn of_metric<'a>(
     };
     let across =
         Figure::ALL.into_iter().find(|figure| figure.name() == metric.name()).map(|figure| found.between(figure));
-    let student = across.and_then(|across| across.interval);
+    let student = across.and_then(|across| across.interval).filter(|_| !cell.is_of_cases);
     let of_runs = Row { sd: average.sd, ..row(runs, average.value) };
     if let Metric::Rate(rate) = *metric {
         let of = if rate.whole.name == "collisions" { "collisions" } else { "episodes" };
@@ -88,13 +91,17 @@ fn of_metric<'a>(
 
 /// Adds the rows of a requirement.
 fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Row<'a>>) {
+    let (applied, all) = found.sums(CellRequirement::APPLIED);
+    let of = Size("episodes", u64::from(all));
+    rows.push(Row::new(&cell.key, applied_metric(&found.name), of, Some(f64::from(applied))));
     for (words, counted, needs_verdict) in OF_VIOLATIONS {
         if needs_verdict && !found.is_judged() {
             continue;
         }
         let [count, rate] = violation_metrics(words, &found.name);
         let ((part, all), rate_of_runs) = (found.sums(counted), found.rate(counted));
-        let row = Row::new(&cell.key, count, Size("episodes", u64::from(all)), Some(f64::from(part)));
+        let part = found.applied().then_some(f64::from(part));
+        let row = Row::new(&cell.key, count, Size("episodes", u64::from(all)), part);
         rows.push(row.clone());
         rows.push(Row {
             metric: rate,
@@ -114,7 +121,10 @@ type Words = [(&'static str, &'static str); 2];
 const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
     (
         [
-            ("violations", "number of episodes that violate that requirement of the campaign"),
+            (
+                "violations",
+                "number of episodes that violate that requirement of the campaign; missing if it never applied",
+            ),
             ("violation_rate", "episodes that violate that requirement of all *episodes*"),
         ],
         CellRequirement::ALL,
@@ -138,6 +148,18 @@ const OF_VIOLATIONS: [(Words, Counted, bool); 3] = [
     ),
 ];
 
+/// The number of episodes in which a requirement applied.
+fn applied_metric(requirement: &str) -> ColumnReference {
+    let doc = "number of episodes in which what stands before an `implies` of that requirement held; 0: nothing is known of its violations";
+    let name = format!("applied({requirement})");
+    ColumnReference {
+        name: name.clone().into(),
+        doc: doc.into(),
+        figure: name.into(),
+        ..Metric::Count(RUNS).reference()
+    }
+}
+
 /// The metrics of a requirement: a number and a rate of its violations.
 fn violation_metrics(words: Words, requirement: &str) -> [ColumnReference; 2] {
     words.map(|(name, doc)| ColumnReference {
@@ -145,6 +167,8 @@ fn violation_metrics(words: Words, requirement: &str) -> [ColumnReference; 2] {
         unit: "".into(),
         doc: doc.into(),
         holds: polars::prelude::DataType::Float64,
+        role: Role::Plain,
+        figure: name.into(),
     })
 }
 
@@ -161,7 +185,7 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
     for reference in Reference::ALL {
         let rest = found.remaining(reference);
         let of = Size("episodes", found.episodes.count());
-        let ends = Some(wilson(rest, found.episodes));
+        let ends = (!cell.is_of_cases).then(|| wilson(rest, found.episodes));
         let rate = row(remaining_rate(reference), of, rest.share_of(&found.episodes));
         rows.push(Row { ends, interval: "wilson", ..rate });
     }
@@ -210,6 +234,7 @@ pub fn metric_references() -> Vec<ColumnReference> {
     all.push(IMPACT_SPEED_P90.reference());
     all.push(TRAININGS_DISAGREE.reference());
     all.extend(Reference::ALL.into_iter().map(remaining_rate));
+    all.push(applied_metric("REQUIREMENT"));
     all.extend(OF_VIOLATIONS.into_iter().flat_map(|(words, _, _)| violation_metrics(words, "REQUIREMENT")));
     all
 }

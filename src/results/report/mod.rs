@@ -42,13 +42,13 @@ pub use caution::Caution;
 pub use failure_change::{FailureChange, SideCollision, SideEnd};
 pub use failure_modes::{FailureModes, failure_modes};
 pub use findings::Findings;
-pub use infer::{Doubt, Learning, Learnt, Reason, Untrained, doubts};
+pub use infer::{Doubt, Figure, Learning, Learnt, Reason, Untrained, doubts};
 pub use metric_table::{METRICS, metric_references};
 
 // Reports side by side, and old failures with a new driver.
 pub use compare::{
-    Changed, ComparedCell, ComparedSearch, ReportComparison, Side, compare_reports, compared_cells,
-    compared_search_reference, compared_search_table, comparison_reference,
+    Changed, ComparedCell, ComparedSearch, CountedEvent, PairedRate, ReportComparison, Side, compare_reports,
+    compared_cells, compared_search_reference, compared_search_table, comparison_reference,
 };
 pub use overview::{Found, Overview, Variant};
 pub use recheck::{
@@ -69,7 +69,7 @@ pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use read::{
     Difference, Gate, GateError, Judged, ReadError, StoredReport, TooFewRuns, differences, divergence, failure_list,
-    searched,
+    requirements_in, searched,
 };
 pub use scenario_files::{MAX_HELD_BYTES, held_places};
 pub use staging::staging_file;
@@ -80,9 +80,10 @@ pub(crate) type Table = polars::prelude::DataFrame;
 
 // What the modules here share.
 pub(crate) use aggregate::{
-    CellRequirement, ProtocolCell, PublishedComparison, SearchComparison, layer_cells, search_comparisons,
+    CellRequirement, ProtocolCell, PublishedComparison, SearchComparison, SearchFailures, layer_cells,
+    search_comparisons,
 };
-pub(crate) use infer::{CellEvidence, Comparison, Evidence, Figure, Gathering, Test};
+pub(crate) use infer::{CellEvidence, Comparison, Evidence, Gathering, Test};
 pub(crate) use recheck::StartFaults;
 pub(crate) use render::{search_section, svg, table, town_map};
 pub(crate) use replayed::PlayedFailure;

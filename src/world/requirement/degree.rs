@@ -3,7 +3,7 @@ use std::str::FromStr;
 
 /// How far a requirement is from being violated, and what decides that.
 ///
-/// Its text is `-0.25@31#0`: robustness, sample and part. The same bits are read from it.
+/// Its text is `-0.25@31#0`: robustness, sample and part, and `~` at its end if the requirement never applied. The same bits are read from it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Degree {
@@ -14,12 +14,14 @@ pub struct Degree {
     pub sample: u32,
     /// The comparison that decides, by its place among those of the requirement; `None` if a constant or an empty bound does.
     pub part: Option<u16>,
+    /// Whether something that stands before an `implies` of the requirement held in a sample; true of a requirement without one.
+    pub applies: bool,
 }
 
 impl Degree {
     /// The degree of a constant.
     pub fn constant(truth: bool, sample: u32) -> Self {
-        Self { robustness: if truth { f64::INFINITY } else { f64::NEG_INFINITY }, sample, part: None }
+        Self { robustness: if truth { f64::INFINITY } else { f64::NEG_INFINITY }, sample, part: None, applies: true }
     }
 
     pub fn is_violated(&self) -> bool {
@@ -44,11 +46,10 @@ impl Degree {
 
 impl fmt::Display for Degree {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { robustness, sample, part } = self;
-        match part {
-            Some(part) => write!(f, "{robustness:?}@{sample}#{part}"),
-            None => write!(f, "{robustness:?}@{sample}"),
-        }
+        let Self { robustness, sample, part, applies } = self;
+        write!(f, "{robustness:?}@{sample}")?;
+        part.map_or(Ok(()), |part| write!(f, "#{part}"))?;
+        f.write_str(if *applies { "" } else { "~" })
     }
 }
 
@@ -61,12 +62,14 @@ impl FromStr for Degree {
     type Err = NoDegree;
 
     fn from_str(text: &str) -> Result<Self, NoDegree> {
+        let (text, applies) = text.strip_suffix('~').map_or((text, true), |text| (text, false));
         let (robustness, rest) = text.split_once('@').ok_or(NoDegree)?;
         let (sample, part) = rest.split_once('#').map_or((rest, None), |(sample, part)| (sample, Some(part)));
         Ok(Self {
             robustness: robustness.parse().map_err(|_| NoDegree)?,
             sample: sample.parse().map_err(|_| NoDegree)?,
             part: part.map(str::parse).transpose().map_err(|_| NoDegree)?,
+            applies,
         })
     }
 }

@@ -15,6 +15,8 @@ pub struct Trace {
     /// Memory for the values of operators.
     spare: Vec<Vec<Degree>>,
     window: VecDeque<(usize, Degree)>,
+    /// What stands before each `implies`.
+    conditions: Vec<Temporal>,
 }
 
 impl Trace {
@@ -22,7 +24,8 @@ impl Trace {
     pub fn new(requirement: &Requirement, samples: usize) -> Self {
         let parts = requirement.parts.len();
         let (margins, window) = (Vec::with_capacity(parts * samples), VecDeque::with_capacity(samples));
-        Self { parts, margins, window, reserved: samples, ..Self::default() }
+        let conditions = requirement.formula.conditions().into_iter().cloned().collect();
+        Self { parts, margins, window, reserved: samples, conditions, ..Self::default() }
     }
 
     /// Forgets all samples.
@@ -46,7 +49,22 @@ impl Trace {
         let values = self.evaluate(&requirement.formula, dt);
         let first = values.first().copied();
         self.spare.push(values);
-        first.unwrap_or(Degree::constant(true, 0))
+        let degree = first.unwrap_or(Degree::constant(true, 0));
+        Degree { applies: degree.is_violated() || self.applies(dt), ..degree }
+    }
+
+    /// Whether something that stands before an `implies` held in a sample.
+    fn applies(&mut self, dt: f64) -> bool {
+        let conditions = std::mem::take(&mut self.conditions);
+        let holds = |condition: &Temporal| {
+            let values = self.evaluate(condition, dt);
+            let holds = values.iter().any(|value| !value.is_violated());
+            self.spare.push(values);
+            holds
+        };
+        let applies = conditions.is_empty() || conditions.iter().any(holds);
+        self.conditions = conditions;
+        applies
     }
 
     /// The degrees of a formula at all samples.
@@ -65,6 +83,7 @@ impl Trace {
                     robustness: *margin,
                     sample,
                     part: Some(*index as u16),
+                    applies: true,
                 }));
                 values
             }

@@ -42,7 +42,9 @@ impl GateArgs {
 
     /// Whether a condition names columns that only the comparison with the baseline has.
     fn is_of_comparison(&self, text: &str) -> bool {
-        self.baseline.is_some() && Gate::parse(text).is_err() && Condition::parse(text, &compare::tables()).is_ok()
+        self.baseline.is_some()
+            && Gate::parse(text).is_err()
+            && Condition::parse(text, &compare::tables(&self.fail_if)).is_ok()
     }
 
     /// Compares the reports of a run with the baseline, if there is one, and judges the conditions on the comparison.
@@ -50,7 +52,7 @@ impl GateArgs {
         let Some(baseline) = &self.baseline else { return ExitCode::Done };
         let conditions = self.fail_if.iter().filter(|text| self.is_of_comparison(text));
         let conditions: Vec<Condition> =
-            conditions.filter_map(|text| Condition::parse(text, &compare::tables()).ok()).collect();
+            conditions.filter_map(|text| Condition::parse(text, &compare::tables(&self.fail_if)).ok()).collect();
         let is_report = baseline.join("manifest.toml").is_file();
         let against = |report: &CampaignReport| -> Ended {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };

@@ -1,6 +1,6 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use polars::prelude::DataFrame;
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
@@ -77,39 +77,52 @@ pub fn gather(
         let evaluation = run.evaluation;
         let named = &*evaluation.scenario.requirements;
         let mut violations = vec![Violations::default(); named.len()];
-        let (mut totals, mut tried) = (RunTotals::new(record::metrics()), 0);
         let mut protocol = ProtocolRun::new(evaluation);
+        let is_of_cases = protocol.is_some();
+        let (mut totals, mut tried) = (RunTotals::new(record::metrics()).of_cases(is_of_cases), 0);
+        let mut digests = BTreeSet::new();
         for part in run.parts() {
-            let part = part.map_err(failed)?;
+            let mut part = part.map_err(failed)?;
+            tried += part.height();
             file.add(&own(&part).map_err(failed)?)?;
             references.add(&record::reference_drivers(&part).map_err(failed)?)?;
-            let episodes = EpisodeTable::new(&part).map_err(failed)?;
-            gathered.tally.add(&run.key.cell, &episodes);
-            let drives = gathered.count(&run, &episodes);
+            let all = EpisodeTable::new(&part).map_err(failed)?;
+            let drives = gathered.count(&run, &all);
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
+            if let Some(protocol) = &mut protocol {
+                protocol.add(&all);
+            }
+            let mut degrees = Vec::new();
+            if let Some(file) = &mut requirements {
+                degrees = requirement_rows(named, &part, evaluation.scenario.episode.tick).map_err(failed)?;
+                file.add(&table.frame(&degrees))?;
+            }
+            if is_of_cases {
+                part = different(&part, &mut digests).map_err(failed)?;
+            }
+            let episodes = EpisodeTable::new(&part).map_err(failed)?;
+            if is_of_cases {
+                let kept: BTreeSet<u32> = episodes.rows().map(|row| episodes.episode(row)).collect();
+                degrees.retain(|row| kept.contains(&row.episode));
+            }
+            gathered.tally.add(&run.key.cell, &episodes);
             totals.add(&part).map_err(failed)?;
-            tried += part.height();
             if matches!(evaluation.controller, ControllerKind::Trained) {
                 gathered.note_starts(evaluation, &episodes);
             }
             gathered.failures.add(&run.key, &episodes);
-            if let Some(protocol) = &mut protocol {
-                protocol.add(&episodes);
+            for (index, row) in degrees.iter().enumerate().filter(|(_, row)| row.counts) {
+                violations[index % named.len()].add(row);
             }
-            if let Some(file) = &mut requirements {
-                let rows = requirement_rows(named, &part, evaluation.scenario.episode.tick).map_err(failed)?;
-                for (index, row) in rows.iter().enumerate().filter(|(_, row)| row.counts) {
-                    violations[index % named.len()].add(row);
-                }
-                gathered.failures.add_violations(&run.key.cell, &rows);
-                file.add(&table.frame(&rows))?;
-            }
+            gathered.failures.add_violations(&run.key.cell, &degrees);
             kinds.add(&run.key, &episodes);
-            evidence.add(&run.key, &episodes);
+            if part.height() > 0 {
+                evidence.add(&run.key, &episodes);
+            }
         }
         gathered.all_tried &= tried == evaluation.episodes as usize;
         if tried > 0 {
-            add_run(&mut gathered.requirements, &run.key.cell, named, &violations);
+            add_run(&mut gathered.requirements, &run.key.cell, named, &violations, is_of_cases);
         }
         gathered.runs.extend(totals.row());
         if tried > 0 {
@@ -131,6 +144,13 @@ pub fn gather(
     gathered.failures.add_searches(searches);
     gathered.evidence = evidence.finish();
     Ok(gathered)
+}
+
+/// The rows of a part whose episodes differ, to the bit, from all before them; repeating one says nothing more.
+fn different(part: &DataFrame, digests: &mut BTreeSet<String>) -> PolarsResult<DataFrame> {
+    let table = EpisodeTable::new(part)?;
+    let is_new = |row: usize| !table.counts(row) || digests.insert(table.digest(row).to_owned());
+    part.filter(&table.rows().map(is_new).collect())
 }
 
 impl Gathered {

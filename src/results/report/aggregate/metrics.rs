@@ -10,6 +10,8 @@ use world::judge::Label;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cell {
     pub key: CellKey,
+    /// Whether its episodes are the cases of a test: its rates have no interval.
+    pub is_of_cases: bool,
     pub runs: u32,
     /// The number of episodes in all runs that count: without those in which the driver failed as a program, and those that are left out.
     pub episodes: u32,
@@ -91,8 +93,9 @@ fn measured(metric: Metric, runs: &[&RunRow]) -> Measured {
         Metric::Count(count) => Measured::Count(sum(count) as u32),
         Metric::Mean(_) => Measured::Average(average),
         Metric::Rate(rate) => {
-            let interval = wilson(starts(rate.part), starts(rate.whole));
-            Measured::Average(average.within(Some(interval), Method::Wilson))
+            let interval = || wilson(starts(rate.part), starts(rate.whole));
+            let interval = (!runs[0].is_of_cases).then(interval);
+            Measured::Average(average.within(interval, Method::Wilson))
         }
     }
 }
@@ -100,7 +103,9 @@ fn measured(metric: Metric, runs: &[&RunRow]) -> Measured {
 impl Cell {
     fn of(runs: &[&RunRow]) -> Self {
         let metrics = runs[0].values.iter().map(|(metric, _)| (*metric, measured(*metric, runs))).collect();
-        let cell = Self { key: runs[0].key.cell.clone(), runs: runs.len() as u32, metrics, ..Self::default() };
+        let is_of_cases = runs[0].is_of_cases;
+        let cell =
+            Self { key: runs[0].key.cell.clone(), is_of_cases, runs: runs.len() as u32, metrics, ..Self::default() };
         let count = |count: metric::Count| cell.count(count);
         let rate = |name: &str| cell.average(name).cloned().unwrap_or_default();
         Self {

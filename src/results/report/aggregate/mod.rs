@@ -21,7 +21,7 @@ mod published;
 mod protocol;
 mod ticks;
 
-pub use drivers::{DriverResult, driver_results, worst_failure};
+pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};

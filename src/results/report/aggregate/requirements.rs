@@ -16,6 +16,11 @@ pub const REQUIREMENTS: &str = "requirements";
 pub const REQUIREMENT: Column<String> = Column::new("requirement", "", "name of the requirement");
 pub const PRIORITY: Column<u32> = Column::new("priority", "", "its rank in the scenario; 1 is the most important");
 pub const VIOLATED: Column<bool> = Column::new("violated", "", "whether the episode violates it");
+pub const APPLIES: Column<bool> = Column::new(
+    "applies",
+    "",
+    "whether what stands before an `implies` of the requirement held in a sample; where it never did, the episode says nothing about the requirement",
+);
 pub const ROBUSTNESS: Column<f64> = Column::new(
     "robustness",
     "as `unit`",
@@ -105,6 +110,7 @@ pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     .column(REQUIREMENT.of(|row: &RequirementRow| row.violation.requirement.clone()))
     .column(PRIORITY.of(|row: &RequirementRow| row.violation.priority))
     .column(VIOLATED.of(|row: &RequirementRow| row.degree.is_violated()))
+    .column(APPLIES.of(|row: &RequirementRow| row.degree.applies))
     .column(ROBUSTNESS.of(|row: &RequirementRow| Signed(Some(row.degree.robustness))))
     .column(ROBUSTNESS_UNIT.of(|row: &RequirementRow| row.violation.unit.clone()))
     .column(SCALED.of(|row: &RequirementRow| row.is_scaled))
@@ -158,6 +164,8 @@ pub fn requirement_rows(
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Violations {
     pub episodes: u32,
+    /// Those in which it applied.
+    pub applied: u32,
     pub violated: u32,
     /// Those that both careful humans would not have made.
     pub preventable: u32,
@@ -169,6 +177,7 @@ impl Violations {
     /// Counts an episode.
     pub fn add(&mut self, row: &RequirementRow) {
         self.episodes += 1;
+        self.applied += u32::from(row.degree.applies);
         self.violated += u32::from(row.degree.is_violated());
         self.preventable += u32::from(row.verdict.is_some_and(|verdict| verdict.preventable));
         self.faults += u32::from(row.verdict.is_some_and(|verdict| verdict.fault));
@@ -185,10 +194,14 @@ pub struct CellRequirement {
     pub name: String,
     /// Why its violations have no verdict; `None` if they have.
     pub no_verdict: Option<NoVerdict>,
+    /// Whether its episodes are the cases of a test: its rates have no interval.
+    pub is_of_cases: bool,
     pub runs: Vec<Violations>,
 }
 
 impl CellRequirement {
+    /// The episodes in which it applied.
+    pub const APPLIED: Counted = |run| run.applied;
     /// All violations.
     pub const ALL: Counted = |run| run.violated;
     /// The preventable ones.
@@ -201,19 +214,27 @@ impl CellRequirement {
         self.no_verdict.is_none()
     }
 
+    /// Whether it applied in an episode. Otherwise nothing is known of its violations.
+    pub fn applied(&self) -> bool {
+        self.runs.iter().any(|run| run.applied > 0)
+    }
+
     /// Violations and episodes of all runs.
     pub fn sums(&self, counted: Counted) -> (u32, u32) {
         self.runs.iter().fold((0, 0), |(part, all), run| (part + counted(run), all + run.episodes))
     }
 
-    /// The rate of violations, with Wilson's interval over the starts, which all runs share.
+    /// The rate of violations, with Wilson's interval over the starts, which all runs share; no value if it never applied.
     pub fn rate(&self, counted: Counted) -> Rate {
+        if !self.applied() {
+            return Rate::default();
+        }
         let of_run = |run: &Violations| f64::from(counted(run)) / f64::from(run.episodes);
         let by_run: Vec<f64> = self.runs.iter().filter(|run| run.episodes > 0).map(of_run).collect();
         let (part, all) = self.sums(counted);
         let of_runs = |count: u32| ClusteredCount::from(u64::from(count)).of_clusters(self.runs.len() as f64);
-        let interval = wilson(of_runs(part), of_runs(all));
-        Rate::of_runs(by_run).within(Some(interval), Method::Wilson)
+        let interval = (!self.is_of_cases).then(|| wilson(of_runs(part), of_runs(all)));
+        Rate::of_runs(by_run).within(interval, Method::Wilson)
     }
 }
 
@@ -223,6 +244,7 @@ pub fn add_run(
     key: &CellKey,
     requirements: &[NamedRequirement],
     counts: &[Violations],
+    is_of_cases: bool,
 ) {
     for (named, count) in requirements.iter().zip(counts) {
         match cells.iter_mut().find(|cell| cell.key == *key && cell.name == *named.name) {
@@ -231,6 +253,7 @@ pub fn add_run(
                 key: key.clone(),
                 name: named.name.to_string(),
                 no_verdict: NoVerdict::of(&named.requirement),
+                is_of_cases,
                 runs: vec![*count],
             }),
         }

@@ -11,6 +11,8 @@ use base::statistics::RunningMean;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunRow {
     pub key: RunKey,
+    /// Whether its episodes are the cases of a test, each once. They are no sample, and nothing has an interval.
+    pub is_of_cases: bool,
     /// Each metric with its value, in the order of [`metrics`](record::metrics); `None` without an episode that it is of.
     pub values: Vec<(Metric, Option<f64>)>,
 }
@@ -41,6 +43,7 @@ pub fn run_table(metrics: &[Metric]) -> Table<'static, RunRow> {
 pub struct RunTotals {
     /// The key of the run; `None` without any episode.
     key: Option<RunKey>,
+    is_of_cases: bool,
     totals: Vec<(Metric, Total)>,
 }
 
@@ -61,7 +64,13 @@ impl RunTotals {
             Metric::Mean(_) => (metric, Total::Mean(RunningMean::default())),
             Metric::Rate(_) => (metric, Total::Rate),
         };
-        Self { key: None, totals: metrics.into_iter().map(none).collect() }
+        Self { key: None, is_of_cases: false, totals: metrics.into_iter().map(none).collect() }
+    }
+
+    /// The same of the cases of a test.
+    #[must_use]
+    pub fn of_cases(self, is_of_cases: bool) -> Self {
+        Self { is_of_cases, ..self }
     }
 
     /// Adds episodes: a part of the table of the run.
@@ -114,7 +123,8 @@ impl RunTotals {
             };
             (*metric, value)
         };
-        Some(RunRow { key: self.key.clone()?, values: self.totals.iter().map(value).collect() })
+        let is_of_cases = self.is_of_cases;
+        Some(RunRow { key: self.key.clone()?, is_of_cases, values: self.totals.iter().map(value).collect() })
     }
 }
 

@@ -5,7 +5,7 @@ use super::search_figures::{FAILED_STARTS, FAULT, FAULT_START_RATE, FIRST_FAILUR
 use super::searches::{BUDGET, STARTS, search_key};
 use crate::jobs::SearchResult;
 use crate::record::metric::MEAN;
-use crate::record::{Column, Entry, Interval, Table};
+use crate::record::{Column, Entry, Interval, Role, Table};
 use crate::report::grouped::grouped;
 use base::statistics::quantile;
 use compile::SearchKey;
@@ -130,9 +130,9 @@ pub fn search_cell_table(cells: &[SearchCell]) -> DataFrame {
 /// The columns of [`search_cell_table`].
 pub fn search_cell_columns() -> Table<'static, SearchCell> {
     let (count, number) = (Column::<u64>::new, Column::<f64>::new);
-    let median = |name: &str, of: fn(&SearchCell) -> Option<f64>| {
+    let median = |name: &'static str, of: fn(&SearchCell) -> Option<f64>| {
         let doc = format!("Kaplan and Meier's median of `{name}`; missing if fewer than half of the runs found one");
-        Entry::new::<f64, _>(format!("{name}_median").into(), "".into(), doc.into(), of)
+        Entry::new::<f64, _>(format!("{name}_median").into(), "".into(), doc.into(), of).of_figure(name, Role::Plain)
     };
     Table::new(
         "search_cells",
@@ -144,6 +144,7 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
     .column(BUDGET.of(|cell: &SearchCell| cell.budget))
     .column(
         number("falsified_share", "", "share of the runs that found a failure, as ARCH-COMP counts it")
+            .with_role(Role::Share)
             .of(|cell: &SearchCell| cell.falsified()),
     )
     .column(
@@ -155,19 +156,20 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
             .of(|cell: &SearchCell| cell.simulations_to_first().map(|(_, median)| median)),
     )
     .column(median(FIRST_FAILURE, |cell| cell.first_failure))
-    .columns(averaged(STARTS.name, |cell| &cell.starts))
-    .columns(averaged(FAILED_STARTS, |cell| &cell.failed_starts))
-    .columns(averaged(FAULT, |cell| &cell.faults))
-    .columns(averaged(FAULT_START_RATE, |cell| &cell.fault_start_rate))
-    .columns(averaged(INJURY, |cell| &cell.injury))
+    .columns(averaged(STARTS.name, Role::Plain, |cell| &cell.starts))
+    .columns(averaged(FAILED_STARTS, Role::Plain, |cell| &cell.failed_starts))
+    .columns(averaged(FAULT, Role::Plain, |cell| &cell.faults))
+    .columns(averaged(FAULT_START_RATE, Role::Share, |cell| &cell.fault_start_rate))
+    .columns(averaged(INJURY, Role::Plain, |cell| &cell.injury))
     .column(median(FIRST_FAULT, |cell| cell.first_fault))
 }
 
 /// The mean of a column over runs with its interval.
-fn averaged(name: &'static str, value: fn(&SearchCell) -> &Rate) -> Vec<Entry<'static, SearchCell>> {
+fn averaged(name: &'static str, role: Role, value: fn(&SearchCell) -> &Rate) -> Vec<Entry<'static, SearchCell>> {
     let doc = "mean over `runs` with Student's 95 % interval, cut at 0 and for rates at 1. The interval is about further runs in this town, not about \
                other towns; missing for fewer than four runs";
-    let mut entries = vec![MEAN.of(name, move |cell: &SearchCell| value(cell).value).meaning(doc)];
+    let mut entries =
+        vec![MEAN.of(name, move |cell: &SearchCell| value(cell).value).of_figure(name, role).meaning(doc)];
     entries.extend(Interval::new(name, "", doc).of(move |cell: &SearchCell| value(cell).interval));
     entries
 }

@@ -4,7 +4,7 @@ use polars::prelude::DataFrame;
 
 #[cfg(test)]
 use super::search_figures::FAILED_STARTS;
-use super::search_figures::Figures;
+use super::search_figures::{FAULT_START_RATE, Figures};
 use crate::jobs::SearchResult;
 use crate::record::columns::TOWN;
 use crate::record::{Column, Interval, Table};
@@ -152,7 +152,7 @@ fn compare(one: &[(&SearchKey, Named)], other: &[(&SearchKey, Named)]) -> Vec<Se
 
 /// Cuts the interval of a difference of shares at -1 and 1.
 fn cut((low, high): (f64, f64), figure: &str) -> (f64, f64) {
-    if figure.ends_with("_rate") { (low.max(-1.0), high.min(1.0)) } else { (low, high) }
+    if figure == FAULT_START_RATE { (low.max(-1.0), high.min(1.0)) } else { (low, high) }
 }
 
 /// The comparisons as a table, one row each.

@@ -1,16 +1,17 @@
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::caveat::{Caveat, caveats};
 use super::matching::{Incomparable, Matched, Side, matched};
+use super::paired_rate::{Changed, CountedEvent, PairedRate, PooledStarts};
 use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::failure::Failure;
 use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::grouped::grouped;
-use crate::report::infer::{Comparison, EvaluatedRun, Figure, MAX_KEPT, adjust, compare_pair};
+use crate::report::infer::{EvaluatedRun, Figure, MAX_KEPT, compare_pair};
 use crate::report::{FailureChange, ReadError, SideCollision, SideEnd};
 use world::judge::Label;
 
@@ -21,7 +22,9 @@ pub struct ReportComparison {
     pub folders: [PathBuf; 2],
     /// What differs besides the drivers.
     pub caveats: Vec<Caveat>,
-    /// One for each place, driver and controller, in the order of the first report.
+    /// What is counted: collisions, and violations of the requirements that both reports have.
+    pub events: Vec<CountedEvent>,
+    /// One for each place, driver and controller, in the order of the first report; then those about all controllers of a driver that has several.
     pub cells: Vec<ComparedCell>,
     /// The common starts from which at least one side has a collision. Cell by cell, in the order of the first report.
     pub changes: Vec<FailureChange>,
@@ -29,65 +32,32 @@ pub struct ReportComparison {
     pub searches: Vec<ComparedSearch>,
 }
 
-/// A place, a driver and a controller on both sides.
+/// A place, a driver and a controller on both sides, or all controllers together.
 #[derive(Debug, Clone, Default)]
 pub struct ComparedCell {
-    /// The key on the first side and on the second.
+    /// The key on the first side and on the second; its controller is [`ALL_CONTROLLERS`] where they are pooled.
     pub keys: [CellKey; 2],
     /// The number of matched runs.
     pub runs: u64,
-    /// Pairs of episodes with equal starts, over all runs.
+    /// Pairs of episodes with equal starts, over all runs; of all controllers the different starts.
     pub starts: u64,
-    /// Figures as second less first; `None` without a common start.
-    pub figures: Vec<Comparison>,
-    /// Collisions of the first side only, of the second only, and of both.
-    pub collisions: Changed,
-    /// The same for preventable collisions.
-    pub preventable: Changed,
-    /// The same for faults.
-    pub fault: Changed,
-    /// Violations of each requirement that both reports have, by its name.
-    pub violations: BTreeMap<String, Changed>,
+    /// The number of pairs of episodes that are not the same byte for byte.
+    pub differing: u64,
+    /// The rates of [`ReportComparison::events`]; empty without a common start.
+    pub rates: Vec<PairedRate>,
 }
 
-/// The number of common starts with a failure on one side or on both.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Changed {
-    /// On the first side only.
-    pub fixed: u64,
-    /// On the second side only.
-    pub new: u64,
-    /// On both sides.
-    pub same: u64,
-}
-
-impl Changed {
-    /// Adds other starts.
-    fn add(&mut self, other: Self) {
-        self.fixed += other.fixed;
-        self.new += other.new;
-        self.same += other.same;
-    }
-
-    /// Counts a start.
-    pub fn count(&mut self, before: bool, after: bool) {
-        match (before, after) {
-            (true, true) => self.same += 1,
-            (true, false) => self.fixed += 1,
-            (false, true) => self.new += 1,
-            (false, false) => {}
-        }
-    }
-}
+/// The controller of a row about all controllers of a driver. No controller of a scenario has such a name.
+pub const ALL_CONTROLLERS: &str = "all controllers";
 
 impl ReportComparison {
-    /// The violations of each requirement that both reports have, over all cells.
-    pub fn violations(&self) -> BTreeMap<&str, Changed> {
-        let mut sums: BTreeMap<&str, Changed> = BTreeMap::new();
-        for (name, changed) in self.cells.iter().flat_map(|cell| &cell.violations) {
-            sums.entry(name).or_default().add(*changed);
-        }
-        sums
+    /// The starts of single controllers with an event on one side or on both.
+    pub fn changed(&self, event: &CountedEvent) -> Changed {
+        let place = self.events.iter().position(|each| each == event);
+        let cells = self.cells.iter().filter(|cell| !cell.is_pooled());
+        let mut sum = Changed::default();
+        cells.filter_map(|cell| cell.rates.get(place?)).for_each(|rate| sum.add(rate.changed));
+        sum
     }
 
     /// The collisions of either side by a word about each: those of one side alone, and those of both.
@@ -122,17 +92,26 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
     let violated = [violations(before)?, violations(after)?];
     let requirements: Vec<&String> = violated[0].keys().filter(|name| violated[1].contains_key(*name)).collect();
+    let events = CountedEvent::all(requirements.iter().copied());
     let cells = grouped(pairs, |one, other| one[0].key.cell == other[0].key.cell);
-    let (mut compared, mut changes) = (Vec::new(), Vec::new());
+    let (mut compared, mut changes) = (Vec::<ComparedCell>::new(), Vec::new());
+    let mut pools: Vec<Pool> = Vec::new();
     let (mut unpaired, mut all) = (0, 0);
     for cell in &cells {
-        let mut evaluated = [Vec::new(), Vec::new()];
         let mut found = ComparedCell {
             keys: cell[0].each_ref().map(|run| run.key.cell.clone()),
             runs: cell.len() as u64,
-            violations: requirements.iter().map(|name| ((*name).clone(), Changed::default())).collect(),
             ..ComparedCell::default()
         };
+        let pool = match pools.iter().position(|pool| pool.cell.has_drivers_and_place_of(&found)) {
+            Some(place) => &mut pools[place],
+            None => pools.push_mut(Pool { cell: found.pooled(), ..Pool::default() }),
+        };
+        pool.controllers += 1;
+        pool.cell.runs += found.runs;
+        let mut counts = vec![Changed::default(); events.len()];
+        // Collisions and each requirement apart.
+        let mut evaluated = vec![[Vec::new(), Vec::new()]; events.len() / KINDS];
         for [first, second] in cell {
             let (a, b) = (before.report.rows_of(first)?, after.report.rows_of(second)?);
             let broken = |side: &Side<'_>| {
@@ -145,50 +124,63 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             all += (a.height() + b.height()) as u64;
             unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
             found.starts += rows.len() as u64;
+            let keys = [&first.key, &second.key];
+            let mut runs: Vec<[EvaluatedRun; 2]> =
+                evaluated.iter().map(|_| keys.map(|key| EvaluatedRun::new(key.clone(), MAX_KEPT))).collect();
             for (row, partner) in &rows {
                 let ends = [(0, *row, first), (1, *partner, second)].map(|(side, row, run)| {
                     let table = &tables[side];
                     let name = format!("{}:{}", run.key.id, table.episode(row));
                     (name, Failure::of_collision(table, row, &run.key))
                 });
-                let is =
-                    |what: fn(&Failure) -> bool| ends.each_ref().map(|(_, failure)| failure.as_ref().is_some_and(what));
-                let [before, after] = is(|_| true);
-                found.collisions.count(before, after);
-                let [was, now] = is(|failure| failure.verdict == Some(Label::Preventable));
-                found.preventable.count(was, now);
-                let [was, now] = is(|failure| failure.fault);
-                found.fault.count(was, now);
-                for (name, changed) in &mut found.violations {
-                    let [was, now] = [0, 1].map(|side| violated[side][name].contains(&ends[side].0));
-                    changed.count(was, now);
+                let start = tables[0].episode(*row);
+                found.differing += u64::from(tables[0].digest(*row) != tables[1].digest(*partner));
+                let mut here: Vec<[bool; 2]> = Vec::with_capacity(events.len());
+                for (kind, runs) in runs.iter_mut().enumerate() {
+                    let of = |side: usize| -> [bool; KINDS] {
+                        let (name, failure) = &ends[side];
+                        match kind.checked_sub(1) {
+                            None => failure.as_ref().map_or([false; KINDS], events_of),
+                            Some(place) => violated[side][requirements[place]].get(name).copied().unwrap_or_default(),
+                        }
+                    };
+                    let sides = [of(0), of(1)];
+                    (0..2).for_each(|side| runs[side].add_events(start, sides[side]));
+                    here.extend((0..KINDS).map(|event| sides.map(|side| side[event])));
                 }
-                if before || after {
+                counts.iter_mut().zip(&here).for_each(|(count, [was, now])| count.count(*was, *now));
+                pool.starts.count(start, &here);
+                if ends.iter().any(|(_, failure)| failure.is_some()) {
                     let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure.as_ref()));
                     changes.push(FailureChange { place: found.title(), sides });
                 }
             }
-            let (own, others): (Vec<usize>, Vec<usize>) = rows.iter().copied().unzip();
-            for (side, mut kept) in [own, others].into_iter().enumerate().filter(|(_, kept)| !kept.is_empty()) {
-                kept.sort_unstable();
-                let mut run = EvaluatedRun::new([first, second][side].key.clone(), MAX_KEPT);
-                run.add(&tables[side], &kept);
-                evaluated[side].push(run);
+            for (of_kind, runs) in evaluated.iter_mut().zip(runs).filter(|_| !rows.is_empty()) {
+                of_kind.iter_mut().zip(runs).for_each(|(side, run)| side.push(run));
             }
         }
-        found.figures = compare_pair(evaluated);
+        pool.cell.differing += found.differing;
+        if found.starts > 0 {
+            let figures = evaluated.into_iter().flat_map(compare_pair);
+            found.rates = figures.zip(counts).map(|(figure, count)| PairedRate::of_cell(figure, count)).collect();
+        }
         compared.push(found);
+    }
+    compared.extend(pools.into_iter().filter(|pool| pool.controllers > 1).map(|Pool { cell, starts, .. }| {
+        let events = 0..if starts.count_all() > 0 { events.len() } else { 0 };
+        ComparedCell { starts: starts.count_all(), rates: events.map(|event| starts.rate(event)).collect(), ..cell }
+    }));
+    for cell in &mut compared {
+        cell.rates.iter_mut().for_each(|rate| rate.is_unchanged = cell.differing == 0);
+    }
+    // A gate is about one rate, of single controllers or of all of them.
+    for (event, is_pooled) in (0..events.len()).flat_map(|event| [(event, false), (event, true)]) {
+        let cells = compared.iter_mut().filter(|cell| cell.is_pooled() == is_pooled);
+        PairedRate::adjust(cells.filter_map(|cell| cell.rates.get_mut(event)));
     }
     if compared.iter().all(|cell| cell.starts == 0) && searches.iter().all(|search| search.starts == 0) {
         let because = notes.iter().find(|note| !matches!(note, Caveat::Trainings { .. })).map(ToString::to_string);
         return Err(Incomparable::NoStart { because });
-    }
-    // All comparisons of both sides are one family of tests.
-    let mut family: Vec<Comparison> = compared.iter().flat_map(|cell| cell.figures.iter().cloned()).collect();
-    adjust(&mut family);
-    let mut family = family.into_iter();
-    for cell in &mut compared {
-        cell.figures.iter_mut().zip(&mut family).for_each(|(figure, adjusted)| *figure = adjusted);
     }
     if unmatched != [0, 0] {
         notes.push(Caveat::Unmatched { before: unmatched[0], after: unmatched[1] });
@@ -200,21 +192,38 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         notes.push(Caveat::SearchStarts { searches: apart });
     }
     let folders = [before, after].map(|side| side.report.folder().to_path_buf());
-    Ok(ReportComparison { folders, caveats: notes, cells: compared, changes, searches })
+    Ok(ReportComparison { folders, caveats: notes, events, cells: compared, changes, searches })
 }
 
-/// The names of the episodes that violate each requirement of a report, `RUN:EPISODE`.
-fn violations(side: Side<'_>) -> Result<BTreeMap<String, BTreeSet<String>>, ReadError> {
+/// Number of events that are counted of a failure: collisions or violations, the preventable ones, and the faults.
+const KINDS: usize = Figure::COMPARED.len();
+
+/// The controllers of a driver in a place.
+#[derive(Debug, Default)]
+struct Pool {
+    cell: ComparedCell,
+    controllers: usize,
+    starts: PooledStarts,
+}
+
+/// The events that a collision is.
+fn events_of(failure: &Failure) -> [bool; KINDS] {
+    [true, failure.verdict == Some(Label::Preventable), failure.fault]
+}
+
+/// Of each requirement of a report the episodes that violate it, `RUN:EPISODE`, with the events that a violation is.
+fn violations(side: Side<'_>) -> Result<BTreeMap<String, BTreeMap<String, [bool; KINDS]>>, ReadError> {
     let requirements = side.report.requirements()?;
-    let mut violated: BTreeMap<String, BTreeSet<String>> =
-        requirements.into_iter().map(|name| (name, BTreeSet::new())).collect();
+    let mut violated: BTreeMap<String, BTreeMap<String, [bool; KINDS]>> =
+        requirements.into_iter().map(|name| (name, BTreeMap::new())).collect();
     if violated.is_empty() {
         return Ok(violated);
     }
     for failure in side.report.failures()?.into_iter().filter(|failure| !failure.is_of_search()) {
         let name = failure.name();
         if let Some(violation) = failure.violation {
-            violated.entry(violation.requirement).or_default().insert(name);
+            let events = [true, violation.preventable == Some(true), failure.fault];
+            violated.entry(violation.requirement).or_default().insert(name, events);
         }
     }
     Ok(violated)
@@ -229,9 +238,26 @@ impl ComparedCell {
         format!("{drivers} in {}, {who}", before.town)
     }
 
-    /// A figure, if both sides have it.
-    pub fn figure(&self, figure: Figure) -> Option<&Comparison> {
-        self.figures.iter().find(|each| each.figure == figure)
+    /// Whether it is about all controllers.
+    pub fn is_pooled(&self) -> bool {
+        self.keys[0].controller == ALL_CONTROLLERS
+    }
+
+    /// The row of the same drivers in the same place, before any controller.
+    fn pooled(&self) -> Self {
+        let keys = self.keys.each_ref().map(|key| CellKey {
+            controller: ALL_CONTROLLERS.into(),
+            reward: String::new(),
+            train_town: String::new(),
+            train_policy: String::new(),
+            ..key.clone()
+        });
+        Self { keys, ..Self::default() }
+    }
+
+    fn has_drivers_and_place_of(&self, other: &Self) -> bool {
+        let mut sides = self.keys.iter().zip(&other.keys);
+        sides.all(|(own, other)| own.is_beside(other) && own.policy == other.policy)
     }
 }
 

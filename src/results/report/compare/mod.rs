@@ -5,11 +5,13 @@
 
 mod caveat;
 mod matching;
+mod paired_rate;
 mod comparison;
 mod searches;
 mod table;
 
-pub use comparison::{Changed, ComparedCell, ReportComparison, compare_reports, drivers};
+pub use comparison::{ALL_CONTROLLERS, ComparedCell, ReportComparison, compare_reports, drivers};
 pub use matching::Side;
-pub use searches::{ComparedSearch, compared_search_reference, compared_search_table};
-pub use table::{COMMON_STARTS, compared_cells, comparison_reference};
+pub use paired_rate::{Changed, CountedEvent, PairedRate};
+pub use searches::{ComparedSearch, TRIED_STARTS, compared_search_reference, compared_search_table};
+pub use table::{COMMON_STARTS, DIFFERING, compared_cells, comparison_reference};

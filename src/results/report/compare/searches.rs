@@ -3,16 +3,17 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use polars::prelude::DataFrame;
 
-use super::comparison::{Changed, drivers};
+use super::comparison::drivers;
 use super::matching::{Matched, Side, is_renamed, paired};
+use super::paired_rate::{Changed, PairedRate};
+use super::table::{MATCHED_RUNS, OTHER_POLICY};
 use crate::failure::{Failure, FailureOrder};
 use crate::record::columns::{POLICY, TOWN};
-use crate::record::{Column, Entry, Interval, Table, TableReference};
+use crate::record::{Column, Entry, Interval, Role, Table, TableReference};
 use crate::report::aggregate::{BUDGET, FALSIFIER, SEARCH_BLOCK};
 use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
 use crate::report::{FailureChange, ReadError, SideEnd};
-use base::statistics::{disagreement, holm, mcnemar, mean_interval_at, mean_p};
 use world::falsifier::StartSet;
 use world::judge::Label;
 
@@ -35,19 +36,8 @@ pub struct ComparedSearch {
     pub collisions: Changed,
     /// The same for preventable failures.
     pub preventable: Changed,
-    /// The same for faults.
-    pub fault: Changed,
-    /// Share of the common starts with a fault on either side, mean over runs.
-    pub shares: [f64; 2],
-    /// Second less first, of each run.
-    pub differences: Vec<f64>,
-    /// An interval of second less first such that, in 95 % of comparisons, those of all searches hold the truth (Bonferroni): Student's over four or
-    /// more runs; Bonett and Price's for a single run, Clopper and Pearson's where no start differs. `None` for two and three runs.
-    pub interval: Option<(f64, f64)>,
-    /// Probability of such a difference by chance: McNemar's exact test for one run, Student's paired test over several.
-    pub p: Option<f64>,
-    /// The same, adjusted by Holm's method for all searches.
-    pub holm: Option<f64>,
+    /// The share of the common starts with a fault.
+    pub found: PairedRate,
     /// The common starts from which at least one side found a failure.
     pub changes: Vec<FailureChange>,
 }
@@ -56,22 +46,6 @@ impl ComparedSearch {
     /// The falsifier, the drivers and the town.
     pub fn title(&self) -> String {
         format!("{} against {} in {}", self.falsifier, drivers(&self.policies), self.town)
-    }
-
-    /// Second less first.
-    pub fn difference(&self) -> f64 {
-        self.shares[1] - self.shares[0]
-    }
-
-    /// An interval that misses the difference with a probability of at most `alpha`.
-    fn interval_at(&self, alpha: f64) -> Option<(f64, f64)> {
-        let Changed { fixed, new, .. } = self.fault;
-        match self.differences.len() {
-            0 => None,
-            // Without a start that differs the runs show no spread, but not that there is no difference.
-            n if n == 1 || new + fixed == 0 => Some(disagreement(fixed, new, self.starts, alpha)),
-            _ => mean_interval_at(&self.differences, alpha).map(|(low, high)| (low.max(-1.0), high.min(1.0))),
-        }
     }
 }
 
@@ -99,20 +73,8 @@ pub(super) fn compared_searches(before: Side<'_>, after: Side<'_>) -> Result<Mat
     let apart = (all - pairs.len()) as u64;
     let cells = grouped(pairs, |one, other| cell(&one[0]) == cell(&other[0]));
     let mut searches: Vec<ComparedSearch> = cells.iter().map(|cell| compared(cell)).collect();
-    adjust(&mut searches);
+    PairedRate::adjust(searches.iter_mut().map(|search| &mut search.found));
     Ok(MatchedSearches { searches, apart })
-}
-
-/// Adjusts p and the intervals for the number of searches.
-fn adjust(searches: &mut [ComparedSearch]) {
-    let raw: Vec<f64> = searches.iter().filter_map(|search| search.p).collect();
-    for (search, adjusted) in searches.iter_mut().filter(|search| search.p.is_some()).zip(holm(&raw)) {
-        search.holm = Some(adjusted);
-    }
-    let alpha = 0.05 / searches.len().max(1) as f64;
-    for search in searches {
-        search.interval = search.interval_at(alpha);
-    }
 }
 
 fn of_side(side: Side<'_>) -> Result<Vec<StoredSearch>, ReadError> {
@@ -133,6 +95,7 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
         runs: runs.len() as u64,
         ..ComparedSearch::default()
     };
+    let (mut fault, mut shares) = (Changed::default(), Vec::new());
     for run in runs {
         let tried = run[0].starts.common(&run[1].starts);
         let common = tried.count();
@@ -148,7 +111,6 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
             let [before, after] = is(|failure| failure.fault || failure.verdict == Some(Label::Preventable));
             found.preventable.count(before, after);
             let [before, after] = is(|failure| failure.fault);
-            found.fault.count(before, after);
             here.count(before, after);
             let place = found.title();
             let sides = sides.each_ref().map(|side| match side {
@@ -159,19 +121,20 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
         }
         if common > 0 {
             let share = |count: u64| count as f64 / common as f64;
-            found.shares[0] += share(here.fixed + here.same);
-            found.shares[1] += share(here.new + here.same);
-            found.differences.push(share(here.new) - share(here.fixed));
+            shares.push([share(here.fixed + here.same), share(here.new + here.same)]);
         }
+        fault.add(here);
     }
-    let n = found.differences.len().max(1) as f64;
-    found.shares = found.shares.map(|sum| sum / n);
-    found.p = match (found.differences.len(), found.fault) {
-        (0, _) | (_, Changed { fixed: 0, new: 0, .. }) => None,
-        (1, Changed { fixed, new, .. }) => Some(mcnemar(fixed, new)),
-        _ => mean_p(&found.differences),
-    };
+    found.found = PairedRate::of_runs(&shares, fault, found.starts);
+    found.found.is_unchanged = runs.iter().all(|[one, other]| is_same(one, other));
     found
+}
+
+/// Whether two searches did the same: they failed in the same episodes, byte for byte. Of searches that found nothing it is not known.
+fn is_same(one: &StoredSearch, other: &StoredSearch) -> bool {
+    let digests =
+        |search: &StoredSearch| search.failures.iter().map(|each| (each.start, each.digest)).collect::<Vec<_>>();
+    one.starts == other.starts && !one.failures.is_empty() && digests(one) == digests(other)
 }
 
 /// The failure of each of these starts that counts most against the driver.
@@ -186,6 +149,11 @@ fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u
     worst
 }
 
+/// The number of starts that both sides tried.
+pub const TRIED_STARTS: Column<u64> = Column::new("tried_starts", "", "starts that both sides tried, over all runs");
+/// The figure that is tested.
+const DIFFERENCE: &str = "found_difference";
+
 /// The searches of a comparison as a table, one row each.
 pub fn compared_search_table(searches: &[ComparedSearch]) -> DataFrame {
     table().frame(searches)
@@ -198,46 +166,45 @@ pub fn compared_search_reference() -> TableReference {
 
 fn table() -> Table<'static, ComparedSearch> {
     type Row = ComparedSearch;
-    let (text, count, number) = (Column::<String>::new, Column::<u64>::new, Column::<f64>::new);
+    let number = Column::<f64>::new;
     Table::new("compared_searches", "One row for each falsifier, town and driver that both sides have.")
         .column(FALSIFIER.of(|row: &Row| row.falsifier.clone()))
         .column(TOWN.of(|row: &Row| row.town.clone()))
         .column(POLICY.of(|row: &Row| row.policies[0].clone()))
-        .column(
-            text("other_policy", "", "name of the driving policy on the second side")
-                .of(|row: &Row| row.policies[1].clone()),
-        )
+        .column(OTHER_POLICY.of(|row: &Row| row.policies[1].clone()))
         .column(SEARCH_BLOCK.of(|row: &Row| row.block))
         .column(BUDGET.of(|row: &Row| row.budget))
-        .column(count("runs", "", "matched runs").of(|row: &Row| row.runs))
-        .column(count("tried_starts", "", "starts that both sides tried, over all runs").of(|row: &Row| row.starts))
+        .column(MATCHED_RUNS.of(|row: &Row| row.runs))
+        .column(TRIED_STARTS.of(|row: &Row| row.starts))
         .column(
             number("found_before", "", "share of these from which the first side found a fault, mean over runs")
-                .of(|row: &Row| row.shares[0]),
+                .with_role(Role::Share)
+                .of(|row: &Row| row.found.values[0]),
         )
-        .column(number("found_after", "", "the same of the second side").of(|row: &Row| row.shares[1]))
-        .column(number("found_difference", "", "second less first").of(ComparedSearch::difference))
+        .column(number("found_after", "", "the same of the second side").with_role(Role::Share).of(|row: &Row| row.found.values[1]))
+        .column(number(DIFFERENCE, "", "second less first").with_role(Role::Share).of(|row: &Row| row.found.difference()))
         .columns(
             Interval::new(
-                "found_difference",
+                DIFFERENCE,
                 "",
                 "in 95 % of comparisons the intervals of all rows hold the truth (Bonferroni): Student's over runs, about further runs in this town; Bonett \
                  and Price's for a single run, Clopper and Pearson's where no start differs; missing for two and three runs",
             )
-            .of(|row: &Row| row.interval),
+            .of(|row: &Row| row.found.interval),
         )
         .column(
             number(
                 "found_p_holm",
                 "",
                 "probability of such a difference by chance (McNemar's exact test for one run, Student's paired test over several), adjusted by Holm's \
-                 method for all rows, so that in 95 % of comparisons no finding below 0.05 is false",
+                 method for all rows, so that in 95 % of comparisons no finding below 0.05 is false. Rows without a start that differs count in no correction, and have 1",
             )
-            .of(|row: &Row| row.holm),
+            .of(|row: &Row| row.found.holm)
+            .of_figure(DIFFERENCE, Role::AdjustedP),
         )
         .columns(changed("failed_starts", "failure", |row| row.collisions))
         .columns(changed("preventable_starts", "preventable failure", |row| row.preventable))
-        .columns(changed("fault_starts", "fault", |row| row.fault))
+        .columns(changed("fault_starts", "fault", |row| row.found.changed))
 }
 
 /// Three columns: the starts with such a failure on the second side only, on the first side only, and on both.
@@ -290,12 +257,12 @@ mod tests {
         let after = vec![failure(0, true, 2.0), failure(0, true, 5.0), failure(2, true, 4.0)];
         let found = compared(&[[search(0, 0..8, before), search(0, 0..4, after)]]);
         assert_eq!(found.starts, 4);
-        assert_eq!(found.fault, Changed { fixed: 0, new: 1, same: 1 });
+        assert_eq!(found.found.changed, Changed { fixed: 0, new: 1, same: 1 });
         assert_eq!(found.collisions, Changed { fixed: 1, new: 1, same: 1 });
-        assert_eq!(found.shares, [0.25, 0.5]);
-        assert_eq!(found.p, Some(1.0), "one pair of starts differs: exact p is 1");
+        assert_eq!(found.found.values, [0.25, 0.5]);
+        assert_eq!(found.found.p, Some(1.0), "one pair of starts differs: exact p is 1");
         // Shares of (1 + 1) / (4 + 2) and (0 + 1) / (4 + 2).
-        let (low, high) = found.interval_at(0.05).unwrap();
+        let (low, high) = found.found.interval_at(0.05).unwrap();
         let (middle, half) = (1.0 / 6.0, 1.959_964 * libm::sqrt((0.5 - 1.0 / 36.0) / 6.0));
         assert!((low - middle + half).abs() < 1e-6 && (high - middle - half).abs() < 1e-6, "{low}..{high}");
         let worst = &found.changes[0];
@@ -313,7 +280,7 @@ mod tests {
         let chances: Vec<f64> = (0..60).map(|start| if start % 3 == 0 { 0.5 } else { 0.1 }).collect();
         let mut one = || compared(&(0..runs).map(|run| [side(run, &chances), side(run, &chances)]).collect::<Vec<_>>());
         let mut searches: Vec<ComparedSearch> = (0..12).map(|_| one()).collect();
-        adjust(&mut searches);
+        PairedRate::adjust(searches.iter_mut().map(|search| &mut search.found));
         searches
     }
 
@@ -326,10 +293,10 @@ mod tests {
                 let searches = same_driver(&mut Seed::root(47).index(runs).index(number).stream(), runs);
                 let any = |is: fn(&ComparedSearch) -> bool| u64::from(searches.iter().any(is));
                 let gates: [u64; 4] = [
-                    any(|each| each.holm.is_some_and(|p| p < 0.05) && each.difference() > 0.0),
-                    any(|each| each.interval.is_some_and(|(low, _)| low > 0.0)),
-                    any(|each| each.p.is_some_and(|p| p < 0.05) && each.difference() > 0.0),
-                    any(|each| each.fault.new > 0),
+                    any(|each| each.found.holm.is_some_and(|p| p < 0.05) && each.found.difference() > 0.0),
+                    any(|each| each.found.interval.is_some_and(|(low, _)| low > 0.0)),
+                    any(|each| each.found.p.is_some_and(|p| p < 0.05) && each.found.difference() > 0.0),
+                    any(|each| each.found.changed.new > 0),
                 ];
                 fired.iter_mut().zip(gates).for_each(|(sum, fired)| *sum += fired);
             }
@@ -347,14 +314,17 @@ mod tests {
             [search(run, 0..10, Vec::new()), search(run, 0..10, after)]
         };
         let found = compared(&[pair(0, 1), pair(1, 2), pair(2, 3)]);
-        assert_eq!((found.runs, found.starts, found.fault.new, found.interval_at(0.05)), (3, 30, 6, None));
-        assert!(found.p.is_some_and(|p| (p - 0.074_18).abs() < 1e-4), "{:?}", found.p);
+        assert_eq!(
+            (found.runs, found.starts, found.found.changed.new, found.found.interval_at(0.05)),
+            (3, 30, 6, None)
+        );
+        assert!(found.found.p.is_some_and(|p| (p - 0.074_18).abs() < 1e-4), "{:?}", found.found.p);
         let found = compared(&[pair(0, 1), pair(1, 2), pair(2, 2), pair(3, 3)]);
         // By hand: mean 0.2, variance 0.02 / 3, t = 3.182446.
         let half = 3.182_446_305_284 * (0.02_f64 / 12.0).sqrt();
-        let (low, high) = found.interval_at(0.05).unwrap();
+        let (low, high) = found.found.interval_at(0.05).unwrap();
         assert!(
-            (found.difference() - 0.2).abs() < 1e-12
+            (found.found.difference() - 0.2).abs() < 1e-12
                 && (low - 0.2 + half).abs() < 1e-9
                 && (high - 0.2 - half).abs() < 1e-9
         );

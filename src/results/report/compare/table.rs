@@ -1,82 +1,108 @@
 use polars::prelude::DataFrame;
 
-use super::comparison::{Changed, ComparedCell};
+use super::comparison::{ComparedCell, ReportComparison};
+use super::paired_rate::{Changed, CountedEvent, PairedRate};
 use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE};
-use crate::record::{Column, Family, Table, TableReference};
-use crate::report::Figure;
-use crate::report::infer::Comparison;
+use crate::record::{Column, Family, Role, Table, TableReference};
 
-const BEFORE: Family<f64> = Family::new("_before", "", "rate of the first side over the common starts, mean over runs");
-const AFTER: Family<f64> = Family::new("_after", "", "the same of the second side");
-const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less first");
+const BEFORE: Family<f64> =
+    Family::new("_before", "", "rate of the first side over the common starts, mean over runs").with_role(Role::Share);
+const AFTER: Family<f64> = Family::new("_after", "", "the same of the second side").with_role(Role::Share);
+const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less first").with_role(Role::Share);
 const LOW: Family<f64> = Family::new(
     "_low",
     "",
-    "low end of an interval of the difference: in 95 % of comparisons those of all rows and rates hold the truth (Bonferroni; Bonett and Price's for \
-     one run, else Student's; missing for two and three runs)",
-);
-const HIGH: Family<f64> = Family::new("_high", "", "high end of the same");
+    "low end of an interval of the difference: in 95 % of comparisons those of this rate hold the truth in all rows of single controllers, and in all rows of \
+     all controllers (Bonferroni; Bonett and Price's for one run and for all controllers, else Student's; missing for two and three runs; 0 for an unchanged \
+     driver)",
+)
+.with_role(Role::LowerBound);
+const HIGH: Family<f64> = Family::new("_high", "", "high end of the same").with_role(Role::UpperBound);
 const HOLM: Family<f64> = Family::new(
     "_p_holm",
     "",
-    "probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings), adjusted by Holm's method for \
-     all rows and rates, so that in 95 % of comparisons no finding below 0.05 is false",
+    "probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings, the exact sign test over starts for all \
+     controllers), adjusted by Holm's method for this rate in all rows of single controllers, or in all rows of all controllers, so that in 95 % of comparisons \
+     no finding below 0.05 of either is false. Rows without a pair that differs in it count in no correction, and have 1",
+)
+.with_role(Role::AdjustedP);
+const FIXED: Family<u64> = Family::new(
+    "_fixed",
+    "",
+    "common starts with such a failure on the first side only; of all controllers, with more of them on that side",
 );
-const FIXED: Family<u64> = Family::new("_fixed", "", "common starts with such a collision on the first side only");
-const NEW: Family<u64> = Family::new("_new", "", "common starts with such a collision on the second side only");
-const SAME: Family<u64> = Family::new("_same", "", "common starts with such a collision on both sides");
+const NEW: Family<u64> = Family::new("_new", "", "the same of the second side");
+const SAME: Family<u64> =
+    Family::new("_same", "", "common starts with such a failure on both sides; of all controllers, with as many");
+
+pub const OTHER_POLICY: Column<String> =
+    Column::new("other_policy", "", "name of the driving policy on the second side");
+pub const MATCHED_RUNS: Column<u64> = Column::new("runs", "", "matched runs");
 
 /// The number of starts that both sides have.
-pub const COMMON_STARTS: Column<u64> = Column::new("common_starts", "", "pairs of episodes with equal starts");
+pub const COMMON_STARTS: Column<u64> = Column::new(
+    "common_starts",
+    "",
+    "pairs of episodes with equal starts; of all controllers the number of different starts",
+);
+
+/// The number of pairs of episodes that tell anything of a change.
+pub const DIFFERING: Column<u64> = Column::new(
+    "differing_episodes",
+    "",
+    "pairs of episodes with equal starts that are not the same byte for byte; 0 of a driver that did not change",
+);
 
 /// The cells of a comparison as a table, one row each.
-pub fn compared_cells(cells: &[ComparedCell]) -> DataFrame {
-    table().frame(cells)
+pub fn compared_cells(comparison: &ReportComparison) -> DataFrame {
+    table(&comparison.events).frame(&comparison.cells)
 }
 
-/// The columns of [`compared_cells`].
-pub fn comparison_reference() -> TableReference {
-    table().reference()
+/// The columns of [`compared_cells`] with these requirements.
+pub fn comparison_reference(requirements: &[&str]) -> TableReference {
+    let requirements: Vec<String> = requirements.iter().map(ToString::to_string).collect();
+    table(&CountedEvent::all(requirements.iter())).reference()
 }
 
-fn table() -> Table<'static, ComparedCell> {
+fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
     type Row = ComparedCell;
-    let text = Column::<String>::new;
-    let mut table = Table::new("comparison", "One row for each place, driver and controller that both sides have.")
-        .column(POLICY.of(|row: &Row| row.keys[0].policy.clone()))
-        .column(
-            text("other_policy", "", "name of the driving policy on the second side")
-                .of(|row: &Row| row.keys[1].policy.clone()),
-        )
-        .column(TOWN.of(|row: &Row| row.keys[0].town.clone()))
-        .column(CONTROLLER.of(|row: &Row| row.keys[0].controller.clone()))
-        .column(REWARD.of(|row: &Row| row.keys[0].reward.clone()))
-        .column(TRAIN_TOWN.of(|row: &Row| row.keys[0].train_town.clone()))
-        .column(TRAIN_POLICY.of(|row: &Row| row.keys[0].train_policy.clone()))
-        .column(VEHICLE.of(|row: &Row| row.keys[0].vehicle.clone()))
-        .column(ADVERSARY.of(|row: &Row| row.keys[0].adversary.clone()))
-        .column(BLOCK.of(|row: &Row| row.keys[0].block))
-        .column(Column::<u64>::new("runs", "", "matched runs").of(|row: &Row| row.runs))
-        .column(COMMON_STARTS.of(|row: &Row| row.starts));
-    for figure in Figure::COMPARED {
-        let name = figure.name();
-        let of = move |value: fn(&Comparison) -> Option<f64>| move |row: &Row| row.figure(figure).and_then(value);
+    let mut table = Table::new(
+        "comparison",
+        "One row for each place, driver and controller that both sides have, and one with the controller `all controllers` for a driver that has several.",
+    )
+    .column(POLICY.of(|row: &Row| row.keys[0].policy.clone()))
+    .column(OTHER_POLICY.of(|row: &Row| row.keys[1].policy.clone()))
+    .column(TOWN.of(|row: &Row| row.keys[0].town.clone()))
+    .column(CONTROLLER.of(|row: &Row| row.keys[0].controller.clone()))
+    .column(REWARD.of(|row: &Row| row.keys[0].reward.clone()))
+    .column(TRAIN_TOWN.of(|row: &Row| row.keys[0].train_town.clone()))
+    .column(TRAIN_POLICY.of(|row: &Row| row.keys[0].train_policy.clone()))
+    .column(VEHICLE.of(|row: &Row| row.keys[0].vehicle.clone()))
+    .column(ADVERSARY.of(|row: &Row| row.keys[0].adversary.clone()))
+    .column(BLOCK.of(|row: &Row| row.keys[0].block))
+    .column(MATCHED_RUNS.of(|row: &Row| row.runs))
+    .column(COMMON_STARTS.of(|row: &Row| row.starts))
+    .column(DIFFERING.of(|row: &Row| row.differing));
+    for (place, event) in events.iter().enumerate() {
+        let name = &event.rate();
+        let of = move |value: fn(&PairedRate) -> Option<f64>| move |row: &Row| row.rates.get(place).and_then(value);
         table = table
-            .column(BEFORE.of(name, of(|each| Some(each.values[1]))))
-            .column(AFTER.of(name, of(|each| Some(each.values[0]))))
-            .column(DIFFERENCE.of(name, of(|each| Some(each.difference))))
-            .column(LOW.of(name, of(|each| each.interval.map(|ends| ends.0))))
-            .column(HIGH.of(name, of(|each| each.interval.map(|ends| ends.1))))
-            .column(HOLM.of(name, of(|each| each.holm)));
+            .column(BEFORE.of(name, of(|rate| Some(rate.values[0]))))
+            .column(AFTER.of(name, of(|rate| Some(rate.values[1]))))
+            .column(DIFFERENCE.of(name, of(|rate| Some(rate.difference()))))
+            .column(LOW.of(name, of(|rate| Some(rate.interval?.0))))
+            .column(HIGH.of(name, of(|rate| Some(rate.interval?.1))))
+            .column(HOLM.of(name, of(|rate| rate.holm)));
     }
-    type Counted = (&'static str, fn(&Row) -> Changed);
-    let counted: [Counted; 3] =
-        [("collisions", |row| row.collisions), ("preventable", |row| row.preventable), ("fault", |row| row.fault)];
-    for (name, changed) in counted {
+    for (place, event) in events.iter().enumerate() {
+        let name = &event.number();
+        let of = move |count: fn(Changed) -> u64| {
+            move |row: &Row| row.rates.get(place).map_or(0, |rate| count(rate.changed))
+        };
         table = table
-            .column(FIXED.of(name, move |row: &Row| changed(row).fixed))
-            .column(NEW.of(name, move |row: &Row| changed(row).new))
-            .column(SAME.of(name, move |row: &Row| changed(row).same));
+            .column(FIXED.of(name, of(|all| all.fixed)))
+            .column(NEW.of(name, of(|all| all.new)))
+            .column(SAME.of(name, of(|all| all.same)));
     }
     table
 }

@@ -58,7 +58,7 @@ impl Comparison {
     }
 
     /// An interval that misses the difference with a probability of at most `alpha`: Bonett and Price's for single runs, else Student's.
-    fn interval_at(&self, alpha: f64) -> Option<(f64, f64)> {
+    pub fn interval_at(&self, alpha: f64) -> Option<(f64, f64)> {
         if let Some((only_first, only_second)) = self.discordant {
             return Some(disagreement(only_second, only_first, self.episodes, alpha));
         }
@@ -152,16 +152,15 @@ fn cut((low, high): (f64, f64)) -> (f64, f64) {
 /// questions.
 pub fn adjust(comparisons: &mut [Comparison]) {
     for drivers in [false, true] {
-        let mut tested: Vec<&mut Comparison> =
-            comparisons.iter_mut().filter(|each| each.p.is_some() && each.is_of_drivers() == drivers).collect();
-        let raw: Vec<f64> = tested.iter().filter_map(|comparison| comparison.p).collect();
-        for (comparison, adjusted) in tested.iter_mut().zip(holm(&raw)) {
-            comparison.holm = Some(adjusted);
-        }
         let mut all: Vec<&mut Comparison> =
             comparisons.iter_mut().filter(|each| each.is_of_drivers() == drivers).collect();
+        // Without a pair that disagrees a comparison could not be significant, and costs the others nothing.
+        let is_tested = |each: &Comparison| each.p.is_some() && each.discordant != Some((0, 0));
+        let raw: Vec<f64> = all.iter().filter(|each| is_tested(each)).filter_map(|each| each.p).collect();
+        let mut adjusted = holm(&raw).into_iter();
         let alpha = 0.05 / all.len().max(1) as f64;
         for comparison in &mut all {
+            comparison.holm = if is_tested(comparison) { adjusted.next() } else { comparison.p };
             comparison.interval = comparison.interval_at(alpha);
         }
     }

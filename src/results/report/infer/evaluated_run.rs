@@ -107,6 +107,21 @@ impl EvaluatedRun {
         }
     }
 
+    /// Adds an episode with three events that stand for a collision, a preventable one and a fault.
+    pub fn add_events(&mut self, episode: u32, events: [bool; 3]) {
+        let place = episode as usize;
+        self.size = self.size.max(place + 1);
+        self.flags.resize(self.size.min(self.most), 0);
+        let flags = [is::COLLISION, is::PREVENTABLE, is::FAULT].into_iter().zip(events).filter(|(_, holds)| *holds);
+        let known = flags.fold(is::VALID, |known, (flag, _)| known | flag);
+        for (count, _) in self.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
+            *count += 1.into();
+        }
+        if let Some(kept) = self.flags.get_mut(place) {
+            *kept = known;
+        }
+    }
+
     /// Episodes that the driver drove to their end.
     pub fn episodes(&self) -> ClusteredCount {
         self.count(is::VALID)

@@ -16,7 +16,7 @@ mod pair;
 mod tests;
 
 pub use cell::CellEvidence;
-pub use comparison::{Comparison, Test, adjust};
+pub use comparison::{Comparison, Test};
 pub use evaluated_run::{EvaluatedRun, MAX_KEPT};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};

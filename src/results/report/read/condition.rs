@@ -1,19 +1,18 @@
 use super::GateError;
 use crate::record::metric::MEAN;
-use crate::record::{ColumnReference, Metric, metrics};
+use crate::record::{ColumnReference, Role, metrics};
 use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT};
 use crate::report::infer::LEARNT;
 use crate::report::metric_table::TRAININGS_DISAGREE;
-
-/// The end of the columns of adjusted probabilities.
-pub(super) const P_HOLM: &str = "_p_holm";
 
 /// A part of a gate: a column, a sign, and a number or a word.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Condition {
     /// Whether the cell is that of the greatest or least value of the column in its place.
     pub over: Option<Extreme>,
-    pub column: String,
+    pub column: ColumnReference,
+    /// Of an end of an interval, the columns that answer nearly the same question, the nearest first.
+    pub instead: Vec<String>,
     pub comparison: Comparison,
     pub bound: Bound,
     /// Whether it chooses cells by a word of their key, instead of judging a result.
@@ -119,39 +118,45 @@ impl Condition {
             let number = number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?;
             // More than a whole is never true, and would pass for ever.
             let is_out_of_reach = number.abs() > 1.0 || number == 1.0 && comparison == Comparison::More;
-            if is_share(&column.name) && is_out_of_reach {
-                return Err(kind("shares from 0 to 1", "write 5 % as 0.05, 1 % as 0.01"));
-            }
-            if is_risk(column) && is_out_of_reach {
-                return Err(kind("severe injuries of one episode, from 0 to 1", "write 5 in 1,000 episodes as 0.005"));
+            match value_of_figure(column, columns).map_or(column.role, |value| value.role) {
+                Role::Share if is_out_of_reach => {
+                    return Err(kind("shares from 0 to 1", "write 5 % as 0.05, 1 % as 0.01"));
+                }
+                Role::Risk if is_out_of_reach => {
+                    let advice = "write 5 in 1,000 episodes as 0.005";
+                    return Err(kind("severe injuries of one episode, from 0 to 1", advice));
+                }
+                _ => {}
             }
             Bound::Number(number)
         };
         let is_result = [LEARNT.name, TRAININGS_DISAGREE.name].contains(&&*column.name);
         let chooses = matches!(bound, Bound::Word(_)) && !is_result;
-        let is_of_collisions = is_of_collisions(&column.name);
-        Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses, is_of_collisions })
+        let is_of_collisions = is_of_collisions(&column.figure);
+        let of_figure = |other: &&ColumnReference| other.figure == column.figure && other.name != column.name;
+        let of_role = |role: Role| columns.iter().filter(of_figure).find(|other| other.role == role);
+        let others = [of_role(column.role), of_role(Role::AdjustedP), value_of_figure(column, columns)];
+        let others = others.into_iter().flatten().filter(|_| is_end(column));
+        let instead = others.map(|other| other.name.to_string()).collect();
+        Ok(Self { over, column: column.clone(), instead, comparison, bound, chooses, is_of_collisions })
     }
 }
 
-/// Whether a column holds shares of a whole, or differences of them.
-fn is_share(column: &str) -> bool {
-    let of_start = column.split('(').next().unwrap_or(column);
-    ["_rate", "_share"].iter().any(|word| of_start.contains(word)) && !column.ends_with(P_HOLM)
+/// Whether a column has the ends of an interval.
+pub(super) fn is_end(column: &ColumnReference) -> bool {
+    matches!(column.role, Role::LowerBound | Role::UpperBound)
 }
 
-/// Whether a column holds expected injuries of an episode, or differences of them. Those of 1,000 crossings have a unit.
-fn is_risk(ColumnReference { name, unit, .. }: &ColumnReference) -> bool {
-    let is_of_one = unit.is_empty() && !name.contains("per_thousand");
-    is_of_one && name.starts_with("avoidable_injury") && !name.ends_with(P_HOLM)
+/// The column with the values of the figure of a column of interval ends; `None` of other columns.
+fn value_of_figure<'a>(column: &ColumnReference, columns: &'a [ColumnReference]) -> Option<&'a ColumnReference> {
+    let is_value = |other: &&ColumnReference| matches!(other.role, Role::Plain | Role::Share | Role::Risk);
+    columns.iter().filter(|other| is_end(column) && other.figure == column.figure).find(is_value)
 }
 
-/// Whether a column of a table of cells or searches has no value where there was no collision.
-fn is_of_collisions(column: &str) -> bool {
-    let metrics = metrics();
-    let of_metrics = metrics.iter().filter(|metric| metric.is_of_collisions()).map(Metric::name);
-    let mut rests = of_metrics.chain([FIRST_FAILURE, FIRST_FAULT]).filter_map(|name| column.strip_prefix(name));
-    rests.any(|rest| rest.is_empty() || rest.starts_with('_'))
+/// Whether a figure of cells or searches has no value where there was no collision.
+fn is_of_collisions(figure: &str) -> bool {
+    let mut of_metrics = metrics().into_iter().filter(|metric| metric.is_of_collisions());
+    [FIRST_FAILURE, FIRST_FAULT].contains(&figure) || of_metrics.any(|metric| metric.name() == figure)
 }
 
 fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {

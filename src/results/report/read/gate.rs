@@ -2,14 +2,14 @@ use std::collections::BTreeSet;
 
 use polars::prelude::{AnyValue, DataFrame};
 
-use super::condition::{Bound, Comparison, Condition, Extreme, P_HOLM};
-use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
+use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
+use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, VEHICLE};
 use crate::record::metric::{EPISODES, MEAN};
-use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key};
+use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::Findings;
-use crate::report::aggregate::{GATED, STARTS, search_cell_columns, search_cell_table, search_key};
+use crate::report::aggregate::{STARTS, search_cell_columns, search_cell_table, search_key};
 use crate::report::cell_table::{KnownCell, cell_table};
-use crate::report::compare::COMMON_STARTS;
+use crate::report::compare::{ALL_CONTROLLERS, COMMON_STARTS, DIFFERING, TRIED_STARTS};
 use base::statistics::{MIN_RUNS, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
@@ -87,6 +87,8 @@ pub enum Judged {
     Thin(u64),
     /// The condition is about an interval over fewer runs than any interval needs. It could never be true, so the gate fails.
     TooFewRuns(TooFewRuns),
+    /// The condition is about a share of starts, and a search tried this number of them: too few for any share, and the gate fails.
+    TooFewSearched(u64),
     /// The condition is about a probability that this number of common starts could not give, whatever happens in them. It could never be true, so
     /// the gate fails.
     TooFewStarts(u64),
@@ -114,18 +116,15 @@ pub struct TooFewRuns {
 }
 
 impl TooFewRuns {
-    /// Judges a row by a column; `None` if it has a value, or if runs are not the reason that it has none.
-    fn of(cells: &DataFrame, column: &str, row: usize) -> Option<Self> {
-        let (stem, end) = ["_low", "_high"].iter().find_map(|end| Some((column.strip_suffix(end)?, end)))?;
+    /// Judges a row by a condition; `None` if its column has a value, or if runs are not the reason that it has none.
+    fn of(cells: &DataFrame, condition: &Condition, row: usize) -> Option<Self> {
+        let column = &condition.column.name;
         let (runs, found) = (number(&value(cells, RUNS, row))?, number(&value(cells, column, row)));
-        if found.is_some() || runs >= MIN_RUNS as f64 {
+        if !is_end(&condition.column) || found.is_some() || runs >= MIN_RUNS as f64 {
             return None;
         }
-        let bare = ["_student", "_difference"];
-        let figure = bare.iter().find_map(|kind| stem.strip_suffix(kind)).unwrap_or(stem);
-        let others = [format!("{figure}_wilson{end}"), format!("{figure}_p_holm"), MEAN.name(figure)];
-        let instead = others.into_iter().find(|other| number(&value(cells, other, row)).is_some());
-        Some(Self { column: column.to_string(), instead })
+        let instead = condition.instead.iter().find(|other| number(&value(cells, other, row)).is_some());
+        Some(Self { column: column.to_string(), instead: instead.cloned() })
     }
 }
 
@@ -216,7 +215,7 @@ impl Gate {
         }
         let chosen = |condition: &Condition, row: usize| match (&condition.bound, condition.chooses) {
             (Bound::Word(word), true) => {
-                let found = value(keys, &condition.column, row);
+                let found = value(keys, &condition.column.name, row);
                 condition.is_true_of(found.get_str().unwrap_or_default(), word)
             }
             _ => true,
@@ -231,12 +230,12 @@ impl Gate {
         };
         let mut known: Vec<String> = Vec::new();
         for row in rows() {
-            let found = value(keys, &condition.column, row).get_str().unwrap_or_default().to_string();
+            let found = value(keys, &condition.column.name, row).get_str().unwrap_or_default().to_string();
             if !found.is_empty() && !known.contains(&found) {
                 known.push(found);
             }
         }
-        Err(format!("`{}` can be: {}", condition.column, known.join(", ")))
+        Err(format!("`{}` can be: {}", condition.column.name, known.join(", ")))
     }
 
     /// Judges every cell of a campaign, or every cell of its searches, in their order.
@@ -268,7 +267,7 @@ impl Gate {
     fn judge_rows(&self, cells: &DataFrame) -> Vec<Judged> {
         let rows = || (0..cells.height()).filter(|row| self.is_about(cells, *row));
         let mut judged = vec![Judged::Elsewhere; cells.height()];
-        let Some((over, column)) = self.conditions.iter().find_map(|each| Some((each.over?, &each.column))) else {
+        let Some((over, condition)) = self.conditions.iter().find_map(|each| Some((each.over?, each))) else {
             rows().for_each(|row| judged[row] = self.judge_cell(cells, row));
             return judged;
         };
@@ -281,19 +280,20 @@ impl Gate {
             }
         }
         for (_, members) in places {
-            let known = members.iter().filter_map(|row| Some((number(&value(cells, column, *row))?, *row)));
+            let known =
+                members.iter().filter_map(|row| Some((number(&value(cells, &condition.column.name, *row))?, *row)));
             let extreme = known.reduce(|first, next| match over {
                 Extreme::Max if next.0 > first.0 => next,
                 Extreme::Min if next.0 < first.0 => next,
                 _ => first,
             });
             // A controller without an interval might have the extreme one.
-            let few = members.iter().find_map(|row| Some((*row, TooFewRuns::of(cells, column, *row)?)));
+            let few = members.iter().find_map(|row| Some((*row, TooFewRuns::of(cells, condition, *row)?)));
             match extreme {
                 _ if few.is_some() => few.into_iter().for_each(|(row, few)| judged[row] = Judged::TooFewRuns(few)),
                 Some((_, row)) => judged[row] = self.judge_cell(cells, row),
                 None if nothing_evaluated(cells, members[0]) => judged[members[0]] = Judged::NothingEvaluated,
-                None => judged[members[0]] = absent(cells, column, members[0]),
+                None => judged[members[0]] = absent(cells, condition, members[0]),
             }
         }
         judged
@@ -302,7 +302,7 @@ impl Gate {
     /// Whether its words choose a cell.
     fn is_about(&self, cells: &DataFrame, row: usize) -> bool {
         self.conditions.iter().all(|condition| match &condition.bound {
-            Bound::Word(word) => match value(cells, &condition.column, row).get_str() {
+            Bound::Word(word) => match value(cells, &condition.column.name, row).get_str() {
                 Some(found) => !condition.chooses || condition.is_true_of(found, word),
                 None => false,
             },
@@ -314,14 +314,19 @@ impl Gate {
     /// condition asks for.
     fn too_few_starts(&self, cells: &DataFrame, row: usize) -> Option<u64> {
         let starts = |row| number(&value(cells, COMMON_STARTS.name, row)).map(|starts| starts as u64);
-        let own = starts(row).filter(|_| number(&value(cells, RUNS, row)) == Some(1.0))?;
-        let most = (0..cells.height()).filter_map(starts).max()?;
-        let is_p = |name: &str| name.ends_with(P_HOLM);
-        let columns = cells.columns().iter().filter(|column| is_p(column.name()));
-        let tests: usize = columns.map(|column| column.len() - column.null_count()).sum();
+        let is_pooled = |row: usize| value(cells, CONTROLLER.name, row).get_str() == Some(ALL_CONTROLLERS);
+        let is_exact = is_pooled(row) || number(&value(cells, RUNS, row)) == Some(1.0);
+        let own = starts(row).filter(|_| is_exact)?;
+        // Rows of unchanged drivers are in no correction.
+        let is_tested = |other: &usize| {
+            is_pooled(*other) == is_pooled(row) && number(&value(cells, DIFFERING.name, *other)) != Some(0.0)
+        };
+        let tested: Vec<u64> = (0..cells.height()).filter(is_tested).filter_map(starts).collect();
+        let most = tested.iter().copied().max().unwrap_or(own);
         let below = |condition: &&Condition| matches!(condition.comparison, Comparison::Less | Comparison::AtMost);
-        let mut bounds = self.conditions.iter().filter(below).filter(|each| is_p(&each.column));
-        let is_out_of_reach = |bound: f64| mcnemar(0, own) >= bound || tests as f64 * mcnemar(0, most) >= bound;
+        let mut bounds =
+            self.conditions.iter().filter(below).filter(|condition| condition.column.role == Role::AdjustedP);
+        let is_out_of_reach = |bound: f64| mcnemar(0, own) >= bound || tested.len() as f64 * mcnemar(0, most) >= bound;
         let found = bounds.find(|each| matches!(each.bound, Bound::Number(bound) if is_out_of_reach(bound)));
         found.map(|_| own)
     }
@@ -329,7 +334,7 @@ impl Gate {
     fn judge_cell(&self, cells: &DataFrame, row: usize) -> Judged {
         let (mut looked_at, mut missing, mut holds) = (Vec::new(), None, true);
         for condition in self.conditions.iter().filter(|condition| !condition.chooses) {
-            let found = value(cells, &condition.column, row);
+            let found = value(cells, &condition.column.name, row);
             let text = match &condition.bound {
                 Bound::Word(word) => {
                     let found = found.get_str().unwrap_or_default();
@@ -342,27 +347,37 @@ impl Gate {
                         ((number * 1e6).round() / 1e6).to_string()
                     }
                     None => {
-                        missing = missing.or_else(|| Some(absent(cells, &condition.column, row)));
+                        missing = missing.or_else(|| Some(absent(cells, condition, row)));
                         continue;
                     }
                 },
             };
-            looked_at.push((condition.column.clone(), text));
+            looked_at.push((condition.column.name.to_string(), text));
         }
         match missing {
             None if holds => Judged::Broken(looked_at),
             _ if nothing_evaluated(cells, row) => Judged::NothingEvaluated,
             _ if let Some(starts) = self.too_few_starts(cells, row) => Judged::TooFewStarts(starts),
+            _ if let Some(starts) = self.too_few_searched(cells, row) => Judged::TooFewSearched(starts),
             Some(judged) if holds => judged,
             _ if let Some(share) = self.off_road(cells, row) => Judged::OffRoad(share),
             _ => self.thin(cells, row).map_or(Judged::Passed, Judged::Thin),
         }
     }
 
+    /// The number of starts that a search tried, if a condition is about a share of them and they are too few for one.
+    fn too_few_searched(&self, cells: &DataFrame, row: usize) -> Option<u64> {
+        let counts = [MEAN.name(STARTS.name), TRIED_STARTS.name.into()];
+        let starts = counts.iter().find_map(|count| number(&value(cells, count, row)))?;
+        let is_about_shares = self.conditions.iter().any(is_share);
+        (is_about_shares && starts < MIN_SEARCHED).then_some(starts as u64)
+    }
+
     /// The share of a row's episodes in which the driver left the road, if that is half of them or more and the gate is about failures.
     fn off_road(&self, cells: &DataFrame, row: usize) -> Option<f64> {
         let column = MEAN.name(LEFT_ROAD_RATE);
-        let is_of_failures = |condition: &Condition| OF_FAILURES.iter().any(|word| condition.column.starts_with(word));
+        let is_of_failures =
+            |condition: &Condition| OF_FAILURES.iter().any(|word| condition.column.figure.starts_with(word));
         let is_about_failures = self.conditions.iter().any(is_of_failures);
         number(&value(cells, &column, row)).filter(|share| *share >= MOSTLY && is_about_failures)
     }
@@ -371,7 +386,7 @@ impl Gate {
     fn thin(&self, cells: &DataFrame, row: usize) -> Option<u64> {
         let episodes = number(&value(cells, EPISODES.name, row))?;
         let is_thin = |condition: &Condition| match condition.bound {
-            Bound::Number(bound) if bound > 0.0 && condition.column.ends_with(&MEAN.name("_rate")) => {
+            Bound::Number(bound) if bound > 0.0 && is_share(condition) && !condition.is_of_collisions => {
                 matches!(condition.comparison, Comparison::More | Comparison::AtLeast) && episodes * bound < 1.0
             }
             _ => false,
@@ -389,27 +404,32 @@ const MOSTLY: f64 = 0.5;
 /// How the columns begin that are about failures.
 const OF_FAILURES: [&str; 5] = ["fault", "preventable", "collision", "violation", "avoidable_injury"];
 
+/// Minimum number of starts of a search for a share of them.
+const MIN_SEARCHED: f64 = 10.0;
+
 /// The column of the number of runs, in each table that has gates.
 const RUNS: &str = "runs";
 
 /// Whether a row is about no episode and no start.
 fn nothing_evaluated(cells: &DataFrame, row: usize) -> bool {
-    let counts = [EPISODES.name.into(), MEAN.name(STARTS.name), STARTS.name.into(), COMMON_STARTS.name.into()];
+    let counts = [EPISODES.name, &MEAN.name(STARTS.name), STARTS.name, COMMON_STARTS.name, TRIED_STARTS.name];
     counts.iter().any(|count| number(&value(cells, count, row)) == Some(0.0))
 }
 
 /// The judgement of a row that has no value in a column.
-fn absent(cells: &DataFrame, column: &str, row: usize) -> Judged {
-    TooFewRuns::of(cells, column, row).map_or_else(|| Judged::Missing(column.to_string()), Judged::TooFewRuns)
+fn absent(cells: &DataFrame, condition: &Condition, row: usize) -> Judged {
+    let missing = || Judged::Missing(condition.column.name.to_string());
+    TooFewRuns::of(cells, condition, row).map_or_else(missing, Judged::TooFewRuns)
 }
 
-/// The requirements whose rates a gate names, each once: `violation_rate(NAME)`, `fault_rate(NAME)`.
-fn requirements_in(text: &str) -> Vec<&str> {
-    let named = |word: &'static str| {
-        text.split(word).skip(1).filter_map(|rest| Some(rest.strip_prefix('(')?.split_once(')')?.0))
-    };
-    let names: BTreeSet<&str> = GATED.into_iter().flat_map(|(word, ..)| named(word)).collect();
+/// The requirements that a gate names, each once: `violation_rate(NAME)`, `fault_rate(NAME)`.
+pub fn requirements_in(text: &str) -> Vec<&str> {
+    let names: BTreeSet<&str> = text.split('(').skip(1).filter_map(|rest| Some(rest.split_once(')')?.0)).collect();
     names.into_iter().collect()
+}
+
+fn is_share(condition: &Condition) -> bool {
+    condition.column.role == Role::Share
 }
 
 fn value<'a>(cells: &'a DataFrame, column: &str, row: usize) -> AnyValue<'a> {

@@ -41,11 +41,15 @@ impl Recheck {
         failures.chain(self.crossings.iter().map(|row| &row.encounters)).map(Encounters::errors).sum()
     }
 
-    /// Adjusts the probabilities of the fixed list for all of its rows.
+    /// Adjusts the probabilities of the fixed list for all rows in which a start differs.
     pub fn adjust(&mut self) {
-        let known = |row: &CrossedStarts| row.p();
-        let adjusted = holm(&self.crossings.iter().filter_map(known).collect::<Vec<_>>());
-        let rows = self.crossings.iter_mut().filter(|row| row.p().is_some());
-        rows.zip(adjusted).for_each(|(row, p)| row.holm = Some(p));
+        let differs = |row: &CrossedStarts| {
+            row.count_starts(|faults| faults.is_new() || faults.is_fixed()).is_some_and(|starts| starts > 0)
+        };
+        let tested: Vec<f64> = self.crossings.iter().filter(|row| differs(row)).filter_map(CrossedStarts::p).collect();
+        let mut adjusted = holm(&tested).into_iter();
+        for row in &mut self.crossings {
+            row.holm = if differs(row) { adjusted.next() } else { row.p() };
+        }
     }
 }

@@ -2,7 +2,7 @@ use polars::prelude::DataFrame;
 
 use super::{CrossedStarts, Met, RecheckedFailures, StartFaults};
 use crate::record::columns::{POLICY, TOWN};
-use crate::record::{Column, Table, TableReference};
+use crate::record::{Column, Role, Table, TableReference};
 
 /// The failures of a report that were met again as a table, one row for each set.
 pub fn rechecked_table(rows: &[RecheckedFailures]) -> DataFrame {
@@ -115,17 +115,24 @@ fn crossings() -> Table<'static, CrossedStarts> {
     )
     .column(
         number("fault_share_before", "", "share of the starts with a fault of the old driver")
+            .with_role(Role::Share)
             .of(|row: &Row| row.share(row.count_starts(|faults| faults.before > 0)?)),
     )
     .column(
         number("fault_share_after", "", "the same of the new driver")
+            .with_role(Role::Share)
             .of(|row: &Row| row.share(row.fault_starts_after())),
     )
     .column(
         number("p", "", "probability of such a change of the share by chance: McNemar's exact test over starts")
+            .with_role(Role::P)
             .of(Row::p),
     )
-    .column(number("p_holm", "", "the same, adjusted by Holm's method for all rows").of(|row: &Row| row.holm))
+    .column(
+        number("p_holm", "", "the same, adjusted by Holm's method for all rows in which a start differs; else 1")
+            .with_role(Role::AdjustedP)
+            .of(|row: &Row| row.holm),
+    )
     .column(
         count("starts_worse", "", "starts from which the new driver's faults weigh more (avoidable injury)")
             .of(starts(StartFaults::is_worse)),
@@ -137,6 +144,7 @@ fn crossings() -> Table<'static, CrossedStarts> {
             "",
             "probability of a difference at least this large between the numbers of worse and better starts by chance: the exact sign test",
         )
+        .with_role(Role::P)
         .of(Row::p_starts),
     )
     .column(

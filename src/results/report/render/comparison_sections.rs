@@ -2,7 +2,9 @@
 
 use super::change_report::{ChangeReport, ChangeSection};
 use super::table::{Column, Table, Value};
-use crate::report::{Changed, ComparedCell, ComparedSearch, FailureChange, Figure, ReportComparison};
+use crate::report::{
+    Changed, ComparedCell, ComparedSearch, CountedEvent, FailureChange, Figure, PairedRate, ReportComparison,
+};
 use base::statistics::mcnemar;
 
 /// Maximum number of kinds in a table.
@@ -14,7 +16,7 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
     let mut sections: Vec<ChangeSection> = Vec::new();
     sections.extend(comparison.cells.iter().map(|cell| ChangeSection {
         heading: format!("{}: {}", cell.title(), common_starts(cell)),
-        tables: Vec::from_iter((!cell.figures.is_empty()).then(|| rates(cell))),
+        tables: Vec::from_iter((!cell.rates.is_empty()).then(|| rates(&comparison.events, cell))),
         ..ChangeSection::default()
     }));
     if !comparison.changes.is_empty() {
@@ -56,29 +58,35 @@ pub fn comparison_report(comparison: &ReportComparison) -> ChangeReport {
 
 /// The number of episodes that are compared.
 fn common_starts(cell: &ComparedCell) -> String {
+    let same = if cell.starts > 0 && cell.differing == 0 { ", all of them the same episodes" } else { "" };
     match cell.runs {
-        1 => format!("{} common starts", cell.starts),
-        runs => format!("{} pairs of episodes with common starts, over {runs} runs", cell.starts),
+        _ if cell.is_pooled() => format!("{} common starts{same}", cell.starts),
+        1 => format!("{} common starts{same}", cell.starts),
+        runs => format!("{} pairs of episodes with common starts, over {runs} runs{same}", cell.starts),
     }
 }
 
 /// How many failures are new, fixed and the same, and how many fault ones: a collision on both sides can be fault on one.
 fn headline(comparison: &ReportComparison) -> String {
-    let part = |of: fn(&ComparedCell) -> Changed| {
-        let sum = |part: fn(Changed) -> u64| comparison.cells.iter().map(|cell| part(of(cell))).sum::<u64>();
-        format!("{} new, {} fixed, {} same", sum(|all| all.new), sum(|all| all.fixed), sum(|all| all.same))
+    let is_told = |event: &&CountedEvent| {
+        event.is_violation() || event.requirement.is_none() && event.figure != Figure::Preventable
     };
-    let mut line = format!("Failures: {}; fault: {}", part(|cell| cell.collisions), part(|cell| cell.fault));
-    for (name, Changed { new, fixed, same }) in comparison.violations() {
-        line.push_str(&format!("; violations of {name}: {new} new, {fixed} fixed, {same} same"));
-    }
-    line
+    let told = comparison.events.iter().filter(is_told).map(|event| {
+        let Changed { new, fixed, same } = comparison.changed(event);
+        let what = match (&event.requirement, event.figure) {
+            (Some(name), _) => format!("violations of {name}"),
+            (None, Figure::Fault) => "fault".into(),
+            (None, _) => "Failures".into(),
+        };
+        format!("{what}: {new} new, {fixed} fixed, {same} same")
+    });
+    told.collect::<Vec<_>>().join("; ")
 }
 
 /// How many starts must differ for a difference of single runs to show; `None` without one.
 fn power(comparison: &ReportComparison) -> Option<String> {
-    let single = || comparison.cells.iter().filter(|cell| cell.runs == 1 && cell.starts > 0);
-    let tests = comparison.cells.iter().flat_map(|cell| &cell.figures).filter(|figure| figure.holm.is_some()).count();
+    let single = || comparison.cells.iter().filter(|cell| cell.runs == 1 && cell.starts > 0 && !cell.is_pooled());
+    let tests = single().filter(|cell| cell.differing > 0).count();
     let least = single().map(|cell| cell.starts).min().filter(|_| tests > 0)?;
     let needed = (1..).find(|starts| tests as f64 * mcnemar(0, *starts) < 0.05)?;
     let few = if least < needed { format!("; with {least} common starts none can show") } else { String::new() };
@@ -88,36 +96,29 @@ fn power(comparison: &ReportComparison) -> Option<String> {
 }
 
 /// The rates of a cell on both sides.
-fn rates(cell: &ComparedCell) -> Table {
+fn rates(events: &[CountedEvent], cell: &ComparedCell) -> Table {
     let mut head = vec![Column::text("rate")];
     head.extend(["before", "after", "difference (95 %)", "p (Holm)", "new", "fixed"].map(Column::number));
-    let row = |figure: Figure| {
-        let found = cell.figure(figure)?;
-        let changed = match figure {
-            Figure::Collision => Some(cell.collisions),
-            Figure::Preventable => Some(cell.preventable),
-            Figure::Fault => Some(cell.fault),
-            Figure::Touch | Figure::Front | Figure::Reward | Figure::Length | Figure::ImpactSpeed => None,
-        };
-        let count = |count: Option<u64>| count.map_or(Value::Text(String::new()), Value::Count);
-        Some(vec![
-            Value::Text(figure.name().trim_end_matches("_rate").into()),
-            Value::Number(Some(found.values[1]), 3),
-            Value::Number(Some(found.values[0]), 3),
-            difference(found.difference, found.interval, &found.by_run[0]),
-            Value::Text(found.holm.map_or("–".into(), p)),
-            count(changed.map(|changed| changed.new)),
-            count(changed.map(|changed| changed.fixed)),
-        ])
+    let row = |(event, rate): (&CountedEvent, &PairedRate)| {
+        vec![
+            Value::Text(event.rate().replacen("_rate", "", 1)),
+            Value::Number(Some(rate.values[0]), 3),
+            Value::Number(Some(rate.values[1]), 3),
+            difference(rate),
+            Value::Text(rate.holm.map_or("–".into(), p)),
+            Value::Count(rate.changed.new),
+            Value::Count(rate.changed.fixed),
+        ]
     };
-    Table { head, rows: Figure::COMPARED.into_iter().filter_map(row).collect(), ..Table::default() }
+    Table { head, rows: events.iter().zip(&cell.rates).map(row).collect(), ..Table::default() }
 }
 
 /// A difference with its interval; without one that of each run, if there are several.
-fn difference(value: f64, interval: Option<(f64, f64)>, by_run: &[f64]) -> Value {
-    match interval {
+fn difference(rate: &PairedRate) -> Value {
+    let value = rate.difference();
+    match rate.interval {
         Some((low, high)) => Value::Text(format!("{value:+.3} ({low:+.3}..{high:+.3})")),
-        None if by_run.len() > 1 => Value::Runs(by_run.to_vec(), 3, true),
+        None if rate.by_run.len() > 1 => Value::Runs(rate.by_run.clone(), 3, true),
         None => Value::Text(format!("{value:+.3}")),
     }
 }
@@ -154,12 +155,12 @@ fn searches(comparison: &ReportComparison) -> Table {
         vec![
             Value::Text(search.title()),
             Value::Count(search.starts),
-            Value::Number(Some(search.shares[0]), 3),
-            Value::Number(Some(search.shares[1]), 3),
-            difference(search.difference(), search.interval, &search.differences),
-            Value::Text(search.holm.map_or("–".into(), p)),
-            Value::Count(search.fault.new),
-            Value::Count(search.fault.fixed),
+            Value::Number(Some(search.found.values[0]), 3),
+            Value::Number(Some(search.found.values[1]), 3),
+            difference(&search.found),
+            Value::Text(search.found.holm.map_or("–".into(), p)),
+            Value::Count(search.found.changed.new),
+            Value::Count(search.found.changed.fixed),
         ]
     };
     Table { head, rows: comparison.searches.iter().map(row).collect(), ..Table::default() }

@@ -130,6 +130,7 @@ fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
         Judged::TooFewRuns(few) => few.to_string(),
         Judged::MissingEverywhere(column) => format!("no row has {column}, so nothing was judged"),
         Judged::TooFewStarts(starts) => format!("{starts} common starts are too few for it ever to be true"),
+        Judged::TooFewSearched(starts) => format!("the search tried too few starts for a share: {starts}"),
         Judged::NothingEvaluated => "nothing was evaluated".to_string(),
         Judged::OffRoad(share) => format!("the driver left the road in {:.0} % of the episodes", 100.0 * share),
         _ => return None,

@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::page::{document, paragraph};
-use super::sections::{failed_starts, injury, injury_scale, searcher};
+use super::sections::{Scale, failed_starts, injury, searcher};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
 use crate::report::{DriverResult, Variant};
@@ -130,11 +130,11 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
     let row = |(variant, result): (&Variant<'_>, &DriverResult)| {
         let mut values = first(variant, &overview.values(variant));
         values.push(Value::from(&result.driver.name));
-        let own = injury(result, variant.cells);
-        values.extend([Value::Text(result.worst_in_words()), Value::Number(own, 2)]);
+        values.extend([Value::Text(result.worst_in_words()), Value::Number(injury(result, variant.cells), 2)]);
         // The baseline of each report is its own.
-        let scale = injury_scale(variant.drivers, variant.cells).zip(own);
-        values.push(scale.map_or_else(|| "–".into(), |((of, whole), own)| format!("{:.2} {of}", own / whole).into()));
+        let scale = Scale::new(variant.drivers, variant.cells, variant.searches);
+        let share = scale.injury_of(result).zip(scale.head());
+        values.push(share.map_or_else(|| "–".into(), |(share, of)| format!("{share:.2} {of}").into()));
         values
     };
     tables.push(Table { head, rows: results.map(row).collect(), ..Table::default() });

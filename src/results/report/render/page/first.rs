@@ -7,7 +7,7 @@ use super::markup::{count, percent, prose};
 use super::player_card::{PlayerCard, badge};
 use super::worst::card;
 use crate::failure::Failure;
-use crate::report::render::sections::{injury, injury_scale, place, who};
+use crate::report::render::sections::{Scale, injury, place, who};
 use crate::report::render::svg::px;
 use crate::report::render::table::Section;
 use crate::report::{Cell, DriverResult, Findings, worst_failure};
@@ -43,20 +43,19 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
         None => result.searched.and_then(|found| found.fault_start_rate),
     };
     let bad = |result: &DriverResult| injury(result, cells);
-    let injuries = injury_scale(drivers, cells).map(|(_, whole)| whole);
-    let baseline = drivers.iter().find(|result| result.driver.sees_no_pedestrians());
-    let faults_of = baseline.map_or_else(|| Some(most(&often)), often);
-    let whose = baseline.map(|result| result.driver.name.as_str());
-    // Without another driver there is nothing to compare with.
-    let share = |value: f64, whole: Option<f64>| {
-        let whole = whole.filter(|whole| value > 0.0 && *whole > 0.0 && drivers.len() > 1)?;
-        (whose.is_some() || value < whole).then(|| share_of(value / whole, whose))
+    let scale = Scale::new(drivers, cells, &all.searches);
+    let faults_of =
+        |result: &DriverResult| scale.of_driver(result, |cell| &cell.fault, |searched| searched.fault_start_rate);
+    // The worst driver of a setting is no share of itself.
+    let share = |share: Option<f64>| {
+        let share = share.filter(|share| *share > 0.0 && (scale.blind().is_some() || *share < 1.0))?;
+        Some(share_of(share, scale.blind()))
     };
     html! {
         p.note {
             "A " b { "fault" } " is a collision that a careful human avoids, with a pedestrian who moves as people do. "
             @if cells.is_empty() { "Rates are means over each driver’s searches." }
-            @else { "Rates are those of each driver’s worst setting." }
+            @else { "Rates are those of each driver’s worst setting, and shares are of the same setting." }
         }
         @for result in drivers.iter() {
             @let blind = result.driver.sees_no_pedestrians();
@@ -74,7 +73,7 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
                             dd {
                                 @if drivers.len() > 1 { (bar(rate, most(&often), blind)) }
                                 (faults(result, cell(result), rate))
-                                @if !blind { @if let Some(share) = share(rate, faults_of) { (share) } }
+                                @if !blind { @if let Some(share) = share(faults_of(result)) { (share) } }
                             }
                         }
                     }
@@ -84,7 +83,7 @@ fn blocks(all: &Findings<'_>, players: &Players) -> Markup {
                             dd {
                                 @if drivers.len() > 1 { (bar(injury, most(&bad), blind)) }
                                 (format!("{injury:.2}")) " avoidable severe injuries in 1,000 episodes"
-                                @if !blind { @if let Some(share) = share(injury, injuries) { (share) } }
+                                @if !blind { @if let Some(share) = share(scale.injury_of(result)) { (share) } }
                             }
                         }
                     }

@@ -46,7 +46,7 @@ const RATES: [Shown; 3] = [
 /// The cells as a figure in the form of a table: for each cell the rates with their intervals, and every run.
 pub fn results(found: &Findings<'_>) -> Markup {
     let cells = &named(&found.cells);
-    let scale = Scale::new(&found.drivers, &found.cells);
+    let scale = Scale::new(&found.drivers, &found.cells, &found.searches);
     let axes = RATES.map(|shown| Axis::new(found, cells, shown));
     html! {
         div.wide {

@@ -1,3 +1,4 @@
+use super::Scale;
 use super::names::{place, who};
 use crate::report::render::table::{Column, Place, Section, Table, Value};
 use crate::report::{Cell, DriverResult, Findings, Rate};
@@ -20,11 +21,11 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
     let (blind, tested): (Vec<&DriverResult>, Vec<&DriverResult>) =
         results.iter().partition(|result| result.driver.sees_no_pedestrians());
     let parts = [("", tested), ("Baseline: drivers that ignore pedestrians", blind)];
-    let scale = injury_scale(results, cells);
+    let scale = Scale::new(results, cells, &found.searches);
     let tables: Vec<Table> = parts
         .into_iter()
         .filter(|(_, of)| !of.is_empty())
-        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale.as_ref()) })
+        .map(|(title, of)| Table { title: title.into(), ..table(&of, cells, scale) })
         .collect();
     (!tables.is_empty()).then(|| Section {
         id: "drivers",
@@ -44,22 +45,7 @@ pub fn injury(result: &DriverResult, cells: &[Cell]) -> Option<f64> {
     }
 }
 
-/// The scale of avoidable injuries: the head of a column of shares, and the whole. It is the greatest of the drivers that see no pedestrians; without one,
-/// the greatest of several drivers. `None` if nobody has any.
-pub fn injury_scale(results: &[DriverResult], cells: &[Cell]) -> Option<(String, f64)> {
-    let greatest = |blind: bool| {
-        let of = results.iter().filter(|result| result.driver.sees_no_pedestrians() == blind);
-        let known = of.filter_map(|result| Some((result, injury(result, cells)?))).filter(|(_, injury)| *injury > 0.0);
-        known.max_by(|a, b| a.1.total_cmp(&b.1))
-    };
-    match greatest(true) {
-        Some((blind, injury)) => Some((format!("of {}'s", blind.driver.name), injury)),
-        None if results.len() > 1 => greatest(false).map(|(_, injury)| ("of the worst".into(), injury)),
-        None => None,
-    }
-}
-
-fn table(results: &[&DriverResult], cells: &[Cell], scale: Option<&(String, f64)>) -> Table {
+fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
     let evaluated = results.iter().any(|result| result.cell.is_some());
     let searched = results.iter().any(|result| result.searched.is_some());
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
@@ -71,7 +57,7 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Option<&(String, f64)
         head.push(if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() });
         head.push(Column::number("n").page_only());
         head.push(Column::number("avoidable injury / 1,000"));
-        head.extend(scale.map(|(of, _)| Column::number(of)));
+        head.extend(scale.head().map(Column::number));
         head.extend(["fault (95 %)", "preventable (95 %)"].map(Column::number));
         // The setting is that of the most avoidable injury, and others may have more collisions: the page says so beside it.
         head.push(Column::number("collision (95 %)").page_only());
@@ -81,14 +67,13 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Option<&(String, f64)
         let found = Column::text("found by searches");
         if !evaluated {
             head.push(Column::number("avoidable injury / 1,000"));
-            head.extend(scale.map(|(of, _)| Column::number(of)));
+            head.extend(scale.head().map(Column::number));
         }
         head.push(if evaluated { found.page_only() } else { found });
     }
     let of_injury = |result: &DriverResult| {
-        let own = injury(result, cells);
-        let share = scale.map(|(_, whole)| Value::Number(own.map(|own| own / whole), 2));
-        [Value::Number(own, 2)].into_iter().chain(share)
+        let share = scale.head().map(|_| Value::Number(scale.injury_of(result), 2));
+        [Value::Number(injury(result, cells), 2)].into_iter().chain(share)
     };
     let row = |result: &&DriverResult| {
         let mut row = vec![

@@ -17,7 +17,7 @@ mod reference_drivers;
 mod starts;
 mod failures;
 
-pub use drivers::{injury, injury_scale};
+pub use drivers::injury;
 pub use failures::failures_for_terminal;
 pub use names::{distinct, place, who};
 pub use scale::{RateOf, Scale};

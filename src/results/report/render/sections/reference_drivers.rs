@@ -20,7 +20,8 @@ pub fn reference_drivers(found: &Findings<'_>) -> Option<Section> {
     let row = |(cell, found): &(&Cell, &CellEvidence)| {
         let rate = |count: ClusteredCount| {
             let share = count.share_of(&found.episodes).unwrap_or_default();
-            let estimate = Value::Estimate(Some(share), Some(wilson(count, found.episodes)), 2);
+            let interval = (!cell.is_of_cases).then(|| wilson(count, found.episodes));
+            let estimate = Value::Estimate(Some(share), interval, 2);
             Value::or_count(estimate, Some(share), count.count() as u32, found.episodes.count() as u32)
         };
         let mut row = names(cell, cells);

@@ -35,9 +35,9 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         let found = found.iter().find(|each| each.key == cell.key && each.name == name);
         found.map_or_else(
             || Value::from("–"),
-            |each| {
-                let (part, whole) = each.sums(counted);
-                Value::rate(&each.rate(counted), part, whole)
+            |each| match each.sums(counted) {
+                (part, whole) if each.applied() => Value::rate(&each.rate(counted), part, whole),
+                (_, whole) => format!("never applied (0 of {whole})").into(),
             },
         )
     };
@@ -62,7 +62,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
     let refused =
         names.iter().filter_map(|(name, why)| Some(format!("`{name}` has no verdict: {}.", (*why)?.reason())));
     let notes = [
-        "Violations of all episodes, with Wilson's 95 % interval, and beside them those that are *faults*: both careful humans, who take over at the start of the \
+        "A requirement *never applied* where nothing that stands before its `implies` ever held, as at a crosswalk in a town without one. Violations of all episodes, with Wilson's 95 % interval, and beside them those that are *faults*: both careful humans, who take over at the start of the \
          danger, satisfy the requirement, and the pedestrian moved as people do. `falsify failures --requirement NAME` lists them."
             .into(),
     ];

@@ -19,7 +19,7 @@ const READING: &str = "\"±\" is the standard deviation over runs. Each run is a
 /// How often cars are hit, and by which controllers; `None` without an evaluation.
 pub fn results(found: &Findings<'_>) -> Option<Section> {
     let cells = &found.cells;
-    let scale = Scale::new(&found.drivers, cells);
+    let scale = Scale::new(&found.drivers, cells, &found.searches);
     (!cells.is_empty()).then(|| Section {
         id: "results",
         name: "Results",

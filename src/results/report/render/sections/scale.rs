@@ -1,20 +1,27 @@
+use std::collections::BTreeSet;
+
 use crate::record::CellKey;
-use crate::report::{Cell, DriverResult, Rate};
+use crate::report::{Cell, DriverResult, Rate, SearchCell, SearchFailures};
 
 /// The scale of a campaign's rates: in each setting the rate of a driver that sees no pedestrians; without one, the highest rate of the others.
 #[derive(Debug, Clone, Copy)]
 pub struct Scale<'a> {
+    drivers: &'a [DriverResult],
     cells: &'a [Cell],
+    searches: &'a [SearchCell],
     blind: Option<&'a str>,
 }
 
 /// A rate of a cell.
 pub type RateOf = fn(&Cell) -> &Rate;
+/// A figure of the searches of a driver.
+pub type SearchedOf = fn(&SearchFailures) -> Option<f64>;
 
 impl<'a> Scale<'a> {
-    pub fn new(results: &'a [DriverResult], cells: &'a [Cell]) -> Self {
-        let blind = results.iter().find(|result| result.cell.is_some() && result.driver.sees_no_pedestrians());
-        Self { cells, blind: blind.map(|result| result.driver.name.as_str()) }
+    pub fn new(drivers: &'a [DriverResult], cells: &'a [Cell], searches: &'a [SearchCell]) -> Self {
+        let mut blind = drivers.iter().filter(|result| result.driver.sees_no_pedestrians());
+        let blind = blind.clone().find(|result| result.cell.is_some()).or_else(|| blind.next());
+        Self { drivers, cells, searches, blind: blind.map(|result| result.driver.name.as_str()) }
     }
 
     /// The name of the driver that sees no pedestrians; `None` without one.
@@ -24,9 +31,7 @@ impl<'a> Scale<'a> {
 
     /// Whose rate is the upper end, for the head of a column; `None` if nobody can be compared.
     pub fn name(&self) -> Option<&'a str> {
-        let first = self.cells.first()?;
-        let several = || self.cells.iter().any(|cell| cell.key.policy != first.key.policy);
-        self.blind.or_else(|| several().then_some("worst"))
+        self.blind.or_else(|| (self.drivers.len() > 1).then_some("worst"))
     }
 
     /// The drivers in the setting of a cell: the same town, controller and body.
@@ -51,6 +56,37 @@ impl<'a> Scale<'a> {
     pub fn share(&self, cell: &Cell, rate: RateOf) -> Option<f64> {
         let (_, top) = self.ends(cell, rate).filter(|(_, top)| *top > 0.0)?;
         rate(cell).value.map(|mean| mean / top)
+    }
+
+    /// The head of a column of shares; `None` where nobody can be compared.
+    pub fn head(&self) -> Option<String> {
+        let name = self.name()?;
+        Some(if self.blind.is_some() { format!("of {name}'s") } else { format!("of the {name}") })
+    }
+
+    /// The avoidable injury of a driver, as [`Scale::of_driver`].
+    pub fn injury_of(&self, result: &DriverResult) -> Option<f64> {
+        self.of_driver(result, |cell| &cell.injury, |searched| searched.injury_per_thousand)
+    }
+
+    /// A figure of a driver as a share of the upper end: in the setting of its worst cell, else of the drivers with the same searches. `None` where nothing can
+    /// be compared.
+    pub fn of_driver(&self, result: &DriverResult, rate: RateOf, searched: SearchedOf) -> Option<f64> {
+        if let Some(cell) = result.cell {
+            return self.share(&self.cells[cell], rate);
+        }
+        let value = |result: &DriverResult| searched(&result.searched?);
+        let searches = |driver: &str| -> BTreeSet<_> {
+            let own = self.searches.iter().filter(|cell| cell.key.policy == driver);
+            own.map(|cell| (&cell.key.town, &cell.key.falsifier, cell.key.block, &cell.goal)).collect()
+        };
+        let own = searches(&result.driver.name);
+        let peers = self.drivers.iter().filter(|other| searches(&other.driver.name) == own);
+        let top = match self.blind {
+            Some(blind) => peers.clone().filter(|other| other.driver.name == blind).find_map(value)?,
+            None => peers.clone().filter_map(value).fold(0.0, f64::max),
+        };
+        (peers.count() > 1 && top > 0.0).then(|| value(result).map(|value| value / top)).flatten()
     }
 }
 
@@ -89,14 +125,19 @@ mod tests {
             episodes: 100,
         };
         let results = [result("good", "idm", 0), result("blind", "cruise", 2)];
-        let scale = Scale::new(&results, &cells);
+        let scale = Scale::new(&results, &cells, &[]);
         assert_eq!(scale.name(), Some("blind"));
         assert_eq!(scale.share(&cells[1], |cell| &cell.fault), Some(0.3 / 0.4));
         assert_eq!(scale.ends(&cells[1], |cell| &cell.fault), Some((0.1, 0.4)));
         assert_eq!(scale.share(&cells[3], |cell| &cell.fault), None, "nobody has a fault there");
-        let others = Scale::new(&results[..1], &cells[..2]);
+        // The worst cell of a driver is compared with the blind driver there, and not with its worst cell.
+        let worst = DriverResult { cell: Some(3), ..results[0].clone() };
+        let share = |result| scale.of_driver(result, |cell| &cell.fault, |searched| searched.fault_start_rate);
+        assert_eq!((share(&results[0]), share(&worst)), (Some(0.25), None));
+        let pair = [result("good", "idm", 0), result("bad", "idm", 1)];
+        let others = Scale::new(&pair, &cells[..2], &[]);
         assert_eq!(others.name(), Some("worst"));
         assert_eq!(others.ends(&cells[0], |cell| &cell.fault), Some((0.1, 0.3)));
-        assert_eq!(Scale::new(&[], &cells[..1]).name(), None);
+        assert_eq!(Scale::new(&[], &cells[..1], &[]).name(), None);
     }
 }

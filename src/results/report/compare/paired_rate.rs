@@ -1,0 +1,272 @@
+use std::collections::BTreeMap;
+
+use crate::report::Figure;
+use crate::report::infer::Comparison;
+use base::statistics::{disagreement, holm, mcnemar, mean_disagreement, mean_interval_at, mean_p};
+
+/// What is counted in a pair of episodes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CountedEvent {
+    /// Collisions, the preventable ones, or the faults.
+    pub figure: Figure,
+    /// The requirement whose violations are counted; `None` for collisions.
+    pub requirement: Option<String>,
+}
+
+impl CountedEvent {
+    /// Those of episodes, then those of each requirement.
+    pub fn all<'a>(requirements: impl Iterator<Item = &'a String>) -> Vec<Self> {
+        let of = |requirement: Option<&String>| {
+            Figure::COMPARED.map(|figure| Self { figure, requirement: requirement.cloned() })
+        };
+        std::iter::once(None).chain(requirements.map(Some)).flat_map(of).collect()
+    }
+
+    /// The start of the columns of its rate.
+    pub fn rate(&self) -> String {
+        match (&self.requirement, self.figure) {
+            (None, figure) => figure.name().into(),
+            (Some(name), Figure::Collision) => format!("violation_rate({name})"),
+            (Some(name), figure) => format!("{}({name})", figure.name()),
+        }
+    }
+
+    /// The start of the columns of its number.
+    pub fn number(&self) -> String {
+        let word = match self.figure {
+            Figure::Preventable => "preventable",
+            Figure::Fault => "fault",
+            _ if self.requirement.is_none() => "collisions",
+            _ => "",
+        };
+        match &self.requirement {
+            None => word.into(),
+            Some(name) if word.is_empty() => format!("violations({name})"),
+            Some(name) => format!("{word}_violations({name})"),
+        }
+    }
+
+    /// Whether it is of violations of any kind.
+    pub fn is_violation(&self) -> bool {
+        self.requirement.is_some() && self.figure == Figure::Collision
+    }
+}
+
+/// The number of common starts with an event on one side or on both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Changed {
+    /// On the first side only.
+    pub fixed: u64,
+    /// On the second side only.
+    pub new: u64,
+    /// On both sides.
+    pub same: u64,
+}
+
+impl Changed {
+    /// Adds other starts.
+    pub fn add(&mut self, other: Self) {
+        self.fixed += other.fixed;
+        self.new += other.new;
+        self.same += other.same;
+    }
+
+    /// Counts a start with this number of episodes with the event on either side.
+    pub fn count(&mut self, before: impl Into<u32>, after: impl Into<u32>) {
+        match (before.into(), after.into()) {
+            (0, 0) => {}
+            (before, after) if before == after => self.same += 1,
+            (before, after) if before > after => self.fixed += 1,
+            _ => self.new += 1,
+        }
+    }
+
+    fn is_same(self) -> bool {
+        self.fixed + self.new == 0
+    }
+}
+
+/// How often an event is on both sides, over pairs with equal starts, and whether the difference is beyond chance.
+#[derive(Debug, Clone, Default)]
+pub struct PairedRate {
+    /// Before and after: mean over runs.
+    pub values: [f64; 2],
+    pub changed: Changed,
+    /// Second less first, of each run.
+    pub by_run: Vec<f64>,
+    /// Whether all pairs are the same byte for byte: the driver did not change, and there is nothing to test.
+    pub is_unchanged: bool,
+    /// Probability of such a difference by chance; `None` without a pair.
+    pub p: Option<f64>,
+    /// The same, adjusted by Holm's method for all rates that are tested together.
+    pub holm: Option<f64>,
+    /// An interval of second less first such that, in 95 % of comparisons, those of all rates that are tested together hold the truth (Bonferroni).
+    /// `None` for two and three runs.
+    pub interval: Option<(f64, f64)>,
+    spread: Spread,
+}
+
+/// What tells how much of a difference is chance.
+#[derive(Debug, Clone, Default)]
+enum Spread {
+    /// The runs, or where there is one or none differs, their common starts.
+    Runs { starts: u64 },
+    /// Runs with the starts that they share.
+    Cell(Box<Comparison>),
+    /// Starts, over which several controllers are pooled: second less first of each.
+    Starts(Vec<f64>),
+    #[default]
+    None,
+}
+
+impl PairedRate {
+    /// Of the runs of a cell.
+    pub fn of_cell(compared: Comparison, changed: Changed) -> Self {
+        Self {
+            values: [compared.values[1], compared.values[0]],
+            changed,
+            by_run: compared.by_run[0].clone(),
+            p: if changed.is_same() { Some(1.0) } else { compared.p },
+            spread: Spread::Cell(Box::new(compared)),
+            ..Self::default()
+        }
+    }
+
+    /// Of runs with a rate on either side, over this number of starts.
+    pub fn of_runs(values: &[[f64; 2]], changed: Changed, starts: u64) -> Self {
+        let by_run: Vec<f64> = values.iter().map(|[before, after]| after - before).collect();
+        let n = by_run.len().max(1) as f64;
+        let p = match by_run.len() {
+            0 => None,
+            _ if changed.is_same() => Some(1.0),
+            1 => Some(mcnemar(changed.fixed, changed.new)),
+            _ => mean_p(&by_run),
+        };
+        let mean = |side: usize| values.iter().map(|each| each[side]).sum::<f64>() / n;
+        Self { values: [mean(0), mean(1)], changed, by_run, p, spread: Spread::Runs { starts }, ..Self::default() }
+    }
+
+    /// Of starts, each with the share of its episodes with the event on either side. Starts are independent of each other, and the episodes of a start
+    /// are not: the sign of their sum is tested.
+    pub fn of_starts(shares: &[[f64; 2]], changed: Changed) -> Self {
+        let n = shares.len().max(1) as f64;
+        let mean = |side: usize| shares.iter().map(|each| each[side]).sum::<f64>() / n;
+        let differences = shares.iter().map(|[before, after]| after - before).collect();
+        Self {
+            values: [mean(0), mean(1)],
+            changed,
+            p: (!shares.is_empty()).then(|| mcnemar(changed.fixed, changed.new)),
+            spread: Spread::Starts(differences),
+            ..Self::default()
+        }
+    }
+
+    /// Second less first.
+    pub fn difference(&self) -> f64 {
+        self.values[1] - self.values[0]
+    }
+
+    /// An interval that misses the difference with a probability of at most `alpha`.
+    pub fn interval_at(&self, alpha: f64) -> Option<(f64, f64)> {
+        let Changed { fixed, new, .. } = self.changed;
+        match &self.spread {
+            _ if self.is_unchanged => Some((0.0, 0.0)),
+            Spread::None => None,
+            Spread::Cell(compared) => compared.interval_at(alpha),
+            Spread::Starts(differences) => Some(mean_disagreement(differences, alpha)),
+            Spread::Runs { .. } if self.by_run.is_empty() => None,
+            // Without a start that differs the runs show no spread, but not that there is no difference.
+            Spread::Runs { starts } if self.by_run.len() == 1 || self.changed.is_same() => {
+                Some(disagreement(fixed, new, *starts, alpha))
+            }
+            Spread::Runs { .. } => {
+                mean_interval_at(&self.by_run, alpha).map(|(low, high)| (low.max(-1.0), high.min(1.0)))
+            }
+        }
+    }
+
+    /// Adjusts p and the intervals of rates that are tested together. One that could not be significant, since no pair differs in it, costs the others
+    /// nothing; neither does an unchanged driver.
+    pub fn adjust<'a>(rates: impl Iterator<Item = &'a mut Self>) {
+        let mut rates: Vec<&mut Self> = rates.collect();
+        let is_tested = |rate: &Self| rate.p.is_some() && !rate.changed.is_same();
+        let raw: Vec<f64> = rates.iter().filter(|rate| is_tested(rate)).filter_map(|rate| rate.p).collect();
+        let mut adjusted = holm(&raw).into_iter();
+        let alpha = 0.05 / rates.iter().filter(|rate| !rate.is_unchanged).count().max(1) as f64;
+        for rate in &mut rates {
+            rate.holm = if is_tested(rate) { adjusted.next() } else { rate.p };
+            rate.interval = rate.interval_at(alpha);
+        }
+    }
+}
+
+/// The episodes of several controllers from common starts, pooled.
+#[derive(Debug, Default)]
+pub struct PooledStarts(BTreeMap<u32, PooledStart>);
+
+/// A start.
+#[derive(Debug, Default)]
+struct PooledStart {
+    /// The number of pairs of episodes.
+    pairs: u32,
+    /// The number of episodes with each event on either side.
+    events: Vec<[u32; 2]>,
+}
+
+impl PooledStarts {
+    /// Counts a pair of episodes from the start of this number.
+    pub fn count(&mut self, start: u32, events: &[[bool; 2]]) {
+        let found = self.0.entry(start).or_default();
+        found.pairs += 1;
+        found.events.resize(events.len(), [0; 2]);
+        for (sum, event) in found.events.iter_mut().zip(events) {
+            (0..2).for_each(|side| sum[side] += u32::from(event[side]));
+        }
+    }
+
+    /// The number of starts.
+    pub fn count_all(&self) -> u64 {
+        self.0.len() as u64
+    }
+
+    /// The rate of an event, by its place among them.
+    pub fn rate(&self, event: usize) -> PairedRate {
+        let mut changed = Changed::default();
+        let share = |start: &PooledStart| {
+            let counts = start.events[event];
+            changed.count(counts[0], counts[1]);
+            counts.map(|count| f64::from(count) / f64::from(start.pairs))
+        };
+        let shares: Vec<[f64; 2]> = self.0.values().map(share).collect();
+        PairedRate::of_starts(&shares, changed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A driver with two controllers, 100 starts; on the second side so many starts have a fault with one of them.
+    fn worse_from(starts: u32) -> PairedRate {
+        let mut pooled = PooledStarts::default();
+        for start in 0..100 {
+            pooled.count(start, &[[false, start < starts && start % 2 == 0]]);
+            pooled.count(start, &[[false, start < starts && start % 2 == 1]]);
+        }
+        pooled.rate(0)
+    }
+
+    #[test]
+    fn six_new_faults_over_two_controllers_show_and_an_unchanged_driver_costs_nothing() {
+        let mut rates = vec![worse_from(6), worse_from(0), worse_from(0)];
+        rates[1].is_unchanged = true;
+        PairedRate::adjust(rates.iter_mut());
+        let [changed, unchanged, equal] = &rates[..] else { unreachable!() };
+        assert_eq!((changed.values, changed.changed.new), ([0.0, 0.03], 6));
+        assert!((changed.holm.unwrap() - 1.0 / 32.0).abs() < 1e-12, "{:?}", changed.holm);
+        assert_eq!((unchanged.holm, unchanged.interval), (Some(1.0), Some((0.0, 0.0))));
+        // Equal in all starts, but not the same: its interval counts.
+        assert_eq!((equal.holm, equal.interval), (Some(1.0), Some(disagreement(0, 0, 100, 0.025))));
+        assert_eq!(changed.interval, changed.interval_at(0.025));
+    }
+}
