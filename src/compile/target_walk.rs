@@ -56,6 +56,8 @@ keys! {
         distance: f64 as positive(LENGTH) = "4 m",
         /// Share of its way that the target starts from, drawn for each episode.
         approach: Distribution as drawn(RATIO, 0.05, 2.0) = "100 percent",
+        /// Whether parked cars hide the target's start from the car. A town without such cars is refused.
+        hidden: bool = "false",
     }
 }
 
@@ -68,8 +70,9 @@ keys! {
 
 /// The rule of a test in which the target crosses; `None` after reporting what is wrong.
 pub fn crossing(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<SpawnRule> {
-    let CrossingTestKeys { test, from, distance, approach } = declaration.block.keys();
-    lower(declaration, test, from, distance, approach, said)
+    let CrossingTestKeys { test, from, distance, approach, hidden } = declaration.block.keys();
+    let rule = lower(declaration, test, from, distance, approach, said)?;
+    Some(SpawnRule { target_walk: rule.target_walk.map(|walk| TargetWalk { hidden, ..walk }), ..rule })
 }
 
 /// The rule of a test in which the target walks ahead; `None` after reporting what is wrong.
@@ -105,6 +108,7 @@ fn lower(
             Target::Adult => TargetBox::ADULT,
             Target::Child => TargetBox::CHILD,
         },
+        hidden: false,
         criterion: test.criterion,
     };
     let slow = walk.cases.iter().map(|case| case.test_speed).fold(f64::INFINITY, f64::min);

@@ -15,7 +15,7 @@ use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{
     Cast, Criterion, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule,
-    TestOracle, VehicleRole,
+    TargetBox, TestOracle, VehicleRole,
 };
 use world::judge::ReferenceOracle;
 use world::requirement::NamedRequirement;
@@ -164,6 +164,30 @@ impl Lowering<'_> {
                 );
                 self.said.push(diagnostics::contradiction(place, message));
                 return false;
+            }
+        }
+        if let Some(walk) = &spawn.target_walk {
+            for (car, walker) in bodies {
+                let target = if walk.target == TargetBox::CHILD { "child" } else { "adult" };
+                if walker.value.body.is_child() != (walk.target == TargetBox::CHILD) {
+                    let message = format!(
+                        "`{}` is not the target of the test `{}`: that is a target of body `{target}`",
+                        walker.name, spawn.name
+                    );
+                    let help = format!("name an adversary with `body: {target}` or `body: {target}_box`");
+                    self.said.push(diagnostics::contradiction(place, message).help(help));
+                    return false;
+                }
+                let is_in_sight = |town: &&Axis<BuiltTown>| walk.is_in_sight(&town.value.obstacles, &car.value);
+                if let Some(town) = towns.iter().find(is_in_sight).filter(|_| walk.hidden) {
+                    let message = format!(
+                        "the test `{}` is one behind parked cars, and in `{}` nothing hides the target from the car",
+                        spawn.name, town.name
+                    );
+                    let help = "take a town with the parked cars of the test, such as `test_track_parked`";
+                    self.said.push(diagnostics::contradiction(place, message).help(help));
+                    return false;
+                }
             }
         }
         let looks = |first: &FirstHeading| bodies.iter().any(|(_, walker)| walker.value.first_heading == *first);

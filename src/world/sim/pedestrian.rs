@@ -67,6 +67,11 @@ impl PedestrianBody {
         Self { radius: 0.25, half_height: 0.55, ..Self::adult() }
     }
 
+    /// Whether it is a child: less than 1.5 m tall.
+    pub fn is_child(&self) -> bool {
+        self.half_height < 0.75
+    }
+
     /// A target with these half extents (m) along its facing direction and across it. Its disc has the greater of them as radius.
     pub fn boxed(half_length: f64, half_width: f64, half_height: f64) -> Self {
         let target_box = Some(Vector::new(half_length, half_width));

@@ -344,6 +344,7 @@ mod tests {
             approach: Distribution::Constant(1.0),
             reach: 1.0,
             headway: 6.0,
+            hidden: false,
             target: TargetBox::ADULT,
             criterion,
         };

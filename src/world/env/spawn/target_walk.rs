@@ -1,5 +1,5 @@
 use super::Spawn;
-use crate::geometry::{Point, Pose, Vector, wrap_angle};
+use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::sim::{Pedestrian, Vehicle, VehicleBlueprint, VehicleState, WalkCommand};
 use base::choice;
 use base::signature::Distribution;
@@ -44,6 +44,8 @@ pub struct TargetWalk {
     pub headway: f64,
     /// The box that the target of the protocol fills.
     pub target: TargetBox,
+    /// Whether parked cars hide the start of the target from the car at its own start.
+    pub hidden: bool,
     /// How its results are judged.
     pub criterion: TestCriterion,
 }
@@ -157,6 +159,12 @@ impl TargetWalk {
     pub fn car(&self, case: &TestCase, half_length: f64) -> Pose {
         let place = self.meeting.to_world(Vector::new(-half_length - self.headway * case.test_speed, 0.0));
         Pose::new(place.x, place.y, self.meeting.yaw)
+    }
+
+    /// Whether the target can be seen from this car in a case, both at their starts.
+    pub fn is_in_sight(&self, obstacles: &Obstacles, car: &VehicleBlueprint) -> bool {
+        let starts = (0..).zip(&self.cases).map(|(case, _)| self.spawn(case, 1.0, car));
+        starts.into_iter().any(|start| !obstacles.blocks_sight(start.ego.position(), start.pedestrian.position()))
     }
 
     /// The start of an episode, up to what the driver makes of it.
@@ -273,6 +281,7 @@ mod tests {
             reach: 1.0,
             headway: 6.0,
             target: TargetBox::ADULT,
+            hidden: false,
             criterion: TestCriterion::NoContact,
         }
     }
