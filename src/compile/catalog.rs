@@ -25,6 +25,7 @@ pub struct TakenKind {
 }
 
 /// Everything the language offers: forms, their kinds, and the names that formulas may use.
+#[derive(Clone)]
 pub struct Catalog {
     /// The forms, in the order of the reference.
     pub forms: Vec<Form>,
@@ -81,6 +82,11 @@ impl Catalog {
     /// The same; networks in ONNX files are tried in this way first. Without a trial a network may take any memory and time.
     pub fn with_network_trial(self, trial: Arc<NetworkTrial>) -> Self {
         Self { network_trial: Some(trial), ..self }
+    }
+
+    /// How scenarios start programs; `None` if they may not.
+    pub fn opener(&self) -> Option<&Arc<dyn Opener>> {
+        self.opener.as_ref()
     }
 
     /// Whether scenarios may start programs.

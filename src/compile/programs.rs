@@ -1,6 +1,7 @@
 //! Programs of the user that tasks depend on.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::lowering::Lowering;
@@ -18,7 +19,9 @@ pub struct ExternalProgram {
     pub command: String,
     /// Its version, as the scenario states it.
     pub version: Option<String>,
-    /// BLAKE3 of its declared files in hexadecimal digits, by their paths relative to the folder of the scenario.
+    /// The folder in which it runs.
+    pub folder: PathBuf,
+    /// BLAKE3 of its declared files in hexadecimal digits, by their paths relative to that folder.
     pub files: BTreeMap<String, String>,
 }
 
@@ -53,8 +56,8 @@ impl Lowering<'_> {
             return Ok(());
         }
         let ProgramKeys { command, version, .. } = declaration.block.keys();
-        let found =
-            ExternalProgram { name: declaration.name.clone(), command, version, files: opener.digests(program)? };
+        let (name, folder) = (declaration.name.clone(), program.folder.clone());
+        let found = ExternalProgram { name, command, version, folder, files: opener.digests(program)? };
         self.shared.programs.entry(declaration.id).or_default().push((declaration.block.clone(), Arc::new(found)));
         Ok(())
     }

@@ -10,7 +10,10 @@ use compile::{Catalog, Plan, compile};
 use falsify::session::{FailuresArgs, Input, RepeatOptions, Repeated, ReplayOptions, RunOptions, Session};
 use results::campaign::{self, NoStore, Silent};
 use results::jobs::{Repeatable, watch};
-use results::report::{Failures, Gate, Side, StoredReport, compare_reports, driver_results, narrative};
+use results::report::{
+    CountedEvent, Failures, Figure, Gate, Judged as Judgement, Side, StoredReport, compare_reports, compared_cells,
+    comparison_reference, driver_results, narrative, requirements_in,
+};
 use world::env::{Draw, Outcome, Trace as EpisodeTrace};
 use world::judge::{Blame, Judged, LaneDeparture, NearMiss, NoVerdict, judge};
 use world::requirement::Trace;
@@ -337,12 +340,23 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     let stored = [&again, &other].map(|folder| StoredReport::open(folder).unwrap());
     let side = |side: usize| Side { report: &stored[side], driver: None };
     let compared = compare_reports(side(0), side(1)).unwrap();
-    let slow_pass = compared.violations()["slow_pass"];
+    let violation = CountedEvent { figure: Figure::Collision, requirement: Some("slow_pass".into()) };
+    let slow_pass = compared.changed(&violation);
     assert_eq!(
         (slow_pass.new, slow_pass.fixed, slow_pass.same),
         (0, 0, evaluated.len() as u64),
         "both reports are one"
     );
+    assert_eq!(
+        (violation.rate(), violation.number()),
+        ("violation_rate(slow_pass)".into(), "violations(slow_pass)".into())
+    );
+    // An unchanged driver has 1 in each column of p, and passes a gate.
+    assert!(compared.cells.iter().all(|cell| cell.differing == 0));
+    let gate = "violation_rate(slow_pass)_p_holm < 0.05 and violation_rate(slow_pass)_difference > 0";
+    let gate = Gate::of_table(gate, &comparison_reference(&requirements_in(gate))).unwrap();
+    let judged = gate.judge(&compared_cells(&compared));
+    assert!(!judged.is_empty() && judged.iter().all(|judged| *judged == Judgement::Passed), "{judged:?}");
     let requirement = vec!["slow_pas".into()];
     let options = FailuresArgs { reports: vec![again.clone()], requirement, ..FailuresArgs::default() };
     let refused = session.failures(&options).unwrap_err().to_string();

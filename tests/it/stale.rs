@@ -93,6 +93,24 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     let refused = run(here, &[], 2);
     assert!(refused.contains("`params.py` of `mine` has changed since then"), "{refused}");
     assert!(refused.contains("`falsify recheck --allow-external reports/d` lets the new program meet"), "{refused}");
+    // The report holds the files of the run: its failures are repeated, and the new program meets them beside the old one.
+    let held = "the program of `mine` has changed since the report, which holds its files: they are used";
+    for arguments in [&["replay", "--allow-external", &name][..], &["replay", "--allow-external", "--all", "reports/d"]]
+    {
+        let text = falsify_said(here, arguments, 0);
+        assert!(text.contains(held), "{arguments:?}: {text}");
+    }
+    falsify_said(here, &["export", "--allow-external", &name, "--as", "xosc-1.3"], 0);
+    let recheck = ["recheck", "--allow-external", "--starts", "0", "reports/d", "--format", "json"];
+    let recheck = falsify_said(here, &recheck, 0);
+    assert!(!recheck.contains("cannot be run as it was"), "{recheck}");
+    let rows: serde_json::Value =
+        serde_json::from_str(recheck.lines().find(|line| line.starts_with('{')).unwrap()).unwrap();
+    let number = |key: &str| rows["failures"][0][key].as_u64().unwrap();
+    assert!(number("gone") > 0 && number("still_collisions") + number("gone") == number("failures"), "{recheck}");
+
+    // A copy that is not as it was is not used.
+    std::fs::write(here.join("reports/d/programs/mine/params.py"), "GAP = 3.0\n").unwrap();
     let reason =
         "possible reason: `params.py` of `mine` has changed since the report; `falsify recheck --allow-external";
     for arguments in [&["replay", "--allow-external", &name][..], &["replay", "--allow-external", "--all", "reports/d"]]

@@ -60,8 +60,8 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
 /// The table of failure modes of these runs as CSV.
 fn modes(campaign: &Campaign, seed: &Seed, runs: &[DataFrame]) -> String {
     let mut modes = FailureModes::new(campaign, &[], seed);
-    for table in runs.iter().filter(|run| run.height() > 0).map(|run| EpisodeTable::new(run).unwrap()) {
-        modes.add(&table.key().unwrap(), &table);
+    for run in runs.iter().filter(|run| run.height() > 0) {
+        modes.add(&RunKey::read(run, 0).unwrap(), &EpisodeTable::new(run).unwrap());
     }
     csv_text(&failure_modes(&modes.finish()))
 }

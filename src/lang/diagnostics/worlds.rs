@@ -151,7 +151,7 @@ pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str]) -> Diag
 /// A test of a protocol has more cases than episodes, or some cases are run once more than others.
 pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
     Diagnostic::warning("partial-test", span, "this is not a multiple of the cases of the test")
-        .here(format!("{episodes} episodes for {cases} cases"))
+        .here(format!("{episodes} episode{} for {cases} cases", if episodes == 1 { "" } else { "s" }))
         .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"))
 }
 

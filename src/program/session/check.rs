@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use super::disk::{ReadFiles, Recording};
 use super::{Error, Event, Input, Session};
 use base::diagnostic::{Severity, Sources};
-use compile::{Compiled, Overrides, Plan, compile_with};
+use compile::{Catalog, Compiled, Overrides, Plan, compile_with};
 use lang::{Reader, library};
 use results::report::FileRecord;
 
@@ -57,7 +57,7 @@ impl Session {
     /// # Errors
     /// [`Error::Unreadable`]; the observer then has the diagnostics of the other files.
     pub fn check(&self, input: &Input) -> Result<Checked, Error> {
-        self.compile(self.reader.as_ref(), input, Overrides { only_checked: true, ..input.overrides() })
+        self.compile(&self.catalog, self.reader.as_ref(), input, Overrides { only_checked: true, ..input.overrides() })
     }
 
     /// Reads, checks and compiles scenario files for a run; the observer gets the diagnostics.
@@ -65,25 +65,31 @@ impl Session {
     /// # Errors
     /// [`Error::Unreadable`], [`Error::Scenario`] and [`Error::UnusedMap`].
     pub fn plan(&self, input: &Input) -> Result<Planned, Error> {
-        self.plan_from(self.reader.as_ref(), input)
+        self.plan_from(&self.catalog, self.reader.as_ref(), input)
     }
 
     /// [`Session::plan`] with the files of a reader.
-    pub(crate) fn plan_from(&self, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
-        let checked = self.compile(reader, input, input.overrides())?;
+    pub(crate) fn plan_from(&self, catalog: &Catalog, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
+        let checked = self.compile(catalog, reader, input, input.overrides())?;
         self.tell(Event::Diagnostics(&checked.compiled.diagnostics, &checked.sources));
         checked.plan()?;
         let plan = checked.compiled.plan.expect("the files have no errors");
         Ok(Planned { plan, records: checked.records, contents: checked.contents })
     }
 
-    fn compile(&self, reader: &dyn Reader, input: &Input, overrides: Overrides) -> Result<Checked, Error> {
+    fn compile(
+        &self,
+        catalog: &Catalog,
+        reader: &dyn Reader,
+        input: &Input,
+        overrides: Overrides,
+    ) -> Result<Checked, Error> {
         let reader = Recording::new(reader, !overrides.only_checked);
         let mut left = input.files.clone();
         let mut unreadable = Vec::new();
         let (compiled, sources) = loop {
             let mut sources = Sources::default();
-            match compile_with(&left, &overrides, &self.catalog, &reader, &mut sources) {
+            match compile_with(&left, &overrides, catalog, &reader, &mut sources) {
                 Ok(compiled) => break (compiled, sources),
                 Err(error) => {
                     left.retain(|each| *each != error.path);

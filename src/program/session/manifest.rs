@@ -35,7 +35,7 @@ impl Session {
     pub(super) fn manifest(
         &self,
         options: &RunOptions,
-        files: Vec<ScenarioFile>,
+        (files, programs): (Vec<ScenarioFile>, Vec<ProgramRecord>),
         found: &Findings<'_>,
         times: &Times,
     ) -> Manifest {
@@ -63,17 +63,22 @@ impl Session {
                 .map(|training| record(training, campaign, times))
                 .collect(),
             runs: campaign.jobs.iter().filter_map(RunRecord::of).collect(),
-            programs: campaign.programs().into_iter().map(|program| ProgramRecord::new(program)).collect(),
+            programs,
             // They are not written yet.
             report_files: Vec::new(),
         }
     }
 
-    /// Adds the files of a scenario to its report, as far as they are of a moderate size and not of the standard library.
+    /// Adds the files of a scenario and of its programs to the report, as far as they are of a moderate size and not of the standard library.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub(super) fn hold(&self, folder: &ReportFolder, planned: &Planned) -> Result<Vec<ScenarioFile>, WriteError> {
+    pub(super) fn hold(
+        &self,
+        folder: &ReportFolder,
+        planned: &Planned,
+        campaign: &Campaign,
+    ) -> Result<(Vec<ScenarioFile>, Vec<ProgramRecord>), WriteError> {
         let read = planned.records.iter().map(|record| record.path.as_str());
         let paths: Vec<&str> = read.filter(|path| planned.contents.contains_key(*path)).collect();
         let places: BTreeMap<&str, String> = paths.iter().copied().zip(held_places(&paths, &self.folder)).collect();
@@ -85,7 +90,8 @@ impl Session {
             blake3: blake3.clone(),
             held: places.get(path.as_str()).cloned().unwrap_or_default(),
         };
-        Ok(planned.records.iter().map(file).collect())
+        let programs = campaign.programs().into_iter().map(|program| ProgramRecord::held(program, folder));
+        Ok((planned.records.iter().map(file).collect(), programs.collect::<Result<_, _>>()?))
     }
 
     /// The input of the session, for a later repetition.

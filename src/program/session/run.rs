@@ -257,8 +257,8 @@ impl<'a> CampaignRun<'a> {
     ) -> Result<Manifest, Error> {
         let Self { session, options, .. } = *self;
         let written = || {
-            let files = session.hold(draft, self.planned)?;
-            let manifest = session.manifest(options, files, found, times);
+            let held = session.hold(draft, self.planned, self.campaign)?;
+            let manifest = session.manifest(options, held, found, times);
             report::write(draft, found, sections, &manifest)?;
             Ok(manifest)
         };

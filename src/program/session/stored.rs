@@ -2,11 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
 use super::error::short;
 use super::held_files::HeldFiles;
+use super::held_programs::HeldPrograms;
 use super::{Change, ChangedProgram, EpisodeName, Error, Input, Notice, Session};
 use base::seed::Seed;
 use compile::{Campaign, Evaluation, Job, RunId, Search};
@@ -31,6 +33,17 @@ pub(crate) struct Source {
     pub campaign: Campaign,
     /// The user's seed.
     pub seed: Seed,
+    /// The programs that have changed since, and drive as they were: from the copies of the report.
+    pub held_programs: Vec<String>,
+}
+
+/// Which programs drive when a report is compiled again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WhichPrograms {
+    /// Those of the run, as far as the report holds them.
+    OfReport,
+    /// Those that are there now.
+    Present,
 }
 
 impl Session {
@@ -92,11 +105,16 @@ impl Session {
     /// Compiles the campaign of a report again, from the files that it holds and the settings of its manifest.
     pub(crate) fn reopen(&self, report: StoredReport, options: &RepeatOptions) -> Result<Source, Error> {
         self.announce(report.manifest());
-        let (source, changes) = self.compile_again(report, options, &[])?;
+        let (source, changes) = self.compile_again(report, options, &[], WhichPrograms::OfReport)?;
         if !changes.is_empty() && !options.anyway {
             return Err(Error::Changed { changes });
         }
         changes.into_iter().for_each(|change| self.notice(&Notice::Warning(change.to_string())));
+        for name in &source.held_programs {
+            let text =
+                format!("the program of `{name}` has changed since the report, which holds its files: they are used");
+            self.notice(&Notice::Note(text));
+        }
         let programs = source.changed_programs().into_iter().filter(|program| !program.files.is_empty());
         programs.for_each(|program| self.notice(&Notice::Warning(format!("{program} since the report"))));
         Ok(source)
@@ -123,6 +141,7 @@ impl Session {
         report: StoredReport,
         options: &RepeatOptions,
         settings: &[String],
+        programs: WhichPrograms,
     ) -> Result<(Source, Vec<Change>), Error> {
         let manifest = report.manifest();
         let call = &manifest.call;
@@ -144,13 +163,21 @@ impl Session {
                 short(&file.blake3)
             )));
         }
-        let planned = self.plan_from(&held, &input)?;
+        let opener = self.catalog.opener().filter(|_| programs == WhichPrograms::OfReport && options.files.is_none());
+        let opener = opener.map(|opener| Arc::new(HeldPrograms::new(&report, opener.clone())));
+        let catalog = self.catalog.clone();
+        let catalog = match &opener {
+            Some(opener) => catalog.with_opener(opener.clone()),
+            None => catalog,
+        };
+        let planned = self.plan_from(&catalog, &held, &input)?;
         let changes = changes(manifest, &planned.records, root.as_deref());
         let mut campaigns = planned.plan.campaigns.into_iter();
         let campaign = campaigns.find(|campaign| campaign.name == manifest.campaign);
         let campaign = campaign
             .ok_or_else(|| Error::Differs(format!("the files hold no campaign `{}` any more", manifest.campaign)))?;
-        Ok((Source::new(report, campaign), changes))
+        let held_programs = opener.map_or_else(Vec::new, |opener| opener.used());
+        Ok((Source { held_programs, ..Source::new(report, campaign) }, changes))
     }
 }
 
@@ -201,7 +228,7 @@ impl Source {
         }
         name_as_in(manifest, &mut campaign);
         let seed = Seed::root(manifest.seed);
-        Self { report, campaign, seed }
+        Self { report, campaign, seed, held_programs: Vec::new() }
     }
 
     /// The error for a run that the campaign does not have.
@@ -214,8 +241,8 @@ impl Source {
         ChangedProgram::all(self.report.manifest(), &self.campaign)
     }
 
-    /// The program of an external driver, if it is not, or need not be, the one that the report was made with. A report holds no programs,
-    /// but the fingerprints of its runs depend on them.
+    /// The program of an external driver, if it is not, or need not be, the one that the report was made with. The fingerprints of its
+    /// runs depend on it.
     pub fn other_program(&self, driver: &str) -> Option<ChangedProgram> {
         let Campaign { drivers, jobs, .. } = &self.campaign;
         if !drivers.iter().any(|each| each.name == driver && each.is_external()) {

@@ -102,14 +102,6 @@ impl<'a> EpisodeTable<'a> {
         0..self.table.height()
     }
 
-    /// The key of the run of the first row; an empty one without rows.
-    ///
-    /// # Errors
-    /// A column is missing or holds something else.
-    pub fn key(&self) -> PolarsResult<RunKey> {
-        RunKey::read(self.table, 0)
-    }
-
     pub fn episode(&self, row: usize) -> u32 {
         self.episode.get(row).unwrap_or_default()
     }

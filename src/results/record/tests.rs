@@ -85,7 +85,7 @@ fn rows_that_are_read_back_are_those_that_were_written() {
     let (rows, table) = (rows(), episodes(&rows()));
     let read = EpisodeTable::new(&table).unwrap();
     assert_eq!(read.rows(), 0..4);
-    assert_eq!(read.key().unwrap(), key());
+    assert_eq!(RunKey::read(&table, 0).unwrap(), key());
     for (place, row) in rows.iter().enumerate().take(3) {
         let outcome = &row.judged.outcome;
         assert_eq!((read.spawn(place), read.is_collision(place)), (outcome.spawn, outcome.is_collision()));

@@ -7,6 +7,7 @@ use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use tempfile::TempDir;
 
+use super::held_programs::PROGRAMS;
 use super::parquet::write_parquet;
 use super::scenario_files::SCENARIO;
 use super::staging::staging_file;
@@ -345,7 +346,8 @@ fn is_ours(name: &str) -> bool {
         "svg" => ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix)),
         _ => {
             let mut folders = KINDS.iter().flat_map(|kind| kind.folders);
-            [MARK, "summary.md", "report.html", SCENARIO].contains(&name) || folders.any(|folder| *folder == name)
+            [MARK, "summary.md", "report.html", SCENARIO, PROGRAMS].contains(&name)
+                || folders.any(|folder| *folder == name)
         }
     }
 }

@@ -99,7 +99,7 @@ pub struct RunRecord {
     pub fingerprint: String,
 }
 
-/// A program of the user that drives or walks. A report does not hold its files.
+/// A program of the user that drives or walks.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProgramRecord {
     /// The name of the driver or the controller.
@@ -109,6 +109,9 @@ pub struct ProgramRecord {
     /// The key `version` of the scenario; empty without one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub version: String,
+    /// Whether the report holds these files, in `programs/NAME`.
+    #[serde(default)]
+    pub is_held: bool,
     /// BLAKE3 of the files that the scenario declares, by their paths relative to the folder of the scenario.
     pub files: BTreeMap<String, String>,
 }
@@ -120,6 +123,7 @@ impl ProgramRecord {
             name: program.name.clone(),
             command: program.command.clone(),
             version: program.version.clone().unwrap_or_default(),
+            is_held: false,
             files: program.files.clone(),
         }
     }

@@ -27,6 +27,7 @@ mod findings;
 mod grouped;
 mod metric_table;
 mod replayed;
+mod held_programs;
 mod write;
 
 // What was found: rates, cells, drivers, searches.

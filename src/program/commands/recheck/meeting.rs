@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::RecheckArgs;
 use super::driver_pairs::{DriverPair, Place, driver_pairs, new_role, places, with_driver};
 use super::encounters::{MetAgain, cross};
-use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source};
+use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source, WhichPrograms};
 use compile::{Campaign, RunId};
 use results::failure::{Failure, FoundBy};
 use results::parallel;
@@ -54,22 +54,26 @@ impl Session {
         report.check_tables()?;
         self.announce(report.manifest());
         let given = if options.files.is_empty() { None } else { Some(self.new_campaigns(options, &report)?) };
-        let (old, reason) = match (self.compile_again(report.clone(), &options.repeat.repeat, &[]), &given) {
-            (Ok((old, changes)), _) => {
-                (old, changes.first().filter(|_| !options.repeat.repeat.anyway).map(ToString::to_string))
-            }
-            // The runs of the report may still be known by their keys.
-            (Err(error), Some(new)) => {
-                let campaign = new.iter().find(|campaign| campaign.name == report.manifest().campaign);
-                let Some(campaign) = campaign else { return Err(error) };
-                (Source::new(report.clone(), campaign.clone()), Some(error.to_string()))
-            }
-            (Err(error), None) => return Err(error),
-        };
+        let (old, reason) =
+            match (self.compile_again(report.clone(), &options.repeat.repeat, &[], WhichPrograms::OfReport), &given) {
+                (Ok((old, changes)), _) => {
+                    (old, changes.first().filter(|_| !options.repeat.repeat.anyway).map(ToString::to_string))
+                }
+                // The runs of the report may still be known by their keys.
+                (Err(error), Some(new)) => {
+                    let campaign = new.iter().find(|campaign| campaign.name == report.manifest().campaign);
+                    let Some(campaign) = campaign else { return Err(error) };
+                    (Source::new(report.clone(), campaign.clone()), Some(error.to_string()))
+                }
+                (Err(error), None) => return Err(error),
+            };
         let new = match given {
             Some(new) => new,
-            None if options.settings.is_empty() => vec![old.campaign.clone()],
-            None => vec![self.compile_again(report, &options.repeat.repeat, &options.settings)?.0.campaign],
+            None if options.settings.is_empty() && old.held_programs.is_empty() => vec![old.campaign.clone()],
+            None => {
+                let present = WhichPrograms::Present;
+                vec![self.compile_again(report, &options.repeat.repeat, &options.settings, present)?.0.campaign]
+            }
         };
         let is_old_there = reason.is_none();
         let notes = reason.map(|reason| RecheckNote::OldDriverGone { reason }).into_iter().collect();
