@@ -41,13 +41,19 @@ fn compiled(text: &str) -> Result<Plan, String> {
 
 /// A campaign with one evaluation of a scripted target.
 fn scenario(spawn: &str, policy: &str) -> Arc<Scenario> {
-    let town = if spawn.contains("child") || spawn.starts_with("cpnco") { "test_track_parked" } else { "test_track" };
+    let is_child = spawn.contains("child") || spawn.starts_with("cpnco");
+    let (town, target) = if is_child { ("test_track_parked", "child_target") } else { ("test_track", "adult_target") };
+    let plan = campaign(spawn, policy, town, target).unwrap_or_else(|said| panic!("{said}"));
+    plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
+}
+
+fn campaign(spawn: &str, policy: &str, town: &str, target: &str) -> Result<compile::Plan, String> {
     let text = format!(
         "edition 1\nimport \"std/drivers.scn\"\nimport \"std/fmvss127.scn\"\nimport \"std/ncap.scn\"\nimport \"std/r152.scn\"\npolicy follower = idm()\n\
-         campaign c {{ vehicle: model3 adversary: adult_target spawn: {spawn} episode: protocol_test\n\
+         campaign c {{ vehicle: model3 adversary: {target} spawn: {spawn} episode: protocol_test\n\
          evaluate {{ towns: [{town}] policies: [{policy}] pedestrians: [scripted] episodes: 1 }} }}"
     );
-    compiled(&text).unwrap_or_else(|said| panic!("{said}")).campaigns[0].nth::<compile::Evaluation>(0).scenario.clone()
+    compiled(&text)
 }
 
 /// The outcome and the trace of each case of a test.
@@ -290,7 +296,16 @@ fn a_test_that_cannot_be_is_refused() {
     let off = with(&format!("= crossing_test({})", test("").replace("-1.75 m", "-40 m")));
     assert!(off.contains("40"), "{off}");
     let plain = with("{ ego_speed: 5 m/s }");
-    assert!(plain.contains("is no test"), "{plain}");
+    assert!(plain.contains("is not a test"), "{plain}");
+    for (spawn, town, target, reason) in [
+        ("cpnco", "test_track", "child_target", "one behind parked cars"),
+        ("cpnco", "test_track_parked", "adult_target", "that is a target of body `child`"),
+        ("cpna", "test_track", "child_target_box", "that is a target of body `adult`"),
+        ("crossing_child", "test_track", "child_target", "one behind parked cars"),
+    ] {
+        let refused = campaign(spawn, "follower", town, target).unwrap_err();
+        assert!(refused.contains(reason), "{spawn} in {town}, {target}: {refused}");
+    }
 }
 
 /// A table of the reference folder; none after reporting that it is not there.

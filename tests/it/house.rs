@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_270),
+    ("src/base", 3_286),
     ("src/learn", 5_570),
-    ("src/world", 31_161),
+    ("src/world", 31_202),
     ("src/ported", 4_650),
     ("src/lang", 6_350),
-    ("src/compile", 6_910),
-    ("src/process", 850),
+    ("src/compile", 6_940),
+    ("src/process", 0_850),
     ("src/export", 3_780),
-    ("src/results", 25_560),
-    ("src/program", 11_250),
-    ("tests", 25_985),
+    ("src/results", 26_237),
+    ("src/program", 11_350),
+    ("tests", 26_092),
 ];
 
 /// Crates that only some places may name.

@@ -62,5 +62,5 @@ fn a_box_needs_ranges_and_a_picture_its_parameters() {
     assert!(cover("picture: [delay]").contains("bearing, distance"), "{}", cover("picture: [delay]"));
     let twice = cover("picture: [bearing, bearing]");
     assert!(twice.contains("bearing"), "{twice}");
-    assert!(cover("pedestrian: scripted").contains("no test"));
+    assert!(cover("pedestrian: scripted").contains("not a test"));
 }

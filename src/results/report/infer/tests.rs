@@ -45,8 +45,8 @@ fn gather(runs: Vec<DataFrame>) -> Evidence {
 }
 
 fn gathered(mut gathering: Gathering, runs: &[DataFrame]) -> Evidence {
-    for table in runs.iter().map(|run| EpisodeTable::new(run).unwrap()) {
-        gathering.add(&table.key().unwrap(), &table);
+    for run in runs {
+        gathering.add(&RunKey::read(run, 0).unwrap(), &EpisodeTable::new(run).unwrap());
     }
     gathering.finish()
 }

@@ -163,8 +163,13 @@ impl TargetWalk {
 
     /// Whether the target can be seen from this car in a case, both at their starts.
     pub fn is_in_sight(&self, obstacles: &Obstacles, car: &VehicleBlueprint) -> bool {
-        let starts = (0..).zip(&self.cases).map(|(case, _)| self.spawn(case, 1.0, car));
-        starts.into_iter().any(|start| !obstacles.blocks_sight(start.ego.position(), start.pedestrian.position()))
+        let is_seen = |number: u64, case: &TestCase| {
+            let pose = self.car(case, car.half_length);
+            let state = VehicleState { pose, speed: case.test_speed, ..VehicleState::default() };
+            let target = self.release(number, 1.0, &state, car, self.command(), 1e-3).start;
+            !obstacles.blocks_sight(pose.position(), target.position())
+        };
+        (0..).zip(&self.cases).any(|(number, case)| is_seen(number, case))
     }
 
     /// The start of an episode, up to what the driver makes of it.
