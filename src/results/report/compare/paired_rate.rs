@@ -258,10 +258,10 @@ mod tests {
 
     #[test]
     fn six_new_faults_over_two_controllers_show_and_an_unchanged_driver_costs_nothing() {
-        let mut rates = vec![worse_from(6), worse_from(0), worse_from(0)];
+        let mut rates = [worse_from(6), worse_from(0), worse_from(0)];
         rates[1].is_unchanged = true;
         PairedRate::adjust(rates.iter_mut());
-        let [changed, unchanged, equal] = &rates[..] else { unreachable!() };
+        let [changed, unchanged, equal] = &rates;
         assert_eq!((changed.values, changed.changed.new), ([0.0, 0.03], 6));
         assert!((changed.holm.unwrap() - 1.0 / 32.0).abs() < 1e-12, "{:?}", changed.holm);
         assert_eq!((unchanged.holm, unchanged.interval), (Some(1.0), Some((0.0, 0.0))));
