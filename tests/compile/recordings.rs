@@ -144,6 +144,7 @@ fn noise_of_positions_speeds_and_headings_changes_no_class() {
         for (name, places, deviation) in [
             ("3 cm in all positions", &[1, 2, 5, 6][..], 0.03),
             ("0.1 m/s in speeds", &[4, 8], 0.1),
+            ("0.2 m/s in the car's speed", &[4], 0.2),
             ("1 deg in headings", &[3], 1.0),
             ("5 deg in the pedestrian's heading", &[7], 5.0),
         ] {
@@ -154,6 +155,20 @@ fn noise_of_positions_speeds_and_headings_changes_no_class() {
             });
         }
     }
+}
+
+#[test]
+fn a_standing_pedestrian_may_have_noisy_speeds_below_0() {
+    let mut stream = Seed::root(11).stream();
+    let scenario = crate::case_book::scenario();
+    let mut rows = STANDING.rows(50.0);
+    rows.iter_mut().for_each(|row| row[8] += normal(&mut stream, 0.2));
+    assert!(rows.iter().any(|row| row[8] < -0.5));
+    assert_eq!(class(&scenario, &rows, 9), "fault");
+    // One who walks along its direction at a negative speed is refused.
+    let mut backwards = CROSSING.rows(50.0);
+    backwards.iter_mut().for_each(|row| row[8] = -0.9);
+    assert!(class(&scenario, &backwards, 9).starts_with("the pedestrian moves at 180 deg from its heading"));
 }
 
 #[test]

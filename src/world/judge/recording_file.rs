@@ -1,3 +1,5 @@
+use std::f64::consts::PI;
+
 use super::{Recording, RecordingError};
 use crate::geometry::{Point, Pose};
 use crate::sim::{PedestrianState, VehicleState};
@@ -11,8 +13,8 @@ const VELOCITY: [&str; 2] = ["pedestrian_yaw_deg", "pedestrian_speed_mps"];
 const MAX_COLUMNS: usize = 10_000;
 /// The greatest deviation of a time from a constant step, as a share of the step.
 const UNEVEN: f64 = 0.1;
-/// A speed of a pedestrian may be as far below 0 by noise (m/s).
-const NOISE_OF_SPEED: f64 = 0.5;
+/// A speed of a pedestrian may be as far below 0 by noise (m/s); its direction is then the opposite.
+const NOISE_OF_SPEED: f64 = 1.0;
 
 /// A file that holds no recording.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -92,7 +94,8 @@ impl Recording {
             times.push((index + 1, time));
             ego.push(VehicleState { pose: Pose::new(x, y, yaw.to_radians()), speed, ..VehicleState::default() });
             positions.push(Point::new(walker_x, walker_y));
-            walkers.push(PedestrianState::moving(Pose::new(walker_x, walker_y, walker_yaw.to_radians()), walker_speed));
+            let direction = walker_yaw.to_radians() + if walker_speed < 0.0 { PI } else { 0.0 };
+            walkers.push(PedestrianState::moving(Pose::new(walker_x, walker_y, direction), walker_speed.abs()));
         }
         let dt = step(&times)?;
         match has_velocity {
