@@ -15,20 +15,23 @@ const HEADING_NOISE: f64 = 0.005;
 /// A position of the car that is less far from the one before, as a multiple of the noise, says nothing of its direction.
 const MIN_STEP: f64 = 5.0;
 /// Numbers below this many standard deviations of their noise are none.
-const SIGNIFICANT: f64 = 3.0;
+const SIGNIFICANT: f64 = 4.0;
+/// The median of the absolute value of a normal number, and of the length of a pair of them, in standard deviations.
+const OF_NUMBER: f64 = 0.674;
+const OF_PAIR: f64 = 1.177;
 /// How far the speed (m/s) and the heading (rad) of a car may be from those before and after: at once, and in each second.
 const SPEED_SPIKE: (f64, f64) = (1.0, 15.0);
 const HEADING_SPIKE: (f64, f64) = (0.2, 2.0);
 
 /// The standard deviation of the difference of two values by noise, from the median of their second differences: a body changes its velocity
-/// little between two instants.
-fn median_noise(values: &[Vector]) -> f64 {
+/// little between two instants. `usual` is the median of such a difference, in standard deviations.
+fn median_noise(values: &[Vector], usual: f64) -> f64 {
     let mut changes: Vec<f64> =
         values.windows(3).map(|near| ((near[2] - near[1]) - (near[1] - near[0])).norm()).collect();
     let Some(last) = changes.len().checked_sub(1) else { return 0.0 };
     let (_, median, _) = changes.select_nth_unstable_by(last / 2, f64::total_cmp);
-    // Each coordinate of a second difference deviates by the square root of 6; half of all pairs of normal numbers are shorter than 1.177.
-    *median / (1.177 * 6.0_f64.sqrt()) * 2.0_f64.sqrt()
+    // Each coordinate of a second difference deviates by the square root of 6.
+    *median / (usual * 6.0_f64.sqrt()) * 2.0_f64.sqrt()
 }
 
 /// The same of values that are rounded, or held for several instants: the usual step between them is the width of an equal distribution.
@@ -45,7 +48,7 @@ fn step_noise(values: &[Vector]) -> f64 {
 
 /// The standard deviation of the difference of two positions by noise (m).
 pub(super) fn noise(positions: &[Vector]) -> f64 {
-    median_noise(positions).max(step_noise(positions))
+    median_noise(positions, OF_PAIR).max(step_noise(positions))
 }
 
 /// The lines that fit best around each value: their value there and their change from one instant to the next. A line takes `span` steps, at the ends
@@ -82,7 +85,7 @@ fn span_of_change(noise: f64, dt: f64) -> usize {
 }
 
 /// The states of a pedestrian at these positions, `dt` (s) apart. Its velocity is that of the step to each position; the first one has the velocity of
-/// the second. The noisier the positions, the longer the way that a velocity is taken from: up to half a second around it. A velocity below three
+/// the second. The noisier the positions, the longer the way that a velocity is taken from: up to half a second around it. A velocity below four
 /// standard deviations of its noise is none.
 pub(super) fn walked(positions: &[Vector], dt: f64) -> Vec<PedestrianState> {
     let noise = noise(positions);
@@ -114,7 +117,7 @@ pub(super) fn usual_speeds(positions: &[Vector], dt: f64) -> Vec<f64> {
 /// Takes the noise out of a pedestrian whose velocity is recorded.
 pub(super) fn clean_pedestrian(states: &mut [PedestrianState], dt: f64) {
     let velocities: Vec<Vector> = states.iter().map(|state| state.velocity).collect();
-    let noise = median_noise(&velocities);
+    let noise = median_noise(&velocities, OF_NUMBER);
     if noise > VELOCITY_NOISE {
         let span = (noise / VELOCITY_NOISE).powi(2).ceil().min(half_second(dt));
         let none = SIGNIFICANT * noise / (span + 1.0).sqrt();
@@ -134,7 +137,7 @@ pub(super) fn clean_pedestrian(states: &mut [PedestrianState], dt: f64) {
 pub(super) fn clean_car(states: &mut [VehicleState], dt: f64) {
     let speeds: Vec<Vector> = states.iter().map(|state| Vector::new(state.speed, 0.0)).collect();
     let half = half_second(dt);
-    let noise = median_noise(&speeds);
+    let noise = median_noise(&speeds, OF_NUMBER);
     if noise > VELOCITY_NOISE {
         let span = (noise / VELOCITY_NOISE).powi(2).ceil().min(half);
         let none = SIGNIFICANT * noise / (span + 1.0).sqrt();
@@ -143,7 +146,7 @@ pub(super) fn clean_car(states: &mut [VehicleState], dt: f64) {
         }
     }
     let headings: Vec<Vector> = unwrapped(states).into_iter().map(|yaw| Vector::new(yaw, 0.0)).collect();
-    if median_noise(&headings) > HEADING_NOISE {
+    if median_noise(&headings, OF_NUMBER) > HEADING_NOISE {
         for (state, (yaw, _)) in states.iter_mut().zip(lines(&headings, half as usize)) {
             state.pose.yaw = wrap_angle(yaw.x);
         }
@@ -190,7 +193,7 @@ fn ways(velocities: impl Iterator<Item = Vector>, dt: f64) -> Vec<Vector> {
 /// slowly.
 fn clean_positions(positions: &mut [Vector], explained: &[Vector], dt: f64) -> f64 {
     let rest: Vec<Vector> = positions.iter().zip(explained).map(|(position, way)| position - way).collect();
-    let noise = median_noise(&rest).max(step_noise(positions));
+    let noise = median_noise(&rest, OF_PAIR).max(step_noise(positions));
     if noise <= VELOCITY_NOISE * dt {
         return 0.0;
     }
