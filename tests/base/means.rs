@@ -1,6 +1,8 @@
 //! Tests and intervals of means and of their differences, by Student and Welch.
 
-use base::statistics::{Uncertainty, mean_interval, mean_interval_at, mean_p, student_quantile_at, student_tails};
+use base::statistics::{
+    Uncertainty, bounded_interval, mean_interval, mean_interval_at, mean_p, student_quantile_at, student_tails,
+};
 
 use crate::recorded::recorded;
 
@@ -52,4 +54,24 @@ fn the_interval_of_a_difference_is_scipys() {
     let half = 0.111_622_865_793;
     assert!((low - 1.0 + half).abs() < 1e-9 && (high - 1.0 - half).abs() < 1e-9, "{low}..{high}");
     assert_eq!(Uncertainty::of_mean(0.02, 1), None);
+}
+
+#[test]
+fn an_interval_of_a_figure_with_bounds_holds_no_impossible_value() {
+    let positive = (0.0, f64::INFINITY);
+    let (low, high) = bounded_interval(2.0, 0.5, positive);
+    assert!((low * high - 4.0).abs() < 1e-12 && (high / 2.0 - libm::exp(0.25)).abs() < 1e-12);
+    let (low, high) = bounded_interval(0.5, 0.2, (0.0, 1.0));
+    assert!((low + high - 1.0).abs() < 1e-12 && (low - 1.0 / (1.0 + libm::exp(0.8))).abs() < 1e-12, "{low} {high}");
+    // Far from a bound it is Student's.
+    let (low, high) = bounded_interval(1000.0, 1.0, positive);
+    assert!((low - 999.0).abs() < 1e-3 && (high - 1001.0).abs() < 1e-3);
+    for bounds in [positive, (0.0, 1.0)] {
+        for (estimate, half) in [(0.001, 0.01), (0.3, 5.0), (0.999, 0.1), (0.0, 0.1), (1.0, 0.2)] {
+            let (low, high) = bounded_interval(estimate, half, bounds);
+            assert!(bounds.0 <= low && low <= estimate && estimate <= high && high <= bounds.1, "{low} {high}");
+            assert!(estimate == 0.0 || low > 0.0, "{estimate} {half}: {low}");
+        }
+    }
+    assert_eq!(bounded_interval(-1.0, 2.0, (f64::NEG_INFINITY, f64::INFINITY)), (-3.0, 1.0));
 }

@@ -24,5 +24,5 @@ pub use normal::{normal_below, normal_quantile};
 pub use quantile::quantile;
 pub use sample::Sample;
 pub use student::{MIN_RUNS, mean_interval, mean_interval_at, mean_p, student_quantile_at, student_tails};
-pub use uncertainty::Uncertainty;
+pub use uncertainty::{Uncertainty, bounded_interval};
 pub use wilson::{wilson, wilson_at};

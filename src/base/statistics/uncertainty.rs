@@ -1,5 +1,21 @@
 use super::{student_quantile_at, student_tails};
 
+/// An interval of this half width about an estimate that has bounds, without an impossible value: of a figure with a lower bound symmetric on the logarithm,
+/// of a fraction on the logit (the delta method). About an estimate at a bound it is cut there.
+pub fn bounded_interval(estimate: f64, half: f64, (least, greatest): (f64, f64)) -> (f64, f64) {
+    let (above, below) = (estimate - least, greatest - estimate);
+    if above <= 0.0 || below <= 0.0 || above.is_infinite() {
+        return ((estimate - half).max(least), (estimate + half).min(greatest));
+    }
+    if below.is_infinite() {
+        let factor = libm::exp(half / above);
+        return (least + above / factor, least + above * factor);
+    }
+    let factor = libm::exp(half * (above + below) / (above * below));
+    let at = |odds: f64| least + (above + below) * odds / (1.0 + odds);
+    (at(above / below / factor), greatest - (greatest - least) / (1.0 + above / below * factor))
+}
+
 /// The uncertainty of an estimate: its standard error, and the degrees of freedom of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertainty {

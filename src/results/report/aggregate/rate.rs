@@ -1,4 +1,4 @@
-use base::statistics::{mean, mean_interval, sample_deviation};
+use base::statistics::{bounded_interval, mean, mean_interval, sample_deviation};
 
 /// A figure of several runs: its mean, how much the runs differ, and a 95 % interval.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -43,20 +43,15 @@ impl Rate {
         Self { interval, method, ..self }
     }
 
-    /// A figure that cannot be below 0, with Student's interval over the runs that have a value.
-    pub fn student(values: impl Iterator<Item = Option<f64>>) -> Self {
+    /// A figure of at least 0 and at most `greatest`, with Student's interval over the runs that have a value.
+    pub fn student(values: impl Iterator<Item = Option<f64>>, greatest: f64) -> Self {
         let by_run: Vec<f64> = values.flatten().collect();
         if by_run.is_empty() {
             return Self::default();
         }
         let (mean, interval) = mean_interval(&by_run);
-        let interval = interval.map(|(low, high)| (low.max(0.0), high));
+        let interval = interval.map(|(low, high)| bounded_interval(mean, (high - low) / 2.0, (0.0, greatest)));
         Self { value: Some(mean), ..Self::of_runs(by_run) }.within(interval, Method::Student)
-    }
-
-    /// Cuts the interval of a fraction at 1.
-    pub fn of_fraction(self) -> Self {
-        Self { interval: self.interval.map(|(low, high)| (low, high.min(1.0))), ..self }
     }
 
     /// The band of a curve: one standard deviation over runs to either side, for a single run its interval; for a figure with Student's interval that, and

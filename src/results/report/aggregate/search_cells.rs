@@ -7,7 +7,7 @@ use crate::jobs::SearchResult;
 use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Role, Table};
 use crate::report::grouped::grouped;
-use base::statistics::quantile;
+use base::statistics::{clopper_pearson, quantile};
 use compile::SearchKey;
 
 /// All runs of a falsifier in one town against one policy, for people.
@@ -81,7 +81,11 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         };
         median_time(&figures.iter().zip(cell).map(time).collect::<Vec<_>>())
     };
-    let over = |value: &dyn Fn(&Figures) -> Option<f64>| Rate::student(figures.iter().map(value));
+    let over = |value: &dyn Fn(&Figures) -> Option<f64>| Rate::student(figures.iter().map(value), f64::INFINITY);
+    let fault_start_rate = Rate::student(figures.iter().map(|figures| figures.fault_start_rate), 1.0);
+    // Without any fault the runs have no spread, and the number of starts says what may go unseen.
+    let none = fault_start_rate.interval.filter(|_| fault_start_rate.value == Some(0.0));
+    let unseen = none.map(|_| clopper_pearson(0, figures.iter().map(|figures| figures.starts).sum(), 0.05));
     SearchCell {
         key: cell[0].key.clone(),
         goal: cell[0].goal().map(|named| named.name.to_string()),
@@ -93,7 +97,7 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         failed_starts: over(&|figures| Some(figures.failed_starts as f64)),
         starts: over(&|figures| Some(figures.starts as f64)),
         faults: over(&|figures| figures.judged(Some(figures.fault as f64))),
-        fault_start_rate: over(&|figures| figures.fault_start_rate).of_fraction(),
+        fault_start_rate: Rate { interval: unseen.or(fault_start_rate.interval), ..fault_start_rate },
         fault_starts: over(&|figures| figures.judged(Some(figures.fault_starts as f64))),
         injury: over(&|figures| figures.injury),
         first_fault: median(|figures| figures.first_fault),
@@ -166,8 +170,8 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
 
 /// The mean of a column over runs with its interval.
 fn averaged(name: &'static str, role: Role, value: fn(&SearchCell) -> &Rate) -> Vec<Entry<'static, SearchCell>> {
-    let doc = "mean over `runs` with Student's 95 % interval, cut at 0 and for rates at 1. The interval is about further runs in this town, not about \
-               other towns; missing for fewer than four runs";
+    let doc = "mean over `runs` with Student's 95 % interval, on the logarithm, and for rates on the logit; of a rate that is 0 in all runs Clopper and \
+               Pearson's over all starts. The interval is about further runs in this town, not about other towns; missing for fewer than four runs";
     let mut entries =
         vec![MEAN.of(name, move |cell: &SearchCell| value(cell).value).of_figure(name, role).meaning(doc)];
     entries.extend(Interval::new(name, "", doc).of(move |cell: &SearchCell| value(cell).interval));

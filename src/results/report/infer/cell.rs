@@ -3,7 +3,7 @@ use super::place::{Measured, Place};
 use super::{Figure, Learning};
 use crate::record::CellKey;
 use crate::report::aggregate::{Method, Rate};
-use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, quantile};
+use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, bounded_interval, quantile};
 use world::judge::Reference;
 
 /// The evidence on a cell, in addition to its means.
@@ -55,11 +55,13 @@ impl CellEvidence {
         let runs = &measured.runs[place.cells[cell].clone()];
         let by_run: Vec<f64> = runs.iter().flatten().map(|(value, _)| *value).collect();
         let sample = place.sample(measured, cell, None);
-        let (least, most) = figure.bounds();
-        let cut = |(low, high): (f64, f64)| (low.clamp(least, most), high.clamp(least, most));
         self.uncertainties[figure as usize] = sample.as_ref().and_then(Sample::uncertainty);
         // One run says nothing of further ones, and two or three next to nothing.
-        let interval = sample.as_ref().filter(|_| runs.len() >= MIN_RUNS).and_then(Sample::interval).map(cut);
+        let interval = sample.as_ref().filter(|_| runs.len() >= MIN_RUNS).and_then(Sample::interval);
+        let interval = sample
+            .as_ref()
+            .zip(interval)
+            .map(|(sample, (low, high))| bounded_interval(sample.estimate(), (high - low) / 2.0, figure.bounds()));
         self.between[figure as usize] = Rate::of_runs(by_run).within(interval, Method::Student);
         if figure == Figure::Reward {
             self.learning = Learning::new(place, measured, cell);
