@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_286),
+    ("src/base", 3_302),
     ("src/learn", 5_570),
     ("src/world", 31_208),
     ("src/ported", 4_650),
@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 6_940),
     ("src/process", 850),
     ("src/export", 3_780),
-    ("src/results", 26_237),
+    ("src/results", 26_238),
     ("src/program", 11_350),
-    ("tests", 26_097),
+    ("tests", 26_119),
 ];
 
 /// Crates that only some places may name.
