@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 6_940),
     ("src/process", 850),
     ("src/export", 3_780),
-    ("src/results", 26_238),
+    ("src/results", 26_260),
     ("src/program", 11_350),
-    ("tests", 26_119),
+    ("tests", 26_123),
 ];
 
 /// Crates that only some places may name.

@@ -138,7 +138,7 @@ fn a_gate_on_an_interval_fails_where_too_few_runs_have_one() {
     };
     assert_eq!(
         said(1),
-        "there is no `fault_rate_student_low`, since fewer than 4 runs have no interval; write `fault_rate_wilson_low`, or give more `runs`"
+        "there is no `fault_rate_student_low`, since fewer than 4 runs have no interval, and the cases of a test have none at all; write `fault_rate_wilson_low`, or give more `runs`"
     );
     assert!(said(2).contains("write `fault_rate_mean`"), "{}", said(2));
 }

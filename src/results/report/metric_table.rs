@@ -80,13 +80,18 @@ fn of_metric<'a>(
     if let Metric::Rate(rate) = *metric {
         let of = if rate.whole.name == "collisions" { "collisions" } else { "episodes" };
         let of = Size(of, u64::from(cell.count(rate.whole)));
-        rows.push(Row { of, ends: average.interval, interval: "wilson", ..of_runs.clone() });
+        rows.push(Row { of, ends: average.interval, interval: wilson_of(average.interval), ..of_runs.clone() });
     }
     if student.is_some() {
         rows.push(Row { ends: student, interval: "student", ..of_runs });
-    } else if average.interval.is_none() {
+    } else if !matches!(metric, Metric::Rate(_)) {
         rows.push(of_runs);
     }
+}
+
+/// The name of an interval; empty if there is none.
+fn wilson_of(interval: Option<(f64, f64)>) -> &'static str {
+    if interval.is_some() { "wilson" } else { "" }
 }
 
 /// Adds the rows of a requirement.
@@ -108,7 +113,7 @@ fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Ro
             value: rate_of_runs.value,
             sd: rate_of_runs.sd,
             ends: rate_of_runs.interval,
-            interval: "wilson",
+            interval: wilson_of(rate_of_runs.interval),
             ..row
         });
     }
@@ -187,7 +192,7 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
         let of = Size("episodes", found.episodes.count());
         let ends = (!cell.is_of_cases).then(|| wilson(rest, found.episodes));
         let rate = row(remaining_rate(reference), of, rest.share_of(&found.episodes));
-        rows.push(Row { ends, interval: "wilson", ..rate });
+        rows.push(Row { ends, interval: wilson_of(ends), ..rate });
     }
 }
 

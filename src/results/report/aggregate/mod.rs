@@ -30,7 +30,7 @@ pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns
 pub use published::{PublishedComparison, beside, published, published_table};
 pub use rate::{Method, Rate};
 pub use requirements::{
-    AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
+    APPLIES, AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
     REQUIREMENT, REQUIREMENTS, ROBUSTNESS, ROBUSTNESS_UNIT, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
     requirement_table,
 };

@@ -22,7 +22,7 @@ pub struct ReportComparison {
     pub folders: [PathBuf; 2],
     /// What differs besides the drivers.
     pub caveats: Vec<Caveat>,
-    /// What is counted: collisions, and violations of the requirements that both reports have.
+    /// What is counted: collisions, and violations of the requirements that both reports have and that applied in one of them.
     pub events: Vec<CountedEvent>,
     /// One for each place, driver and controller, in the order of the first report; then those about all controllers of a driver that has several.
     pub cells: Vec<ComparedCell>,
@@ -91,7 +91,9 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     };
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
     let violated = [violations(before)?, violations(after)?];
-    let requirements: Vec<&String> = violated[0].keys().filter(|name| violated[1].contains_key(*name)).collect();
+    let applied = [before.report.applied_requirements()?, after.report.applied_requirements()?];
+    let is_compared = |name: &&String| violated[1].contains_key(*name) && applied.iter().any(|all| all.contains(*name));
+    let requirements: Vec<&String> = violated[0].keys().filter(is_compared).collect();
     let events = CountedEvent::all(requirements.iter().copied());
     let cells = grouped(pairs, |one, other| one[0].key.cell == other[0].key.cell);
     let (mut compared, mut changes) = (Vec::<ComparedCell>::new(), Vec::new());

@@ -13,7 +13,7 @@ use crate::record::columns::{
 };
 use crate::record::{CellKey, Column, EPISODES, EpisodeTable, RunKey, Signed, Table};
 use crate::report::aggregate::{
-    AT_COLLISION, COMMANDS, COUNTS, FAILURE, FAILURES, FALSIFIER, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
+    APPLIES, AT_COLLISION, COMMANDS, COUNTS, FAILURE, FAILURES, FALSIFIER, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
     GOAL_PREVENTABLE, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY, REQUIREMENT, REQUIREMENTS, ROBUSTNESS,
     ROBUSTNESS_UNIT, SEARCH_BLOCK, SEARCH_RUN, START, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
 };
@@ -33,6 +33,21 @@ impl StoredReport {
         let mut names = BTreeSet::new();
         self.each_part(REQUIREMENTS, ROWS, |rows| {
             names.extend(REQUIREMENT.read(rows)?.iter().flatten().map(String::from));
+            Ok(())
+        })?;
+        Ok(names)
+    }
+
+    /// The names of those that applied in an episode.
+    ///
+    /// # Errors
+    /// As [`StoredReport::requirements`].
+    pub fn applied_requirements(&self) -> Result<BTreeSet<String>, ReadError> {
+        let mut names = BTreeSet::new();
+        self.each_part(REQUIREMENTS, ROWS, |rows| {
+            let (requirement, applies) = (REQUIREMENT.read(rows)?, APPLIES.read(rows)?);
+            let applied = requirement.iter().zip(applies.iter()).filter(|(_, applies)| *applies == Some(true));
+            names.extend(applied.filter_map(|(name, _)| name.map(String::from)));
             Ok(())
         })?;
         Ok(names)

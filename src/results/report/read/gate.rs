@@ -106,7 +106,7 @@ impl Judged {
 /// An end of an interval that too few runs have. `Display` gives the reason and what to write instead.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "there is no `{column}`, since fewer than {MIN_RUNS} runs have no interval{}",
+    "there is no `{column}`, since fewer than {MIN_RUNS} runs have no interval, and the cases of a test have none at all{}",
     instead.as_ref().map_or(String::new(), |instead| format!("; write `{instead}`, or give more `runs`"))
 )]
 pub struct TooFewRuns {
