@@ -158,6 +158,20 @@ fn noise_of_positions_speeds_and_headings_changes_no_class() {
 }
 
 #[test]
+fn a_time_in_another_unit_is_no_jump() {
+    let scenario = crate::case_book::scenario();
+    for rate in [5.0, 20.0, 100.0] {
+        let mut rows = STANDING.rows(rate);
+        rows.iter_mut().for_each(|row| row[0] /= 10.0);
+        let found = class(&scenario, &rows, 9);
+        assert!(found.starts_with("the car moves 10.00 times as far"), "{rate} Hz: {found}");
+        // Three rows have no unit, and are refused all the same.
+        let few = class(&scenario, &rows[..3], 9);
+        assert!(rate > 20.0 || few.starts_with("instant 1: the car has moved"), "{rate} Hz: {few}");
+    }
+}
+
+#[test]
 fn a_standing_pedestrian_may_have_noisy_speeds_below_0() {
     let mut stream = Seed::root(11).stream();
     let scenario = crate::case_book::scenario();

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_302),
     ("src/learn", 5_570),
-    ("src/world", 31_208),
+    ("src/world", 31_215),
     ("src/ported", 4_650),
     ("src/lang", 6_350),
     ("src/compile", 6_940),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_780),
     ("src/results", 26_260),
     ("src/program", 11_350),
-    ("tests", 26_123),
+    ("tests", 26_133),
 ];
 
 /// Crates that only some places may name.

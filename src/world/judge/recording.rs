@@ -186,15 +186,17 @@ impl Recording {
             walkers.iter_mut().zip(usual_speeds(&positions, dt)).for_each(|(state, speed)| state.1 = speed);
         }
         let tracks = [("car", cars, TrackOf::Car), ("pedestrian", walkers, TrackOf::Pedestrian)];
-        let jumps = |of_way: f64, length: fn(&Vector, &Pose) -> f64| {
-            let first =
-                |(who, track, _): &(&'static str, Vec<_>, _)| Some((*who, Self::jump(track, dt, of_way, length)?));
+        let jumps = |of_way: f64, most: usize, length: fn(&Vector, &Pose) -> f64| {
+            let first = |(who, track, _): &(&'static str, Vec<_>, _)| {
+                Some((*who, Self::jump(track, dt, of_way, most, length)?))
+            };
             match tracks.iter().filter_map(first).min_by_key(|(_, (instant, ..))| *instant) {
                 Some((who, (instant, moved, speed))) => Err(RecordingError::Jump { instant, who, moved, speed }),
                 None => Ok(()),
             }
         };
-        jumps(Self::OF_WAY.0, |moved, _| moved.norm())?;
+        // What most steps do is a matter of units.
+        jumps(Self::OF_WAY.0, self.ego.len() / 2, |moved, _| moved.norm())?;
         // A heading that was taken from positions fits them.
         for (who, track, track_of) in tracks.iter().take(if self.is_walked { 1 } else { 2 }) {
             match misfit(track, dt, *track_of) {
@@ -205,7 +207,8 @@ impl Recording {
                 }
             }
         }
-        jumps(Self::OF_WAY.1, |moved, pose| moved.dot(&pose.left()).abs())?;
+        jumps(Self::OF_WAY.0, usize::MAX, |moved, _| moved.norm())?;
+        jumps(Self::OF_WAY.1, usize::MAX, |moved, pose| moved.dot(&pose.left()).abs())?;
         // Wrapped only now: degrees that were wrapped as radians are no longer recognised.
         let poses = self.ego.iter_mut().map(|state| &mut state.pose);
         for pose in poses.chain(self.pedestrian.iter_mut().map(|state| &mut state.pose)) {
@@ -214,21 +217,25 @@ impl Recording {
         Ok(self)
     }
 
-    /// The first step whose length is much more than this share of what the speed explains: its end, its length (m) and the speed (m/s).
+    /// The first step whose length is much more than this share of what the speed explains: its end, its length (m) and the speed (m/s). `None` if more
+    /// steps than `most` are so.
     fn jump(
         track: &[(Pose, f64)],
         dt: f64,
         of_way: f64,
+        most: usize,
         length: impl Fn(&Vector, &Pose) -> f64,
     ) -> Option<(usize, f64, f64)> {
         let positions: Vec<Vector> = track.iter().map(|(pose, _)| pose.position().coords).collect();
         let besides = Self::BESIDES + Self::OF_NOISE * noise(&positions);
-        let mut steps = track.windows(2).zip(positions.windows(2)).enumerate();
-        steps.find_map(|(instant, (states, places))| {
+        let steps = track.windows(2).zip(positions.windows(2)).enumerate();
+        let mut jumps = steps.filter_map(|(instant, (states, places))| {
             let (moved, speed) = (places[1] - places[0], states[0].1.abs().max(states[1].1.abs()));
             let is_far = length(&moved, &states[1].0) > of_way * speed * dt + besides;
             is_far.then(|| (instant + 1, moved.norm(), speed))
-        })
+        });
+        let first = jumps.next()?;
+        (jumps.count() < most).then_some(first)
     }
 
     /// Judges the first touch. `scenario` gives the sizes of the car and of the pedestrian, the grip of the road, and with `obstacles`
