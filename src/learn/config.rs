@@ -56,11 +56,8 @@ keys! {
         target_kl: Option<f64> as within(RATIO, MIN_POSITIVE, 1e6),
         /// Last states that the pedestrian sees, the newest included; zeros stand for those before the first.
         frame_stack: usize as whole(1, 256) = "1",
-        /// Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances
-        /// to all of them. A `search` has no curriculum.
-        curriculum: f64 as share() = "0",
         /// Starts of moving cars that are kept for each driver and town: an episode begins with a copy of one, drawn at random, instead of a
-        /// run-up of its own, which takes more ticks than most encounters. Without it every start is fresh, as it is in a curriculum, in a
+        /// run-up of its own, which takes more ticks than most encounters. Without it every start is fresh, as it is in a
         /// `search`, in evaluations, for drivers that cannot be copied and for cars without a run-up.
         starts: Option<usize> as whole(1, 100_000),
         /// Share of these copies that are of hard starts, as far as there are enough: of ten times as many starts, those from which one of twelve
@@ -130,7 +127,6 @@ impl PpoConfig {
             learning_rate_schedule: Schedule::Constant,
             target_kl: None,
             frame_stack: 1,
-            curriculum: 0.0,
             starts: None,
             hard_starts: None,
             normalize_observations: false,
@@ -142,17 +138,10 @@ impl PpoConfig {
         }
     }
 
-    /// The share of all starts from which episodes are drawn after this number of steps, from 0 for the easiest to 1 for all;
-    /// `None` without a curriculum.
-    pub(super) fn widening(&self, steps: u64) -> Option<f64> {
-        let whole = self.curriculum * self.steps as f64;
-        (self.curriculum > 0.0).then(|| (steps as f64 / whole).min(1.0))
-    }
-
     /// Returns whether the first updates depend on the number of all steps, so that a longer training is not a continuation of a
     /// shorter one.
     pub fn depends_on_total_steps(&self) -> bool {
-        self.curriculum > 0.0 || self.until == Until::Plateau || self.learning_rate_schedule != Schedule::Constant
+        self.until == Until::Plateau || self.learning_rate_schedule != Schedule::Constant
     }
 
     /// Writes the settings as a JSON object.

@@ -41,13 +41,6 @@ pub trait Env {
         0.0
     }
 
-    /// Sets the share of all starts that the next episodes are drawn from, from 0 for the easiest to 1 for all.
-    ///
-    /// Called before the first episode and before every rollout of a training with a curriculum; never without one.
-    fn set_curriculum(&mut self, share: f64) {
-        let _ = share;
-    }
-
     /// Returns everything that the environment's future depends on, also in mid-episode; `None` if it cannot be saved.
     ///
     /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the current

@@ -112,7 +112,6 @@ impl Trainer {
         if others.is_ok() {
             return Err(CheckpointError::Env { env: envs.len() });
         }
-        this.set_curriculum(envs);
         let mut anew = false;
         for (i, (env, lane)) in envs.iter_mut().zip(&mut this.collector.lanes).enumerate() {
             lane.noise = read_stream(tensors, &format!("env.{i}.noise"))?;

@@ -82,7 +82,6 @@ impl Trainer {
             "the first networks fit the environments"
         );
         let mut this = Self::assemble(envs, policy, config, seed);
-        this.set_curriculum(envs);
         let begun = this.collector.begin(envs, &mut this.learner.policy);
         begun.map_err(|quantity| TrainError::NonFinite { update: 1, quantity })?;
         Ok(this)
@@ -137,7 +136,6 @@ impl Trainer {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Experience<'_>, TrainError> {
         assert!(envs.len() == self.rollouts.len(), "a training keeps its environments");
-        self.set_curriculum(envs);
         let update = self.updates() + 1;
         let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts, stop);
         match finished {
@@ -147,17 +145,10 @@ impl Trainer {
         }
     }
 
-    /// Passes the share of the curriculum to the environments, if there is one.
-    pub(super) fn set_curriculum<E: Env>(&self, envs: &mut [E]) {
-        if let Some(share) = self.config.widening(self.steps) {
-            envs.iter_mut().for_each(|env| env.set_curriculum(share));
-        }
-    }
-
     /// Returns whether the number of steps in the settings has been reached, or the plateau that they ask for.
     pub fn is_done(&self) -> bool {
-        let PpoConfig { steps, until, curriculum, .. } = self.config;
-        self.steps >= steps || until == Until::Plateau && is_plateau(&self.learning_curve, steps, curriculum)
+        let PpoConfig { steps, until, .. } = self.config;
+        self.steps >= steps || until == Until::Plateau && is_plateau(&self.learning_curve, steps)
     }
 
     /// Returns the number of updates up to now.

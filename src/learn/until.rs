@@ -30,20 +30,19 @@ const CLEARLY: f64 = 2.0;
 
 /// Whether the mean reward of episodes has stopped rising.
 ///
-/// The decisions of the whole training, from those of its curriculum on, are parts of a twentieth each. The mean reward of a part is better if it is above
+/// The decisions of the whole training are parts of a twentieth each. The mean reward of a part is better if it is above
 /// that of the best part so far by two standard errors of their difference. After ten parts in a row that are not, there is a plateau. It is looked for at
 /// the first update of a part, when the one before is over; at other updates the answer is no.
-pub(super) fn is_plateau(curve: &[UpdateLog], total_steps: u64, curriculum: f64) -> bool {
+pub(super) fn is_plateau(curve: &[UpdateLog], total_steps: u64) -> bool {
     let size = (total_steps / PARTS).max(1);
-    let first = (curriculum * total_steps as f64).ceil() as u64;
-    let part = |log: &UpdateLog| (log.steps > first).then(|| ((log.steps - first - 1) / size) as usize);
+    let part = |log: &UpdateLog| (log.steps.saturating_sub(1) / size) as usize;
     if let [.., before, last] = curve
         && part(before) == part(last)
     {
         return false;
     }
     let mut parts: Vec<Vec<f64>> = Vec::new();
-    for (log, part) in curve.iter().filter_map(|log| Some((log, part(log)?))) {
+    for (log, part) in curve.iter().map(|log| (log, part(log))) {
         parts.resize(parts.len().max(part + 1), Vec::new());
         parts[part].extend(log.finished.iter().map(|episode| episode.reward));
     }
@@ -90,8 +89,7 @@ mod tests {
 
     #[test]
     fn a_reward_that_stays_is_a_plateau_after_half_and_one_that_rises_is_none() {
-        let first =
-            |reward: fn(u64) -> f64| (1..=100).find(|updates| is_plateau(&curve(*updates, reward), 10_000, 0.0));
+        let first = |reward: fn(u64) -> f64| (1..=100).find(|updates| is_plateau(&curve(*updates, reward), 10_000));
         // The best part is the first one; ten others are over with the first update of the twelfth.
         assert_eq!(first(|_| 0.5), Some(56));
         assert_eq!(first(|update| update as f64), None);
@@ -99,14 +97,5 @@ mod tests {
         assert_eq!(first(|update| update.min(20) as f64), Some(76));
         // Steps smaller than the noise are no rise.
         assert_eq!(first(|update| 0.001 * update as f64), Some(56));
-    }
-
-    #[test]
-    fn the_parts_of_a_curriculum_do_not_count() {
-        // It falls as the starts become harder, until three tenths of the training are over.
-        let falling = |update: u64| -(update.min(30) as f64);
-        assert!(is_plateau(&curve(56, falling), 10_000, 0.0));
-        assert!(!is_plateau(&curve(85, falling), 10_000, 0.3));
-        assert!(is_plateau(&curve(86, falling), 10_000, 0.3));
     }
 }

@@ -20,7 +20,7 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
 training plain = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3)
-training rich = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, frame_stack: 3, curriculum: 0.8, normalize_observations: true,
+training rich = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, frame_stack: 3, normalize_observations: true,
                     normalize_rewards: true, learning_rate_schedule: linear, target_kl: 0.05)
 campaign plain {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: plain

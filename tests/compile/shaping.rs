@@ -1,4 +1,4 @@
-//! Shaping and curriculum in the pedestrian's world: they guide the learner and change nothing else.
+//! Shaping in the pedestrian's world: it guides the learner and changes nothing else.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -8,10 +8,9 @@ use base::seed::Seed;
 use compile::{Catalog, Training, compile};
 use learn::{Env, shaping};
 use rand::RngExt;
-use world::env::SpawnRule;
 use world::falsifier::{PedestrianEnv, TrainingRun};
 
-/// Rewards with and without a potential; a spawn whose near part is empty.
+/// Rewards with and without a potential.
 const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -25,18 +24,11 @@ reward shaped {
   on step => -0.01
 }
 training short = ppo(steps: 300, steps_per_update: 100, epochs: 2, environments: 2)
-spawn aside {
-  bearing: -60 deg .. 60 deg
-  distance: 7 m .. 30 m
-  require: abs(aside) > 12 m
-}
 episode ten_seconds { ticks: 200 }
 campaign c {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: ten_seconds  training: short
   train { towns: [harbour] policies: [behavior] rewards: [plain, zero, shaped] runs: 1 }
-  train { towns: [lights] policies: [behavior] rewards: [plain] runs: 1  spawn: aside }
 }
-town lights { street quay { through: [(0 m, 0 m), (400 m, 0 m)] } }
 "#;
 
 fn trainings() -> Vec<Training> {
@@ -107,42 +99,4 @@ fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
     assert!(rewards.clone().count() > 10 && rewards.clone().all(|reward| (-0.1 - 1e-9..=1.0).contains(&reward)));
     // The first rollout is of the same policy, with the same episodes.
     assert_eq!(trained[0].learning_curve[0].finished, trained[2].learning_curve[0].finished);
-}
-
-#[test]
-fn starts_widen_from_near_to_all() {
-    let training = &trainings()[0];
-    let begin = |width: Option<f64>| -> Vec<_> {
-        let mut env = PedestrianEnv::new(training.scenario.simulation(), Seed::root(8));
-        if let Some(width) = width {
-            env.set_curriculum(width);
-        }
-        let spawns = (0..200).map(|episode| {
-            env.begin(episode);
-            let world = env.simulation().scene().world;
-            (world.ego().state.pose, world.pedestrians[0].state.pose)
-        });
-        spawns.collect()
-    };
-    for (width, farthest) in [(0.0, 9.3), (0.5, 19.65), (1.0, 30.0)] {
-        let apart = |(ego, walker): &(world::geometry::Pose, world::geometry::Pose)| {
-            (walker.position() - ego.position()).norm()
-        };
-        let found = begin(Some(width)).iter().map(apart).fold(0.0, f64::max);
-        assert!(found <= farthest + 1e-9 && found > farthest - 1.0, "{width}: {found}");
-    }
-    assert_eq!(begin(None), begin(Some(1.0)));
-}
-
-#[test]
-fn where_no_pedestrian_can_stand_near_they_begin_anywhere() {
-    let training = &trainings()[3];
-    let rule: SpawnRule = training.scenario.spawn.nearest(0.0).unwrap();
-    assert!(rule.distance.support().1 < 12.0, "none of them is 12 m aside");
-    let mut env = PedestrianEnv::new(training.scenario.simulation(), Seed::root(8));
-    env.set_curriculum(0.0);
-    for episode in 0..5 {
-        env.begin(episode);
-        assert!(env.simulation().scene().observe(0).distance > 12.0);
-    }
 }

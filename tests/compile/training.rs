@@ -25,7 +25,7 @@ fn every_setting_can_be_written() {
         "ppo(steps: 1000, until: plateau, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
         gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
         max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
-        target_kl: 0.03, frame_stack: 4, curriculum: 0.5, starts: 512, hard_starts: 0.75, normalize_observations: true,
+        target_kl: 0.03, frame_stack: 4, starts: 512, hard_starts: 0.75, normalize_observations: true,
         normalize_rewards: true, threads: 2, portable_bits: true,
         hidden: [32, 16])";
     let config = PpoConfig {
@@ -47,7 +47,6 @@ fn every_setting_can_be_written() {
         normalize_advantages: false,
         normalize_observations: true,
         normalize_rewards: true,
-        curriculum: 0.5,
         starts: Some(512),
         hard_starts: Some(0.75),
         frame_stack: 4,

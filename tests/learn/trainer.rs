@@ -14,13 +14,11 @@ struct Walk {
     stream: Stream,
     place: [f64; 2],
     saves: bool,
-    /// The shares that the curriculum has set, in order.
-    widths: Vec<f64>,
 }
 
 impl Walk {
     fn new(number: u64) -> Self {
-        Self { stream: Seed::root(50).index(number).stream(), place: [0.0; 2], saves: true, widths: Vec::new() }
+        Self { stream: Seed::root(50).index(number).stream(), place: [0.0; 2], saves: true }
     }
 
     fn uniform(&mut self) -> f64 {
@@ -56,10 +54,6 @@ impl Env for Walk {
         self.place[0]
     }
 
-    fn set_curriculum(&mut self, share: f64) {
-        self.widths.push(share);
-    }
-
     fn save(&self) -> Option<Vec<u8>> {
         let at = self.stream.word() as u64;
         let numbers = [at, self.place[0].to_bits(), self.place[1].to_bits()];
@@ -84,7 +78,6 @@ fn configs() -> [PpoConfig; 2] {
         normalize_observations: true,
         normalize_rewards: true,
         frame_stack: 3,
-        curriculum: 0.5,
         portable_bits: true,
         ..paper.clone()
     };
@@ -157,12 +150,12 @@ fn the_policy_can_be_read_from_a_state() {
 
 #[test]
 fn states_that_do_not_fit_are_errors_and_never_panics() {
-    let [config, all] = configs();
+    let [config, _] = configs();
     let mut envs = walks();
     let trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
     let state = bytes(&trainer, &envs);
     for (name, other) in [
-        ("curriculum", &all),
+        ("epochs", &PpoConfig { epochs: 7, ..config.clone() }),
         ("hidden", &PpoConfig { hidden: vec![16, 16], ..config.clone() }),
         ("frame_stack", &PpoConfig { frame_stack: 2, ..config.clone() }),
         ("gamma", &PpoConfig { gamma: 0.9, ..config.clone() }),
@@ -208,21 +201,4 @@ fn the_header_tells_how_far_a_training_has_come() {
     assert_eq!((header["update"].as_str(), header["steps"].as_str()), ("1", "150"));
     assert_eq!(header["town"], "harbour");
     assert!(header["settings"].contains("\"gamma\":0.98"), "{}", header["settings"]);
-}
-
-#[test]
-fn a_curriculum_widens_over_its_share_of_the_training() {
-    let config = PpoConfig { curriculum: 0.5, ..configs()[0].clone() };
-    let mut envs = walks();
-    let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
-    while !trainer.is_done() {
-        trainer.update(&mut envs).unwrap();
-    }
-    // Before the first episode and before each of 6 rollouts of 150 of 900 steps.
-    let thirds = [0.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0, 1.0];
-    assert!(envs.iter().all(|env| env.widths == thirds), "{:?}", envs[0].widths);
-
-    let mut plain = walks();
-    Trainer::new(&mut plain, &configs()[0], &Seed::root(1)).unwrap().update(&mut plain).unwrap();
-    assert!(plain.iter().all(|env| env.widths.is_empty()));
 }

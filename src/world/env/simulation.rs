@@ -178,15 +178,13 @@ pub struct Draw {
     pub start: Stream,
     /// The seed of all that drivers draw, the way to the start included.
     pub drivers: Seed,
-    /// The part of the spawn rule to draw from where that is easily done ([`SpawnRule::nearest`]); `None` for all of it.
-    pub near: Option<Arc<SpawnRule>>,
 }
 
 impl Draw {
     /// Episode *k* of a seed: it depends only on the seed and on *k*.
     pub fn new(seed: &Seed, number: u64) -> Self {
         let drivers = seed.index(number);
-        Self { number, start: drivers.child("spawn").stream(), drivers, near: None }
+        Self { number, start: drivers.child("spawn").stream(), drivers }
     }
 }
 

@@ -18,8 +18,7 @@ keys! {
 /// Learning by PPO as a falsifier: the failures are those of the training.
 ///
 /// The budget replaces the training's number of steps; schedules end with the decisions that fit into it. Several environments have equal
-/// shares of the budget. An update is discarded if the first share is used up in it. A curriculum is ignored: all falsifiers have the same
-/// starts.
+/// shares of the budget. An update is discarded if the first share is used up in it.
 #[derive(Debug, Clone)]
 pub struct Learning(pub PpoConfig);
 

@@ -51,7 +51,7 @@ fn encounter(
     observer: &mut dyn Observer,
 ) -> u64 {
     walker.begin(seed.child("walk").wide_stream());
-    let draw = Draw { number, start: seed.child("start").wide_stream(), drivers: seed.child("drivers"), near: None };
+    let draw = Draw { number, start: seed.child("start").wide_stream(), drivers: seed.child("drivers") };
     place(simulation, draw, observer);
     play(simulation, walker, observer);
     u64::from(simulation.run_up_ticks()) + u64::from(simulation.scene().world.ticks)

@@ -63,7 +63,7 @@ pub struct Training {
     /// Its settings.
     pub config: PpoConfig,
     /// The digest without the number of steps: a training with more steps continues a shorter one with the same lineage, bit for bit. None
-    /// when the first steps depend on the number of all: with a schedule or a curriculum.
+    /// when the first steps depend on the number of all: with a schedule.
     pub lineage: Option<Fingerprint>,
 }
 

@@ -11,16 +11,13 @@ use base::seed::Stream;
 /// The start of an episode: the draw, the run-up of the ego alone, and the moment at which the pedestrians appear.
 impl LocalSimulation {
     /// Draws the start of an episode and places the actors.
-    pub(super) fn place_drawn(&mut self, Draw { number, start: mut stream, drivers: seed, near }: Draw) {
+    pub(super) fn place_drawn(&mut self, Draw { number, start: mut stream, drivers: seed }: Draw) {
         self.drivers.seed = seed;
         let scenario = &self.scenario;
         let first = scenario.cast.pedestrian().first_heading;
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let (script, stated) = Script::draw(scenario, number, &mut stream);
-        let spawn = stated.unwrap_or_else(|| {
-            let near = near.and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
-            near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream))
-        });
+        let spawn = stated.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
         self.script = script;
         if let Some(test_speed) = scenario.spawn.test_speed(number) {
             self.drivers.hold(test_speed);

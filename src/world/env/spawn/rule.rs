@@ -85,10 +85,6 @@ const EGOS: u32 = 20;
 const LAST_TRIES: u32 = 10_000_000;
 /// Most poses that are drawn to find one on a stretch of road that the rule admits.
 const MAX_POSES: u32 = 1_000_000;
-/// Poses of the ego that one [`SpawnRule::sample_if_easy`] tries.
-const FEW_EGOS: u32 = 10;
-/// The part of the distances, from the nearest, with which a curriculum starts.
-const NEAREST: f64 = 0.1;
 
 impl SpawnRule {
     /// Checks that the rule can place a pedestrian with this first heading. About one start in ten thousand must satisfy all constraints,
@@ -185,18 +181,6 @@ impl SpawnRule {
         self.ego_start.check(town).is_ok()
     }
 
-    /// The rule with only the nearest of its distances: a tenth of them at a share of 0, all at 1. None at a share of 1, and for distances
-    /// without an upper bound.
-    ///
-    /// Parts are measured in metres, not in probability. The narrower rule has not been probed.
-    pub fn nearest(&self, share: f64) -> Option<Self> {
-        let (low, high) = self.distance.support();
-        let reach = low + (high - low) * (NEAREST + (1.0 - NEAREST) * share);
-        let narrow = share < 1.0 && reach.is_finite();
-        let distance = narrow.then(|| self.distance.truncated(low, reach)).flatten()?;
-        Some(Self { distance, ..self.clone() })
-    }
-
     /// Draws a start; the rule must have passed [`SpawnRule::probe`].
     ///
     /// The ego's pose is drawn once, so crowded places are as likely as open ones. It is drawn again only when none of a thousand starts
@@ -217,17 +201,6 @@ impl SpawnRule {
         let mut search = |egos, tries| self.search((egos, tries), town, obstacles, first, stream, &mut tried);
         let start = search(EGOS, TRIES).or_else(|| search(LAST_TRIES, 1));
         (start.expect("checked: of ten thousand starts one is accepted"), tried)
-    }
-
-    /// Draws a start as [`SpawnRule::sample`]; `None` if none is found around a few poses of the ego.
-    pub fn sample_if_easy(
-        &self,
-        town: &Town,
-        obstacles: &Obstacles,
-        first: FirstHeading,
-        stream: &mut Stream,
-    ) -> Option<Spawn> {
-        self.search((FEW_EGOS, TRIES), town, obstacles, first, stream, &mut 0)
     }
 
     /// Tries places around poses of the ego.

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::StartBank;
 use super::running_episode::RunningEpisode;
-use crate::env::{Controller, Draw, Simulation, SpawnRule};
+use crate::env::{Controller, Draw, Simulation};
 use crate::falsifier::FaultStreak;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
@@ -16,15 +16,9 @@ pub struct PedestrianEnv {
     simulation: Box<dyn Simulation>,
     seed: Seed,
     next_episode: u64,
-    /// The share of the spawn's distances from which the next episodes are drawn; 1 for all.
-    width: f64,
-    /// The spawn rule with that share of the distances; `None` for all.
-    near: Option<Arc<SpawnRule>>,
-    /// The starts that episodes from all distances begin with copies of; `None` for fresh starts.
+    /// The starts that episodes begin with copies of; `None` for fresh starts.
     bank: Option<Arc<StartBank>>,
-    /// The share from which the running episode was drawn.
-    drawn_width: f64,
-    /// The commands of the running episode. Its state depends only on them, its number and its share.
+    /// The commands of the running episode. Its state depends only on them and on its number.
     decisions: Vec<WalkCommand>,
     /// Memory for the commands of a decision.
     commands: Vec<WalkCommand>,
@@ -44,17 +38,14 @@ impl PedestrianEnv {
             simulation,
             seed,
             next_episode: 0,
-            width: 1.0,
-            near: None,
             bank: None,
-            drawn_width: 1.0,
             decisions: Vec::with_capacity(decisions.min(MAX_RESERVED)),
             commands: vec![WalkCommand::default(); pedestrians],
             faults: FaultStreak::default(),
         }
     }
 
-    /// The same environment, whose episodes begin with copies of the bank's starts while they are drawn from all distances.
+    /// The same environment, whose episodes begin with copies of the bank's starts.
     pub fn with_bank(mut self, bank: Option<Arc<StartBank>>) -> Self {
         self.bank = bank;
         self
@@ -72,16 +63,15 @@ impl PedestrianEnv {
 
     /// Starts the episode with this number, and drives its run-up.
     pub fn begin(&mut self, number: u64) {
-        let draw = Draw { near: self.near.clone(), ..Draw::new(&self.seed, number) };
-        let bank = self.bank.as_ref().filter(|_| draw.near.is_none());
-        match bank.and_then(|bank| bank.copy(&draw.drivers)) {
+        let draw = Draw::new(&self.seed, number);
+        match self.bank.as_ref().and_then(|bank| bank.copy(&draw.drivers)) {
             Some(copy) => {
                 self.simulation = copy;
                 self.simulation.reseed(&draw.drivers);
             }
             None => self.simulation.start(draw),
         }
-        (self.next_episode, self.drawn_width) = (number + 1, self.width);
+        self.next_episode = number + 1;
         self.decisions.clear();
     }
 
@@ -105,7 +95,6 @@ impl PedestrianEnv {
         if !running.decisions.len().is_multiple_of(self.commands.len()) {
             return false;
         }
-        self.set_curriculum(running.width);
         self.begin(number);
         for commands in running.decisions.chunks(self.commands.len()) {
             let roles = self.simulation.scenario().cast.pedestrians.iter().zip(commands);
@@ -165,17 +154,9 @@ impl Env for PedestrianEnv {
         self.simulation.shaping()
     }
 
-    fn set_curriculum(&mut self, share: f64) {
-        if self.width.to_bits() != share.to_bits() {
-            self.width = share;
-            self.near = self.simulation.scenario().spawn.nearest(share).map(Arc::new);
-        }
-    }
-
     fn save(&self) -> Option<Vec<u8>> {
         let running = RunningEpisode {
             next_episode: self.next_episode,
-            width: self.drawn_width,
             decisions: self.decisions.clone(),
             digest: self.simulation.state_hash(),
         };

@@ -5,8 +5,6 @@ use crate::sim::WalkCommand;
 pub(super) struct RunningEpisode {
     /// The number of the next episode; 0 when none has started.
     pub(super) next_episode: u64,
-    /// The part of the spawn's distances from which it was drawn.
-    pub(super) width: f64,
     /// The commands up to now.
     pub(super) decisions: Vec<WalkCommand>,
     /// The hash of its start and of its states, which a repetition must reach.
@@ -14,18 +12,17 @@ pub(super) struct RunningEpisode {
 }
 
 impl RunningEpisode {
-    /// Encodes it as 64-bit words, least significant byte first: number, hash, width, heading and speed of each command.
+    /// Encodes it as 64-bit words, least significant byte first: number, hash, heading and speed of each command.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let commands = self.decisions.iter().flat_map(|command| [command.heading, command.speed]);
-        let words =
-            [self.next_episode, self.digest, self.width.to_bits()].into_iter().chain(commands.map(f64::to_bits));
+        let words = [self.next_episode, self.digest].into_iter().chain(commands.map(f64::to_bits));
         words.flat_map(u64::to_le_bytes).collect()
     }
 
     /// Decodes it; `None` if the bytes have another form.
     pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (words, rest) = bytes.as_chunks::<8>();
-        let [next_episode, digest, width, commands @ ..] = words else { return None };
+        let [next_episode, digest, commands @ ..] = words else { return None };
         let (commands, odd) = commands.as_chunks::<2>();
         if !rest.is_empty() || !odd.is_empty() {
             return None;
@@ -35,7 +32,6 @@ impl RunningEpisode {
             |[heading, speed]: &[[u8; 8]; 2]| Some(WalkCommand { heading: number(heading)?, speed: number(speed)? });
         Some(Self {
             next_episode: u64::from_le_bytes(*next_episode),
-            width: number(width).filter(|width| (0.0..=1.0).contains(width))?,
             decisions: commands.iter().map(decision).collect::<Option<_>>()?,
             digest: u64::from_le_bytes(*digest),
         })
@@ -50,11 +46,11 @@ mod tests {
     fn a_running_episode_returns_bit_for_bit_and_damage_is_noticed() {
         let decisions =
             vec![WalkCommand { heading: -0.1, speed: 3.5 }, WalkCommand { heading: f64::MIN_POSITIVE, speed: -0.0 }];
-        let running = RunningEpisode { next_episode: 1 << 60 | 1, width: 0.75, decisions, digest: u64::MAX };
+        let running = RunningEpisode { next_episode: 1 << 60 | 1, decisions, digest: u64::MAX };
         let bytes = running.to_bytes();
         assert_eq!(RunningEpisode::from_bytes(&bytes), Some(running.clone()));
         assert_eq!(RunningEpisode::from_bytes(&bytes).unwrap().to_bytes(), bytes);
-        for end in (0..bytes.len()).filter(|end| ![24, 40].contains(end)) {
+        for end in (0..bytes.len()).filter(|end| ![16, 32].contains(end)) {
             assert_eq!(RunningEpisode::from_bytes(&bytes[..end]), None, "{end}");
         }
         let mut infinite = running;

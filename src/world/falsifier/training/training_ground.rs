@@ -123,10 +123,6 @@ impl Env for TrainingGround {
         self.env().potential()
     }
 
-    fn set_curriculum(&mut self, share: f64) {
-        self.envs.iter_mut().for_each(|env| env.set_curriculum(share));
-    }
-
     /// With several scenarios: the place of the running one, then the length and the state of each, as 64-bit words and bytes.
     fn save(&self) -> Option<Vec<u8>> {
         if let [only] = self.envs.as_slice() {
