@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_302),
-    ("src/learn", 5_570),
-    ("src/world", 31_215),
-    ("src/ported", 4_650),
-    ("src/lang", 6_350),
+    ("src/learn", 5_522),
+    ("src/world", 31_155),
+    ("src/ported", 4_642),
+    ("src/lang", 6_344),
     ("src/compile", 6_940),
-    ("src/process", 850),
+    ("src/process", 839),
     ("src/export", 3_780),
     ("src/results", 26_260),
     ("src/program", 11_350),
-    ("tests", 26_133),
+    ("tests", 26_062),
 ];
 
 /// Crates that only some places may name.

@@ -634,9 +634,9 @@ fn a_new_name_is_written_in_all_files_or_refused() {
     let refused = [
         (ask("mine\n", "model3"), "is taken"),
         (ask("mine\n", "far"), "is taken"),
-        (ask("mine\n", "on"), "is no name"),
-        (ask("mine\n", "a b"), "is no name"),
-        (ask("mine\n", ""), "is no name"),
+        (ask("mine\n", "on"), "is not a name"),
+        (ask("mine\n", "a b"), "is not a name"),
+        (ask("mine\n", ""), "is not a name"),
         (ask("harbour]", "port"), "standard library"),
         (ask("0.8", "other"), "no name that a file declares"),
     ];
