@@ -35,7 +35,7 @@ pub struct ReportComparison {
 /// A place, a driver and a controller on both sides, or all controllers together.
 #[derive(Debug, Clone, Default)]
 pub struct ComparedCell {
-    /// The key on the first side and on the second; its controller is [`ALL_CONTROLLERS`] where they are pooled.
+    /// The key on the first side and on the second; its controller is `all controllers` where they are pooled.
     pub keys: [CellKey; 2],
     /// The number of matched runs.
     pub runs: u64,
