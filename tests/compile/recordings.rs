@@ -119,7 +119,13 @@ fn a_row_without_speed_is_no_stop() {
         });
     }
     unchanged(&[20.0], "a first row with speed 0", |rows, _| rows[0][4] = 0.0);
-    unchanged(&[20.0], "a row with another heading", |rows, _| rows[150][3] = 90.0);
+    for place in [1, 150] {
+        unchanged(&[20.0], "a row with another heading", |rows, _| rows[place][3] = 90.0);
+    }
+    unchanged(&[20.0], "the last row but one with speed 0", |rows, _| {
+        let place = rows.len() - 2;
+        rows[place][4] = 0.0;
+    });
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_302),
     ("src/learn", 5_522),
-    ("src/world", 31_155),
+    ("src/world", 31_162),
     ("src/ported", 4_642),
     ("src/lang", 6_344),
     ("src/compile", 6_940),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_780),
     ("src/results", 26_260),
     ("src/program", 11_350),
-    ("tests", 26_062),
+    ("tests", 26_068),
 ];
 
 /// Crates that only some places may name.

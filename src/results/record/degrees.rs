@@ -59,7 +59,7 @@ pub(super) fn add(table: &mut DataFrame, rows: &[EpisodeRow]) -> PolarsResult<()
 /// Gives a table the column, without values, if it lacks it.
 ///
 /// # Errors
-/// Those of polars; `None` for a table of episodes.
+/// Those of polars; none for a table of episodes.
 pub fn with_degrees(table: &mut DataFrame) -> PolarsResult<()> {
     if table.get_column_index(DEGREES.name).is_none() {
         let none = Values::full_null(DEGREES.name.into(), table.height(), &polars::prelude::DataType::String);

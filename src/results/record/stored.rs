@@ -32,7 +32,7 @@ impl Chunk {
     /// has an error, the missing episodes become rows in error.
     ///
     /// # Errors
-    /// Those of polars; `None` for what [`encode`] wrote.
+    /// Those of polars; none for what [`encode`] wrote.
     pub fn into_episodes(self, key: &RunKey, wanted: Range<u32>) -> PolarsResult<DataFrame> {
         let mut rows = self.outcomes.head(Some(wanted.len()));
         let done = rows.height() as u32;
@@ -73,7 +73,7 @@ fn in_error(episodes: Range<u32>, error: &str) -> PolarsResult<DataFrame> {
 /// Encodes episodes as Parquet, after those of an earlier encoding if there is one; also returns the number of all of them.
 ///
 /// # Errors
-/// Those of polars; `None` if `before` is an encoding.
+/// Those of polars; none if `before` is an encoding.
 pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u8>, u64)> {
     let mut table = outcome_table().frame(rows);
     degrees::add(&mut table, rows)?;

@@ -234,25 +234,32 @@ fn hold(positions: &mut [Vector], speeds: &[f64], step: f64) {
     }
 }
 
-/// The instants at which a car has a speed or a heading that no car has between those before and after. They get the mean of both.
+/// The instants at which a car has a speed or a heading that no car has between those before and after. They get the mean of both. The first and the last
+/// instant are compared with the two beside them.
 pub(super) fn remove_spikes(states: &mut [VehicleState], dt: f64) -> Vec<usize> {
+    let Some(last) = states.len().checked_sub(1).filter(|last| *last > 1) else { return Vec::new() };
+    let mut found = spikes(states, (1..last).map(|place| (place, place - 1, place + 1)), dt);
+    found.extend(spikes(states, [(0, 1, 2), (last, last - 1, last - 2)].into_iter(), dt));
+    found.sort_unstable();
+    found
+}
+
+/// Removes the spikes among some instants, each with two others.
+fn spikes(states: &mut [VehicleState], places: impl Iterator<Item = (usize, usize, usize)>, dt: f64) -> Vec<usize> {
     let speeds: Vec<f64> = states.iter().map(|state| state.speed).collect();
     let headings: Vec<f64> = states.iter().map(|state| state.pose.yaw).collect();
+    let is_spike = |(once, rate): (f64, f64), from: f64, to: f64| {
+        let limit = once + rate * dt;
+        from.abs() > limit && to.abs() > limit && from * to > 0.0 && (from - to).abs() <= limit
+    };
     let mut found = Vec::new();
-    for place in 0..states.len() {
-        let (before, after) = (place.checked_sub(1).unwrap_or(place + 1), place + 1);
-        let Some(after) = [after, before].into_iter().find(|other| *other < states.len()) else { break };
-        let is_spike = |(once, rate): (f64, f64), from: f64, to: f64| {
-            let limit = once + rate * dt;
-            from.abs() > limit && to.abs() > limit && from * to > 0.0 && (from - to).abs() <= limit
-        };
-        let (from, to) = (speeds[place] - speeds[before], speeds[place] - speeds[after]);
+    for (place, one, other) in places {
+        let (from, to) = (speeds[place] - speeds[one], speeds[place] - speeds[other]);
         let is_hasty = is_spike(SPEED_SPIKE, from, to);
         if is_hasty {
             states[place].speed -= (from + to) / 2.0;
         }
-        let (from, to) =
-            (wrap_angle(headings[place] - headings[before]), wrap_angle(headings[place] - headings[after]));
+        let (from, to) = (wrap_angle(headings[place] - headings[one]), wrap_angle(headings[place] - headings[other]));
         let is_turned = is_spike(HEADING_SPIKE, from, to);
         if is_turned {
             states[place].pose.yaw -= (from + to) / 2.0;

@@ -43,7 +43,7 @@ impl Run<'_> {
     /// Its episodes as a table, with their degrees in a campaign with requirements, at most [`CHUNK`](compile::CHUNK) rows at a time. Episodes that could not be run are in error.
     ///
     /// # Errors
-    /// Those of polars; `None` for what [`encode`](crate::record::encode) wrote.
+    /// Those of polars; none for what [`encode`](crate::record::encode) wrote.
     pub fn parts(&self) -> impl Iterator<Item = PolarsResult<DataFrame>> {
         (0..self.evaluation.parts()).filter_map(|number| {
             let chunk = self.chunks.chunk(Task { job: self.job, part: number })?;

@@ -76,7 +76,7 @@ impl RunTotals {
     /// Adds episodes: a part of the table of the run.
     ///
     /// # Errors
-    /// Those of polars; `None` for a table made by [`episodes`](crate::record::episodes).
+    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
     pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
         if self.key.is_none() && part.height() > 0 {
             self.key = Some(RunKey::read(part, 0)?);

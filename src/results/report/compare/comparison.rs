@@ -173,7 +173,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         ComparedCell { starts: starts.count_all(), rates: events.map(|event| starts.rate(event)).collect(), ..cell }
     }));
     for cell in &mut compared {
-        cell.rates.iter_mut().for_each(|rate| rate.is_unchanged = cell.differing == 0);
+        cell.rates.iter_mut().for_each(|rate| rate.is_unchanged = cell.differing == 0 && rate.changed.is_same());
     }
     // A gate is about one rate, of single controllers or of all of them.
     for (event, is_pooled) in (0..events.len()).flat_map(|event| [(event, false), (event, true)]) {

@@ -81,7 +81,7 @@ impl Changed {
         }
     }
 
-    fn is_same(self) -> bool {
+    pub(super) fn is_same(self) -> bool {
         self.fixed + self.new == 0
     }
 }
