@@ -73,9 +73,9 @@ fn lines(values: &[Vector], span: usize) -> Vec<(Vector, Vector)> {
     (0..values.len()).map(line).collect()
 }
 
-/// The steps of half a second.
+/// The steps of half a second, also where a recording claims that they are shorter than any clock's.
 fn half_second(dt: f64) -> f64 {
-    (HALF_SECOND / dt).round().max(1.0)
+    (HALF_SECOND / dt).round().clamp(1.0, 1e9)
 }
 
 /// The steps of a line whose change has little noise.
