@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_302),
     ("src/learn", 5_522),
-    ("src/world", 31_162),
+    ("src/world", 31_163),
     ("src/ported", 4_642),
     ("src/lang", 6_344),
     ("src/compile", 6_940),

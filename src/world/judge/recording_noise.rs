@@ -75,7 +75,8 @@ fn lines(values: &[Vector], span: usize) -> Vec<(Vector, Vector)> {
 
 /// The steps of half a second, also where a recording claims that they are shorter than any clock's.
 fn half_second(dt: f64) -> f64 {
-    (HALF_SECOND / dt).round().clamp(1.0, 1e9)
+    let steps = (HALF_SECOND / dt).round();
+    if steps < 1e9 { steps.max(1.0) } else { 1e9 }
 }
 
 /// The steps of a line whose change has little noise.
