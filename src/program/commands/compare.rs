@@ -71,7 +71,7 @@ pub enum Form {
 /// The tables of a comparison that conditions are about, with the columns of the requirements that these name.
 pub fn tables(conditions: &[String]) -> [TableReference; 2] {
     let named: Vec<&str> = conditions.iter().flat_map(|text| report::requirements_in(text)).collect();
-    [report::comparison_reference(&named), report::compared_search_reference()]
+    [report::comparison_reference(&named), report::compared_search_table().reference()]
 }
 
 /// `falsify compare`
@@ -106,7 +106,7 @@ pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> Ended {
         is_idle: false,
     };
     let searches = Subject {
-        judge: &|gate| gate.judge(&report::compared_search_table(&comparison.searches)),
+        judge: &|gate| gate.judge(&report::compared_search_table().frame(&comparison.searches)),
         titles: comparison.searches.iter().map(ComparedSearch::title).collect(),
         things: "search",
         is_idle: false,
@@ -172,7 +172,7 @@ fn as_json(comparison: &ReportComparison) -> serde_json::Value {
     let [before, after] = comparison.folders.each_ref().map(|folder| folder.display().to_string());
     let notes: Vec<String> = comparison.caveats.iter().map(ToString::to_string).collect();
     let cells = report::json_rows(&report::compared_cells(comparison));
-    let searches = report::json_rows(&report::compared_search_table(&comparison.searches));
+    let searches = report::json_rows(&report::compared_search_table().frame(&comparison.searches));
     let found = comparison.searches.iter().flat_map(|search| &search.changes);
     json!({
         "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes(&comparison.changes),

@@ -77,7 +77,7 @@ pub struct RecheckArgs {
 
 /// `falsify recheck`
 pub fn recheck(options: &RecheckArgs) -> Ended {
-    let tables = [report::rechecked_reference(), report::crossed_reference()];
+    let tables = [report::rechecked_table().reference(), report::crossed_table().reference()];
     let conditions = Condition::parse_all(&options.fail_if, &tables, "recheck")?;
     let reporter = Arc::new(RecheckReporter { showing: options.progress, stage: Mutex::new(None) });
     let session = session(options.repeat.allow_external).with_observer(reporter.clone());
@@ -141,14 +141,14 @@ impl Observer for RecheckReporter {
 /// Judges a recheck and reports which conditions are true.
 fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
     let failures = Subject {
-        judge: &|gate| gate.judge(&report::rechecked_table(&recheck.failures)),
+        judge: &|gate| gate.judge(&report::rechecked_table().frame(&recheck.failures)),
         titles: recheck.failures.iter().map(RecheckedFailures::title).collect(),
         things: "failures",
         // A report without failures has none that could be there still.
         is_idle: recheck.failures.is_empty(),
     };
     let crossings = Subject {
-        judge: &|gate| gate.judge(&report::crossed_table(&recheck.crossings)),
+        judge: &|gate| gate.judge(&report::crossed_table().frame(&recheck.crossings)),
         titles: recheck.crossings.iter().map(CrossedStarts::title).collect(),
         things: "fixed list",
         is_idle: false,
@@ -175,8 +175,8 @@ fn as_json(recheck: &Recheck) -> serde_json::Value {
         "report": recheck.report.display().to_string(),
         "files": recheck.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "notes": notes,
-        "failures": report::json_rows(&report::rechecked_table(&recheck.failures)),
-        "crossings": report::json_rows(&report::crossed_table(&recheck.crossings)),
+        "failures": report::json_rows(&report::rechecked_table().frame(&recheck.failures)),
+        "crossings": report::json_rows(&report::crossed_table().frame(&recheck.crossings)),
         "failure_changes": changes(&failures),
         "crossing_changes": changes(&crossings),
     })

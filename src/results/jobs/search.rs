@@ -6,8 +6,8 @@ use super::episodes::flow;
 use super::{JobResult, Kind, Repeatable, Work, json, result};
 use crate::campaign::{Part, TaskError};
 use crate::report::{
-    Group, SEARCH_COMPARISONS, failure_table, search_cell_columns, search_cell_table, search_comparison_columns,
-    search_comparison_table, search_failures, search_section, search_table, searches,
+    Group, SEARCH_COMPARISONS, failure_table, search_cell_table, search_comparison_table, search_failures,
+    search_section, search_table, searches,
 };
 use compile::{Origin, RunId, Search, SearchKey, episodes_seed};
 use world::env::{Criterion, Outcome, Scenario, Trace};
@@ -20,8 +20,8 @@ pub(super) const KIND: Kind = Kind {
     references: || {
         vec![
             search_table().reference(),
-            search_cell_columns().reference(),
-            search_comparison_columns().reference(),
+            search_cell_table().reference(),
+            search_comparison_table().reference(),
             failure_table().reference(),
         ]
     },
@@ -29,8 +29,8 @@ pub(super) const KIND: Kind = Kind {
         [] => None,
         all => Some(vec![
             ("searches", searches(all)),
-            ("search_cells", search_cell_table(&found.searches)),
-            (SEARCH_COMPARISONS, search_comparison_table(&found.search_comparisons)),
+            ("search_cells", search_cell_table().frame(&found.searches)),
+            (SEARCH_COMPARISONS, search_comparison_table().frame(&found.search_comparisons)),
             ("search_failures", search_failures(all)),
         ]),
     },

@@ -12,7 +12,6 @@ pub enum Role {
     /// Any other value.
     #[default]
     Plain,
-    Count,
     /// A share of a whole from 0 to 1, or a difference of two.
     Share,
     /// Expected severe injuries of one episode from 0 to 1, or a difference of two.
@@ -20,8 +19,7 @@ pub enum Role {
     /// The ends of an interval of a figure.
     LowerBound,
     UpperBound,
-    /// The probability of a difference by chance, and that after a correction for several tests.
-    P,
+    /// The probability of a difference by chance, after a correction for several tests.
     AdjustedP,
 }
 
@@ -32,9 +30,6 @@ pub trait Kind: 'static {
 
     /// The type in a table.
     const TYPE: DataType;
-
-    /// What they are, unless a column says otherwise.
-    const ROLE: Role;
 
     /// The values of a column.
     ///
@@ -55,11 +50,10 @@ pub trait Cell<K>: Sized {
 }
 
 macro_rules! kind {
-    ($kind:ty, $array:ty, $type:expr, $role:expr, $method:ident $(, $cell:ty)*) => {
+    ($kind:ty, $array:ty, $type:expr, $method:ident $(, $cell:ty)*) => {
         impl Kind for $kind {
             type Array = $array;
             const TYPE: DataType = $type;
-            const ROLE: Role = $role;
 
             fn array(column: &Values) -> PolarsResult<&$array> {
                 column.$method()
@@ -77,21 +71,11 @@ macro_rules! kind {
     };
 }
 
-kind!(
-    String,
-    StringChunked,
-    DataType::String,
-    Role::Plain,
-    str,
-    String,
-    Option<String>,
-    &'static str,
-    Option<&'static str>
-);
-kind!(u32, UInt32Chunked, DataType::UInt32, Role::Count, u32, u32, Option<u32>);
-kind!(u64, UInt64Chunked, DataType::UInt64, Role::Count, u64, u64, Option<u64>);
-kind!(f64, Float64Chunked, DataType::Float64, Role::Plain, f64);
-kind!(bool, BooleanChunked, DataType::Boolean, Role::Plain, bool, bool, Option<bool>);
+kind!(String, StringChunked, DataType::String, str, String, Option<String>, &'static str, Option<&'static str>);
+kind!(u32, UInt32Chunked, DataType::UInt32, u32, u32, Option<u32>);
+kind!(u64, UInt64Chunked, DataType::UInt64, u64, u64, Option<u64>);
+kind!(f64, Float64Chunked, DataType::Float64, f64);
+kind!(bool, BooleanChunked, DataType::Boolean, bool, bool, Option<bool>);
 
 impl Cell<f64> for f64 {
     fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
@@ -132,7 +116,7 @@ pub struct Column<K> {
 impl<K: Kind> Column<K> {
     /// A column of this name, unit and meaning.
     pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        Self { name, unit, doc, role: K::ROLE, kind: PhantomData }
+        Self { name, unit, doc, role: Role::Plain, kind: PhantomData }
     }
 
     /// With values of another role.
@@ -157,15 +141,8 @@ impl<K: Kind> Column<K> {
     }
 
     pub fn reference(&self) -> ColumnReference {
-        let name = self.name.into();
-        ColumnReference {
-            name,
-            unit: self.unit.into(),
-            doc: self.doc.into(),
-            holds: K::TYPE,
-            role: self.role,
-            figure: self.name.into(),
-        }
+        let (name, unit, doc) = (self.name.into(), self.unit.into(), self.doc.into());
+        ColumnReference { name, unit, doc, holds: K::TYPE, role: self.role, figure: self.name.into() }
     }
 
     /// The column of a table whose rows give these values.
@@ -187,7 +164,7 @@ pub struct Family<K> {
 impl<K: Kind> Family<K> {
     /// The family of columns whose names end with this suffix.
     pub const fn new(suffix: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        Self { suffix, unit, doc, role: K::ROLE, kind: PhantomData }
+        Self { suffix, unit, doc, role: Role::Plain, kind: PhantomData }
     }
 
     /// With values of another role.
@@ -219,15 +196,8 @@ impl<K: Kind> Family<K> {
     }
 
     pub fn reference(&self, member: &str) -> ColumnReference {
-        let (unit, doc) = (self.unit.into(), self.doc.into());
-        ColumnReference {
-            name: self.name(member).into(),
-            unit,
-            doc,
-            holds: K::TYPE,
-            role: self.role,
-            figure: member.to_owned().into(),
-        }
+        let (name, unit, doc) = (self.name(member).into(), self.unit.into(), self.doc.into());
+        ColumnReference { name, unit, doc, holds: K::TYPE, role: self.role, figure: member.to_owned().into() }
     }
 }
 
@@ -303,7 +273,7 @@ impl<'t, R> Entry<'t, R> {
         value: impl Fn(&R) -> V + 't,
     ) -> Self {
         let write = move |name: PlSmallStr, rows: &[R]| V::series(name, rows.iter().map(&value).collect());
-        let reference = ColumnReference { figure: name.clone(), name, unit, doc, holds: K::TYPE, role: K::ROLE };
+        let reference = ColumnReference { figure: name.clone(), name, unit, doc, holds: K::TYPE, role: Role::Plain };
         Self { reference, write: Box::new(write) }
     }
 
@@ -373,6 +343,36 @@ impl<'t, R> Table<'t, R> {
     pub fn column(mut self, entry: Entry<'t, R>) -> Self {
         self.entries.push(entry);
         self
+    }
+
+    /// Adds a column of text.
+    #[must_use]
+    pub fn text<V: Cell<String>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
+        self.column(Column::<String>::new(name, "", doc).of(value))
+    }
+
+    /// Adds a column of counts.
+    #[must_use]
+    pub fn count<V: Cell<u64>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
+        self.column(Column::<u64>::new(name, "", doc).of(value))
+    }
+
+    /// Adds a column of numbers without a unit.
+    #[must_use]
+    pub fn number<V: Cell<f64>>(self, name: &'static str, doc: &'static str, value: impl Fn(&R) -> V + 't) -> Self {
+        self.column(Column::<f64>::new(name, "", doc).of(value))
+    }
+
+    /// Adds a column of numbers in a unit.
+    #[must_use]
+    pub fn measure<V: Cell<f64>>(
+        self,
+        name: &'static str,
+        unit: &'static str,
+        doc: &'static str,
+        value: impl Fn(&R) -> V + 't,
+    ) -> Self {
+        self.column(Column::<f64>::new(name, unit, doc).of(value))
     }
 
     /// Adds several columns.

@@ -184,7 +184,7 @@ impl Metric {
 
     pub fn reference(&self) -> ColumnReference {
         let (unit, doc, holds, role) = match self {
-            Self::Count(count) => ("", count.doc, DataType::UInt32, Role::Count),
+            Self::Count(count) => ("", count.doc, DataType::UInt32, Role::Plain),
             Self::Mean(mean) => (mean.unit, mean.doc, DataType::Float64, mean.role),
             Self::Rate(rate) => ("", rate.doc, DataType::Float64, Role::Share),
         };

@@ -14,12 +14,12 @@ pub fn catalogue() -> Vec<TableReference> {
         reference_driver_columns(),
         aggregate::requirement_table().reference(),
         aggregate::run_table(&metrics()).reference(),
-        infer::comparison_columns().reference(),
+        infer::comparison_table().reference(),
         aggregate::published_table().reference(),
     ];
     all.extend(failure_modes::references());
     all.extend(KINDS.iter().flat_map(|kind| (kind.references)()));
-    all.extend([aggregate::protocol_columns().reference(), aggregate::tick_table().reference()]);
+    all.extend([aggregate::protocol_table().reference(), aggregate::tick_table().reference()]);
     all
 }
 

@@ -197,20 +197,22 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
 }
 
 fn columns<'a>() -> Table<'a, Row<'a>> {
-    let (text, number) = (Column::<String>::new, Column::<f64>::new);
     Table::new(
         METRICS,
         "One row for each metric of each cell: a pedestrian, a town and a driver, over all runs. `results` has the few that lead the page.",
     )
     .columns(cell_key(|row: &Row<'a>| row.key))
-    .column(text("metric", "", "its name, see below").of(|row: &Row<'a>| row.metric.name.to_string()))
-    .column(text("unit", "", "its unit; empty without one").of(|row: &Row<'a>| row.metric.unit.to_string()))
-    .column(
-        text("of", "", "what `n` counts: `episodes`, `collisions` or `runs`").of(|row: &Row<'a>| row.of.0.to_string()),
-    )
+    .text("metric", "its name, see below", |row| row.metric.name.to_string())
+    .text("unit", "its unit; empty without one", |row| row.metric.unit.to_string())
+    .text("of", "what `n` counts: `episodes`, `collisions` or `runs`", |row| row.of.0.to_string())
     .column(Column::<u64>::new("n", "", "how many of these the value is made of").of(|row: &Row<'a>| row.of.1))
-    .column(number("value", "as the metric", "of a count the sum over runs, of a rate or a mean the mean over runs").of(|row: &Row<'a>| row.value))
-    .column(number("sd", "as the metric", "sample standard deviation over runs; missing for a single one").of(|row: &Row<'a>| row.sd))
+    .measure(
+        "value",
+        "as the metric",
+        "of a count the sum over runs, of a rate or a mean the mean over runs",
+        |row| row.value,
+    )
+    .measure("sd", "as the metric", "sample standard deviation over runs; missing for a single one", |row| row.sd)
     .columns(
         Interval::new("", "as the metric", "its 95 % interval, see [above](#which-interval-answers-which-question)")
             .of(|row: &Row<'a>| row.ends)
@@ -218,13 +220,11 @@ fn columns<'a>() -> Table<'a, Row<'a>> {
             .zip(["low", "high"])
             .map(|(entry, name)| entry.named(name)),
     )
-    .column(
-        text(
-            "interval",
-            "",
-            "`wilson`: over the starts, which all runs share; `student`: about further trainings, for four or more runs; empty without one",
-        )
-        .of(|row: &Row<'a>| row.interval),
+    .text(
+        "interval",
+        "`wilson`: over the starts, which all runs share; `student`: about further trainings, for four or more runs; \
+         empty without one",
+        |row| row.interval,
     )
 }
 

@@ -35,9 +35,7 @@ pub use aggregate::{
     Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results,
     failure_table, gather, published, search_cell_table, search_cells, search_failures, searches, ticks, worst_failure,
 };
-pub(crate) use aggregate::{
-    SEARCH_COMPARISONS, search_cell_columns, search_comparison_columns, search_comparison_table, search_table,
-};
+pub(crate) use aggregate::{SEARCH_COMPARISONS, search_comparison_table, search_table};
 pub use catalogue::catalogue;
 pub use caution::Caution;
 pub use failure_change::{FailureChange, SideCollision, SideEnd};
@@ -49,12 +47,12 @@ pub use metric_table::{METRICS, metric_references};
 // Reports side by side, and old failures with a new driver.
 pub use compare::{
     Changed, ComparedCell, ComparedSearch, CountedEvent, PairedRate, ReportComparison, Side, compare_reports,
-    compared_cells, compared_search_reference, compared_search_table, comparison_reference,
+    compared_cells, compared_search_table, comparison_reference,
 };
 pub use overview::{Found, Overview, Variant};
 pub use recheck::{
-    CrossedStarts, Encounter, Encounters, Met, Recheck, RecheckNote, RecheckedFailures, WalkedBy, crossed_reference,
-    crossed_table, rechecked_reference, rechecked_table,
+    CrossedStarts, Encounter, Encounters, Met, Recheck, RecheckNote, RecheckedFailures, WalkedBy, crossed_table,
+    rechecked_table,
 };
 
 // Text and pictures.

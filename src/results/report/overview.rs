@@ -123,32 +123,29 @@ type RateOf = fn(&Cell) -> &Rate;
 /// The columns of an overview, without those of the parameters.
 fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     type Row<'a> = OverviewRow<'a>;
-    let (text, number) = (Column::<String>::new, Column::<f64>::new);
+    let number = Column::<f64>::new;
     let cell = |row: &Row<'a>| if let Found::Evaluated(cell) = row.found { Some(cell) } else { None };
     let searched = |row: &Row<'a>| if let Found::Searched(cell) = row.found { Some(cell) } else { None };
-    let mut table = Table::new(
+    let mut table = Table::<Row<'a>>::new(
         "overview",
         "One row for each cell of each report of a call: a controller or a falsifier in a town against a driver.",
     )
-    .column(text("report", "", "folder of the report").of(|row: &Row<'a>| row.variant.report.clone()))
-    .column(text("policy", "", "name of the driving policy").of(|row: &Row<'a>| row.driver().to_string()))
-    .column(text("town", "", "name of the town").of(|row: &Row<'a>| row.town().to_string()))
-    .column(
-        text("controller", "", "the controller of the pedestrian; empty for a falsifier")
-            .of(move |row: &Row<'a>| cell(row).map_or(String::new(), |cell| cell.key.controller.clone())),
-    )
-    .column(
-        text("reward", "", "its reward; empty for a falsifier")
-            .of(move |row: &Row<'a>| cell(row).map_or(String::new(), |cell| cell.key.reward.clone())),
-    )
-    .column(text("training", "", "town and driver of its training; empty without one").of(move |row: &Row<'a>| {
+    .text("report", "folder of the report", |row| row.variant.report.clone())
+    .text("policy", "name of the driving policy", |row| row.driver().to_string())
+    .text("town", "name of the town", |row| row.town().to_string())
+    .text("controller", "the controller of the pedestrian; empty for a falsifier", move |row| {
+        cell(row).map_or(String::new(), |cell| cell.key.controller.clone())
+    })
+    .text("reward", "its reward; empty for a falsifier", move |row| {
+        cell(row).map_or(String::new(), |cell| cell.key.reward.clone())
+    })
+    .text("training", "town and driver of its training; empty without one", move |row| {
         let key = cell(row).map(|cell| &cell.key).filter(|key| key.is_trained());
         key.map_or(String::new(), |key| format!("{}, {}", key.train_town, key.train_policy))
-    }))
-    .column(
-        text("falsifier", "", "the falsifier; empty for a controller")
-            .of(move |row: &Row<'a>| searched(row).map_or(String::new(), |cell| cell.key.falsifier.clone())),
-    )
+    })
+    .text("falsifier", "the falsifier; empty for a controller", move |row| {
+        searched(row).map_or(String::new(), |cell| cell.key.falsifier.clone())
+    })
     .column(Column::<u64>::new("runs", "", "number of its runs").of(|row: &Row<'a>| match row.found {
         Found::Evaluated(cell) => u64::from(cell.runs),
         Found::Searched(cell) => cell.runs as u64,
@@ -163,7 +160,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
         let sd = number("", "", "its standard deviation over runs; missing for one");
         let low = number("", "", "lower end of its 95 % interval over starts (Wilson)");
         table = table
-            .column(number(name, "", "mean over the runs").of(move |row: &Row<'a>| of(row)?.value))
+            .number(name, "mean over the runs", move |row| of(row)?.value)
             .column(sd.of(move |row: &Row<'a>| of(row)?.sd).named(format!("{name}_sd")))
             .column(low.of(move |row: &Row<'a>| Some(of(row)?.interval?.0)).named(format!("{name}_wilson_low")))
             .column(
@@ -174,30 +171,27 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     }
     let average = move |of: fn(&SearchCell) -> Option<f64>| move |row: &Row<'a>| searched(row).and_then(of);
     table
-        .column(
-            number("search_faults_start_rate", "", "share of starts from which the falsifier found a fault")
-                .of(average(|cell| cell.fault_start_rate.value)),
+        .number(
+            "search_faults_start_rate",
+            "share of starts from which the falsifier found a fault",
+            average(|cell| cell.fault_start_rate.value),
         )
-        .column(
-            number(
-                "search_faults_start_rate_low",
-                "",
-                "lower end of its 95 % interval (Student, over runs in that town); missing for fewer than four",
-            )
-            .of(average(|cell| Some(cell.fault_start_rate.interval?.0))),
+        .number(
+            "search_faults_start_rate_low",
+            "lower end of its 95 % interval (Student, over runs in that town); missing for fewer than four",
+            average(|cell| Some(cell.fault_start_rate.interval?.0)),
         )
-        .column(
-            number("search_faults_start_rate_high", "", "upper end of the same")
-                .of(average(|cell| Some(cell.fault_start_rate.interval?.1))),
+        .number(
+            "search_faults_start_rate_high",
+            "upper end of the same",
+            average(|cell| Some(cell.fault_start_rate.interval?.1)),
         )
-        .column(
-            number("search_failed_starts", "", "starts from which the falsifier found a failure, mean over runs")
-                .of(average(|cell| cell.failed_starts.value)),
+        .number(
+            "search_failed_starts",
+            "starts from which the falsifier found a failure, mean over runs",
+            average(|cell| cell.failed_starts.value),
         )
-        .column(
-            number("search_starts", "", "starts from which it searched, mean over runs")
-                .of(average(|cell| cell.starts.value)),
-        )
+        .number("search_starts", "starts from which it searched, mean over runs", average(|cell| cell.starts.value))
 }
 
 /// A setting's name and value.

@@ -23,7 +23,7 @@ pub fn write(
     folder.table(RUNS, &run_table(&metrics()).frame(&gathered.runs))?;
     folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
     folder.table(METRICS, &metric_table(&found.cells, &evidence.cells, &gathered.requirements))?;
-    folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
+    folder.table("comparisons", &infer::comparison_table().frame(&evidence.comparisons))?;
     folder.table("failure_modes", &failure_modes::failure_modes(&found.modes))?;
     folder.table("explanations", &failure_modes::explanations(&found.modes))?;
     for (name, table) in KINDS.iter().filter_map(|kind| (kind.tables)(found)).flatten() {
@@ -41,7 +41,7 @@ pub fn write(
     }
     if !gathered.protocol.is_empty() || !found.layers.is_empty() {
         let all: Vec<_> = gathered.protocol.iter().chain(&found.layers).cloned().collect();
-        folder.table(PROTOCOL, &protocol_table(&all))?;
+        folder.table(PROTOCOL, &protocol_table().frame(&all))?;
     }
     folder.file("summary.md", summary(found, sections, manifest).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;

@@ -11,7 +11,6 @@ pub const COVER_POINTS: &str = "cover_points";
 
 /// The columns of `covers`.
 pub fn columns<'a>() -> Table<'a, Row<'a>> {
-    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
     let look = |row: &Row<'_>, value: fn(&Look) -> u64| row.1.coverage.best().map(value);
     Table::new(
         COVERS,
@@ -23,26 +22,39 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     .column(POLICY.of(|row: &Row<'_>| row.0.policy.clone()))
     .column(Column::<String>::new("spawn", "", "spawn rule whose ranges are the box").of(|row: &Row<'_>| row.0.spawn.clone()))
     .column(Column::<String>::new("pedestrian", "", "who walks").of(|row: &Row<'_>| row.0.pedestrian.clone()))
-    .column(count("block", "", "number of the `cover` block in its campaign, from 0").of(|row: &Row<'_>| u64::from(row.0.origin.block)))
+    .count("block", "number of the `cover` block in its campaign, from 0", |row| u64::from(row.0.origin.block))
     .column(Column::<String>::new("parameters", "", "parameters of the box").of(|row: &Row<'_>| row.0.parameter_names().join(" ")))
     .column(Column::<String>::new("counts", "", "what counts as failed: `fault`, `collision` or the name of a requirement").of(|row: &Row<'_>| row.0.failure_name().to_string()))
-    .column(number("epsilon", "", "share of the box that is small enough").of(|row: &Row<'_>| row.0.epsilon))
-    .column(number("bound", "", "one-sided bound, with 95 % confidence over all checks together, of the share that fails where the picture says that it passes; missing without a check").of(|row: &Row<'_>| row.1.bound()))
+    .number("epsilon", "share of the box that is small enough", |row| row.0.epsilon)
+    .number(
+        "bound",
+        "one-sided bound, with 95 % confidence over all checks together, of the share that fails where the picture \
+         says that it passes; missing without a check",
+        |row| row.1.bound(),
+    )
     .column(Column::<bool>::new("covered", "", "whether the bound is at most `epsilon`").of(|row: &Row<'_>| row.1.is_covered(row.0)))
-    .column(count("checked", "", "fresh episodes of the check with the least bound, uniform in the box").of(move |row: &Row<'_>| look(row, |look| look.points)))
-    .column(count("worse", "", "of these failed where the picture says that they pass").of(move |row: &Row<'_>| look(row, |look| look.worse)))
-    .column(count("better", "", "of these passed where the picture says that they fail").of(move |row: &Row<'_>| look(row, |look| look.better)))
-    .column(number("alpha", "", "share of the 5 % that this check may use").of(|row: &Row<'_>| row.1.coverage.best().map(|look| look.alpha)))
-    .column(count("learnt", "", "first episodes, from which that picture was learnt").of(move |row: &Row<'_>| look(row, |look| look.learnt)))
-    .column(number("shown", "", "share of the box that the picture shows as failing").of(|row: &Row<'_>| row.1.shown))
-    .column(count("checks", "", "number of checks").of(|row: &Row<'_>| row.1.coverage.looks.len() as u64))
-    .column(count("episodes", "", "episodes in all").of(|row: &Row<'_>| row.1.coverage.points.len() as u64))
-    .column(count("budget", "", "episodes that it might use").of(|row: &Row<'_>| u64::from(row.0.budget)))
-    .column(count("failures", "", "episodes that failed").of(|row: &Row<'_>| row.1.coverage.failures()))
-    .column(count("unplaced", "", "points of the box for which no place on the road was found; they count as passed").of(|row: &Row<'_>| row.1.unplaced))
-    .column(count("left_out_episodes", "", "episodes that are left out; they count as passed").of(|row: &Row<'_>| row.1.left_out))
-    .column(count("errors", "", "episodes in which a program failed; they count as passed").of(|row: &Row<'_>| row.1.errors))
-    .column(count("ticks", "", "simulator ticks in all").of(|row: &Row<'_>| row.1.ticks))
+    .count(
+        "checked",
+        "fresh episodes of the check with the least bound, uniform in the box",
+        move |row| look(row, |look| look.points),
+    )
+    .count("worse", "of these failed where the picture says that they pass", move |row| look(row, |look| look.worse))
+    .count("better", "of these passed where the picture says that they fail", move |row| look(row, |look| look.better))
+    .number("alpha", "share of the 5 % that this check may use", |row| row.1.coverage.best().map(|look| look.alpha))
+    .count("learnt", "first episodes, from which that picture was learnt", move |row| look(row, |look| look.learnt))
+    .number("shown", "share of the box that the picture shows as failing", |row| row.1.shown)
+    .count("checks", "number of checks", |row| row.1.coverage.looks.len() as u64)
+    .count("episodes", "episodes in all", |row| row.1.coverage.points.len() as u64)
+    .count("budget", "episodes that it might use", |row| u64::from(row.0.budget))
+    .count("failures", "episodes that failed", |row| row.1.coverage.failures())
+    .count(
+        "unplaced",
+        "points of the box for which no place on the road was found; they count as passed",
+        |row| row.1.unplaced,
+    )
+    .count("left_out_episodes", "episodes that are left out; they count as passed", |row| row.1.left_out)
+    .count("errors", "episodes in which a program failed; they count as passed", |row| row.1.errors)
+    .count("ticks", "simulator ticks in all", |row| row.1.ticks)
 }
 
 /// An episode of a cover, with its number.

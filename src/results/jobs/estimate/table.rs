@@ -18,28 +18,28 @@ pub fn doubts(job: &Estimation, estimate: &Estimate) -> Vec<&'static str> {
 
 /// The columns of the table: a row for each event of each estimate that ended.
 pub fn columns<'a>() -> Table<'a, Row<'a>> {
-    let text = Column::<String>::new;
-    let count = Column::<u64>::new;
     let number = Column::<f64>::new;
     let share = |name, doc| number(name, "", doc);
-    Table::new(
+    Table::<Row<'a>>::new(
         "estimates",
         "One row for each event of each estimate: the probability of the event in an encounter with this pedestrian, from a start that the `spawn` draws, among encounters \
          that count.",
     )
-    .column(text("estimate", "", "short name of the estimate").of(|row: &Row<'_>| row.job.origin.id.to_string()))
+    .text("estimate", "short name of the estimate", |row| row.job.origin.id.to_string())
     .column(TOWN.of(|row: &Row<'_>| row.job.town.clone()))
     .column(POLICY.of(|row: &Row<'_>| row.job.policy.clone()))
-    .column(text("pedestrian", "", "the pedestrian, who walks by itself").of(|row: &Row<'_>| row.job.pedestrian.clone()))
-    .column(
-        text("requirement", "", "the requirement whose violation is the failure; empty for collisions")
-            .of(|row: &Row<'_>| row.job.requirement.clone()),
+    .text("pedestrian", "the pedestrian, who walks by itself", |row| row.job.pedestrian.clone())
+    .text(
+        "requirement",
+        "the requirement whose violation is the failure; empty for collisions",
+        |row| row.job.requirement.clone(),
     )
-    .column(count("block", "", "number of the `estimate` block in its campaign, from 0").of(|row: &Row<'_>| u64::from(row.job.origin.block)))
-    .column(count("run", "", "number of the run, from 0").of(|row: &Row<'_>| u64::from(row.job.origin.run)))
-    .column(
-        text("event", "", "`failure`, `preventable` (a careful human would have avoided it) or `fault` (it counts against the driver)")
-            .of(|row: &Row<'_>| row.likelihood.event.name().to_string()),
+    .count("block", "number of the `estimate` block in its campaign, from 0", |row| u64::from(row.job.origin.block))
+    .count("run", "number of the run, from 0", |row| u64::from(row.job.origin.run))
+    .text(
+        "event",
+        "`failure`, `preventable` (a careful human would have avoided it) or `fault` (it counts against the driver)",
+        |row| row.likelihood.event.name().to_string(),
     )
     .column(share("probability", "probability of the event in an encounter").of(|row: &Row<'_>| row.likelihood.probability))
     .column(
@@ -54,21 +54,25 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
         share("relative_error", "standard error as a fraction of the probability; missing if the event was never seen")
             .of(|row: &Row<'_>| row.likelihood.relative_error),
     )
-    .column(count("seen", "", "encounters in which it was seen").of(|row: &Row<'_>| row.likelihood.seen))
-    .column(count("encounters", "", "encounters that were simulated").of(|row: &Row<'_>| row.estimate.encounters))
-    .column(count("ticks", "", "simulator ticks that were used").of(|row: &Row<'_>| row.estimate.ticks))
+    .count("seen", "encounters in which it was seen", |row| row.likelihood.seen)
+    .count("encounters", "encounters that were simulated", |row| row.estimate.encounters)
+    .count("ticks", "simulator ticks that were used", |row| row.estimate.ticks)
     .column(share("counting", "fraction of encounters that count").of(|row: &Row<'_>| row.estimate.counting()))
-    .column(
-        number("per_hour", "1/h", "events per hour, at the encounters per hour that the scenario states; missing without")
-            .of(|row: &Row<'_>| exposed(row, 0)),
+    .measure(
+        "per_hour",
+        "1/h",
+        "events per hour, at the encounters per hour that the scenario states; missing without",
+        |row| exposed(row, 0),
     )
-    .column(
-        number("per_1000_km", "", "events per 1,000 km, at the encounters per 1,000 km that the scenario states; missing without")
-            .of(|row: &Row<'_>| exposed(row, 1)),
+    .number(
+        "per_1000_km",
+        "events per 1,000 km, at the encounters per 1,000 km that the scenario states; missing without",
+        |row| exposed(row, 1),
     )
-    .column(
-        text("doubts", "", "what a reader must know: a program that draws numbers of its own, an error that was not reached")
-            .of(|row: &Row<'_>| doubts(row.job, row.estimate).join("; ")),
+    .text(
+        "doubts",
+        "what a reader must know: a program that draws numbers of its own, an error that was not reached",
+        |row| doubts(row.job, row.estimate).join("; "),
     )
 }
 

@@ -1,6 +1,6 @@
 use super::Row;
+use crate::record::Table;
 use crate::record::columns::{POLICY, RUN_ID};
-use crate::record::{Column, Table};
 use compile::Harden;
 use world::hardening::{Tested, Traffic};
 
@@ -58,21 +58,25 @@ pub fn rows<'a>((job, found): Row<'a>) -> Vec<Changed<'a>> {
 
 /// The columns of `hardened`.
 pub fn columns<'a>() -> Table<'a, Changed<'a>> {
-    let (count, number, text) = (Column::<u64>::new, Column::<f64>::new, Column::<String>::new);
     Table::new(
         "hardened",
         "Several rows for each `harden` of a driver: its keys before and after, and what held-out tests show. Starts of a test are equal before and after.",
     )
     .column(RUN_ID.of(|row: &Changed<'_>| row.job.origin.id.to_string()))
     .column(POLICY.of(|row: &Changed<'_>| row.job.written.name.clone()))
-    .column(count("block", "", "number of the `harden` block in its campaign, from 0").of(|row: &Changed<'_>| u64::from(row.job.origin.block)))
-    .column(count("run", "", "number of the run, from 0").of(|row: &Changed<'_>| u64::from(row.job.origin.run)))
-    .column(text("about", "", "`key`: a varied key, in SI. `walker`, `falsifier`: starts with a fault in a test with a pedestrian or a search. `progress`, `comfort`: natural encounters in the towns of the test").of(|row: &Changed<'_>| row.about.to_string()))
-    .column(text("name", "", "the key, who attacks, or the figure").of(|row: &Changed<'_>| row.name.clone()))
-    .column(text("town", "", "town of the test").of(|row: &Changed<'_>| row.town.clone()))
-    .column(count("starts", "", "starts that count, for both where they are pairs").of(|row: &Changed<'_>| row.starts))
-    .column(number("before", "", "value before").of(|row: &Changed<'_>| row.before))
-    .column(number("after", "", "value after").of(|row: &Changed<'_>| row.after))
-    .column(count("new_faults", "", "starts with a fault after and none before").of(|row: &Changed<'_>| row.new))
-    .column(count("errors", "", "episodes in which a program failed").of(|row: &Changed<'_>| row.errors))
+    .count("block", "number of the `harden` block in its campaign, from 0", |row| u64::from(row.job.origin.block))
+    .count("run", "number of the run, from 0", |row| u64::from(row.job.origin.run))
+    .text(
+        "about",
+        "`key`: a varied key, in SI. `walker`, `falsifier`: starts with a fault in a test with a pedestrian or a \
+         search. `progress`, `comfort`: natural encounters in the towns of the test",
+        |row| row.about.to_string(),
+    )
+    .text("name", "the key, who attacks, or the figure", |row| row.name.clone())
+    .text("town", "town of the test", |row| row.town.clone())
+    .count("starts", "starts that count, for both where they are pairs", |row| row.starts)
+    .number("before", "value before", |row| row.before)
+    .number("after", "value after", |row| row.after)
+    .count("new_faults", "starts with a fault after and none before", |row| row.new)
+    .count("errors", "episodes in which a program failed", |row| row.errors)
 }

@@ -1,6 +1,6 @@
 use super::TrainingResult;
+use crate::record::Table;
 use crate::record::columns::{REWARD, RUN, TRAIN_POLICY, TRAIN_TOWN};
-use crate::record::{Column, Table};
 use crate::report::{self, csv_text};
 use compile::TrainingKey;
 use learn::UpdateLog;
@@ -26,8 +26,6 @@ pub fn learning_curve_lines(key: &TrainingKey, updates: &[UpdateLog], head: bool
 /// The columns of [`learning_curve`].
 pub fn columns<'a>() -> Table<'a, Update<'a>> {
     type Row<'a> = Update<'a>;
-    let whole = Column::<u64>::new;
-    let number = Column::<f64>::new;
     Table::new(
         "learning_curve",
         "One row for each PPO update of each training. The names in parentheses are those under which stable-baselines3 logs the same. A \
@@ -38,93 +36,63 @@ pub fn columns<'a>() -> Table<'a, Update<'a>> {
     .column(TRAIN_TOWN.of(|row: &Row<'_>| row.0.town.clone()))
     .column(TRAIN_POLICY.of(|row: &Row<'_>| row.0.policy.clone()))
     .column(RUN.of(|row: &Row<'_>| row.0.run))
-    .column(whole("update", "", "number of the update, from 1 (`time/iterations`)").of(|row: &Row<'_>| row.1.update))
-    .column(
-        whole("steps", "", "decisions up to its end, over all environments (`total_timesteps`)")
-            .of(|row: &Row<'_>| row.1.steps),
+    .count("update", "number of the update, from 1 (`time/iterations`)", |row| row.1.update)
+    .count("steps", "decisions up to its end, over all environments (`total_timesteps`)", |row| row.1.steps)
+    .count("episodes", "episodes that ended in this update", |row| row.1.episodes as u64)
+    .number(
+        "mean_reward",
+        "mean reward of the last episodes that ended, up to 100; missing before the first; the scenario's reward, \
+         without any shaping (`rollout/ep_rew_mean`)",
+        |row| row.1.mean_reward,
     )
-    .column(whole("episodes", "", "episodes that ended in this update").of(|row: &Row<'_>| row.1.episodes as u64))
-    .column(
-        number(
-            "mean_reward",
-            "",
-            "mean reward of the last episodes that ended, up to 100; missing before the first; the scenario's \
-             reward, without any shaping (`rollout/ep_rew_mean`)",
-        )
-        .of(|row: &Row<'_>| row.1.mean_reward),
+    .measure(
+        "mean_length_decisions",
+        "decisions",
+        "mean length of the same episodes (`ep_len_mean`)",
+        |row| row.1.mean_length,
     )
-    .column(
-        number("mean_length_decisions", "decisions", "mean length of the same episodes (`ep_len_mean`)")
-            .of(|row: &Row<'_>| row.1.mean_length),
+    .number(
+        "collision_rate",
+        "share of the same episodes that ended in a collision (`rollout/success_rate`); the pedestrian explores: its \
+         actions are drawn, as those of the controller `stochastic`, where `trained` takes the mean action",
+        |row| row.1.success_rate,
     )
-    .column(
-        number(
-            "collision_rate",
-            "",
-            "share of the same episodes that ended in a collision (`rollout/success_rate`); the pedestrian explores: its actions are drawn, as \
-             those of the controller `stochastic`, where `trained` takes the mean action",
-        )
-            .of(|row: &Row<'_>| row.1.success_rate),
+    .number(
+        "fault_rate",
+        "share of the same episodes that ended in a fault of the driver; missing where the reward asks for no \
+         judgement",
+        |row| row.1.fault_rate,
     )
-    .column(
-        number(
-            "fault_rate",
-            "",
-            "share of the same episodes that ended in a fault of the driver; missing where the reward asks for no judgement",
-        )
-        .of(|row: &Row<'_>| row.1.fault_rate),
+    .measure(
+        "approx_kl",
+        "nat",
+        "divergence between old and new policy, mean over the minibatches of the last epoch (`train/approx_kl`)",
+        |row| row.1.approx_kl,
     )
-    .column(
-        number(
-            "approx_kl",
-            "nat",
-            "divergence between old and new policy, mean over the minibatches of the last epoch (`train/approx_kl`)",
-        )
-        .of(|row: &Row<'_>| row.1.approx_kl),
+    .number(
+        "clip_fraction",
+        "share of the decisions whose probability ratio left the clip interval (`train/clip_fraction`)",
+        |row| row.1.clip_fraction,
     )
-    .column(
-        number(
-            "clip_fraction",
-            "",
-            "share of the decisions whose probability ratio left the clip interval (`train/clip_fraction`)",
-        )
-        .of(|row: &Row<'_>| row.1.clip_fraction),
+    .number(
+        "explained_variance",
+        "share of the returns' variance that the critic predicted, at most 1; missing if the returns do not vary \
+         (`train/explained_variance`)",
+        |row| row.1.explained_variance,
     )
-    .column(
-        number(
-            "explained_variance",
-            "",
-            "share of the returns' variance that the critic predicted, at most 1; missing if the returns do not vary \
-             (`train/explained_variance`)",
-        )
-        .of(|row: &Row<'_>| row.1.explained_variance),
+    .measure("entropy", "nat", "entropy of the policy (`train/entropy_loss`, negative)", |row| row.1.entropy)
+    .number("policy_loss", "clipped surrogate (`train/policy_gradient_loss`)", |row| row.1.policy_loss)
+    .number("value_loss", "mean squared error of the critic (`train/value_loss`)", |row| row.1.value_loss)
+    .number(
+        "gradient_norm",
+        "Euclidean norm of the gradient before it is clipped, mean over the gradient steps",
+        |row| row.1.grad_norm,
     )
-    .column(
-        number("entropy", "nat", "entropy of the policy (`train/entropy_loss`, negative)").of(|row: &Row<'_>| row.1.entropy),
+    .count(
+        "gradient_steps",
+        "minibatches of the update; fewer than planned if `target_kl` ended it (differences of `train/n_updates`)",
+        |row| row.1.gradient_steps,
     )
-    .column(
-        number("policy_loss", "", "clipped surrogate (`train/policy_gradient_loss`)").of(|row: &Row<'_>| row.1.policy_loss),
-    )
-    .column(
-        number("value_loss", "", "mean squared error of the critic (`train/value_loss`)").of(|row: &Row<'_>| row.1.value_loss),
-    )
-    .column(
-        number("gradient_norm", "", "Euclidean norm of the gradient before it is clipped, mean over the gradient steps")
-            .of(|row: &Row<'_>| row.1.grad_norm),
-    )
-    .column(
-        whole(
-            "gradient_steps",
-            "",
-            "minibatches of the update; fewer than planned if `target_kl` ended it (differences of `train/n_updates`)",
-        )
-        .of(|row: &Row<'_>| row.1.gradient_steps),
-    )
-    .column(
-        number("learning_rate", "", "learning rate of this update (`train/learning_rate`)").of(|row: &Row<'_>| row.1.learning_rate),
-    )
-    .column(
-        number("action_sd", "as the actions", "mean standard deviation of the actions (`train/std`)")
-            .of(|row: &Row<'_>| row.1.std),
-    )
+    .number("learning_rate", "learning rate of this update (`train/learning_rate`)", |row| row.1.learning_rate)
+    .measure("action_sd", "as the actions", "mean standard deviation of the actions (`train/std`)", |row| row.1.std)
 }

@@ -1,7 +1,5 @@
 use std::collections::BTreeSet;
 
-use polars::prelude::DataFrame;
-
 use crate::jobs::SearchResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
 use crate::record::{Column, EpisodeTable, Table};
@@ -259,12 +257,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
 pub const PROTOCOL: &str = "protocol";
 
 /// The cells as a table, one row each.
-pub fn protocol_table(cells: &[ProtocolCell]) -> DataFrame {
-    protocol_columns().frame(cells)
-}
-
-/// The columns of [`protocol_table`].
-pub fn protocol_columns() -> Table<'static, ProtocolCell> {
+pub fn protocol_table() -> Table<'static, ProtocolCell> {
     type Row = ProtocolCell;
     let doc = "One row for each case of a test protocol and driver: the worst result of the nominal test, and the worst that each search found within its layers.";
     Table::new(PROTOCOL, doc)

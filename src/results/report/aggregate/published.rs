@@ -110,28 +110,23 @@ pub fn published(all: &[PublishedComparison<'_>]) -> DataFrame {
 /// The columns of [`published`].
 pub fn published_table<'a>() -> Table<'a, &'a PublishedComparison<'a>> {
     type Row<'a> = &'a PublishedComparison<'a>;
-    let (text, number) = (Column::<String>::new, Column::<f64>::new);
-    Table::new(
+    Table::<Row<'a>>::new(
         "published",
         "One row for each figure that others have published and the campaign names with `beside`, with ours and the difference.",
     )
-    .column(text("source", "", "where the published figure is from").of(|row: &Row<'_>| no_formula(row.source)))
+    .text("source", "where the published figure is from", |row| no_formula(row.source))
     .columns(cell_key(|row: &Row<'_>| &row.key))
-    .column(
-        text("figure", "", "our column for the figure, without `_mean`").of(|row: &Row<'_>| row.published.column),
-    )
-    .column(number("published_mean", "as the figure", "published mean").of(|row: &Row<'_>| row.published.mean))
-    .column(
-        number("published_sd", "as the figure", "published standard deviation").of(|row: &Row<'_>| row.published.sd),
-    )
+    .text("figure", "our column for the figure, without `_mean`", |row| row.published.column)
+    .measure("published_mean", "as the figure", "published mean", |row| row.published.mean)
+    .measure("published_sd", "as the figure", "published standard deviation", |row| row.published.sd)
     .column(
         Column::<u32>::new("published_runs", "", "number of trainings of the published figure")
             .of(|row: &Row<'_>| row.published_runs),
     )
-    .column(number("mean", "as the figure", "our mean").of(|row: &Row<'_>| row.ours.value))
-    .column(number("sd", "as the figure", "our standard deviation").of(|row: &Row<'_>| row.ours.sd))
+    .measure("mean", "as the figure", "our mean", |row| row.ours.value)
+    .measure("sd", "as the figure", "our standard deviation", |row| row.ours.sd)
     .column(Column::<u32>::new("runs", "", "number of our trainings").of(|row: &Row<'_>| row.runs))
-    .column(number("difference", "as the figure", "ours less theirs").of(|row: &Row<'_>| row.difference))
+    .measure("difference", "as the figure", "ours less theirs", |row| row.difference)
     .columns(
         Interval::new(
             "difference",

@@ -23,7 +23,6 @@ pub fn results(cells: &[Cell], evidence: &[CellEvidence], failures: &Failures) -
 /// The columns of [`results`].
 pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     let count = Column::<u32>::new;
-    let number = Column::<f64>::new;
     let mut table = Table::new(
         RESULTS,
         "One row for each pedestrian, town and driver. Open this table first; `metrics` has all that is known.",
@@ -44,10 +43,9 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
     let fault = "faults of the driver, of all episodes, as above";
     table = rate(table, "fault_rate", fault, |cell| &cell.fault);
     table
-        .column(
-            number("avoidable_injury_per_thousand", "", "expected severe injuries in faults, for 1,000 episodes")
-                .of(|row: &Row<'_>| row.0.injury.value.map(|injury| 1000.0 * injury)),
-        )
+        .number("avoidable_injury_per_thousand", "expected severe injuries in faults, for 1,000 episodes", |row| {
+            row.0.injury.value.map(|injury| 1000.0 * injury)
+        })
         .column(
             Column::<String>::new(
                 "worst",
@@ -56,10 +54,7 @@ pub fn results_table<'a>() -> Table<'a, Row<'a>> {
             )
             .of(|row: &Row<'_>| row.2.map(Failure::name)),
         )
-        .column(
-            number("worst_speed_mps", "m/s", "speed of the car at its touch")
-                .of(|row: &Row<'_>| row.2.map(|found| found.impact_speed)),
-        )
+        .measure("worst_speed_mps", "m/s", "speed of the car at its touch", |row| row.2.map(|found| found.impact_speed))
 }
 
 fn rate<'a>(

@@ -1,5 +1,3 @@
-use polars::prelude::DataFrame;
-
 use super::Rate;
 use super::search_figures::{FAILED_STARTS, FAULT, FAULT_START_RATE, FIRST_FAILURE, FIRST_FAULT, Figures, INJURY};
 use super::searches::{BUDGET, STARTS, search_key};
@@ -126,14 +124,9 @@ fn median_time(times: &[(f64, bool)]) -> Option<f64> {
     None
 }
 
-/// Cells of searches as a table, one row each, in the order given.
-pub fn search_cell_table(cells: &[SearchCell]) -> DataFrame {
-    search_cell_columns().frame(cells)
-}
-
-/// The columns of [`search_cell_table`].
-pub fn search_cell_columns() -> Table<'static, SearchCell> {
-    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
+/// Cells of searches as a table, one row each.
+pub fn search_cell_table() -> Table<'static, SearchCell> {
+    let number = Column::<f64>::new;
     let median = |name: &'static str, of: fn(&SearchCell) -> Option<f64>| {
         let doc = format!("Kaplan and Meier's median of `{name}`; missing if fewer than half of the runs found one");
         Entry::new::<f64, _>(format!("{name}_median").into(), "".into(), doc.into(), of).of_figure(name, Role::Plain)
@@ -144,20 +137,22 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
          between towns the figures of one driver may differ several times.",
     )
     .columns(search_key(|cell: &SearchCell| &cell.key))
-    .column(count("runs", "", "number of runs").of(|cell: &SearchCell| cell.runs as u64))
+    .count("runs", "number of runs", |cell| cell.runs as u64)
     .column(BUDGET.of(|cell: &SearchCell| cell.budget))
     .column(
         number("falsified_share", "", "share of the runs that found a failure, as ARCH-COMP counts it")
             .with_role(Role::Share)
             .of(|cell: &SearchCell| cell.falsified()),
     )
-    .column(
-        number("simulations_to_first_mean", "", "mean of `first_failure_simulations` over these runs")
-            .of(|cell: &SearchCell| cell.simulations_to_first().map(|(mean, _)| mean)),
+    .number(
+        "simulations_to_first_mean",
+        "mean of `first_failure_simulations` over these runs",
+        |cell| cell.simulations_to_first().map(|(mean, _)| mean),
     )
-    .column(
-        number("simulations_to_first_median", "", "their median")
-            .of(|cell: &SearchCell| cell.simulations_to_first().map(|(_, median)| median)),
+    .number(
+        "simulations_to_first_median",
+        "their median",
+        |cell| cell.simulations_to_first().map(|(_, median)| median),
     )
     .column(median(FIRST_FAILURE, |cell| cell.first_failure))
     .columns(averaged(STARTS.name, Role::Plain, |cell| &cell.starts))

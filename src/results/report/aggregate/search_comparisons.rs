@@ -1,7 +1,5 @@
 use std::collections::BTreeMap;
 
-use polars::prelude::DataFrame;
-
 #[cfg(test)]
 use super::search_figures::FAILED_STARTS;
 use super::search_figures::{FAULT_START_RATE, Figures};
@@ -156,33 +154,26 @@ fn cut((low, high): (f64, f64), figure: &str) -> (f64, f64) {
 }
 
 /// The comparisons as a table, one row each.
-pub fn search_comparison_table(all: &[SearchComparison]) -> DataFrame {
-    search_comparison_columns().frame(all)
-}
-
-/// The columns of [`search_comparison_table`].
-pub fn search_comparison_columns() -> Table<'static, SearchComparison> {
-    let text = Column::<String>::new;
-    let number = Column::<f64>::new;
+pub fn search_comparison_table() -> Table<'static, SearchComparison> {
     Table::new(
         SEARCH_COMPARISONS,
         "One row for each figure, town, and two falsifiers against one driver or one falsifier against two drivers. Equal runs have equal \
          starts, so runs are pairs.",
     )
     .column(TOWN.of(|row: &SearchComparison| row.town.clone()))
-    .column(text("falsifier", "", "name of the falsifier").of(|row: &SearchComparison| row.one.0.clone()))
-    .column(text("policy", "", "driving policy").of(|row: &SearchComparison| row.one.1.clone()))
-    .column(text("other_falsifier", "", "falsifier that is subtracted").of(|row: &SearchComparison| row.other.0.clone()))
-    .column(text("other_policy", "", "its driving policy").of(|row: &SearchComparison| row.other.1.clone()))
+    .text("falsifier", "name of the falsifier", |row| row.one.0.clone())
+    .text("policy", "driving policy", |row| row.one.1.clone())
+    .text("other_falsifier", "falsifier that is subtracted", |row| row.other.0.clone())
+    .text("other_policy", "its driving policy", |row| row.other.1.clone())
     .column(
         Column::<u64>::new("block", "", "number of the `search` block in its campaign, from 0")
             .of(|row: &SearchComparison| u64::from(row.block)),
     )
-    .column(text("figure", "", "column of `searches` that is compared").of(|row: &SearchComparison| row.figure.to_string()))
+    .text("figure", "column of `searches` that is compared", |row| row.figure.to_string())
     .column(Column::<u64>::new("runs", "", "runs on both sides").of(|row: &SearchComparison| row.runs))
-    .column(number("value", "", "mean over these runs").of(|row: &SearchComparison| row.values[0]))
-    .column(number("other_value", "", "mean of the other side").of(|row: &SearchComparison| row.values[1]))
-    .column(number("difference", "", "`value` less `other_value`").of(|row: &SearchComparison| row.difference))
+    .number("value", "mean over these runs", |row| row.values[0])
+    .number("other_value", "mean of the other side", |row| row.values[1])
+    .number("difference", "`value` less `other_value`", |row| row.difference)
     .columns(
         Interval::new(
             "difference",
@@ -192,14 +183,12 @@ pub fn search_comparison_columns() -> Table<'static, SearchComparison> {
         )
         .of(|row: &SearchComparison| row.interval),
     )
-    .column(
-        number(
-            "p_holm",
-            "",
-            "two-sided p-value of Student's paired test, adjusted by Holm's method for the same rows: in 95 % of campaigns none of them below 0.05 is a \
-             false finding. Missing for a single run and where all pairs are equal; where all differences are one number, from the sign test",
-        )
-        .of(|row: &SearchComparison| row.p_holm),
+    .number(
+        "p_holm",
+        "two-sided p-value of Student's paired test, adjusted by Holm's method for the same rows: in 95 % of \
+         campaigns none of them below 0.05 is a false finding. Missing for a single run and where all pairs are \
+         equal; where all differences are one number, from the sign test",
+        |row| row.p_holm,
     )
 }
 

@@ -85,7 +85,6 @@ pub fn searches(results: &[SearchResult]) -> DataFrame {
 /// The columns of [`searches`].
 pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     type Row<'a> = Searched<'a>;
-    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
     Table::new(
         SEARCHES,
         "One row for each search: a falsifier in one town against one policy, one run. Rates within a search are shares of what it tried, \
@@ -95,87 +94,84 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     .columns(search_key(|row: &Row<'_>| &row.0.key))
     .column(run(|row: &Row<'_>| &row.0.key))
     .column(BUDGET.of(|row: &Row<'_>| row.0.budget))
-    .column(
-        count(
-            "used_ticks",
-            "",
-            "simulator ticks that it used; less than a command is left over, more by `ppo` with several environments, which stops when the \
-             first has used its share",
-        )
-        .of(|row: &Row<'_>| row.0.spent.ticks),
+    .count(
+        "used_ticks",
+        "simulator ticks that it used; less than a command is left over, more by `ppo` with several environments, \
+         which stops when the first has used its share",
+        |row| row.0.spent.ticks,
     )
-    .column(
-        count("episodes", "", "episodes that came to an end and count, without one that the budget cut off")
-            .of(|row: &Row<'_>| row.0.spent.episodes),
+    .count(
+        "episodes",
+        "episodes that came to an end and count, without one that the budget cut off",
+        |row| row.0.spent.episodes,
     )
-    .column(
-        count("left_out_episodes", "", "further episodes that are left out: see `left_out` of `episodes`")
-            .of(|row: &Row<'_>| row.0.spent.left_out),
+    .count(
+        "left_out_episodes",
+        "further episodes that are left out: see `left_out` of `episodes`",
+        |row| row.0.spent.left_out,
     )
     .column(STARTS.of(|row: &Row<'_>| row.0.spent.starts.count()))
     .column(TRIED.of(|row: &Row<'_>| row.0.spent.starts.to_string()))
     .column(FIRST_START.of(|row: &Row<'_>| row.0.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
-    .column(count(FAILURE_COUNT, "", "episodes that ended in a collision, or that violate the goal of the search").of(|row: &Row<'_>| row.1.failures as u64))
-    .column(
-        count(
-            FAILED_STARTS,
-            "",
-            "starts from which a failure was found; the fair count between methods that leave a start after a failure (`cem`, `cma_es`, \
-             `mcts`) and those that walk once from each",
-        )
-        .of(|row: &Row<'_>| row.1.failed_starts as u64),
+    .count(
+        FAILURE_COUNT,
+        "episodes that ended in a collision, or that violate the goal of the search",
+        |row| row.1.failures as u64,
     )
-    .column(
-        number(FIRST_FAILURE, "", "ticks used when the first was found, its own included; missing if none was found")
-            .of(|row: &Row<'_>| row.1.first.map(|ticks| ticks as f64)),
+    .count(
+        FAILED_STARTS,
+        "starts from which a failure was found; the fair count between methods that leave a start after a failure \
+         (`cem`, `cma_es`, `mcts`) and those that walk once from each",
+        |row| row.1.failed_starts as u64,
     )
-    .column(
-        count(
-            FIRST_SIMULATIONS,
-            "",
-            "simulations up to the first failure, its own included: finished episodes, also those that are left out; missing if none was found",
-        )
-        .of(|row: &Row<'_>| row.1.first_simulations),
+    .number(
+        FIRST_FAILURE,
+        "ticks used when the first was found, its own included; missing if none was found",
+        |row| row.1.first.map(|ticks| ticks as f64),
     )
-    .column(count(PREVENTABLE, "", "failures that both careful humans avoid").of(|row: &Row<'_>| row.1.judged_count(row.1.preventable)))
-    .column(
-        count(FAULT, "", "failures that count against the driver: see `fault` of `search_failures`, and `goal_fault` where there is a goal; missing where \
-             the goal has no verdict, as all figures of faults")
-            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault)),
+    .count(
+        FIRST_SIMULATIONS,
+        "simulations up to the first failure, its own included: finished episodes, also those that are left out; \
+         missing if none was found",
+        |row| row.1.first_simulations,
     )
-    .column(
-        count(FAULT_STARTS, "", "starts from which a fault was found")
-            .of(|row: &Row<'_>| row.1.judged_count(row.1.fault_starts)),
+    .count(PREVENTABLE, "failures that both careful humans avoid", |row| row.1.judged_count(row.1.preventable))
+    .count(
+        FAULT,
+        "failures that count against the driver: see `fault` of `search_failures`, and `goal_fault` where there is a \
+         goal; missing where the goal has no verdict, as all figures of faults",
+        |row| row.1.judged_count(row.1.fault),
     )
-    .column(
-        number(FAULT_START_RATE, "", "their share of `starts`; for an exhaustive search the ceiling of all others")
-            .of(|row: &Row<'_>| row.1.fault_start_rate),
+    .count(FAULT_STARTS, "starts from which a fault was found", |row| row.1.judged_count(row.1.fault_starts))
+    .number(
+        FAULT_START_RATE,
+        "their share of `starts`; for an exhaustive search the ceiling of all others",
+        |row| row.1.fault_start_rate,
     )
-    .column(
-        number(FIRST_FAULT, "", "ticks used when the first fault was found, its own included; missing if none was found")
-            .of(|row: &Row<'_>| row.1.first_fault.map(|ticks| ticks as f64)),
+    .number(
+        FIRST_FAULT,
+        "ticks used when the first fault was found, its own included; missing if none was found",
+        |row| row.1.first_fault.map(|ticks| ticks as f64),
     )
-    .column(
-        number(INJURY, "", "sum of the severe-injury risks of the faults, for 1,000 of `episodes`: what a careful human would have spared")
-            .of(|row: &Row<'_>| row.1.injury),
+    .number(
+        INJURY,
+        "sum of the severe-injury risks of the faults, for 1,000 of `episodes`: what a careful human would have \
+         spared",
+        |row| row.1.injury,
     )
-    .column(
-        count(
-            "evaluated_episodes",
-            "",
-            "fresh episodes of the controller that the falsifier ended with, outside the budget; their starts are those of `evaluate`",
-        )
-        .of(|row: &Row<'_>| row.1.evaluated),
+    .count(
+        "evaluated_episodes",
+        "fresh episodes of the controller that the falsifier ended with, outside the budget; their starts are those \
+         of `evaluate`",
+        |row| row.1.evaluated,
     )
-    .column(
-        count("evaluated_failures", "", "collisions of these, or violations of the goal")
-            .of(|row: &Row<'_>| row.1.evaluated_failures as u64),
+    .count(
+        "evaluated_failures",
+        "collisions of these, or violations of the goal",
+        |row| row.1.evaluated_failures as u64,
     )
-    .column(
-        count("evaluated_faults", "", "faults of these")
-            .of(|row: &Row<'_>| row.1.judged_count(row.1.evaluated_faults)),
-    )
-    .column(number("evaluated_reward", "", "their mean reward; 0 without a reward").of(|row: &Row<'_>| row.1.evaluated_reward))
+    .count("evaluated_faults", "faults of these", |row| row.1.judged_count(row.1.evaluated_faults))
+    .number("evaluated_reward", "their mean reward; 0 without a reward", |row| row.1.evaluated_reward)
 }
 
 /// The failures of all searches as a table, one row each, in the order in which they were found.

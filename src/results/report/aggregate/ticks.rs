@@ -59,17 +59,13 @@ pub fn ticks(run: RunId, episode: u32, scenario: &Scenario, trace: &Trace) -> Da
 
 /// The columns of [`ticks`].
 pub fn tick_table<'a>() -> Table<'a, Tick<'a>> {
-    let number = Column::<f64>::new;
     let middle = "middle of the car's box, in the world frame";
     let person = "middle of the pedestrian, in the world frame";
     Table::new("ticks", "One row for each tick of an episode, the start first. `falsify replay NAME --ticks FILE` writes it; a report does not have it.")
         .column(RUN_ID.of(|row: &Tick<'_>| row.run.to_string()))
         .column(EPISODE.of(|row: &Tick<'_>| row.episode))
         .column(Column::<u32>::new("tick", "", "number of the tick, 0 at the start").of(|row: &Tick<'_>| row.number))
-        .column(
-            number("time_s", "s", "end of the tick")
-                .of(|row: &Tick<'_>| f64::from(row.number) * row.pair.dt()),
-        )
+        .measure("time_s", "s", "end of the tick", |row| f64::from(row.number) * row.pair.dt())
         .column(EGO_X.of(|row: &Tick<'_>| row.frame.ego.pose.x).meaning(middle))
         .column(EGO_Y.of(|row: &Tick<'_>| row.frame.ego.pose.y).meaning(middle))
         .column(EGO_YAW.of(|row: &Tick<'_>| row.frame.ego.pose.yaw.to_degrees()).meaning("heading of the car"))
@@ -81,19 +77,13 @@ pub fn tick_table<'a>() -> Table<'a, Tick<'a>> {
                 .of(|row: &Tick<'_>| row.frame.pedestrian.pose.yaw.to_degrees())
                 .meaning("heading of the pedestrian"),
         )
-        .column(
-            number("pedestrian_speed_mps", "m/s", "speed of the pedestrian")
-                .of(|row: &Tick<'_>| row.frame.pedestrian.speed()),
-        )
+        .measure("pedestrian_speed_mps", "m/s", "speed of the pedestrian", |row| row.frame.pedestrian.speed())
         .column(
             DRIVING_MODE.of(|row: &Tick<'_>| row.frame.mode.name()).meaning("what the driver did in the tick that ended then"),
         )
-        .column(number("throttle", "", "throttle in that tick, 0 to 1").of(|row: &Tick<'_>| row.frame.control.throttle))
-        .column(number("brake", "", "brake in that tick, 0 to 1").of(|row: &Tick<'_>| row.frame.control.brake))
-        .column(
-            number("steer", "", "steering in that tick, −1 to 1, positive to the left")
-                .of(|row: &Tick<'_>| row.frame.control.steer),
-        )
+        .number("throttle", "throttle in that tick, 0 to 1", |row| row.frame.control.throttle)
+        .number("brake", "brake in that tick, 0 to 1", |row| row.frame.control.brake)
+        .number("steer", "steering in that tick, −1 to 1, positive to the left", |row| row.frame.control.steer)
         .column(
             Column::<bool>::new(
                 "in_sight",
@@ -102,9 +92,11 @@ pub fn tick_table<'a>() -> Table<'a, Tick<'a>> {
             )
             .of(|row: &Tick<'_>| row.pair.in_sight(&row.frame)),
         )
-        .column(
-            number("gap_m", "m", "distance from the pedestrian's disc to the car's box; 0 in a touch")
-                .of(|row: &Tick<'_>| row.pair.gap(&row.frame)),
+        .measure(
+            "gap_m",
+            "m",
+            "distance from the pedestrian's disc to the car's box; 0 in a touch",
+            |row| row.pair.gap(&row.frame),
         )
         .columns(STATE.map(|(name, meaning, number)| {
             Column::<f64>::new(name, "as the state", meaning).of(move |row: &Tick<'_>| row.state().map(|state| state[number]))

@@ -13,5 +13,5 @@ mod table;
 pub use comparison::{ALL_CONTROLLERS, ComparedCell, ReportComparison, compare_reports, drivers};
 pub use matching::Side;
 pub use paired_rate::{Changed, CountedEvent, PairedRate};
-pub use searches::{ComparedSearch, TRIED_STARTS, compared_search_reference, compared_search_table};
+pub use searches::{ComparedSearch, TRIED_STARTS, compared_search_table};
 pub use table::{COMMON_STARTS, DIFFERING, compared_cells, comparison_reference};

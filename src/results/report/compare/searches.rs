@@ -1,15 +1,13 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
-use polars::prelude::DataFrame;
-
 use super::comparison::drivers;
 use super::matching::{Matched, Side, is_renamed, paired};
 use super::paired_rate::{Changed, PairedRate};
 use super::table::{MATCHED_RUNS, OTHER_POLICY};
 use crate::failure::{Failure, FailureOrder};
 use crate::record::columns::{POLICY, TOWN};
-use crate::record::{Column, Entry, Interval, Role, Table, TableReference};
+use crate::record::{Column, Entry, Interval, Role, Table};
 use crate::report::aggregate::{BUDGET, FALSIFIER, SEARCH_BLOCK};
 use crate::report::grouped::grouped;
 use crate::report::read::StoredSearch;
@@ -155,16 +153,7 @@ pub const TRIED_STARTS: Column<u64> = Column::new("tried_starts", "", "starts th
 const DIFFERENCE: &str = "found_difference";
 
 /// The searches of a comparison as a table, one row each.
-pub fn compared_search_table(searches: &[ComparedSearch]) -> DataFrame {
-    table().frame(searches)
-}
-
-/// The columns of [`compared_search_table`].
-pub fn compared_search_reference() -> TableReference {
-    table().reference()
-}
-
-fn table() -> Table<'static, ComparedSearch> {
+pub fn compared_search_table() -> Table<'static, ComparedSearch> {
     type Row = ComparedSearch;
     let number = Column::<f64>::new;
     Table::new("compared_searches", "One row for each falsifier, town and driver that both sides have.")

@@ -1,5 +1,3 @@
-use polars::prelude::DataFrame;
-
 use super::Comparison;
 use crate::record::{Column, ColumnReference, Family, Interval, Table, cell_key};
 use world::judge::Reference;
@@ -58,14 +56,8 @@ pub fn remaining_rate(reference: Reference) -> ColumnReference {
     REST.reference(reference.name())
 }
 
-/// Comparisons as a table, one row each, in the order given.
-pub fn comparison_table(comparisons: &[Comparison]) -> DataFrame {
-    comparison_columns().frame(comparisons)
-}
-
-/// The columns of [`comparison_table`].
-pub fn comparison_columns() -> Table<'static, Comparison> {
-    let count = Column::<u64>::new;
+/// Comparisons as a table, one row each.
+pub fn comparison_table() -> Table<'static, Comparison> {
     Table::new(
         "comparisons",
         "One row for each pair of cells with common starts, and figure; both have the same town, vehicle, adversary and block. Where `other_policy` is \
@@ -78,9 +70,9 @@ pub fn comparison_columns() -> Table<'static, Comparison> {
     .column(OTHER_POLICY.of(|row: &Comparison| row.second.policy.clone()))
     .column(OTHER_REWARD.of(|row: &Comparison| row.second.reward.clone()))
     .column(FIGURE.of(|row: &Comparison| row.figure.name()))
-    .column(count("runs", "", "number of runs of the cell").of(|row: &Comparison| row.runs[0]))
-    .column(count("other_runs", "", "number of runs of the other cell").of(|row: &Comparison| row.runs[1]))
-    .column(count("paired_episodes", "", "episodes of the shortest of these runs").of(|row: &Comparison| row.episodes))
+    .count("runs", "number of runs of the cell", |row| row.runs[0])
+    .count("other_runs", "number of runs of the other cell", |row| row.runs[1])
+    .count("paired_episodes", "episodes of the shortest of these runs", |row| row.episodes)
     .column(VALUE.of(|row: &Comparison| row.values[0]))
     .column(OTHER_VALUE.of(|row: &Comparison| row.values[1]))
     .column(DIFFERENCE.of(|row: &Comparison| row.difference))

@@ -201,19 +201,15 @@ fn violations(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
 /// Failures with the folders of their reports as a table, one row each, in the order given.
 pub fn failure_list(failures: &[(PathBuf, Failure)]) -> DataFrame {
     type Listed = (PathBuf, Failure);
-    let text = Column::<String>::new;
-    Table::new("failures", "One row for each failure.")
-        .column(
-            text("name", "", "the path by which other commands find it")
-                .of(|row: &Listed| format!("{}/{}", row.0.display(), row.1.name())),
-        )
-        .column(text("report", "", "folder of the report").of(|row: &Listed| row.0.display().to_string()))
+    Table::<Listed>::new("failures", "One row for each failure.")
+        .text("name", "the path by which other commands find it", |row| format!("{}/{}", row.0.display(), row.1.name()))
+        .text("report", "folder of the report", |row| row.0.display().to_string())
         .column(RUN_ID.of(|row: &Listed| row.1.key.id.to_string()))
         .column(
             Column::<u64>::new("number", "", "number of the episode, or of the failure of a search")
                 .of(|row: &Listed| row.1.number),
         )
-        .column(text("found_by", "", "`evaluation` or `search`").of(|row: &Listed| row.1.found_by.name()))
+        .text("found_by", "`evaluation` or `search`", |row| row.1.found_by.name())
         .column(POLICY.of(|row: &Listed| row.1.key.cell.policy.clone()))
         .column(CONTROLLER.of(|row: &Listed| row.1.key.cell.controller.clone()))
         .column(REWARD.of(|row: &Listed| row.1.key.cell.reward.clone()))

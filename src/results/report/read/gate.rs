@@ -7,7 +7,7 @@ use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, VEHICLE
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::Findings;
-use crate::report::aggregate::{STARTS, search_cell_columns, search_cell_table, search_key};
+use crate::report::aggregate::{STARTS, search_cell_table, search_key};
 use crate::report::cell_table::{KnownCell, cell_table};
 use crate::report::compare::{ALL_CONTROLLERS, COMMON_STARTS, DIFFERING, TRIED_STARTS};
 use base::statistics::{MIN_RUNS, mcnemar};
@@ -136,7 +136,7 @@ impl Gate {
     pub fn parse(text: &str) -> Result<Self, GateError> {
         match Self::of_columns(text, &cell_table(&requirements_in(text)).reference().columns) {
             Err(error @ GateError::Column { .. }) => {
-                match Self::of_columns(text, &search_cell_columns().reference().columns) {
+                match Self::of_columns(text, &search_cell_table().reference().columns) {
                     Ok(gate) => Ok(Self { about_searches: true, ..gate }),
                     Err(GateError::Column { .. }) => Err(error),
                     Err(other) => Err(other),
@@ -241,7 +241,7 @@ impl Gate {
     /// Judges every cell of a campaign, or every cell of its searches, in their order.
     pub fn judge_campaign(&self, found: &Findings<'_>) -> Vec<Judged> {
         if self.about_searches {
-            return self.judge(&search_cell_table(&found.searches));
+            return self.judge(&search_cell_table().frame(&found.searches));
         }
         let (evidence, requirements) = (&found.gathered.evidence.cells, &found.gathered.requirements);
         let known = |(cell, evidence)| KnownCell { cell, evidence, requirements };

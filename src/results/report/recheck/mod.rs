@@ -13,7 +13,7 @@ pub use crossings::{CrossedStarts, StartFaults};
 pub use encounter::{Encounter, Encounters, Met};
 pub use failures::{RecheckedFailures, WalkedBy};
 pub use note::RecheckNote;
-pub use table::{crossed_reference, crossed_table, rechecked_reference, rechecked_table};
+pub use table::{crossed_table, rechecked_table};
 
 use std::path::PathBuf;
 

@@ -1,64 +1,45 @@
-use polars::prelude::DataFrame;
-
 use super::{CrossedStarts, Met, RecheckedFailures, StartFaults};
 use crate::record::columns::{POLICY, TOWN};
-use crate::record::{Column, Role, Table, TableReference};
-
-/// The failures of a report that were met again as a table, one row for each set.
-pub fn rechecked_table(rows: &[RecheckedFailures]) -> DataFrame {
-    failures().frame(rows)
-}
-
-/// The columns of [`rechecked_table`].
-pub fn rechecked_reference() -> TableReference {
-    failures().reference()
-}
-
-/// The fixed list as a table, one row for each driver, town and setup.
-pub fn crossed_table(rows: &[CrossedStarts]) -> DataFrame {
-    crossings().frame(rows)
-}
-
-/// The columns of [`crossed_table`].
-pub fn crossed_reference() -> TableReference {
-    crossings().reference()
-}
+use crate::record::{Column, Role, Table};
 
 fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::Entry<'t, R> {
     Column::<String>::new("other_policy", "", "name of the new driving policy").of(name)
 }
 
-fn failures() -> Table<'static, RecheckedFailures> {
+/// The failures of a report that were met again as a table, one row for each set.
+pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
     type Row = RecheckedFailures;
-    let (text, count) = (Column::<String>::new, Column::<u64>::new);
     let injuries = |name, doc| Column::<f64>::new(name, "", doc);
     let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.encounters.count(is);
     Table::new("recheck_failures", "One row for each driver, town, source of failures and way to move the pedestrian.")
         .column(POLICY.of(|row: &Row| row.policies[0].clone()))
         .column(other_policy(|row: &Row| row.policies[1].clone()))
         .column(TOWN.of(|row: &Row| row.town.clone()))
-        .column(text("found_in", "", "`evaluation` or `search`").of(|row: &Row| row.found_in.name()))
-        .column(
-            text("walked_by", "", "what moves the pedestrian: `controller`, or the recorded `commands`")
-                .of(|row: &Row| row.walked_by.name()),
+        .text("found_in", "`evaluation` or `search`", |row| row.found_in.name())
+        .text("walked_by", "what moves the pedestrian: `controller`, or the recorded `commands`", |row| {
+            row.walked_by.name()
+        })
+        .count("failures", "collisions in the report, met again", is(|_, _| true))
+        .count("old_faults", "of them faults of the old driver", is(|before, _| before.fault))
+        .count(
+            "still_faults",
+            "of these faults, those that the new driver still has",
+            is(|before, after| before.fault && after.fault),
         )
-        .column(count("failures", "", "collisions in the report, met again").of(is(|_, _| true)))
-        .column(count("old_faults", "", "of them faults of the old driver").of(is(|before, _| before.fault)))
-        .column(
-            count("still_faults", "", "of these faults, those that the new driver still has")
-                .of(is(|before, after| before.fault && after.fault)),
+        .count(
+            "turned_faults",
+            "failures that were no fault of the old driver and are one of the new",
+            is(|before, after| !before.fault && after.fault),
         )
-        .column(
-            count("turned_faults", "", "failures that were no fault of the old driver and are one of the new")
-                .of(is(|before, after| !before.fault && after.fault)),
+        .count(
+            "still_collisions",
+            "failures that are still collisions with the new driver",
+            is(|_, after| after.is_collision()),
         )
-        .column(
-            count("still_collisions", "", "failures that are still collisions with the new driver")
-                .of(is(|_, after| after.is_collision())),
-        )
-        .column(
-            count("gone", "", "failures that are none any more; a pedestrian may bump into the standing car")
-                .of(is(|_, after| !after.is_collision())),
+        .count(
+            "gone",
+            "failures that are none any more; a pedestrian may bump into the standing car",
+            is(|_, after| !after.is_collision()),
         )
         .column(
             injuries(
@@ -71,15 +52,15 @@ fn failures() -> Table<'static, RecheckedFailures> {
             injuries("avoidable_injuries_after", "the same in the new driver's")
                 .of(|row: &Row| row.encounters.ends().map(|(_, after)| after.avoidable_injury()).sum::<f64>()),
         )
-        .column(
-            count("failed_encounters", "", "failures left out, since a driver failed as a program")
-                .of(|row: &Row| row.encounters.errors()),
-        )
+        .count("failed_encounters", "failures left out, since a driver failed as a program", |row| {
+            row.encounters.errors()
+        })
 }
 
-fn crossings() -> Table<'static, CrossedStarts> {
+/// The fixed list as a table, one row for each driver, town and setup.
+pub fn crossed_table() -> Table<'static, CrossedStarts> {
     type Row = CrossedStarts;
-    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
+    let number = Column::<f64>::new;
     let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.encounters.count(is);
     let starts = |is: fn(StartFaults) -> bool| move |row: &Row| row.count_starts(is);
     Table::new(
@@ -89,30 +70,27 @@ fn crossings() -> Table<'static, CrossedStarts> {
     .column(POLICY.of(|row: &Row| row.policies[0].clone()))
     .column(other_policy(|row: &Row| row.policies[1].clone()))
     .column(TOWN.of(|row: &Row| row.town.clone()))
-    .column(
-        count("setup", "", "number of the spawn, episode and pedestrian in the town, from 0").of(|row: &Row| row.setup),
+    .count("setup", "number of the spawn, episode and pedestrian in the town, from 0", |row| row.setup)
+    .count("starts", "starts", |row| row.starts().len() as u64)
+    .count("crossings", "crossings from each start", |row| row.crossings)
+    .count("faults_before", "crossings that are a fault of the old driver", is(|before, _| before.fault))
+    .count(
+        "faults_after",
+        "crossings that are a fault of the new driver",
+        |row| row.encounters.valid().filter(|encounter| encounter.after.fault).count() as u64,
     )
-    .column(count("starts", "", "starts").of(|row: &Row| row.starts().len() as u64))
-    .column(count("crossings", "", "crossings from each start").of(|row: &Row| row.crossings))
-    .column(count("faults_before", "", "crossings that are a fault of the old driver").of(is(|before, _| before.fault)))
-    .column(
-        count("faults_after", "", "crossings that are a fault of the new driver")
-            .of(|row: &Row| row.encounters.valid().filter(|encounter| encounter.after.fault).count() as u64),
+    .count("faults_new", "of the new driver only", is(|before, after| after.fault && !before.fault))
+    .count("faults_fixed", "of the old driver only", is(|before, after| before.fault && !after.fault))
+    .count("faults_same", "of both", is(|before, after| before.fault && after.fault))
+    .count(
+        "fault_starts_before",
+        "starts from which a crossing is a fault of the old driver",
+        starts(|faults| faults.before > 0),
     )
-    .column(count("faults_new", "", "of the new driver only").of(is(|before, after| after.fault && !before.fault)))
-    .column(count("faults_fixed", "", "of the old driver only").of(is(|before, after| before.fault && !after.fault)))
-    .column(count("faults_same", "", "of both").of(is(|before, after| before.fault && after.fault)))
-    .column(
-        count("fault_starts_before", "", "starts from which a crossing is a fault of the old driver")
-            .of(starts(|faults| faults.before > 0)),
-    )
-    .column(count("fault_starts_after", "", "the same of the new driver").of(Row::fault_starts_after))
-    .column(count("fault_starts_new", "", "such starts of the new driver only").of(starts(StartFaults::is_new)))
-    .column(count("fault_starts_fixed", "", "such starts of the old driver only").of(starts(StartFaults::is_fixed)))
-    .column(
-        count("fault_starts_same", "", "such starts of both")
-            .of(starts(|faults| faults.before > 0 && faults.after > 0)),
-    )
+    .count("fault_starts_after", "the same of the new driver", Row::fault_starts_after)
+    .count("fault_starts_new", "such starts of the new driver only", starts(StartFaults::is_new))
+    .count("fault_starts_fixed", "such starts of the old driver only", starts(StartFaults::is_fixed))
+    .count("fault_starts_same", "such starts of both", starts(|faults| faults.before > 0 && faults.after > 0))
     .column(
         number("fault_share_before", "", "share of the starts with a fault of the old driver")
             .with_role(Role::Share)
@@ -125,7 +103,6 @@ fn crossings() -> Table<'static, CrossedStarts> {
     )
     .column(
         number("p", "", "probability of such a change of the share by chance: McNemar's exact test over starts")
-            .with_role(Role::P)
             .of(Row::p),
     )
     .column(
@@ -133,43 +110,42 @@ fn crossings() -> Table<'static, CrossedStarts> {
             .with_role(Role::AdjustedP)
             .of(|row: &Row| row.holm),
     )
-    .column(
-        count("starts_worse", "", "starts from which the new driver's faults weigh more (avoidable injury)")
-            .of(starts(StartFaults::is_worse)),
+    .count(
+        "starts_worse",
+        "starts from which the new driver's faults weigh more (avoidable injury)",
+        starts(StartFaults::is_worse),
     )
-    .column(count("starts_better", "", "starts from which they weigh less").of(starts(StartFaults::is_better)))
+    .count("starts_better", "starts from which they weigh less", starts(StartFaults::is_better))
     .column(
         number(
             "p_starts",
             "",
             "probability of a difference at least this large between the numbers of worse and better starts by chance: the exact sign test",
         )
-        .with_role(Role::P)
         .of(Row::p_starts),
     )
-    .column(
-        number(
-            "avoidable_injury_before",
-            "1/1000",
-            "expected severe injuries (AIS 4 or more, or death) in the old driver's faults, for 1,000 crossings",
-        )
-        .of(Row::avoidable_injury_before),
+    .measure(
+        "avoidable_injury_before",
+        "1/1000",
+        "expected severe injuries (AIS 4 or more, or death) in the old driver's faults, for 1,000 crossings",
+        Row::avoidable_injury_before,
     )
-    .column(
-        number("avoidable_injury_after", "1/1000", "the same in the new driver's")
-            .of(Row::avoidable_injury_after),
+    .measure("avoidable_injury_after", "1/1000", "the same in the new driver's", Row::avoidable_injury_after)
+    .measure(
+        "avoidable_injury_difference",
+        "1/1000",
+        "after less before",
+        |row| Some(row.avoidable_injury_after()? - row.avoidable_injury_before()?),
     )
-    .column(
-        number("avoidable_injury_difference", "1/1000", "after less before")
-            .of(|row: &Row| Some(row.avoidable_injury_after()? - row.avoidable_injury_before()?)),
+    .measure(
+        "injury_difference",
+        "1/1000",
+        "expected severe injuries in all collisions of the new driver, avoidable or not, less the old driver's",
+        Row::injury_difference,
     )
-    .column(
-        number(
-            "injury_difference",
-            "1/1000",
-            "expected severe injuries in all collisions of the new driver, avoidable or not, less the old driver's",
-        )
-        .of(Row::injury_difference),
+    .count(
+        "failed_encounters",
+        "encounters left out, since a driver failed as a program",
+        |row| row.encounters.errors(),
     )
-    .column(count("failed_encounters", "", "encounters left out, since a driver failed as a program").of(|row: &Row| row.encounters.errors()))
 }
