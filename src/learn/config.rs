@@ -8,7 +8,6 @@ use serde_json::Map;
 
 use super::actor_critic::ActorCritic;
 use super::schedule::Schedule;
-use super::until::Until;
 use base::keys;
 use base::signature::{Held, MIN_POSITIVE, Value};
 
@@ -21,9 +20,6 @@ keys! {
     pub struct PpoConfig = "ppo" {
         /// Decisions after which no further update begins; 0 leaves the first networks as they are.
         steps: u64 as whole(0, 10_000_000_000) = "70_000",
-        /// `plateau` ends a training when the mean reward of its episodes has not risen clearly for half of `steps`: ten parts of a twentieth in
-        /// a row, none of them better than the best before by two standard errors. Schedules go by `steps` all the same.
-        until: Until = "steps",
         /// Decisions of every environment between two updates.
         steps_per_update: usize as whole(2, 10_000_000) = "150",
         /// Environments that are stepped side by side.
@@ -110,7 +106,6 @@ impl PpoConfig {
     pub fn paper() -> Self {
         Self {
             steps: 70_000,
-            until: Until::Steps,
             steps_per_update: 150,
             environments: 1,
             epochs: 10,
@@ -141,7 +136,7 @@ impl PpoConfig {
     /// Returns whether the first updates depend on the number of all steps, so that a longer training is not a continuation of a
     /// shorter one.
     pub fn depends_on_total_steps(&self) -> bool {
-        self.until == Until::Plateau || self.learning_rate_schedule != Schedule::Constant
+        self.learning_rate_schedule != Schedule::Constant
     }
 
     /// Writes the settings as a JSON object.

@@ -12,7 +12,6 @@ use super::moments::RunningMoments;
 use super::ppo::Trained;
 use super::rollout::{Rollout, explained_variance};
 use super::train_error::TrainError;
-use super::until::{Until, is_plateau};
 use base::seed::{Seed, Stream};
 
 /// A training between two updates.
@@ -145,10 +144,9 @@ impl Trainer {
         }
     }
 
-    /// Returns whether the number of steps in the settings has been reached, or the plateau that they ask for.
+    /// Returns whether the number of steps in the settings has been reached.
     pub fn is_done(&self) -> bool {
-        let PpoConfig { steps, until, .. } = self.config;
-        self.steps >= steps || until == Until::Plateau && is_plateau(&self.learning_curve, steps)
+        self.steps >= self.config.steps
     }
 
     /// Returns the number of updates up to now.

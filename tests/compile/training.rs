@@ -2,7 +2,7 @@
 
 use base::diagnostic::Sources;
 use compile::Catalog;
-use learn::{PpoConfig, Schedule, Until};
+use learn::{PpoConfig, Schedule};
 
 fn lowered(text: &str) -> PpoConfig {
     let mut sources = Sources::default();
@@ -22,7 +22,7 @@ fn the_defaults_are_the_papers() {
 #[test]
 fn every_setting_can_be_written() {
     let text =
-        "ppo(steps: 1000, until: plateau, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
+        "ppo(steps: 1000, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
         gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
         max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
         target_kl: 0.03, frame_stack: 4, starts: 512, hard_starts: 0.75, normalize_observations: true,
@@ -30,7 +30,6 @@ fn every_setting_can_be_written() {
         hidden: [32, 16])";
     let config = PpoConfig {
         steps: 1000,
-        until: Until::Plateau,
         steps_per_update: 100,
         epochs: 4,
         batch_size: 32,

@@ -194,10 +194,10 @@ fn a_gate_on_a_probability_fails_where_no_number_of_failures_could_break_it() {
     assert_eq!(judged([7, 5], [1, 1]), "ps");
     assert_eq!(judged([5, 5], [4, 4]), "pp", "Student's test over runs has other limits");
     assert_eq!(judged([0, 7], [1, 1]), "np");
-    // A row of an unchanged driver is in no correction, and all controllers together are another family.
+    // A row of an unchanged driver is in no correction, and all untrained controllers together are another family.
     let of = |differing: [u32; 3]| {
         df!(
-            "controller" => ["random", "intercept", "all controllers"],
+            "controller" => ["random", "intercept", "all untrained"],
             "runs" => [1_u32, 1, 2],
             "common_starts" => [6_u32, 6, 6],
             "differing_episodes" => differing,

@@ -4,7 +4,7 @@ use crate::cli::console;
 use crate::cli::failure::misused;
 use crate::exit_code::{Ended, ExitCode};
 use results::record::TableReference;
-use results::report::{self, Gate, GateError, Judged};
+use results::report::{Gate, GateError, Judged};
 
 /// A condition on the columns of one of two tables.
 pub struct Condition {
@@ -81,37 +81,9 @@ pub fn judge(conditions: &[Condition], [first, second]: [Subject<'_>; 2], whole:
 /// Reports the rows of which a gate is true, or which it cannot judge; returns whether it fails.
 pub fn tell(gate: &Gate, judged: &[Judged], titles: &[String]) -> bool {
     for (title, judged) in titles.iter().zip(judged) {
-        let text = gate.text();
-        match judged {
-            Judged::Broken(values) => {
-                console::fail(&format!("--fail-if {text}: {} in {title}", report::shown(values)));
-            }
-            Judged::TooFewRuns(few) => console::fail(&format!("--fail-if {text}: {few}, in {title}")),
-            Judged::MissingEverywhere(column) => console::fail(&format!(
-                "--fail-if {text}: there is no {column} in {title}, nor in any other row, so nothing was judged"
-            )),
-            Judged::TooFewStarts(starts) => console::fail(&format!(
-                "--fail-if {text}: {starts} common starts are too few in {title}: even a failure in each of them would not make it true; run more episodes"
-            )),
-            Judged::TooFewSearched(starts) => console::fail(&format!(
-                "--fail-if {text}: {} in {title} cannot show a share; give the search a larger `budget`",
-                console::count(*starts as usize, "start")
-            )),
-            Judged::NothingEvaluated => {
-                console::fail(&format!("--fail-if {text}: nothing was evaluated in {title}, so nothing can be judged"));
-            }
-            Judged::OffRoad(share) => console::fail(&format!(
-                "--fail-if {text}: the driver left the road in {:.0} % of the episodes in {title}, so that nothing failed there is no merit of it; gate on `left_road_rate`, too",
-                100.0 * share
-            )),
-            Judged::Thin(episodes) => console::warn(&format!(
-                "--fail-if {text}: {} in {title} cannot show so low a rate: a single failure would have made it true; run more episodes",
-                console::count(*episodes as usize, "episode")
-            )),
-            Judged::Missing(column) => {
-                console::warn(&format!("--fail-if {text}: there is no {column} in {title}"));
-            }
-            Judged::Passed | Judged::Elsewhere => {}
+        if let Some(reason) = judged.reason(&format!(" in {title}")) {
+            let tell = if judged.fails() { console::fail } else { console::warn };
+            tell(&format!("--fail-if {}: {reason}", gate.text()));
         }
     }
     judged.iter().any(Judged::fails)

@@ -26,7 +26,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
             Value::from(&key.town),
             Value::from(&key.policy),
             Value::Count(members.len() as u64),
-            decisions(&ends),
+            Value::Count(ends.first().map_or(0, |log| log.steps)),
             over_runs(&over(|log| log.mean_reward)),
             over_runs(&over(|log| log.success_rate)),
         ];
@@ -49,15 +49,6 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         ],
         ..Section::default()
     })
-}
-
-/// The decisions of trainings: their number, or where they ended at a plateau of their own the mean over them.
-fn decisions(ends: &[&UpdateLog]) -> Value {
-    let first = ends.first().map_or(0, |log| log.steps);
-    if ends.iter().all(|log| log.steps == first) {
-        return Value::Count(first);
-    }
-    over_runs(&ends.iter().map(|log| log.steps as f64).collect::<Vec<_>>())
 }
 
 /// The last update of each training that did not fail.

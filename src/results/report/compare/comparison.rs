@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use polars::prelude::{DataFrame, PolarsResult};
@@ -24,7 +24,7 @@ pub struct ReportComparison {
     pub caveats: Vec<Caveat>,
     /// What is counted: collisions, and violations of the requirements that both reports have and that applied in one of them.
     pub events: Vec<CountedEvent>,
-    /// One for each place, driver and controller, in the order of the first report; then those about all controllers of a driver that has several.
+    /// One for each place, driver and controller, in the order of the first report; then those about all untrained controllers of a driver that has several.
     pub cells: Vec<ComparedCell>,
     /// The common starts from which at least one side has a collision. Cell by cell, in the order of the first report.
     pub changes: Vec<FailureChange>,
@@ -32,14 +32,14 @@ pub struct ReportComparison {
     pub searches: Vec<ComparedSearch>,
 }
 
-/// A place, a driver and a controller on both sides, or all controllers together.
+/// A place, a driver and a controller on both sides, or all untrained controllers together.
 #[derive(Debug, Clone, Default)]
 pub struct ComparedCell {
-    /// The key on the first side and on the second; its controller is `all controllers` where they are pooled.
+    /// The key on the first side and on the second; its controller is `all untrained` where they are pooled.
     pub keys: [CellKey; 2],
     /// The number of matched runs.
     pub runs: u64,
-    /// Pairs of episodes with equal starts, over all runs; of all controllers the different starts.
+    /// Pairs of episodes with equal starts, over all runs; of all untrained controllers the different starts.
     pub starts: u64,
     /// The number of pairs of episodes that are not the same byte for byte.
     pub differing: u64,
@@ -47,8 +47,8 @@ pub struct ComparedCell {
     pub rates: Vec<PairedRate>,
 }
 
-/// The controller of a row about all controllers of a driver. No controller of a scenario has such a name.
-pub const ALL_CONTROLLERS: &str = "all controllers";
+/// The controller of a row about all untrained controllers of a driver. No controller of a scenario has such a name.
+pub const ALL_UNTRAINED: &str = "all untrained";
 
 impl ReportComparison {
     /// The starts of single controllers with an event on one side or on both.
@@ -109,8 +109,10 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             Some(place) => &mut pools[place],
             None => pools.push_mut(Pool { cell: found.pooled(), ..Pool::default() }),
         };
-        pool.controllers += 1;
-        pool.cell.runs += found.runs;
+        // Trainings differ from each other, which pairs of starts do not show.
+        let is_pooled = !found.keys[0].is_of_reward();
+        pool.controllers += usize::from(is_pooled);
+        pool.cell.runs += if is_pooled { found.runs } else { 0 };
         let mut counts = vec![Changed::default(); events.len()];
         // Collisions and each requirement apart.
         let mut evaluated = vec![[Vec::new(), Vec::new()]; events.len() / KINDS];
@@ -122,9 +124,14 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             };
             let tables =
                 [EpisodeTable::new(&a).map_err(broken(&before))?, EpisodeTable::new(&b).map_err(broken(&after))?];
-            let rows = common(&tables, [&a, &b]).map_err(broken(&before))?;
+            let mut rows = common(&tables, [&a, &b]).map_err(broken(&before))?;
             all += (a.height() + b.height()) as u64;
             unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
+            // Repeating an episode to the bit says nothing more.
+            let mut seen = BTreeSet::new();
+            rows.retain(|(row, other)| {
+                seen.insert([(0, row), (1, other)].map(|(side, row)| tables[side].digest(*row)))
+            });
             found.starts += rows.len() as u64;
             let keys = [&first.key, &second.key];
             let mut runs: Vec<[EvaluatedRun; 2]> =
@@ -151,7 +158,9 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                     here.extend((0..KINDS).map(|event| sides.map(|side| side[event])));
                 }
                 counts.iter_mut().zip(&here).for_each(|(count, [was, now])| count.count(*was, *now));
-                pool.starts.count(start, &here);
+                if is_pooled {
+                    pool.starts.count(start, &here);
+                }
                 if ends.iter().any(|(_, failure)| failure.is_some()) {
                     let sides = ends.map(|(name, failure)| SideEnd::of_report(name, failure.as_ref()));
                     changes.push(FailureChange { place: found.title(), sides });
@@ -161,7 +170,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
                 of_kind.iter_mut().zip(runs).for_each(|(side, run)| side.push(run));
             }
         }
-        pool.cell.differing += found.differing;
+        pool.cell.differing += if is_pooled { found.differing } else { 0 };
         if found.starts > 0 {
             let figures = evaluated.into_iter().flat_map(compare_pair);
             found.rates = figures.zip(counts).map(|(figure, count)| PairedRate::of_cell(figure, count)).collect();
@@ -240,15 +249,15 @@ impl ComparedCell {
         format!("{drivers} in {}, {who}", before.town)
     }
 
-    /// Whether it is about all controllers.
+    /// Whether it is about all untrained controllers.
     pub fn is_pooled(&self) -> bool {
-        self.keys[0].controller == ALL_CONTROLLERS
+        self.keys[0].controller == ALL_UNTRAINED
     }
 
     /// The row of the same drivers in the same place, before any controller.
     fn pooled(&self) -> Self {
         let keys = self.keys.each_ref().map(|key| CellKey {
-            controller: ALL_CONTROLLERS.into(),
+            controller: ALL_UNTRAINED.into(),
             reward: String::new(),
             train_town: String::new(),
             train_policy: String::new(),

@@ -10,7 +10,7 @@ mod comparison;
 mod searches;
 mod table;
 
-pub use comparison::{ALL_CONTROLLERS, ComparedCell, ReportComparison, compare_reports, drivers};
+pub use comparison::{ALL_UNTRAINED, ComparedCell, ReportComparison, compare_reports, drivers};
 pub use matching::Side;
 pub use paired_rate::{Changed, CountedEvent, PairedRate};
 pub use searches::{ComparedSearch, TRIED_STARTS, compared_search_table};

@@ -124,15 +124,7 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
         fault.add(here);
     }
     found.found = PairedRate::of_runs(&shares, fault, found.starts);
-    found.found.is_unchanged = runs.iter().all(|[one, other]| is_same(one, other));
     found
-}
-
-/// Whether two searches did the same: they failed in the same episodes, byte for byte. Of searches that found nothing it is not known.
-fn is_same(one: &StoredSearch, other: &StoredSearch) -> bool {
-    let digests =
-        |search: &StoredSearch| search.failures.iter().map(|each| (each.start, each.digest)).collect::<Vec<_>>();
-    one.starts == other.starts && !one.failures.is_empty() && digests(one) == digests(other)
 }
 
 /// The failure of each of these starts that counts most against the driver.

@@ -9,7 +9,7 @@ use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_
 use crate::report::Findings;
 use crate::report::aggregate::{STARTS, search_cell_table, search_key};
 use crate::report::cell_table::{KnownCell, cell_table};
-use crate::report::compare::{ALL_CONTROLLERS, COMMON_STARTS, DIFFERING, TRIED_STARTS};
+use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, DIFFERING, TRIED_STARTS};
 use base::statistics::{MIN_RUNS, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
@@ -100,6 +100,37 @@ impl Judged {
     /// Whether the run fails by it.
     pub fn fails(&self) -> bool {
         !matches!(self, Self::Passed | Self::Thin(_) | Self::Missing(_) | Self::Elsewhere)
+    }
+
+    /// Why it fails or is worth a warning, for people. `place` is ` in ` and the name of the row, or empty.
+    pub fn reason(&self, place: &str) -> Option<String> {
+        let starts = |count: u64| if count == 1 { "1 start".to_string() } else { format!("{count} starts") };
+        Some(match self {
+            Self::Broken(values) => {
+                let each = values.iter().map(|(column, value)| format!("{column} is {value}"));
+                format!("{}{place}", each.collect::<Vec<_>>().join(", "))
+            }
+            Self::TooFewRuns(few) => format!("{few}{place}"),
+            Self::Missing(column) => format!("there is no {column}{place}"),
+            Self::MissingEverywhere(column) => {
+                format!("there is no {column}{place}, nor in any other row, so nothing was judged")
+            }
+            Self::TooFewStarts(count) => format!(
+                "{count} common starts are too few{place}: even a failure in each of them would not make it true; run more episodes"
+            ),
+            Self::TooFewSearched(count) => {
+                format!("{}{place} cannot show a share; give the search a larger `budget`", starts(*count))
+            }
+            Self::NothingEvaluated => format!("nothing was evaluated{place}, so nothing can be judged"),
+            Self::OffRoad(share) => format!(
+                "the driver left the road in {:.0} % of the episodes{place}: that nothing failed there says nothing; gate on `left_road_rate`, too",
+                100.0 * share
+            ),
+            Self::Thin(episodes) => format!(
+                "{episodes} episodes{place} cannot show so low a rate: a single failure would have made it true; run more episodes"
+            ),
+            Self::Passed | Self::Elsewhere => return None,
+        })
     }
 }
 
@@ -314,7 +345,7 @@ impl Gate {
     /// condition asks for.
     fn too_few_starts(&self, cells: &DataFrame, row: usize) -> Option<u64> {
         let starts = |row| number(&value(cells, COMMON_STARTS.name, row)).map(|starts| starts as u64);
-        let is_pooled = |row: usize| value(cells, CONTROLLER.name, row).get_str() == Some(ALL_CONTROLLERS);
+        let is_pooled = |row: usize| value(cells, CONTROLLER.name, row).get_str() == Some(ALL_UNTRAINED);
         let is_exact = is_pooled(row) || number(&value(cells, RUNS, row)) == Some(1.0);
         let own = starts(row).filter(|_| is_exact)?;
         // Rows of unchanged drivers are in no correction.

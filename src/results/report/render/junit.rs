@@ -113,35 +113,18 @@ fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
 fn of_gates(suite: &Suite, searches: bool, row: usize) -> Vec<Finding> {
     let about = suite.gates.iter().filter(move |(gate, _)| gate.is_about_searches() == searches);
     let judged = || about.clone().filter_map(|(gate, rows)| Some((gate.text(), rows.get(row)?)));
-    let broken: Vec<Finding> = judged().filter_map(|(gate, judged)| broken(gate, judged)).collect();
+    let broken = judged().filter(|(_, judged)| judged.fails());
+    let broken = broken.filter_map(|(gate, judged)| Some(("failure", "fail-if", message(gate, judged)?)));
+    let broken: Vec<Finding> = broken.collect();
     if !broken.is_empty() {
         return broken;
     }
-    let missing = judged().find_map(|(gate, judged)| match judged {
-        Judged::Missing(column) => Some(("skipped", "", format!("{gate}: there is no {column}"))),
-        _ => None,
-    });
-    missing.into_iter().collect()
+    let mut missing = judged().filter(|(_, judged)| matches!(judged, Judged::Missing(_)));
+    missing.find_map(|(gate, judged)| Some(("skipped", "", message(gate, judged)?))).into_iter().collect()
 }
 
-fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
-    let message = match judged {
-        Judged::Broken(values) => shown(values),
-        Judged::TooFewRuns(few) => few.to_string(),
-        Judged::MissingEverywhere(column) => format!("no row has {column}, so nothing was judged"),
-        Judged::TooFewStarts(starts) => format!("{starts} common starts are too few for it ever to be true"),
-        Judged::TooFewSearched(starts) => format!("the search tried too few starts for a share: {starts}"),
-        Judged::NothingEvaluated => "nothing was evaluated".to_string(),
-        Judged::OffRoad(share) => format!("the driver left the road in {:.0} % of the episodes", 100.0 * share),
-        _ => return None,
-    };
-    Some(("failure", "fail-if", format!("{gate}: {message}")))
-}
-
-/// The values that a gate used, for people.
-pub fn shown(values: &[(String, String)]) -> String {
-    let each = values.iter().map(|(column, value)| format!("{column} is {value}"));
-    each.collect::<Vec<_>>().join(", ")
+fn message(gate: &str, judged: &Judged) -> Option<String> {
+    Some(format!("{gate}: {}", judged.reason("")?))
 }
 
 fn case(page: &mut String, campaign: &str, name: &str, findings: &[Finding]) {

@@ -19,7 +19,7 @@ mod recheck_sections;
 pub use change_report::{ChangeReport, PlayedPair, change_page, change_text};
 pub use comparison_sections::comparison_report;
 pub use episode::{Narrative, animation, narrative, strip};
-pub use junit::{Suite, junit, shown};
+pub use junit::{Suite, junit};
 pub use overview::{overview_for_terminal, overview_page};
 pub use page::{Replay, Tally, page_examples, write_page};
 pub use recheck_sections::recheck_report;
