@@ -125,6 +125,7 @@ fn an_environment_goes_back_to_any_decision_of_an_episode() {
                 let mut other = make();
                 assert!(other.load(&saved));
                 assert_eq!(other.save().unwrap(), saved);
+                assert!(!make().load(&saved[..saved.len() - 1]), "a damaged state");
                 assert_eq!(state(&other).map(f64::to_bits), state(&env).map(f64::to_bits));
                 for env in [&mut env, &mut other] {
                     let mut commands = [WalkCommand::default()];

@@ -262,31 +262,21 @@ impl Env for DriveEnv {
         self.is_collision
     }
 
-    /// The number of the next episode and the actions of the running one, as 32-bit words.
+    /// The number of the next episode and the actions of the running one.
     fn save(&self) -> Option<Vec<u8>> {
-        let actions = self.actions.iter().flatten().flat_map(|number| number.to_le_bytes());
-        Some(self.next.to_le_bytes().into_iter().chain(actions).collect())
+        serde_json::to_vec(&(self.next, &self.actions)).ok()
     }
 
     fn load(&mut self, state: &[u8]) -> bool {
-        let (words, rest) = state.as_chunks::<4>();
-        let [low, high, actions @ ..] = words else { return false };
-        let (actions, odd) = actions.as_chunks::<2>();
-        let next = u64::from(u32::from_le_bytes(*low)) | u64::from(u32::from_le_bytes(*high)) << 32;
-        if !rest.is_empty() || !odd.is_empty() || (next == 0 && !actions.is_empty()) {
-            return false;
-        }
-        if let Some(number) = next.checked_sub(1) {
-            self.begin(number);
-            return actions.iter().all(|action| {
-                let action = action.map(f32::from_le_bytes);
-                action.iter().all(|number| number.is_finite()) && !self.is_over() && {
-                    self.drive(action);
-                    true
-                }
-            });
-        }
-        true
+        let Ok((next, actions)) = serde_json::from_slice::<(u64, Vec<[f32; 2]>)>(state) else { return false };
+        let Some(number) = next.checked_sub(1) else { return actions.is_empty() };
+        self.begin(number);
+        actions.into_iter().all(|action| {
+            !self.is_over() && {
+                self.drive(action);
+                true
+            }
+        })
     }
 }
 

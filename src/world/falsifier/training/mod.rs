@@ -2,7 +2,6 @@
 
 mod train_error;
 mod start_bank;
-mod running_episode;
 mod pedestrian_env;
 mod training_ground;
 mod hard_start;

@@ -1,7 +1,6 @@
 use std::sync::Arc;
 
 use super::StartBank;
-use super::running_episode::RunningEpisode;
 use crate::env::{Controller, Draw, Simulation};
 use crate::falsifier::FaultStreak;
 use crate::sim::WalkCommand;
@@ -23,6 +22,17 @@ pub struct PedestrianEnv {
     /// Memory for the commands of a decision.
     commands: Vec<WalkCommand>,
     faults: FaultStreak,
+}
+
+/// A running episode up to now, with all data to repeat it.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct RunningEpisode {
+    /// The number of the next episode; 0 if none has started.
+    next_episode: u64,
+    /// The commands up to now.
+    decisions: Vec<WalkCommand>,
+    /// The hash of its start and of its states, which a repetition must reach.
+    digest: u64,
 }
 
 /// Commands for which memory is reserved; longer episodes reserve more once.
@@ -160,10 +170,10 @@ impl Env for PedestrianEnv {
             decisions: self.decisions.clone(),
             digest: self.simulation.state_hash(),
         };
-        Some(running.to_bytes())
+        serde_json::to_vec(&running).ok()
     }
 
     fn load(&mut self, state: &[u8]) -> bool {
-        RunningEpisode::from_bytes(state).is_some_and(|running| self.replay(&running))
+        serde_json::from_slice(state).is_ok_and(|running| self.replay(&running))
     }
 }

@@ -123,34 +123,17 @@ impl Env for TrainingGround {
         self.env().potential()
     }
 
-    /// With several scenarios: the place of the running one, then the length and the state of each, as 64-bit words and bytes.
+    /// The place of the running scenario, and the state of each.
     fn save(&self) -> Option<Vec<u8>> {
-        if let [only] = self.envs.as_slice() {
-            return only.save();
-        }
-        let mut bytes = (self.current as u64).to_le_bytes().to_vec();
-        for env in &self.envs {
-            let state = env.save()?;
-            bytes.extend((state.len() as u64).to_le_bytes());
-            bytes.extend(state);
-        }
-        Some(bytes)
+        let states = self.envs.iter().map(|env| String::from_utf8(env.save()?).ok()).collect::<Option<Vec<_>>>()?;
+        serde_json::to_vec(&(self.current, states)).ok()
     }
 
     fn load(&mut self, state: &[u8]) -> bool {
-        if let [only] = self.envs.as_mut_slice() {
-            return only.load(state);
-        }
-        let mut rest = state;
-        let word = |rest: &mut &[u8]| Some(u64::from_le_bytes(*rest.split_off(..8)?.first_chunk()?) as usize);
-        let Some(current) = word(&mut rest).filter(|current| *current < self.envs.len()) else { return false };
-        for env in &mut self.envs {
-            let state = word(&mut rest).and_then(|length| rest.split_off(..length));
-            if !state.is_some_and(|state| env.load(state)) {
-                return false;
-            }
-        }
+        let Ok((current, states)) = serde_json::from_slice::<(usize, Vec<String>)>(state) else { return false };
         self.current = current;
-        rest.is_empty()
+        current < self.envs.len()
+            && states.len() == self.envs.len()
+            && self.envs.iter_mut().zip(&states).all(|(env, state)| env.load(state.as_bytes()))
     }
 }
