@@ -102,6 +102,7 @@ impl Lowering<'_> {
                 towns: scenarios.clone(),
                 drive: Some(rule.clone()),
                 config: config.clone(),
+                candidates: 1,
                 lineage: None,
             })
         }));

@@ -13,14 +13,14 @@ use compile::{Training, TrainingKey};
 use learn::UpdateLog;
 use results::jobs::learning_curve_lines;
 
-/// The learning curves of a campaign in files that grow while it trains, one CSV file a training with a row for each update.
+/// The learning curves of a campaign in files that grow while it trains, one CSV file a candidate of a training with a row for each update.
 ///
 /// The rows are those that the report will have. They depend on nothing but the scenario and the seed, so a file has the same bytes at any
 /// number of threads, and after an interruption the same as without.
 pub(super) struct GrowingCurves {
     folder: PathBuf,
-    /// The trainings whose files were begun and can be written to.
-    growing: Mutex<BTreeSet<TrainingKey>>,
+    /// The trainings and candidates whose files were begun and can be written to.
+    growing: Mutex<BTreeSet<(TrainingKey, u32)>>,
     /// Whether the folder was named.
     named: AtomicBool,
     observer: Arc<dyn Observer>,
@@ -39,41 +39,41 @@ impl GrowingCurves {
         first.then_some(&self.folder)
     }
 
-    /// Starts the file of a training with the rows of the updates up to now. Equal rows that are there stay, others are removed.
-    pub fn restart(&self, training: &Training, curve: &[UpdateLog]) {
-        let key = &training.key;
-        let begun = begin(&self.path(key), &learning_curve_lines(key, curve, true));
-        self.growing().insert(key.clone());
-        self.note(key, begun);
+    /// Starts the file of a candidate of a training with the rows of the updates up to now. Equal rows that are there stay, others are removed.
+    pub fn restart(&self, training: &Training, candidate: u32, curve: &[UpdateLog]) {
+        let curve_of = (training.key.clone(), candidate);
+        let begun = begin(&self.path(&curve_of), &learning_curve_lines(&training.key, curve, true));
+        self.growing().insert(curve_of.clone());
+        self.note(&curve_of, begun);
     }
 
     /// Appends the row of the newest update.
-    pub fn grow(&self, training: &Training, curve: &[UpdateLog]) {
-        let key = &training.key;
-        if !self.growing().contains(key) {
+    pub fn grow(&self, training: &Training, candidate: u32, curve: &[UpdateLog]) {
+        let curve_of = (training.key.clone(), candidate);
+        if !self.growing().contains(&curve_of) {
             return;
         }
-        let row = learning_curve_lines(key, &curve[curve.len().saturating_sub(1)..], false);
+        let row = learning_curve_lines(&training.key, &curve[curve.len().saturating_sub(1)..], false);
         // The file is opened for each row, so that thousands of trainings have no file open. A row is one write, so a reader sees whole rows.
-        let file = File::options().append(true).open(self.path(key));
-        self.note(key, file.and_then(|mut file| file.write_all(&row)));
+        let file = File::options().append(true).open(self.path(&curve_of));
+        self.note(&curve_of, file.and_then(|mut file| file.write_all(&row)));
     }
 
-    fn path(&self, key: &TrainingKey) -> PathBuf {
-        self.folder.join(format!("{}.csv", training_name(key)))
+    fn path(&self, (key, candidate): &(TrainingKey, u32)) -> PathBuf {
+        self.folder.join(format!("{}.csv", curve_name(key, *candidate)))
     }
 
-    /// Reports an error once for each training.
-    fn note(&self, key: &TrainingKey, written: io::Result<()>) {
+    /// Reports an error once for each of them.
+    fn note(&self, curve_of: &(TrainingKey, u32), written: io::Result<()>) {
         if let Err(source) = written {
-            self.growing().remove(key);
-            let path = self.path(key);
+            self.growing().remove(curve_of);
+            let path = self.path(curve_of);
             let text = format!("the learning curve `{}` cannot be written while it grows: {source}", path.display());
             self.observer.event(&Event::Notice(&Notice::Warning(text)));
         }
     }
 
-    fn growing(&self) -> MutexGuard<'_, BTreeSet<TrainingKey>> {
+    fn growing(&self) -> MutexGuard<'_, BTreeSet<(TrainingKey, u32)>> {
         self.growing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -99,10 +99,12 @@ pub struct NewestUpdate {
 impl NewestUpdate {
     /// Reads the growing learning curve of a training, which it finds by its name in the texts of tasks. `None` without a file or a row.
     pub fn read(folder: &Path, training: &str) -> Option<Self> {
-        let curves = fs::read_dir(folder).ok()?.flatten();
+        let mut curves: Vec<PathBuf> = fs::read_dir(folder).ok()?.flatten().map(|curve| curve.path()).collect();
+        curves.sort();
         curves
-            .filter_map(|curve| Self::of(&files::text(&curve.path()).ok()?))
-            .find(|newest| newest.training == training)
+            .iter()
+            .filter_map(|curve| Self::of(&files::text(curve).ok()?))
+            .rfind(|newest| newest.training == training)
     }
 
     /// The end of the lines of [`learning_curve_lines`].
@@ -134,9 +136,10 @@ impl NewestUpdate {
     }
 }
 
-/// The name of a training in files: `r1-harbour-idm-0`, that is reward, town, driver and run.
-fn training_name(key: &TrainingKey) -> String {
-    format!("{}-{}-{}-{}", key.reward, key.town, key.policy, key.run)
+/// The name of a curve in files: `r1-harbour-idm-0-1`, that is reward, town, driver, run and candidate; the first candidate has no number.
+fn curve_name(key: &TrainingKey, candidate: u32) -> String {
+    let first = format!("{}-{}-{}-{}", key.reward, key.town, key.policy, key.run);
+    if candidate == 0 { first } else { format!("{first}-{candidate}") }
 }
 
 /// Gives a file this content. What is equal at its start is not written again.
@@ -170,7 +173,7 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         for (run, curve) in [(0, vec![log(1, None), log(2, Some(0.25))]), (1, vec![log(1, None)]), (2, Vec::new())] {
-            let name = folder.path().join(format!("{}.csv", training_name(&key(run))));
+            let name = folder.path().join(format!("{}.csv", curve_name(&key(run), 0)));
             let mut lines = learning_curve_lines(&key(run), &curve, true);
             // A row that is not whole yet.
             lines.extend_from_slice(b"r1,harb");

@@ -39,24 +39,28 @@ struct Listener<'a> {
 }
 
 impl Listener<'_> {
-    /// A training begins with this learning curve.
-    fn begin_curve(&self, plan: &Training, curve: &[UpdateLog]) {
+    /// A candidate of a training begins with this learning curve.
+    fn begin_curve(&self, task: Task, curve: &[UpdateLog]) {
+        let plan = self.training(task);
         if let Some(folder) = self.curves.first_of(plan, curve) {
             self.observer.event(&Event::CurvesGrow(folder));
         }
-        self.curves.restart(plan, curve);
+        self.curves.restart(plan, task.part, curve);
+    }
+
+    fn training(&self, task: Task) -> &Training {
+        self.campaign.jobs[task.job].of().expect("only trainings have curves")
     }
 }
 
 impl campaign::Observer for Listener<'_> {
     fn event(&self, event: &campaign::Event<'_>) {
-        let plan = |task: Task| self.campaign.jobs[task.job].of::<Training>().expect("only trainings have curves");
         match *event {
-            campaign::Event::Curve { task, curve, has_grown: true } => self.curves.grow(plan(task), curve),
-            campaign::Event::Curve { task, curve, has_grown: false } => self.begin_curve(plan(task), curve),
+            campaign::Event::Curve { task, curve, has_grown: true } => self.curves.grow(self.training(task), task.part, curve),
+            campaign::Event::Curve { task, curve, has_grown: false } => self.begin_curve(task, curve),
             campaign::Event::Reused { task, result } => {
                 if let Some(TrainingResult { result: Ok(trained), .. }) = (result as &dyn Any).downcast_ref() {
-                    self.begin_curve(plan(task), &trained.learning_curve);
+                    self.begin_curve(task, &trained.learning_curve);
                 }
             }
             _ => {}

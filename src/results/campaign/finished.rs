@@ -78,6 +78,7 @@ pub(super) fn read(
     results: &dyn ResultStore,
 ) -> Option<Box<dyn JobResult>> {
     let job = work(&campaign.jobs[place]);
-    let part = Part { task: Task { job: place, part: 0 }, seed, results, observer: &Silent, ended: &Vec::new() };
-    if job.kind().has_episodes { None } else { job.read(&part) }
+    let ended = &Vec::new();
+    let part = |part| Part { task: Task { job: place, part }, seed, results, observer: &Silent, ended };
+    if job.kind().has_episodes { None } else { job.join((0..job.parts()).map(|number| job.read(&part(number))).collect()) }
 }

@@ -1,5 +1,5 @@
 use std::collections::VecDeque;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use rayon::Yield;
@@ -10,7 +10,7 @@ use super::queue::{Next, Queue};
 use super::{Event, Finished, Observer, Part, ResultStore, Task, tasks};
 use crate::jobs::{JobResult, work};
 use base::seed::Seed;
-use compile::Campaign;
+use compile::{Campaign, Job};
 
 /// How long a thread without a task looks out for parts of the tasks of others after it has done one. The parts of a training follow each other within
 /// less, and a thread that sleeps between them misses all.
@@ -41,6 +41,11 @@ pub fn run_tasks(
         }
     }
     let later = waiting.iter().map(Vec::len).sum();
+    let open = |job| wanted.iter().filter(|task| task.job == job).count();
+    let parts = |(job, planned): (usize, &Job)| {
+        let results = (0..planned.planned().parts()).map(|_| None).collect();
+        Mutex::new(Parts { results, open: open(job) })
+    };
     let workers = Workers {
         campaign,
         seed,
@@ -48,6 +53,7 @@ pub fn run_tasks(
         observer,
         queue: Queue::new(ready, later),
         waiting,
+        parts: campaign.jobs.iter().enumerate().map(parts).collect(),
         ended: campaign.jobs.iter().map(|_| OnceLock::new()).collect(),
     };
     rayon::broadcast(|_| workers.carry_on());
@@ -70,7 +76,16 @@ struct Workers<'a> {
     queue: Queue,
     /// The tasks that wait for each job.
     waiting: Vec<Vec<Task>>,
+    parts: Vec<Mutex<Parts>>,
     ended: Results,
+}
+
+/// The parts of a job.
+struct Parts {
+    /// What came of each.
+    results: Vec<Option<Box<dyn JobResult>>>,
+    /// The number of those that have not ended.
+    open: usize,
 }
 
 /// Ends all workers when one of them panics, so that none waits for it.
@@ -96,8 +111,8 @@ impl Workers<'_> {
             match self.queue.next() {
                 Next::Work(task) => match self.results.claim(task) {
                     Some(_claim) => {
-                        self.work_on(task);
-                        self.queue.done(&self.waiting[task.job]);
+                        let is_last = self.work_on(task);
+                        self.queue.done(if is_last { &self.waiting[task.job] } else { &[] });
                     }
                     None => self.queue.put_aside(task),
                 },
@@ -115,28 +130,38 @@ impl Workers<'_> {
         }
     }
 
-    fn work_on(&self, task: Task) {
+    /// Works on a task, and returns whether it was the last of its job.
+    fn work_on(&self, task: Task) -> bool {
         let Self { campaign, seed, results, observer, ended, .. } = self;
         let job = work(&campaign.jobs[task.job]);
         let part = Part { task, seed, results: *results, observer: *observer, ended };
         if let Some(result) = job.read(&part) {
             observer.event(&Event::Reused { task, result: result.as_ref() });
-            return self.keep(task, result);
+            return self.end(task, Some(result));
         }
-        if part.stop() {
-            return;
+        let result = if part.stop() { None } else { job.run(&part) };
+        if let Some(result) = &result {
+            if result.is_whole()
+                && let Some(bytes) = result.encode()
+            {
+                part.finish(result.units(), bytes);
+            }
+            observer.event(&Event::Ended { task, result: result.as_ref() });
         }
-        let Some(result) = job.run(&part) else { return };
-        if result.is_whole()
-            && let Some(bytes) = result.encode()
-        {
-            part.finish(result.units(), bytes);
-        }
-        observer.event(&Event::Ended { task, result: result.as_ref() });
-        self.keep(task, result);
+        self.end(task, result)
     }
 
-    fn keep(&self, task: Task, result: Box<dyn JobResult>) {
-        let _ = self.ended[task.job].set(result);
+    /// Keeps what came of a task; the last one of a job ends the job. Returns whether it was the last.
+    fn end(&self, task: Task, result: Option<Box<dyn JobResult>>) -> bool {
+        let mut parts = self.parts[task.job].lock().unwrap_or_else(PoisonError::into_inner);
+        parts.results[task.part as usize] = result;
+        parts.open -= 1;
+        if parts.open > 0 {
+            return false;
+        }
+        if let Some(whole) = work(&self.campaign.jobs[task.job]).join(std::mem::take(&mut parts.results)) {
+            let _ = self.ended[task.job].set(whole);
+        }
+        true
     }
 }

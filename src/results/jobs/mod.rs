@@ -111,6 +111,11 @@ pub trait Work: Planned {
     /// A result from its stored form; `None` if that is damaged.
     fn decode(&self, bytes: &[u8]) -> Option<Box<dyn JobResult>>;
 
+    /// What came of all parts, in their order; `None` if that cannot be said without those that are missing.
+    fn join(&self, parts: Vec<Option<Box<dyn JobResult>>>) -> Option<Box<dyn JobResult>> {
+        parts.into_iter().flatten().next()
+    }
+
     /// The finished result that the store has; `None` without one.
     fn read(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>> {
         let stored = part.results.get(part.task).filter(|stored| stored.state == State::Finished)?;

@@ -30,6 +30,9 @@ keys! {
         rewards: Vec<DeclarationId> as Reference("reward"),
         /// Trainings of each, with different seeds.
         runs: u32 as whole(1, 10_000) = "5",
+        /// Trainings of each run, with different seeds. The one whose pedestrian earns most on 1,000 starts that are neither trained nor evaluated on
+        /// is kept.
+        candidates: u32 as whole(1, 1000) = "1",
         /// Trains one pedestrian against all `policies`, in all `towns`, or both, whose episodes alternate; without it each
         /// pair of town and driver has a pedestrian of its own.
         together: Option<Together>,
@@ -46,10 +49,10 @@ impl Lowering<'_> {
     /// The trainings of a `train` block; its rewards are recorded for the controllers that are evaluated later.
     fn train(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let Some(training) = grid.usual.training.clone() else { return self.no_training(at) };
-        let TrainKeys { places, rewards: paid, runs, together, start } = at.block.keys();
+        let TrainKeys { places, rewards: paid, runs, candidates, together, start } = at.block.keys();
         let Some((ground, body)) = self.setting(at, &places, &start, None, grid) else { return };
         let paid: Vec<_> = paid.into_iter().map(|id| self.reward(id)).collect();
-        if !self.takes(at, &ground, [paid.len(), runs as usize], grid) {
+        if !self.takes(at, &ground, [paid.len(), (runs as usize).saturating_mul(candidates as usize)], grid) {
             return;
         }
         let Grid { usual, campaign, rewards } = grid;
@@ -78,6 +81,7 @@ impl Lowering<'_> {
                         towns: scenarios.clone(),
                         drive: None,
                         config: config.clone(),
+                        candidates,
                         lineage,
                     })
                 }));

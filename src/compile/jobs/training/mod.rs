@@ -16,6 +16,8 @@ pub const NO_REWARD: &str = "none";
 
 /// Maximum number of demonstrations in a quick check.
 const SHORT_DEMONSTRATIONS: u32 = 1000;
+/// Maximum number of candidates in a quick check.
+const SHORT_CANDIDATES: u32 = 2;
 
 /// The names that distinguish a training from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -62,6 +64,8 @@ pub struct Training {
     pub drive: Option<Arc<DriveRule>>,
     /// Its settings.
     pub config: PpoConfig,
+    /// Number of trainings with different seeds, of which the one that does best on validation starts is kept.
+    pub candidates: u32,
     /// The digest without the number of steps: a training with more steps continues a shorter one with the same lineage, bit for bit. None
     /// when the first steps depend on the number of all: with a schedule.
     pub lineage: Option<Fingerprint>,
@@ -76,6 +80,17 @@ impl Training {
     /// The decisions in which a driver is imitated, before those of [`Training::config`].
     pub fn demonstrations(&self) -> u64 {
         self.drive.as_ref().map_or(0, |rule| rule.demonstrations.into())
+    }
+
+    /// Whether its candidates are compared.
+    pub fn is_validated(&self) -> bool {
+        self.candidates > 1
+    }
+
+    /// The seed of a candidate.
+    pub fn candidate_seed(&self, candidate: u32, seed: &Seed) -> Seed {
+        let seed = self.key.seed(seed);
+        if candidate == 0 { seed } else { seed.child("candidate").index(candidate.into()) }
     }
 
     /// The simulator ticks of all demonstrations and a number of further decisions.
@@ -94,6 +109,10 @@ impl Planned for Training {
         self.towns.iter().map(|(town, scenario)| (town.as_str(), scenario)).collect()
     }
 
+    fn parts(&self) -> u32 {
+        self.candidates
+    }
+
     fn units(&self, _: u32) -> u64 {
         self.demonstrations() + self.config.steps
     }
@@ -104,7 +123,8 @@ impl Planned for Training {
 
     fn inputs(&self) -> String {
         let Self { key, origin, config, .. } = self;
-        format!("training {key:?} {} {} {}", origin.fingerprint, config.steps, self.demonstrations())
+        let steps = config.steps;
+        format!("training {key:?} {} {steps} {} {}", origin.fingerprint, self.demonstrations(), self.candidates)
     }
 
     fn depends_on_processor(&self) -> bool {
@@ -118,6 +138,7 @@ impl Planned for Training {
     fn shorten(&mut self) {
         let update = (self.config.steps_per_update * self.config.environments) as u64;
         self.config.steps = self.config.steps.min(2 * update);
+        self.candidates = self.candidates.min(SHORT_CANDIDATES);
         if let Some(rule) = &mut self.drive {
             let rule = Arc::make_mut(rule);
             rule.demonstrations = rule.demonstrations.min(SHORT_DEMONSTRATIONS);

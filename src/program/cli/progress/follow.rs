@@ -111,16 +111,12 @@ impl Progress {
     }
 
     /// Ends a task; with the last one of a job comes what came of the job.
-    fn end(&mut self, task: Task, result: Result<String, String>) {
-        let job = self.board.job(task);
-        let (note, error) = match result {
-            Ok(note) => (note, None),
-            Err(error) => (String::new(), Some(error)),
-        };
-        if !job.end_task(error) {
+    fn end(&mut self, task: Task, error: Option<String>) {
+        if !self.board.job(task).end_task(error) {
             return;
         }
         let job = &self.board.jobs[self.board.place(task)];
+        let note = if job.is_old() || job.error.is_some() { String::new() } else { job.told() };
         let error = &job.error;
         if self.stop.is_asked() && error.is_none() && job.done() < job.total {
             return;
@@ -170,7 +166,7 @@ impl Progress {
                 self.glance();
             }
             Event::Curve { task, curve, .. } => {
-                self.board.job(task).learn(curve);
+                self.board.job(task).learn(task.part, curve);
                 self.glance();
             }
             Event::Reused { task, result } => {
@@ -178,16 +174,15 @@ impl Progress {
                 let job = self.board.job(task);
                 job.found_all(task.part);
                 if let Some(TrainingResult { result: Ok(trained), .. }) = (result as &dyn Any).downcast_ref() {
-                    job.learn(&trained.learning_curve);
+                    job.learn(task.part, &trained.learning_curve);
                 }
-                self.end(task, Ok(String::new()));
+                self.end(task, None);
             }
             Event::Ended { task, result } => {
                 let job = self.job(task);
                 job.reach(task.part, result.units());
-                let note = job.learnt().map(|learnt| learnt.told().unwrap_or_else(|| "no episode ended".into()));
-                let note = note.unwrap_or_else(|| result.note());
-                self.end(task, result.error().map_or(Ok(note), |error| Err(error.to_string())));
+                job.note(task.part, result.note());
+                self.end(task, result.error().map(ToString::to_string));
             }
         }
     }

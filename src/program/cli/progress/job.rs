@@ -35,7 +35,10 @@ pub struct Job {
     open: usize,
     begun: Option<Instant>,
     took: Option<Duration>,
-    learnt: Learnt,
+    /// What the trainings of its parts have learnt.
+    learnt: BTreeMap<u32, Learnt>,
+    /// What came of its parts, for people.
+    notes: BTreeMap<u32, String>,
 }
 
 impl Job {
@@ -70,7 +73,8 @@ impl Job {
             open: 0,
             begun: None,
             took: None,
-            learnt: Learnt::default(),
+            learnt: BTreeMap::new(),
+            notes: BTreeMap::new(),
         }
     }
 
@@ -104,14 +108,26 @@ impl Job {
         }
     }
 
-    /// Notes the learning curve of a training up to now.
-    pub fn learn(&mut self, curve: &[UpdateLog]) {
-        self.learnt.follow(curve);
+    /// Notes the learning curve of a part, a training, up to now.
+    pub fn learn(&mut self, part: u32, curve: &[UpdateLog]) {
+        self.learnt.entry(part).or_default().follow(curve);
     }
 
-    /// What a training has learnt up to now; `None` for other jobs and before the first update.
+    /// What the last of its trainings has learnt up to now; `None` for other jobs and before the first update.
     pub fn learnt(&self) -> Option<Learnt> {
-        Some(self.learnt).filter(|learnt| learnt.updates > 0)
+        self.learnt.values().rfind(|learnt| learnt.updates > 0).copied()
+    }
+
+    /// Notes what came of a part.
+    pub fn note(&mut self, part: u32, note: String) {
+        self.notes.insert(part, note);
+    }
+
+    /// What came of its parts up to now.
+    pub fn told(&self) -> String {
+        let learnt = self.learnt().map(|learnt| learnt.told().unwrap_or_else(|| "no episode ended".into()));
+        let notes = self.notes.values().filter(|note| !note.is_empty()).cloned();
+        learnt.into_iter().chain(notes).collect::<Vec<_>>().join(", ")
     }
 
     /// Ends one of its tasks; returns whether that was the last.

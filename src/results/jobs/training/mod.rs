@@ -2,7 +2,9 @@ mod files;
 mod picture;
 mod section;
 mod table;
+mod validation;
 
+use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -35,8 +37,18 @@ pub struct TrainingResult {
     pub key: TrainingKey,
     /// The trained networks, or the error that ended the training.
     pub result: Result<Trained, TaskError>,
-    /// Decisions that it took, demonstrations included.
+    /// Decisions that it took, demonstrations and those of all candidates included.
     pub decisions: u64,
+    /// What an episode of each candidate earned on the validation starts, on average; empty without validation. The first of the greatest is kept.
+    pub validation: Vec<f64>,
+}
+
+impl TrainingResult {
+    /// The number of the candidate that is kept, from 0.
+    pub fn kept(&self) -> usize {
+        let best = self.validation.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        self.validation.iter().position(|reward| *reward == best).unwrap_or_default()
+    }
 }
 
 impl JobResult for TrainingResult {
@@ -50,6 +62,10 @@ impl JobResult for TrainingResult {
 
     fn units(&self) -> u64 {
         self.decisions
+    }
+
+    fn note(&self) -> String {
+        self.validation.iter().map(|reward| format!("validation {reward:.3}")).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -72,13 +88,26 @@ impl Work for Training {
     fn decode(&self, bytes: &[u8]) -> Option<Box<dyn JobResult>> {
         let trained = Trained::from_safetensors(bytes).ok()?;
         let decisions = taken(self, &trained.learning_curve);
-        result(TrainingResult { key: self.key.clone(), result: Ok(trained), decisions })
+        let validation = if self.is_validated() { vec![validation::read(bytes)?] } else { Vec::new() };
+        result(TrainingResult { key: self.key.clone(), result: Ok(trained), decisions, validation })
     }
 
     fn run(&self, part: &Part<'_>) -> Option<Box<dyn JobResult>> {
-        let mut decisions = 0;
-        let trained = train(self, part, &mut decisions);
-        result(TrainingResult { key: self.key.clone(), result: trained, decisions })
+        let (mut decisions, mut validation) = (0, Vec::new());
+        let trained = train(self, part, &mut decisions, &mut validation);
+        result(TrainingResult { key: self.key.clone(), result: trained, decisions, validation })
+    }
+
+    /// The candidate that earned most on the validation starts; one that failed fails the training.
+    fn join(&self, parts: Vec<Option<Box<dyn JobResult>>>) -> Option<Box<dyn JobResult>> {
+        let candidates = parts.into_iter().map(|part| Some(*(part? as Box<dyn Any>).downcast::<TrainingResult>().ok()?));
+        let mut candidates = candidates.collect::<Option<Vec<_>>>()?;
+        let decisions = candidates.iter().map(|candidate| candidate.decisions).sum();
+        let validation = candidates.iter().flat_map(|candidate| candidate.validation.clone()).collect();
+        let whole = TrainingResult { key: self.key.clone(), result: Err(TaskError::NoEncounter), decisions, validation };
+        let failed = candidates.iter().position(|candidate| candidate.result.is_err());
+        let shown = candidates.swap_remove(failed.unwrap_or(whole.kept()));
+        result(TrainingResult { result: shown.result, ..whole })
     }
 }
 
@@ -87,9 +116,15 @@ fn taken(plan: &Training, curve: &[UpdateLog]) -> u64 {
     plan.demonstrations() + curve.last().map_or(0, |log| log.steps)
 }
 
-fn train(plan: &Training, part: &Part<'_>, decided: &mut u64) -> Result<Trained, TaskError> {
+/// Trains a candidate. `decided` gets its decisions, `validation` its reward on the validation starts if it is validated.
+fn train(
+    plan: &Training,
+    part: &Part<'_>,
+    decided: &mut u64,
+    validation: &mut Vec<f64>,
+) -> Result<Trained, TaskError> {
     let scenarios = plan.scenarios();
-    let seed = plan.key.seed(part.seed);
+    let seed = plan.candidate_seed(part.task.part, part.seed);
     let (environments, config) = (plan.config.environments, &plan.config);
     let is_overdue = || part.results.is_overdue(part.task, part.stop());
     let resume =
@@ -100,10 +135,11 @@ fn train(plan: &Training, part: &Part<'_>, decided: &mut u64) -> Result<Trained,
         limited.then(|| part.limit(0)).flatten().unwrap_or(TaskError::Training(error))
     };
     // The whole state, from which a training with more steps continues. The networks and the curve are read from it, too.
-    let keep = |run: &TrainingRun, state: State| {
+    let keep = |run: &TrainingRun, state: State, metadata: &BTreeMap<String, String>| {
         let done = taken(plan, run.learning_curve()).min(plan.units(0));
-        part.put(&Stored { state, done, error: String::new(), bytes: run.state(&BTreeMap::new()) });
+        part.put(&Stored { state, done, error: String::new(), bytes: run.state(metadata) });
     };
+    let none = BTreeMap::new();
     // A state that does not fit counts as missing: the training restarts.
     let begun = part.results.get(part.task).and_then(|stored| resume(stored.bytes));
     let before = begun.as_ref().map_or(0, |run| taken(plan, run.learning_curve()));
@@ -143,18 +179,26 @@ fn train(plan: &Training, part: &Part<'_>, decided: &mut u64) -> Result<Trained,
         part.progress(*decided);
         part.curve(run.learning_curve(), true);
         if let Some(limit) = part.limit(plan.ticks_of(log.steps)).filter(|_| !run.is_done()) {
-            keep(&run, State::Begun);
+            keep(&run, State::Begun, &none);
             return Err(limit);
         }
         let stop = part.stop() && !run.is_done();
         if stop || (!run.is_done() && part.results.is_due(part.task)) {
-            keep(&run, State::Begun);
+            keep(&run, State::Begun, &none);
         }
         if stop {
             return Err(TaskError::Training(learn::TrainError::Stopped { update: log.update }.into()));
         }
     }
-    keep(&run, State::Finished);
     *decided = taken(plan, run.learning_curve());
+    if !plan.is_validated() {
+        keep(&run, State::Finished, &none);
+        return Ok(run.finish());
+    }
+    keep(&run, State::Begun, &none);
+    let stopped = || TaskError::Training(learn::TrainError::Stopped { update: run.learning_curve().len() as u64 }.into());
+    let reward = validation::reward(plan, run.actor_critic(), part).ok_or_else(stopped)?;
+    keep(&run, State::Finished, &validation::metadata(reward));
+    validation.push(reward);
     Ok(run.finish())
 }

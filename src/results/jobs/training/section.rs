@@ -16,7 +16,10 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
     let is_judged = last_updates(trainings).any(|log| log.fault_rate.is_some());
     head.extend(["runs", "decisions each", "mean reward at the end", "collision rate at the end"].map(Column::number));
     head.extend(is_judged.then(|| Column::number("fault rate at the end")));
-    head.extend(["episode length at the end (decisions)", "failed"].map(Column::number));
+    head.push(Column::number("episode length at the end (decisions)"));
+    let is_validated = trainings.iter().any(|training| !training.validation.is_empty());
+    head.extend(is_validated.then(|| ["candidates each", "validation, kept", "validation, not kept"].map(Column::number)).into_iter().flatten());
+    head.push(Column::number("failed"));
     let row = |(key, members): &(&TrainingKey, Vec<&TrainingResult>)| {
         let ends: Vec<&UpdateLog> = last_updates(members.iter().copied()).collect();
         let over =
@@ -32,6 +35,14 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         ];
         row.extend(is_judged.then(|| over_runs(&over(|log| log.fault_rate))));
         row.push(over_runs(&over(|log| log.mean_length)));
+        if is_validated {
+            let kept: Vec<f64> = members.iter().filter_map(|member| member.validation.get(member.kept()).copied()).collect();
+            let others = members.iter().flat_map(|member| {
+                member.validation.iter().enumerate().filter(|(number, _)| *number != member.kept()).map(|(_, reward)| *reward)
+            });
+            row.push(Value::Count(members[0].validation.len() as u64));
+            row.extend([over_runs(&kept), over_runs(&others.collect::<Vec<_>>())]);
+        }
         row.push(Value::Count((members.len() - ends.len()) as u64));
         row
     };
@@ -43,7 +54,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
         notes: vec![
             "Means of the last episodes of each training, while the controller still explored. \"±\" is the standard deviation over trainings. \
-             `learning_*.svg` draw the whole course, `learning_curve.csv` has every update, \
+             Of several candidates the one with the greatest mean reward on 1,000 validation starts is kept and shown. `learning_*.svg` draw the whole course, `learning_curve.csv` has every update, \
              `pedestrians/` has the networks."
                 .into(),
         ],

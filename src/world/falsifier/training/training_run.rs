@@ -140,6 +140,11 @@ impl TrainingRun {
         self.trainer.learning_curve()
     }
 
+    /// The present networks.
+    pub fn actor_critic(&self) -> &ActorCritic {
+        self.trainer.actor_critic()
+    }
+
     /// Encodes the training so that [`TrainingRun::resume`] can continue it; `metadata` goes into the header.
     ///
     /// The format is safetensors. The present networks can be read from it, too.
