@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_302),
     ("src/learn", 5_412),
-    ("src/world", 31_085),
+    ("src/world", 31_090),
     ("src/ported", 4_642),
     ("src/lang", 6_344),
-    ("src/compile", 6_940),
+    ("src/compile", 6_966),
     ("src/process", 839),
     ("src/export", 3_780),
-    ("src/results", 26_155),
-    ("src/program", 11_322),
-    ("tests", 26_068),
+    ("src/results", 26_294),
+    ("src/program", 11_342),
+    ("tests", 26_125),
 ];
 
 /// Crates that only some places may name.

@@ -4,6 +4,7 @@
 mod repository;
 
 mod approach;
+mod candidates;
 mod covers;
 mod estimates;
 mod gates;

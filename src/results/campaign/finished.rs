@@ -80,5 +80,9 @@ pub(super) fn read(
     let job = work(&campaign.jobs[place]);
     let ended = &Vec::new();
     let part = |part| Part { task: Task { job: place, part }, seed, results, observer: &Silent, ended };
-    if job.kind().has_episodes { None } else { job.join((0..job.parts()).map(|number| job.read(&part(number))).collect()) }
+    if job.kind().has_episodes {
+        None
+    } else {
+        job.join((0..job.parts()).map(|number| job.read(&part(number))).collect())
+    }
 }

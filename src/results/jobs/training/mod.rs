@@ -100,11 +100,13 @@ impl Work for Training {
 
     /// The candidate that earned most on the validation starts; one that failed fails the training.
     fn join(&self, parts: Vec<Option<Box<dyn JobResult>>>) -> Option<Box<dyn JobResult>> {
-        let candidates = parts.into_iter().map(|part| Some(*(part? as Box<dyn Any>).downcast::<TrainingResult>().ok()?));
+        let candidates =
+            parts.into_iter().map(|part| Some(*(part? as Box<dyn Any>).downcast::<TrainingResult>().ok()?));
         let mut candidates = candidates.collect::<Option<Vec<_>>>()?;
         let decisions = candidates.iter().map(|candidate| candidate.decisions).sum();
         let validation = candidates.iter().flat_map(|candidate| candidate.validation.clone()).collect();
-        let whole = TrainingResult { key: self.key.clone(), result: Err(TaskError::NoEncounter), decisions, validation };
+        let whole =
+            TrainingResult { key: self.key.clone(), result: Err(TaskError::NoEncounter), decisions, validation };
         let failed = candidates.iter().position(|candidate| candidate.result.is_err());
         let shown = candidates.swap_remove(failed.unwrap_or(whole.kept()));
         result(TrainingResult { result: shown.result, ..whole })
@@ -117,12 +119,7 @@ fn taken(plan: &Training, curve: &[UpdateLog]) -> u64 {
 }
 
 /// Trains a candidate. `decided` gets its decisions, `validation` its reward on the validation starts if it is validated.
-fn train(
-    plan: &Training,
-    part: &Part<'_>,
-    decided: &mut u64,
-    validation: &mut Vec<f64>,
-) -> Result<Trained, TaskError> {
+fn train(plan: &Training, part: &Part<'_>, decided: &mut u64, validation: &mut Vec<f64>) -> Result<Trained, TaskError> {
     let scenarios = plan.scenarios();
     let seed = plan.candidate_seed(part.task.part, part.seed);
     let (environments, config) = (plan.config.environments, &plan.config);
@@ -196,7 +193,8 @@ fn train(
         return Ok(run.finish());
     }
     keep(&run, State::Begun, &none);
-    let stopped = || TaskError::Training(learn::TrainError::Stopped { update: run.learning_curve().len() as u64 }.into());
+    let stopped =
+        || TaskError::Training(learn::TrainError::Stopped { update: run.learning_curve().len() as u64 }.into());
     let reward = validation::reward(plan, run.actor_critic(), part).ok_or_else(stopped)?;
     keep(&run, State::Finished, &validation::metadata(reward));
     validation.push(reward);

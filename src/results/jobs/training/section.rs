@@ -18,7 +18,12 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
     head.extend(is_judged.then(|| Column::number("fault rate at the end")));
     head.push(Column::number("episode length at the end (decisions)"));
     let is_validated = trainings.iter().any(|training| !training.validation.is_empty());
-    head.extend(is_validated.then(|| ["candidates each", "validation, kept", "validation, not kept"].map(Column::number)).into_iter().flatten());
+    head.extend(
+        is_validated
+            .then(|| ["candidates each", "validation, kept", "validation, not kept"].map(Column::number))
+            .into_iter()
+            .flatten(),
+    );
     head.push(Column::number("failed"));
     let row = |(key, members): &(&TrainingKey, Vec<&TrainingResult>)| {
         let ends: Vec<&UpdateLog> = last_updates(members.iter().copied()).collect();
@@ -36,9 +41,15 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         row.extend(is_judged.then(|| over_runs(&over(|log| log.fault_rate))));
         row.push(over_runs(&over(|log| log.mean_length)));
         if is_validated {
-            let kept: Vec<f64> = members.iter().filter_map(|member| member.validation.get(member.kept()).copied()).collect();
+            let kept: Vec<f64> =
+                members.iter().filter_map(|member| member.validation.get(member.kept()).copied()).collect();
             let others = members.iter().flat_map(|member| {
-                member.validation.iter().enumerate().filter(|(number, _)| *number != member.kept()).map(|(_, reward)| *reward)
+                member
+                    .validation
+                    .iter()
+                    .enumerate()
+                    .filter(|(number, _)| *number != member.kept())
+                    .map(|(_, reward)| *reward)
             });
             row.push(Value::Count(members[0].validation.len() as u64));
             row.extend([over_runs(&kept), over_runs(&others.collect::<Vec<_>>())]);
