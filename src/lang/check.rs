@@ -108,6 +108,7 @@ pub fn check<'f>(
     let program = Program { declarations, roots: loaded.roots.clone(), params: params.finish() };
     // A clash inside an imported file is found again by every file that imports it.
     once(&mut diagnostics);
+    diagnostics::explain_foreign(&mut diagnostics, sources);
     (program, diagnostics)
 }
 
@@ -220,7 +221,12 @@ impl<'f> Checker<'_, '_, 'f> {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
                     Some(param) => self.property(property, param, &mut given, &mut members),
                     None => {
-                        let is_left = |key: &&str| given.iter().all(|known| known.key != *key);
+                        // What is given elsewhere in the block, or is meant by another typo, is not what this one means.
+                        let is_given = |key: &str| {
+                            let mut others = written.entries.iter();
+                            others.any(|other| matches!(other, Entry::Property(other) if other.key.text == key))
+                        };
+                        let is_left = |key: &&str| !is_given(key) && !misspelt.contains(*key);
                         let left: Vec<&str> = signature.params.iter().map(|p| p.name).filter(is_left).collect();
                         let Name { text, span } = &property.key;
                         let unknown = diagnostics::unknown_key(*span, signature.name, text, &left);

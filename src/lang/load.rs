@@ -64,7 +64,8 @@ pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Resu
             roots.push(source);
         }
     }
-    let Loader { mut files, diagnostics, .. } = loader;
+    let Loader { mut files, mut diagnostics, sources, .. } = loader;
+    diagnostics::explain_foreign(&mut diagnostics, sources);
     files.sort_by_key(|file| file.source);
     Ok(Loaded { files, roots, diagnostics })
 }

@@ -4,7 +4,9 @@ mod text;
 mod naming;
 mod values;
 mod worlds;
+mod foreign;
 
+pub use foreign::explain_foreign;
 pub use naming::*;
 pub use text::*;
 pub use values::*;
