@@ -654,3 +654,32 @@ fn a_new_name_is_written_in_all_files_or_refused() {
         assert!(said.contains(reason), "{reason}: {answer}");
     }
 }
+
+#[test]
+fn requirements_in_rewards_are_found_and_renamed() {
+    const TEXT: &str = "edition 1
+requirement rq = always(gap < 1 m implies ego_speed < 3 m/s)
+reward rq2 { on violated( rq ) => 1 - robustness(rq) }
+";
+    let mut session = Session::new();
+    session.open(FILE, TEXT);
+    let declared = session.ask_at("textDocument/definition", FILE, TEXT, "rq) }");
+    let position = json!({ "line": 2, "character": 26 });
+    let at = json!({ "textDocument": { "uri": FILE }, "position": position, "newName": "better",
+        "context": { "includeDeclaration": true } });
+    let (all, renamed) = (session.ask("textDocument/references", at.clone()), session.ask("textDocument/rename", at));
+    let answers = session.hold();
+    assert_eq!(result(&answers, declared)["range"]["start"], json!({ "line": 1, "character": 12 }));
+    let places: Vec<String> = at_places(result(&answers, all));
+    let places: Vec<&str> = places.iter().map(|place| place.split_once(':').unwrap().1).collect();
+    assert_eq!(places, ["1:12", "2:26", "2:49"]);
+    assert_eq!(result(&answers, renamed)["changes"][FILE].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn addresses_that_are_not_encoded_are_understood() {
+    let mut session = Session::new();
+    session.open("file:///nowhere/100%/[1]/c.scn", "edition 1\nreward a {}\n");
+    let said = session.hold();
+    assert!(!diagnostics(&said, "file:///nowhere/100%25/%5B1%5D/c.scn").is_empty());
+}

@@ -10,6 +10,7 @@ use super::hover::referred;
 use super::references::{declared_names, own_name};
 use super::visible::Visible;
 use base::diagnostic::{Lines, Sources, Span};
+use lang::tokens::is_word;
 use lang::{Loaded, ast};
 
 /// Where the word at a byte is declared, or the file that an import names. The name of a declaration is declared where it stands.
@@ -37,6 +38,9 @@ pub fn target(cursor: &Cursor, byte: usize, loaded: &Loaded, sources: &Sources) 
     let param = || Some(visible.param(word)?.name.span);
     match (import, cursor.place) {
         (Some(import), _) => Some(Span { source: import.source?, start: 0, end: 0 }),
+        (None, Place::Formula | Place::EventWord(_)) if is_of_requirement(&sources.get(root.source).text, byte) => {
+            declared(Some("requirement")).or_else(param)
+        }
         (None, Place::Value(wanted)) => match referred(&wanted.ty) {
             Some(form) => declared(Some(form)).or_else(param),
             None => param(),
@@ -54,6 +58,14 @@ pub fn target(cursor: &Cursor, byte: usize, loaded: &Loaded, sources: &Sources) 
         (None, Place::Formula | Place::Param | Place::Axis) => param(),
         _ => None,
     }
+}
+
+/// Whether the word at a byte is in the parentheses of `violated` or `robustness`.
+fn is_of_requirement(text: &str, byte: usize) -> bool {
+    let before = text[..byte].trim_end_matches(|last: char| last.is_ascii() && is_word(last as u8));
+    let owner = before.trim_end().strip_suffix('(').map(str::trim_end);
+    let owner = owner.and_then(|owner| owner.rsplit(|last: char| !last.is_ascii() || !is_word(last as u8)).next());
+    matches!(owner, Some("violated" | "robustness"))
 }
 
 /// The declarations and parameters of a file, in order.

@@ -56,17 +56,24 @@ pub fn read(stream: &mut impl BufRead) -> Result<Option<Message>, WireError> {
     understood.map(Some).map_err(|error| WireError::Body(error.to_string()))
 }
 
-/// Percent-encodes what an address must not hold: some editors send `file:///home/me/ü/c.scn`.
+/// Percent-encodes what an address must not hold: some editors send `file:///home/me/ü/c.scn`, `[1]/c.scn` or `100%/c.scn`.
 fn encode_addresses(message: &mut Value) {
     match message {
         Value::Object(members) => {
             for (name, member) in members {
                 match member {
                     Value::String(address) if name.to_ascii_lowercase().ends_with("uri") => {
-                        let plain = |byte: u8| byte.is_ascii_graphic() && !b"\"<>\\^`{|}".contains(&byte);
-                        let encode =
-                            |byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
-                        *address = address.bytes().map(encode).collect();
+                        let bytes = address.as_bytes();
+                        let plain = |(at, byte): (usize, u8)| match byte {
+                            b'%' => {
+                                bytes.get(at + 1..at + 3).is_some_and(|code| code.iter().all(u8::is_ascii_hexdigit))
+                            }
+                            _ => byte.is_ascii_graphic() && !b"\"<>\\^`{|}[]".contains(&byte),
+                        };
+                        let encode = |(at, byte)| {
+                            if plain((at, byte)) { char::from(byte).to_string() } else { format!("%{byte:02X}") }
+                        };
+                        *address = bytes.iter().copied().enumerate().map(encode).collect();
                     }
                     other => encode_addresses(other),
                 }
