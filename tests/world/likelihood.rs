@@ -1,5 +1,7 @@
 //! Estimates of the likelihood of failures, with answers that are known.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use base::seed::Seed;
 use base::statistics::normal_quantile;
 use rand::RngExt;
@@ -51,6 +53,20 @@ fn a_budget_ends_an_estimate_and_an_unseen_event_has_a_bound() {
     assert_eq!((unseen.probability, unseen.low, unseen.relative_error), (0.0, 0.0, None));
     // 0 of n: 1 - 0.05^(1/n).
     assert!((unseen.high - (1.0 - libm::pow(0.05, 1.0 / estimate.counted as f64))).abs() < 1e-12);
+}
+
+#[test]
+fn a_stopped_estimate_begins_no_further_encounter() {
+    let begun = AtomicU64::new(0);
+    let run = |_: u64, _: &Seed| {
+        begun.fetch_add(1, Ordering::Relaxed);
+        Encounter { counts: true, events: [false; 3], ticks: 1 }
+    };
+    let stop = || begun.load(Ordering::Relaxed) >= 60;
+    let limits = Limits { event: Blame::Any, relative_error: 0.1, budget: 1_000_000, stop: &stop, progress: &|_| {} };
+    let found = estimate(&|| run, &Seed::root(1), limits);
+    let threads = std::thread::available_parallelism().map_or(1, |count| count.get() as u64).max(64);
+    assert!(found.stopped && begun.load(Ordering::Relaxed) <= 60 + threads, "{begun:?}");
 }
 
 #[test]

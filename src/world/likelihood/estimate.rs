@@ -108,12 +108,13 @@ pub fn estimate<W: FnMut(u64, &Seed) -> Encounter>(
     let mut seen = [0; Blame::COUNT];
     let (mut enough, mut stopped) = (false, false);
     while !enough && ticks < limits.budget {
+        let next = encounters.clamp(BATCH.0, BATCH.1);
+        let batch = batch(make, seed, encounters..encounters + next, limits.stop);
         stopped = (limits.stop)();
         if stopped {
             break;
         }
-        let next = encounters.clamp(BATCH.0, BATCH.1);
-        for encounter in batch(make, seed, encounters..encounters + next) {
+        for encounter in batch {
             ticks += encounter.ticks;
             if enough {
                 continue;
@@ -135,16 +136,18 @@ pub fn estimate<W: FnMut(u64, &Seed) -> Encounter>(
     Estimate { likelihoods, encounters, counted, ticks, short: !enough, stopped }
 }
 
-/// Runs the encounters with these numbers.
+/// Runs the encounters with these numbers, or some of them if it is stopped.
 fn batch<W: FnMut(u64, &Seed) -> Encounter>(
     make: &(dyn Fn() -> W + Sync),
     seed: &Seed,
     numbers: std::ops::Range<u64>,
+    stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Encounter> {
     let numbers: Vec<u64> = numbers.collect();
     let rows = numbers.par_chunks(ROW).map(|numbers| {
         let mut run = make();
-        numbers.iter().map(|number| run(*number, &seed.index(*number))).collect::<Vec<_>>()
+        let going = numbers.iter().take_while(|_| !stop());
+        going.map(|number| run(*number, &seed.index(*number))).collect::<Vec<_>>()
     });
     rows.collect::<Vec<_>>().into_iter().flatten().collect()
 }
