@@ -134,6 +134,8 @@ pub struct Failure {
     pub impact_speed: f64,
     /// Time from the start of the episode to the touch, or to the sample that decides a violation (s).
     pub length: f64,
+    /// Length of the whole episode (s); `None` if it is not known.
+    pub episode_length: Option<f64>,
     /// The requirement that is violated; `None` of a collision or a bump.
     pub violation: Option<Violation>,
     /// The approach before the touch, once it was repeated.
@@ -205,6 +207,7 @@ impl Failure {
             driving_mode: table.driving_mode(row),
             impact_speed: table.impact_speed(row).unwrap_or_default(),
             length: table.length(row).unwrap_or_default(),
+            episode_length: table.length(row),
             ..Self::new(key, FoundBy::Evaluation, table.episode(row).into())
         }
     }
@@ -351,6 +354,7 @@ impl From<&Find<'_>> for Failure {
             driving_mode: Some(outcome.last_mode),
             impact_speed: outcome.impact_speed().unwrap_or_default(),
             length: find.instant().unwrap_or(outcome.duration),
+            episode_length: Some(outcome.duration),
             violation: violation.map(|(named, degree, verdict)| Violation::new(named, degree, verdict)),
             ..Self::new(RunKey { id: find.id, cell, run }, FoundBy::Search, find.number as u64)
         }

@@ -94,7 +94,7 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     assert!(refused.contains("`params.py` of `mine` has changed since then"), "{refused}");
     assert!(refused.contains("`falsify recheck --allow-external reports/d` lets the new program meet"), "{refused}");
     // The report holds the files of the run: its failures are repeated, and the new program meets them beside the old one.
-    let held = "the program of `mine` has changed since the report, which holds its files: they are used";
+    let held = "the program of `mine` has changed since the report, which holds its files: they are used, and those that it does not declare as they are now";
     for arguments in [&["replay", "--allow-external", &name][..], &["replay", "--allow-external", "--all", "reports/d"]]
     {
         let text = falsify_said(here, arguments, 0);
@@ -125,6 +125,36 @@ fn every_command_names_the_file_of_a_driver_that_was_edited() {
     // With the old file the old results are right again.
     std::fs::write(here.join("params.py"), "GAP = 0.0\n").unwrap();
     assert!(reused(&run(here, &["--replace"], 0)));
+}
+
+#[test]
+fn an_edited_driver_is_repeated_with_files_that_it_does_not_declare_and_in_its_own_folder() {
+    let Some(place) = folder("python3 drv.py", r#", files: ["drv.py"]"#) else { return };
+    let here = place.path();
+    let name = failure(here);
+    std::fs::write(here.join("drv.py"), DRIVER.replace("1.0 if near", "1.0 if True")).unwrap();
+    let text = falsify_said(here, &["replay", "--allow-external", &name], 0);
+    assert!(text.contains("they are used, and those that it does not declare as they are now"), "{text}");
+
+    // Two drivers with one command, each in a folder of its own: an edit of one does not place the other.
+    let two = tempfile::tempdir().unwrap();
+    let here = two.path();
+    for (part, gap) in [("a", "0.0"), ("b", "0.0")] {
+        std::fs::create_dir(here.join(part)).unwrap();
+        std::fs::write(here.join(part).join("drv.py"), DRIVER).unwrap();
+        std::fs::write(here.join(part).join("params.py"), format!("GAP = {gap}\n")).unwrap();
+        let policy = r#"edition 1
+policy mine_PART = external(command: "python3 drv.py", timeout: 60 s, files: ["drv.py", "params.py"])
+"#;
+        std::fs::write(here.join(part).join("p.scn"), policy.replace("PART", part)).unwrap();
+    }
+    let one = "policy mine = external(command: \"COMMAND\", timeout: 60 s MORE)";
+    let both = SCENARIO.replace(one, "import \"a/p.scn\"\nimport \"b/p.scn\"").replace("[mine]", "[mine_a, mine_b]");
+    std::fs::write(here.join("d.scn"), both).unwrap();
+    run(here, &[], 0);
+    std::fs::write(here.join("b/params.py"), "GAP = 14.0\n").unwrap();
+    let text = falsify_said(here, &["replay", "--allow-external", "--all", "reports/d"], 0);
+    assert!(text.contains("the program of `mine_b` has changed") && !text.contains("of `mine_a` has"), "{text}");
 }
 
 #[test]

@@ -49,17 +49,21 @@ pub(crate) enum WhichPrograms {
 impl Session {
     /// Finds the report that holds an episode. Complete reports precede partial ones and smoke runs.
     pub(crate) fn find(&self, folder: &Path, name: EpisodeName) -> Result<StoredReport, Error> {
-        let mut holding = Vec::new();
+        let (mut holding, mut unread) = (Vec::new(), None);
         for report in self.open_all(folder)? {
-            if report.holds(name.run)? {
-                holding.push(report);
+            match report.holds(name.run) {
+                Ok(true) => holding.push(report),
+                Ok(false) => {}
+                Err(error @ ReadError::OnlyCsv { .. }) => unread = Some(error),
+                Err(error) => return Err(error.into()),
             }
         }
         holding.sort_by_key(|report| (report.manifest().smoke, !report.manifest().complete));
-        holding.into_iter().next().ok_or_else(|| {
+        let absent = || {
             let folder = folder.display();
             Error::Usage(format!("no report in `{folder}` has a run `{}`; name its folder with --report", name.run))
-        })
+        };
+        holding.into_iter().next().ok_or_else(|| unread.map_or_else(absent, Error::from))
     }
 
     /// Opens the report in a folder, or all reports of its subfolders. Of several, those that cannot be read are noticed and left out.
@@ -111,8 +115,9 @@ impl Session {
         }
         changes.into_iter().for_each(|change| self.notice(&Notice::Warning(change.to_string())));
         for name in &source.held_programs {
-            let text =
-                format!("the program of `{name}` has changed since the report, which holds its files: they are used");
+            let text = format!(
+                "the program of `{name}` has changed since the report, which holds its files: they are used, and those that it does not declare as they are now"
+            );
             self.notice(&Notice::Note(text));
         }
         let programs = source.changed_programs().into_iter().filter(|program| !program.files.is_empty());
@@ -164,7 +169,7 @@ impl Session {
             )));
         }
         let opener = self.catalog.opener().filter(|_| programs == WhichPrograms::OfReport && options.files.is_none());
-        let opener = opener.map(|opener| Arc::new(HeldPrograms::new(&report, opener.clone())));
+        let opener = opener.map(|opener| Arc::new(HeldPrograms::new(&report, &place, opener.clone())));
         let catalog = self.catalog.clone();
         let catalog = match &opener {
             Some(opener) => catalog.with_opener(opener.clone()),

@@ -1,12 +1,13 @@
 //! Copies of the programs of a report.
 
-use std::fs;
 use std::path::{Component, Path};
+use std::{fs, io};
 
 use tempfile::TempDir;
 
 use super::{FileRecord, MAX_HELD_BYTES, ProgramRecord, ReportFolder, StoredReport, WriteError};
 use compile::ExternalProgram;
+use world::av::external::Program;
 
 /// The folder of a report with a folder for each program.
 pub(super) const PROGRAMS: &str = "programs";
@@ -22,7 +23,8 @@ impl ProgramRecord {
         let mut left = MAX_HELD_BYTES;
         let mut read = |path: &String, digest: &String| -> Option<Vec<u8>> {
             let place = program.folder.join(path);
-            let data = fs::symlink_metadata(&place).ok().filter(|data| data.is_file() && is_inside(path))?;
+            let is_plain = is_inside(path) && !passes_link(&program.folder, Path::new(path));
+            let data = fs::symlink_metadata(&place).ok().filter(|data| data.is_file() && is_plain)?;
             left = left.checked_sub(usize::try_from(data.len()).ok()?)?;
             fs::read(&place).ok().filter(|bytes| is_of(bytes, digest))
         };
@@ -37,18 +39,17 @@ impl ProgramRecord {
 }
 
 impl StoredReport {
-    /// A temporary folder with the files of a program as they were in the run; `None` if the report does not hold them, or not as they were.
-    pub fn program_copy(&self, record: &ProgramRecord) -> Option<TempDir> {
+    /// A temporary folder with the files of a program as they were in the run, and beside them what it does not declare, as that is now; `None` if the report does
+    /// not hold its files, or not as they were.
+    pub fn program_copy(&self, record: &ProgramRecord, present: &Program) -> Option<TempDir> {
         let held = self.folder().join(PROGRAMS).join(&record.name);
-        let is_plain = |part: &Path| !self.folder().join(part).is_symlink();
         if !record.is_held || !is_inside(&record.name) {
             return None;
         }
         let copy = tempfile::Builder::new().prefix("falsify-program-").tempdir().ok()?;
         for (path, digest) in &record.files {
             let within = Path::new(PROGRAMS).join(&record.name).join(path);
-            let links = within.ancestors().filter(|part| !part.as_os_str().is_empty());
-            if !is_inside(path) || !links.into_iter().all(is_plain) {
+            if !is_inside(path) || passes_link(self.folder(), &within) {
                 return None;
             }
             let bytes = fs::read(held.join(path)).ok().filter(|bytes| is_of(bytes, digest))?;
@@ -57,8 +58,50 @@ impl StoredReport {
             fs::write(&place, bytes).ok()?;
             make_executable(&place)?;
         }
+        complete(copy.path(), present, Path::new("")).ok()?;
         Some(copy)
     }
+}
+
+/// Adds to the copy of a program what lies beside its declared files: links, and copies of what its command names, since an interpreter looks for other files
+/// where a script really is.
+fn complete(copy: &Path, program: &Program, within: &Path) -> io::Result<()> {
+    let folder = std::path::absolute(program.folder.join(within))?;
+    for entry in fs::read_dir(&folder)? {
+        let name = entry?.file_name();
+        let (path, here) = (within.join(&name), folder.join(&name));
+        let place = copy.join(&path);
+        let is_declared = program.files.iter().any(|declared| path.starts_with(declared));
+        let text = name.to_string_lossy();
+        if is_declared || text.starts_with('.') || text == "__pycache__" {
+            continue;
+        }
+        if place.is_dir() {
+            complete(copy, program, &path)?;
+        } else if here.is_file()
+            && program.words.iter().any(|word| Path::new(word) == path || *word == format!("./{text}"))
+        {
+            fs::copy(&here, &place)?;
+        } else {
+            link(&here, &place)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn link(target: &Path, place: &Path) -> io::Result<()> {
+    std::os::unix::fs::symlink(target, place)
+}
+
+#[cfg(not(unix))]
+fn link(_: &Path, _: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// Whether a part of a path below a folder is a link, which could lead out of it.
+fn passes_link(folder: &Path, within: &Path) -> bool {
+    within.ancestors().filter(|part| !part.as_os_str().is_empty()).any(|part| folder.join(part).is_symlink())
 }
 
 /// Whether a path leads to nothing outside of its folder.

@@ -106,6 +106,9 @@ pub struct ProgramRecord {
     pub name: String,
     /// As the scenario has it.
     pub command: String,
+    /// The folder of the scenario, as the manifest has the paths of scenarios; empty for the one of the run.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub folder: String,
     /// The key `version` of the scenario; empty without one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub version: String,
@@ -122,6 +125,7 @@ impl ProgramRecord {
         Self {
             name: program.name.clone(),
             command: program.command.clone(),
+            folder: program.folder.display().to_string(),
             version: program.version.clone().unwrap_or_default(),
             is_held: false,
             files: program.files.clone(),

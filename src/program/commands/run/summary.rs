@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::cli::console;
 use crate::session::{CampaignReport, OverviewFiles};
 use results::failure::Failure;
-use results::record::CellKey;
+use results::record::{CellKey, EPISODES};
 use results::report;
 
 /// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
@@ -52,10 +52,13 @@ fn look_at(worst: &Failure, folder: &Path, options: &str) -> String {
     let (CellKey { policy, town, .. }, impact_speed) = (&worst.key.cell, worst.impact_speed);
     let class = worst.word();
     let name = worst.name();
+    let worst = format!("worst: {policy} in {town}, {class}, {impact_speed:.1} m/s, by {}", worst.finder());
+    if !folder.join(format!("{EPISODES}.parquet")).is_file() {
+        return format!("{worst}\n  the tables are CSV only; --formats csv,parquet writes what `falsify replay` reads");
+    }
     let folder = quoted(&folder.display().to_string());
     format!(
-        "worst: {policy} in {town}, {class}, {impact_speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}",
-        worst.finder()
+        "{worst}\n  falsify replay {options}{name} --report {folder}\n  falsify export {options}{name} --as animation --report {folder}"
     )
 }
 

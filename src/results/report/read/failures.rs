@@ -1,6 +1,6 @@
 //! The failures of a report, of evaluations and searches alike, from its tables, and as a list.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult};
@@ -71,11 +71,37 @@ impl StoredReport {
             found.extend(searched(rows)?);
             Ok(())
         })?;
+        let mut violated = Vec::new();
         self.each_part(REQUIREMENTS, ROWS, |rows| {
-            found.extend(violations(rows)?);
+            violated.extend(violations(rows)?);
             Ok(())
         })?;
+        if !violated.is_empty() {
+            self.add_lengths(&mut violated)?;
+        }
+        found.extend(violated);
         Ok(found)
+    }
+
+    /// Adds the lengths of their episodes to violations.
+    fn add_lengths(&self, violations: &mut [Failure]) -> Result<(), ReadError> {
+        let named: BTreeSet<(String, u64)> =
+            violations.iter().map(|failure| (failure.key.id.to_string(), failure.number)).collect();
+        let mut lengths = BTreeMap::new();
+        self.each_part(EPISODES, ROWS, |rows| {
+            let (ids, numbers) = (RUN_ID.read(rows)?, EPISODE.read(rows)?);
+            let names = ids.iter().zip(numbers.iter()).enumerate();
+            for (row, (id, number)) in names {
+                let name = (id.unwrap_or_default().to_owned(), u64::from(number.unwrap_or_default()));
+                if named.contains(&name) {
+                    lengths.insert(name, EPISODE_LENGTH.value(rows, row)?);
+                }
+            }
+            Ok(())
+        })?;
+        let length = |failure: &Failure| lengths.get(&(failure.key.id.to_string(), failure.number)).copied().flatten();
+        violations.iter_mut().for_each(|failure| failure.episode_length = length(failure));
+        Ok(())
     }
 }
 
@@ -146,6 +172,7 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
             driving_mode: DrivingMode::named(&row.text(&DRIVING_MODE)?),
             impact_speed: row.number(&IMPACT_SPEED)?,
             length: row.number(&EPISODE_LENGTH)?,
+            episode_length: EPISODE_LENGTH.value(rows, number)?,
             ..Failure::new(
                 RunKey { id, cell, run: row.count(&SEARCH_RUN)? as u32 },
                 FoundBy::Search,
@@ -226,7 +253,7 @@ pub fn failure_list(failures: &[(PathBuf, Failure)]) -> DataFrame {
         )
         .column(DRIVING_MODE.of(|row: &Listed| row.1.driving_mode.map_or("", DrivingMode::name)))
         .column(IMPACT_SPEED.of(|row: &Listed| Some(row.1.impact_speed).filter(|_| row.1.violation.is_none())))
-        .column(EPISODE_LENGTH.of(|row: &Listed| row.1.length))
+        .column(EPISODE_LENGTH.of(|row: &Listed| row.1.episode_length))
         .column(REQUIREMENT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.requirement.clone())))
         .column(ROBUSTNESS.of(|row: &Listed| Signed(row.1.violation.as_ref().map(|found| found.robustness))))
         .column(ROBUSTNESS_UNIT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.unit.clone())))

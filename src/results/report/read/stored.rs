@@ -39,7 +39,10 @@ pub enum ReadError {
         reason: String,
     },
     /// A table is damaged or lacks a column.
-    #[error("`{path}` is not a table of a report: {source}", path = path.display())]
+    #[error(
+        "`{path}` is not a table of a report of this version: {source}; run its campaign again with this version",
+        path = path.display()
+    )]
     Table {
         /// The file.
         path: PathBuf,
@@ -206,9 +209,10 @@ impl StoredReport {
     /// Whether it has a run or a search of this name.
     ///
     /// # Errors
-    /// A table that is damaged.
+    /// A table that is damaged, or that the report has as CSV only.
     pub fn holds(&self, run: RunId) -> Result<bool, ReadError> {
         for table in [RUNS, FAILURES] {
+            self.parquet(table)?;
             let Some(ids) = self.read(table, Some(&[RUN_ID.name]), None)? else { continue };
             if self.ids(table, &ids)?.contains(&run) {
                 return Ok(true);
