@@ -24,19 +24,25 @@ pub fn map<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R>
 mod tests {
     use super::*;
 
+    use std::cell::Cell;
+
+    thread_local! {
+        static HELD: Cell<u32> = const { Cell::new(0) };
+    }
+
     #[test]
     fn a_thread_holds_one_item_at_a_time() {
-        const FRAME: usize = 64 << 10;
-        // An item of which a thread holds two is too much for its stack.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).stack_size(FRAME + FRAME / 4 * 3).build().unwrap();
-        let items: Vec<u8> = (0..=255).cycle().take(2_000).collect();
-        let of = |item: &u8| {
-            let mut frame = [*item; FRAME];
-            std::hint::black_box(&mut frame);
-            std::thread::yield_now();
-            u64::from(frame[FRAME - 1])
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+        let items: Vec<u64> = (0..2_000).collect();
+        // While a thread waits for the other half of a join, it takes what lies ready.
+        let of = |item: &u64| {
+            let held = HELD.replace(HELD.get() + 1) + 1;
+            rayon::join(std::thread::yield_now, std::thread::yield_now);
+            HELD.set(HELD.get() - 1);
+            (*item, held)
         };
         let made = pool.install(|| map(&items, of));
-        assert!(made.iter().zip(&items).all(|(made, item)| *made == u64::from(*item)) && made.len() == items.len());
+        assert!(made.iter().zip(&items).all(|((made, held), item)| made == item && *held == 1));
+        assert_eq!(made.len(), items.len());
     }
 }

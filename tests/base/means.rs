@@ -28,6 +28,7 @@ fn the_interval_is_students() {
     let half = 3.182_446_305_284 / 6_f64.sqrt();
     assert!((mean - 2.0).abs() < 1e-12 && (low - 2.0 + half).abs() < 1e-9 && (high - 2.0 - half).abs() < 1e-9);
     assert_eq!(mean_interval(&[4.0, 5.0, 6.0]), (5.0, None), "three are too few");
+    assert_eq!(mean_interval(&[0.7; 5]).1, None, "equal numbers show no spread");
     let (wider, _) = mean_interval_at(&[1.0, 2.0, 2.0, 3.0], 0.01).unwrap();
     assert!((2.0 - wider - 5.840_909_309_733 / 6_f64.sqrt()).abs() < 1e-9);
 }

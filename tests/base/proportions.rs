@@ -1,7 +1,9 @@
 //! Intervals of proportions and of differences of pairs, and the test of pairs.
 
 use base::seed::Seed;
-use base::statistics::{ClusteredCount, clopper_pearson, disagreement, mcnemar, normal_quantile, wilson, wilson_at};
+use base::statistics::{
+    ClusteredCount, clopper_pearson, disagreement, mcnemar, normal_quantile, sign_flip, wilson, wilson_at,
+};
 use rand::Rng;
 
 use crate::recorded::recorded;
@@ -144,4 +146,25 @@ fn probabilities_are_those_of_statsmodels() {
         assert!((found - wanted).abs() <= 1e-9 * wanted, "{case:?}: {found}");
         assert_eq!(found, mcnemar(second as u64, first as u64));
     }
+}
+
+#[test]
+fn the_randomisation_test_counts_all_signs() {
+    assert_eq!((sign_flip(&[]), sign_flip(&[0, 0]), sign_flip(&[2, -2])), (1.0, 1.0, 1.0));
+    assert_eq!((sign_flip(&[1, 2, 3]), sign_flip(&[1; 6])), (0.25, mcnemar(0, 6)));
+    let same = [[1; 9].as_slice(), &[-1; 2], &[0; 50]].concat();
+    assert_eq!(sign_flip(&same), mcnemar(2, 9));
+    let mut stream = Seed::root(5).stream();
+    for _ in 0..20 {
+        let numbers: Vec<i64> = (0..11).map(|_| i64::from(stream.next_u32() % 9) - 4).collect();
+        let sum = |signs: u32| -> i64 {
+            numbers.iter().enumerate().map(|(place, each)| if signs >> place & 1 == 1 { -each } else { *each }).sum()
+        };
+        let farther = (0..1 << 11).filter(|signs| sum(*signs).abs() >= sum(0).abs()).count();
+        let found = sign_flip(&numbers);
+        assert!((found - farther as f64 / 2048.0).abs() < 1e-12, "{numbers:?}: {found}");
+    }
+    // 6,000 starts, too many for all signs: the normal distribution.
+    let many: Vec<i64> = (0..12_000).map(|place| [2, -2, 1, -1, 1, 2][place % 6]).take(6_300).collect();
+    assert!(sign_flip(&many) < 1e-12);
 }

@@ -188,3 +188,31 @@ fn reports_without_a_common_start_are_refused() {
     let unknown = falsify(&["compare", "one/two", "--drivers", "slow", "fast"], here);
     assert!(text(&unknown).contains("no episodes of a driver `fast`; it has changed, slow"), "{unknown:?}");
 }
+
+#[test]
+fn the_row_of_all_untrained_controllers_leaves_out_trained_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let scenario = SCENARIO
+        .replace(
+            "campaign two {",
+            "training short = ppo(steps: 600, environments: 2)\ncampaign two {\n  training: short",
+        )
+        .replace("evaluate {", "train { towns: [harbour] policies: [slow] rewards: [r1] runs: 2 }\n  evaluate {")
+        .replace("[random, intercept]", "[trained, random, intercept]");
+    std::fs::write(here.join("two.scn"), scenario).unwrap();
+    let output = falsify(&["run", "two.scn"], here);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let compared = ["compare", "reports/two", "--drivers", "slow", "changed", "--format", "json"];
+    let object: serde_json::Value = serde_json::from_slice(&falsify(&compared, here).stdout).unwrap();
+    let rows = object["cells"].as_array().unwrap();
+    let sum = |key: &str, is: fn(&str) -> bool| -> u64 {
+        let chosen = rows.iter().filter(|row| is(row["controller"].as_str().unwrap()));
+        chosen.map(|row| row[key].as_u64().unwrap()).sum()
+    };
+    assert!(sum("runs", |controller| controller == "trained") > 0, "{object}");
+    for key in ["runs", "differing_episodes"] {
+        let untrained = sum(key, |controller| ["random", "intercept"].contains(&controller));
+        assert_eq!(sum(key, |controller| controller == "all untrained"), untrained, "{key}: {object}");
+    }
+}

@@ -1,10 +1,7 @@
 //! Gates: which cells they choose, how they judge them, and what is refused.
 
-use std::borrow::Cow;
-
-use polars::prelude::{Column, DataFrame, df};
-use results::record::{ColumnReference, Role, TableReference};
-use results::report::{Gate, GateError, Judged};
+use polars::prelude::{DataFrame, df};
+use results::report::{Gate, GateError, Judged, comparison_reference};
 
 #[test]
 fn a_column_of_searches_alone_makes_a_gate_about_searches() {
@@ -24,7 +21,7 @@ fn cells() -> DataFrame {
         "town" => ["harbour", "village", "village"],
         "controller" => ["trained", "trained", "random"],
         "learnt" => learnt,
-        "preventable_rate" => rates,
+        "preventable_rate_mean" => rates,
         "errors" => [0_u32, 0, 3]
     )
     .unwrap()
@@ -49,38 +46,12 @@ fn letters(cells: &DataFrame, text: &str) -> String {
         Judged::TooFewSearched(_) => 'S',
         Judged::Elsewhere => 'e',
     };
-    gate(cells, text).judge(cells).iter().map(letter).collect()
+    gate(text).judge(cells).iter().map(letter).collect()
 }
 
-/// What a column of these tables is.
-fn role(name: &str) -> Role {
-    match name {
-        _ if name.ends_with("_low") => Role::LowerBound,
-        _ if name.ends_with("_high") => Role::UpperBound,
-        _ if name.ends_with("_p_holm") => Role::AdjustedP,
-        _ if name.contains("_rate") => Role::Share,
-        _ => Role::Plain,
-    }
-}
-
-/// What it is about.
-fn figure(name: &str) -> Cow<'static, str> {
-    let rate = name.split_once("_rate").map(|(what, _)| format!("{what}_rate"));
-    rate.unwrap_or_else(|| name.split(['_']).next().unwrap_or(name).to_string()).into()
-}
-
-/// A gate on a table.
-fn gate(cells: &DataFrame, text: &str) -> Gate {
-    let said = |column: &Column| ColumnReference {
-        name: column.name().to_string().into(),
-        unit: "".into(),
-        doc: "".into(),
-        holds: column.dtype().clone(),
-        role: role(column.name()),
-        figure: figure(column.name()),
-    };
-    let columns: Vec<ColumnReference> = cells.columns().iter().map(said).collect();
-    Gate::of_table(text, &TableReference { name: "cells", doc: "", columns }).unwrap()
+/// A gate on cells, searches or a comparison.
+fn gate(text: &str) -> Gate {
+    Gate::parse(text).or_else(|_| Gate::of_table(text, &comparison_reference(&[]))).unwrap()
 }
 
 #[test]
@@ -132,7 +103,7 @@ fn a_gate_on_an_interval_fails_where_too_few_runs_have_one() {
     assert_eq!(letters(&cells, "fault_rate_student_low > 0.05"), "pff", "it could never be true of three runs");
     assert_eq!(letters(&cells, "fault_rate_student_low > 0.05 and fault_rate_mean > 0.03"), "ppf");
     assert_eq!(letters(&cells, "front_rate_mean > 0.5"), "pmp", "other columns may have no value");
-    let said = |row: usize| match &gate(&cells, "fault_rate_student_low > 0.05").judge(&cells)[row] {
+    let said = |row: usize| match &gate("fault_rate_student_low > 0.05").judge(&cells)[row] {
         Judged::TooFewRuns(few) => few.to_string(),
         other => panic!("{other:?}"),
     };
@@ -151,7 +122,7 @@ fn a_gate_that_judges_nothing_fails() {
         "errors" => [0_u32, 3],
         "fault_rate_mean" => [Some(0.02), None],
         "front_rate_mean" => [None::<f64>, None],
-        "learning_gain" => [None::<f64>, None]
+        "episode_reward_mean" => [None::<f64>, None]
     )
     .unwrap();
     assert_eq!(
@@ -164,7 +135,7 @@ fn a_gate_that_judges_nothing_fails() {
     assert_eq!(letters(&cells, "errors > 5"), "pn");
     assert_eq!(letters(&cells, "errors > 0"), "pb", "what is broken is said");
     assert_eq!(letters(&cells, "fault_rate > 0.05 and town == harbour"), "te");
-    assert_eq!(letters(&cells.head(Some(1)), "learning_gain > 0"), "M", "no row has it");
+    assert_eq!(letters(&cells.head(Some(1)), "episode_reward > 0"), "M", "no row has it");
     assert_eq!(letters(&cells.head(Some(1)), "front_rate > 0.5"), "m", "nothing was touched");
     let searches = df!(
         "starts_mean" => [0.0, 1.5],
@@ -178,35 +149,87 @@ fn a_gate_that_judges_nothing_fails() {
 
 #[test]
 fn a_gate_on_a_probability_fails_where_no_number_of_failures_could_break_it() {
-    let cells = |starts: [u32; 2], runs: [u32; 2]| {
+    let cells = |starts: [u32; 2], runs: [u32; 2], new: [u64; 2], p: [f64; 2]| {
         df!(
             "runs" => runs,
             "common_starts" => starts,
             "fault_rate_difference" => [0.5, 0.0],
-            "fault_rate_p_holm" => [Some(0.25), Some(1.0)]
+            "fault_rate_p_holm" => p,
+            "fault_new" => new
         )
     };
     let gate = "fault_rate_p_holm < 0.05 and fault_rate_difference > 0";
-    let judged = |starts, runs| letters(&cells(starts, runs).unwrap(), gate);
-    assert_eq!(judged([5, 5], [1, 1]), "ss", "5 of 5 starts worse have p = 0.06");
-    assert_eq!(judged([6, 6], [1, 1]), "ss", "6 of 6 have p = 0.03, and 0.06 in one of two rows");
-    assert_eq!(judged([7, 7], [1, 1]), "pp");
-    assert_eq!(judged([7, 5], [1, 1]), "ps");
-    assert_eq!(judged([5, 5], [4, 4]), "pp", "Student's test over runs has other limits");
-    assert_eq!(judged([0, 7], [1, 1]), "np");
-    // A row of an unchanged driver is in no correction, and all untrained controllers together are another family.
-    let of = |differing: [u32; 3]| {
-        df!(
-            "controller" => ["random", "intercept", "all untrained"],
-            "runs" => [1_u32, 1, 2],
-            "common_starts" => [6_u32, 6, 6],
-            "differing_episodes" => differing,
-            "fault_rate_difference" => [0.0, 0.0, 0.0],
-            "fault_rate_p_holm" => [1.0, 1.0, 1.0]
-        )
+    let judged = |starts, runs, new, p| letters(&cells(starts, runs, new, p).unwrap(), gate);
+    let chance = [0.25, 1.0];
+    assert_eq!(judged([5, 5], [1, 1], [2, 0], chance), "ss", "5 of 5 starts worse have p = 0.06");
+    assert_eq!(judged([6, 6], [1, 1], [2, 2], chance), "ss", "6 of 6 have p = 0.03, and 0.06 in one of two rows");
+    assert_eq!(judged([6, 6], [1, 1], [2, 0], chance), "ps", "a row without a pair that differs is in no correction");
+    assert_eq!(judged([6, 6], [1, 1], [6, 2], [0.04, 1.0]), "bp", "what is shown costs the others nothing");
+    assert_eq!(judged([7, 7], [1, 1], [2, 2], chance), "pp");
+    assert_eq!(judged([7, 5], [1, 1], [2, 2], chance), "ps");
+    assert_eq!(judged([5, 5], [4, 4], [2, 2], chance), "pp", "Student's test over runs has other limits");
+    assert_eq!(judged([0, 7], [1, 1], [0, 2], chance), "np");
+    // All untrained controllers together are another family.
+    let pooled = df!(
+        "controller" => ["random", "intercept", "all untrained"],
+        "runs" => [1_u32, 1, 2],
+        "common_starts" => [6_u32, 6, 6],
+        "fault_rate_difference" => [0.0, 0.0, 0.0],
+        "fault_rate_p_holm" => [1.0, 1.0, 1.0],
+        "fault_new" => [3_u64, 3, 5]
+    );
+    assert_eq!(letters(&pooled.unwrap(), gate), "ssp");
+}
+
+#[test]
+fn shares_of_runs_and_deviations_are_no_shares_of_starts() {
+    let searches = df!("runs" => [1_u32], "starts_mean" => [3.0], "falsified_share" => [0.0]).unwrap();
+    assert_eq!(letters(&searches, "falsified_share > 0.5"), "p", "the number of runs counts");
+    let cells = |runs: u32| {
+        let none: [Option<f64>; 1] = [None];
+        df!("runs" => [runs], "episodes" => [50_u32], "impact_speed_mps_sd" => none, "fault_rate_sd" => none).unwrap()
     };
-    assert_eq!(letters(&of([3, 3, 6]).unwrap(), gate), "ssp");
-    assert_eq!(letters(&of([3, 0, 3]).unwrap(), gate), "ppp");
+    assert_eq!(letters(&cells(5), "impact_speed_mps_sd > 1"), "m", "nothing collided");
+    assert_eq!(letters(&cells(5), "fault_rate_sd > 0.1"), "M");
+    for column in ["impact_speed_mps_sd", "fault_rate_sd"] {
+        let judged = gate(&format!("{column} > 0.1")).judge(&cells(1));
+        let reason = judged[0].reason("").unwrap();
+        assert_eq!(reason, format!("there is no `{column}`, since a single run has no deviation; give more `runs`"));
+    }
+}
+
+#[test]
+fn a_gate_that_can_never_be_true_is_refused() {
+    for text in [
+        "preventable_rate > 0.5 and preventable_rate < 0.1",
+        "preventable_rate > 0 and preventable_rate <= 0",
+        "fault_rate < 0",
+        "fault_rate_wilson_high < 0",
+        "errors > 0 and errors < 1",
+        "errors == 0.5",
+        "fault_rate_sd < 0",
+        "learnt == yes and learnt != yes",
+        "town == village and town == harbour",
+        "max over controllers fault_rate > 0.5 and fault_rate < 0.4",
+    ] {
+        assert!(matches!(Gate::parse(text), Err(GateError::Never { .. })), "{text}");
+    }
+    for text in [
+        "preventable_rate > 0.1 and preventable_rate < 0.5",
+        "preventable_rate >= 0.1 and preventable_rate <= 0.1",
+        "fault_rate <= 0",
+        "errors > 0 and errors < 2",
+        "fault_rate > 0.1 and preventable_rate < 0.1",
+        "town != village and town != harbour",
+        "learnt != yes and learnt != no",
+    ] {
+        assert!(Gate::parse(text).is_ok(), "{text}");
+    }
+    let comparison = comparison_reference(&[]);
+    assert!(Gate::of_table("fault_rate_p_holm < 0", &comparison).is_err());
+    assert!(Gate::of_table("fault_rate_difference < 0 and fault_rate_p_holm < 0.05", &comparison).is_ok());
+    let typo = Gate::parse("learnt == ja").unwrap_err().to_string();
+    assert!(typo.contains("write one of yes, no, unclear"), "{typo}");
 }
 
 #[test]
@@ -215,7 +238,7 @@ fn a_gate_over_controllers_judges_one_cell_of_each_place() {
     let cells = df!(
         "town" => ["harbour", "harbour", "harbour", "village", "village", "quay"],
         "controller" => ["trained", "intercept", "homing", "trained", "random", "random"],
-        "preventable_rate" => rates,
+        "preventable_rate_mean" => rates,
         "errors" => [0_u32, 2, 0, 0, 0, 0]
     )
     .unwrap();
@@ -235,9 +258,8 @@ fn a_gate_over_controllers_judges_one_cell_of_each_place() {
 fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
     let said = |text: &str| Gate::parse(text).unwrap_err().to_string();
     assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
-    let means = df!("preventable_rate_mean" => [0.5]).unwrap();
-    let broken = Judged::Broken(vec![("preventable_rate_mean".into(), "0.5".into())]);
-    assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().judge(&means), [broken]);
+    let broken = Judged::Broken(vec![("preventable_rate_mean".into(), "0.06".into())]);
+    assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().judge(&cells())[1], broken);
     for typo in ["preventible_rate", "preventable_rat"] {
         assert!(said(&format!("{typo} > 0.05")).contains("did you mean `preventable_rate`?"), "{typo}");
     }

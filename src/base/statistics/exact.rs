@@ -21,21 +21,19 @@ pub fn clopper_pearson(successes: u64, trials: u64, alpha: f64) -> (f64, f64) {
 /// Journal of Educational and Behavioral Statistics 37, 2012.
 pub fn disagreement(only_first: u64, only_second: u64, pairs: u64, alpha: f64) -> (f64, f64) {
     let (first, second) = (only_first as f64, only_second as f64);
-    adjusted(second - first, first + second, (only_first, only_second), pairs, alpha)
+    adjusted(second - first, first + second, mcnemar(only_first, only_second), pairs, alpha)
 }
 
 /// The same for the mean of differences between -1 and 1, each that of a start from which several pairs began: starts are independent, and the pairs of
-/// a start are not.
-pub fn mean_disagreement(differences: &[f64], alpha: f64) -> (f64, f64) {
-    let count = |is: fn(&f64) -> bool| differences.iter().copied().filter(is).count() as u64;
-    let uneven = (count(|each| *each < 0.0), count(|each| *each > 0.0));
+/// a start are not. It holds 0 wherever `p` of their sum is above `alpha`.
+pub fn mean_disagreement(differences: &[f64], p: f64, alpha: f64) -> (f64, f64) {
     let (sum, squares) = (differences.iter().sum(), differences.iter().map(|each| each * each).sum());
-    adjusted(sum, squares, uneven, differences.len() as u64, alpha)
+    adjusted(sum, squares, p, differences.len() as u64, alpha)
 }
 
 /// With one more start of either sign.
-fn adjusted(sum: f64, squares: f64, (worse, better): (u64, u64), starts: u64, alpha: f64) -> (f64, f64) {
-    if worse + better == 0 {
+fn adjusted(sum: f64, squares: f64, p: f64, starts: u64, alpha: f64) -> (f64, f64) {
+    if squares == 0.0 {
         let (_, most) = clopper_pearson(0, starts, alpha);
         return (-most, most);
     }
@@ -43,7 +41,7 @@ fn adjusted(sum: f64, squares: f64, (worse, better): (u64, u64), starts: u64, al
     let mean = sum / n;
     let half = normal_quantile(1.0 - alpha / 2.0) * (((squares + 2.0) / n - mean * mean) / n).sqrt();
     let (low, high) = ((mean - half).max(-1.0), (mean + half).min(1.0));
-    if mcnemar(worse, better) > alpha { (low.min(0.0), high.max(0.0)) } else { (low, high) }
+    if p > alpha { (low.min(0.0), high.max(0.0)) } else { (low, high) }
 }
 
 /// The value below which a share of the beta distribution lies.

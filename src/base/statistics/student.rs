@@ -2,7 +2,8 @@
 /// interval over three runs misses the truth in up to 36 of 100 campaigns. Tables then have the single values.
 pub const MIN_RUNS: usize = 4;
 
-/// The mean of a few numbers with its 95 % interval, as if they were drawn from a normal distribution; fewer than [`MIN_RUNS`] have none.
+/// The mean of a few numbers with its 95 % interval, as if they were drawn from a normal distribution. Fewer than [`MIN_RUNS`] have none; nor have equal
+/// numbers, which say nothing about the spread of further ones.
 ///
 /// # Source
 /// Student, *The probable error of a mean*, Biometrika 6, 1908.
@@ -15,11 +16,11 @@ pub fn mean_interval(values: &[f64]) -> (f64, Option<(f64, f64)>) {
 pub fn mean_interval_at(values: &[f64], alpha: f64) -> Option<(f64, f64)> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    if values.len() < MIN_RUNS {
+    let squares = squares(values, mean);
+    if values.len() < MIN_RUNS || squares == 0.0 {
         return None;
     }
-    let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0);
-    let half = student_quantile_at(n - 1.0, alpha) * (variance / n).sqrt();
+    let half = student_quantile_at(n - 1.0, alpha) * (squares / (n - 1.0) / n).sqrt();
     Some((mean - half, mean + half))
 }
 
@@ -30,15 +31,20 @@ pub fn mean_interval_at(values: &[f64], alpha: f64) -> Option<(f64, f64)> {
 pub fn mean_p(values: &[f64]) -> Option<f64> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|each| (each - mean) * (each - mean)).sum();
-    // Equal numbers may differ from their mean by its rounding.
-    let greatest = values.iter().fold(0.0, |greatest: f64, each| greatest.max(each.abs()));
-    let squares = if squares <= n * (ROUNDING * greatest) * (ROUNDING * greatest) { 0.0 } else { squares };
+    let squares = squares(values, mean);
     if values.len() < 2 || (squares == 0.0 && mean == 0.0) {
         return None;
     }
     let error = (squares / (n - 1.0) / n).sqrt();
     Some(if error > 0.0 { student_tails(mean / error, n - 1.0) } else { libm::exp2(1.0 - n) })
+}
+
+/// The sum of the squared distances from the mean. Equal numbers may differ from it by its rounding, and have 0.
+fn squares(values: &[f64], mean: f64) -> f64 {
+    let squares: f64 = values.iter().map(|each| (each - mean) * (each - mean)).sum();
+    let greatest = values.iter().fold(0.0, |greatest: f64, each| greatest.max(each.abs()));
+    let rounded = values.len() as f64 * (ROUNDING * greatest) * (ROUNDING * greatest);
+    if squares <= rounded { 0.0 } else { squares }
 }
 
 /// The relative size of what rounding leaves of a difference of equal numbers.

@@ -12,10 +12,18 @@ pub enum Role {
     /// Any other value.
     #[default]
     Plain,
-    /// A share of a whole from 0 to 1, or a difference of two.
+    /// A share of episodes or starts from 0 to 1.
     Share,
-    /// Expected severe injuries of one episode from 0 to 1, or a difference of two.
+    /// A difference of two such shares, from -1 to 1.
+    ShareDifference,
+    /// A share of runs from 0 to 1.
+    RunShare,
+    /// Expected severe injuries of one episode from 0 to 1.
     Risk,
+    /// The sample standard deviation of a figure over runs.
+    Deviation,
+    /// A number of pairs in which a figure differs, on which its [`Role::AdjustedP`] depends.
+    Differing,
     /// The ends of an interval of a figure.
     LowerBound,
     UpperBound,

@@ -34,7 +34,7 @@ pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
         let of = move |row: &Row<'a>| row.cell.average(name);
         table = table
             .column(MEAN.of(name, move |row: &Row<'a>| of(row)?.value).of_figure(name, metric.reference().role))
-            .column(number(format!("{name}_sd"), move |row| of(row)?.sd));
+            .column(number(format!("{name}_sd"), move |row| of(row)?.sd).of_figure(name, Role::Deviation));
         if matches!(*metric, Metric::Rate(_)) {
             table = table.columns(interval(name, "wilson", move |row| of(row)?.interval));
         }

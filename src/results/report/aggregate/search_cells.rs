@@ -5,7 +5,7 @@ use crate::jobs::SearchResult;
 use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Role, Table};
 use crate::report::grouped::grouped;
-use base::statistics::{clopper_pearson, quantile};
+use base::statistics::{MIN_RUNS, clopper_pearson, quantile};
 use compile::SearchKey;
 
 /// All runs of a falsifier in one town against one policy, for people.
@@ -81,9 +81,11 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
     };
     let over = |value: &dyn Fn(&Figures) -> Option<f64>| Rate::student(figures.iter().map(value), f64::INFINITY);
     let fault_start_rate = Rate::student(figures.iter().map(|figures| figures.fault_start_rate), 1.0);
-    // Without any fault the runs have no spread, and the number of starts says what may go unseen.
-    let none = fault_start_rate.interval.filter(|_| fault_start_rate.value == Some(0.0));
-    let unseen = none.map(|_| clopper_pearson(0, figures.iter().map(|figures| figures.starts).sum(), 0.05));
+    // Equal runs show no spread, and the number of starts says what may go unseen.
+    let sum = |of: fn(&Figures) -> u64| figures.iter().filter(|figures| figures.is_judged).map(of).sum();
+    let is_equal = fault_start_rate.by_run.len() >= MIN_RUNS && fault_start_rate.interval.is_none();
+    let over_starts = is_equal
+        .then(|| clopper_pearson(sum(|figures| figures.fault_starts as u64), sum(|figures| figures.starts), 0.05));
     SearchCell {
         key: cell[0].key.clone(),
         goal: cell[0].goal().map(|named| named.name.to_string()),
@@ -95,7 +97,7 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         failed_starts: over(&|figures| Some(figures.failed_starts as f64)),
         starts: over(&|figures| Some(figures.starts as f64)),
         faults: over(&|figures| figures.judged(Some(figures.fault as f64))),
-        fault_start_rate: Rate { interval: unseen.or(fault_start_rate.interval), ..fault_start_rate },
+        fault_start_rate: Rate { interval: over_starts.or(fault_start_rate.interval), ..fault_start_rate },
         fault_starts: over(&|figures| figures.judged(Some(figures.fault_starts as f64))),
         injury: over(&|figures| figures.injury),
         first_fault: median(|figures| figures.first_fault),
@@ -141,7 +143,7 @@ pub fn search_cell_table() -> Table<'static, SearchCell> {
     .column(BUDGET.of(|cell: &SearchCell| cell.budget))
     .column(
         number("falsified_share", "", "share of the runs that found a failure, as ARCH-COMP counts it")
-            .with_role(Role::Share)
+            .with_role(Role::RunShare)
             .of(|cell: &SearchCell| cell.falsified()),
     )
     .number(
@@ -165,8 +167,9 @@ pub fn search_cell_table() -> Table<'static, SearchCell> {
 
 /// The mean of a column over runs with its interval.
 fn averaged(name: &'static str, role: Role, value: fn(&SearchCell) -> &Rate) -> Vec<Entry<'static, SearchCell>> {
-    let doc = "mean over `runs` with Student's 95 % interval, on the logarithm, and for rates on the logit; of a rate that is 0 in all runs Clopper and \
-               Pearson's over all starts. The interval is about further runs in this town, not about other towns; missing for fewer than four runs";
+    let doc = "mean over `runs` with Student's 95 % interval, on the logarithm, and for rates on the logit; of a rate that is the same in all runs Clopper and \
+               Pearson's over all starts. The interval is about further runs in this town, not about other towns; missing for fewer than four runs, and of other figures \
+               that are the same in all";
     let mut entries =
         vec![MEAN.of(name, move |cell: &SearchCell| value(cell).value).of_figure(name, role).meaning(doc)];
     entries.extend(Interval::new(name, "", doc).of(move |cell: &SearchCell| value(cell).interval));

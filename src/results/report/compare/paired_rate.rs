@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use crate::report::Figure;
 use crate::report::infer::Comparison;
-use base::statistics::{disagreement, holm, mcnemar, mean_disagreement, mean_interval_at, mean_p};
+use base::statistics::{disagreement, holm, mcnemar, mean_disagreement, mean_interval_at, mean_p, sign_flip};
 
 /// What is counted in a pair of episodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -113,7 +113,7 @@ enum Spread {
     Runs { starts: u64 },
     /// Runs with the starts that they share.
     Cell(Box<Comparison>),
-    /// Starts, over which several controllers are pooled: second less first of each.
+    /// Starts, over which several controllers are pooled: second less first of each, as a share of the mean number of pairs of a start.
     Starts(Vec<f64>),
     #[default]
     None,
@@ -146,17 +146,19 @@ impl PairedRate {
         Self { values: [mean(0), mean(1)], changed, by_run, p, spread: Spread::Runs { starts }, ..Self::default() }
     }
 
-    /// Of starts, each with the share of its episodes with the event on either side. Starts are independent of each other, and the episodes of a start
-    /// are not: the sign of their sum is tested.
-    pub fn of_starts(shares: &[[f64; 2]], changed: Changed) -> Self {
-        let n = shares.len().max(1) as f64;
-        let mean = |side: usize| shares.iter().map(|each| each[side]).sum::<f64>() / n;
-        let differences = shares.iter().map(|[before, after]| after - before).collect();
+    /// Of starts with their pairs of episodes, each with the number of events on either side. Starts are independent of each other, and the episodes of a
+    /// start are not: the sum over starts is tested, whose sign is that of the difference.
+    pub fn of_starts(starts: &[(u32, [u32; 2])], changed: Changed) -> Self {
+        let pairs: f64 = starts.iter().map(|(pairs, _)| f64::from(*pairs)).sum::<f64>().max(1.0);
+        let rate = |side: usize| starts.iter().map(|(_, events)| f64::from(events[side])).sum::<f64>() / pairs;
+        let differences: Vec<i64> =
+            starts.iter().map(|(_, [before, after])| i64::from(*after) - i64::from(*before)).collect();
+        let each = starts.len() as f64 / pairs;
         Self {
-            values: [mean(0), mean(1)],
+            values: [rate(0), rate(1)],
             changed,
-            p: (!shares.is_empty()).then(|| mcnemar(changed.fixed, changed.new)),
-            spread: Spread::Starts(differences),
+            p: (!starts.is_empty()).then(|| sign_flip(&differences)),
+            spread: Spread::Starts(differences.iter().map(|difference| *difference as f64 * each).collect()),
             ..Self::default()
         }
     }
@@ -173,7 +175,7 @@ impl PairedRate {
             _ if self.is_unchanged => Some((0.0, 0.0)),
             Spread::None => None,
             Spread::Cell(compared) => compared.interval_at(alpha),
-            Spread::Starts(differences) => Some(mean_disagreement(differences, alpha)),
+            Spread::Starts(differences) => Some(mean_disagreement(differences, self.p?, alpha)),
             Spread::Runs { .. } if self.by_run.is_empty() => None,
             // Without a start that differs the runs show no spread, but not that there is no difference.
             Spread::Runs { starts } if self.by_run.len() == 1 || self.changed.is_same() => {
@@ -231,14 +233,10 @@ impl PooledStarts {
 
     /// The rate of an event, by its place among them.
     pub fn rate(&self, event: usize) -> PairedRate {
+        let starts: Vec<(u32, [u32; 2])> = self.0.values().map(|start| (start.pairs, start.events[event])).collect();
         let mut changed = Changed::default();
-        let share = |start: &PooledStart| {
-            let counts = start.events[event];
-            changed.count(counts[0], counts[1]);
-            counts.map(|count| f64::from(count) / f64::from(start.pairs))
-        };
-        let shares: Vec<[f64; 2]> = self.0.values().map(share).collect();
-        PairedRate::of_starts(&shares, changed)
+        starts.iter().for_each(|(_, [before, after])| changed.count(*before, *after));
+        PairedRate::of_starts(&starts, changed)
     }
 }
 
@@ -268,5 +266,17 @@ mod tests {
         // Equal in all starts, but not the same: its interval counts.
         assert_eq!((equal.holm, equal.interval), (Some(1.0), Some(disagreement(0, 0, 100, 0.025))));
         assert_eq!(changed.interval, changed.interval_at(0.025));
+    }
+
+    #[test]
+    fn the_sign_of_what_is_tested_over_starts_is_that_of_the_difference() {
+        // Ten starts lose a fault each, and two gain eight: there are more faults after.
+        let mut starts = vec![(8, [1, 0]); 10];
+        starts.extend([(8, [0, 8]); 2]);
+        let rate = PairedRate::of_starts(&starts, Changed { fixed: 10, new: 2, same: 0 });
+        assert!(rate.difference() > 0.0 && mcnemar(10, 2) < 0.05);
+        assert!(rate.p.unwrap() > 0.4, "no more than chance: {:?}", rate.p);
+        let (low, high) = rate.interval_at(0.05).unwrap();
+        assert!(low < 0.0 && high > 0.0, "{low}..{high}");
     }
 }

@@ -163,7 +163,7 @@ pub fn compared_search_table() -> Table<'static, ComparedSearch> {
                 .of(|row: &Row| row.found.values[0]),
         )
         .column(number("found_after", "", "the same of the second side").with_role(Role::Share).of(|row: &Row| row.found.values[1]))
-        .column(number(DIFFERENCE, "", "second less first").with_role(Role::Share).of(|row: &Row| row.found.difference()))
+        .column(number(DIFFERENCE, "", "second less first").with_role(Role::ShareDifference).of(|row: &Row| row.found.difference()))
         .columns(
             Interval::new(
                 DIFFERENCE,

@@ -8,7 +8,7 @@ use crate::record::{Column, Family, Role, Table, TableReference};
 const BEFORE: Family<f64> =
     Family::new("_before", "", "rate of the first side over the common starts, mean over runs").with_role(Role::Share);
 const AFTER: Family<f64> = Family::new("_after", "", "the same of the second side").with_role(Role::Share);
-const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less first").with_role(Role::Share);
+const DIFFERENCE: Family<f64> = Family::new("_difference", "", "second less first").with_role(Role::ShareDifference);
 const LOW: Family<f64> = Family::new(
     "_low",
     "",
@@ -21,7 +21,7 @@ const HIGH: Family<f64> = Family::new("_high", "", "high end of the same").with_
 const HOLM: Family<f64> = Family::new(
     "_p_holm",
     "",
-    "probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings, the exact sign test over starts for all \
+    "probability of such a difference by chance (McNemar's exact test for one run, Student's over several trainings, the exact randomisation test over starts for all \
      controllers), adjusted by Holm's method for this rate in all rows of single controllers, or in all rows of all untrained controllers, so that in 95 % of comparisons \
      no finding below 0.05 of either is false. Rows without a pair that differs in it count in no correction, and have 1",
 )
@@ -50,7 +50,7 @@ pub const COMMON_STARTS: Column<u64> = Column::new(
 );
 
 /// The number of pairs of episodes that tell anything of a change.
-pub const DIFFERING: Column<u64> = Column::new(
+const DIFFERING: Column<u64> = Column::new(
     "differing_episodes",
     "",
     "pairs of episodes with equal starts that are not the same byte for byte; 0 of a driver that did not change",
@@ -103,8 +103,8 @@ fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
             move |row: &Row| row.rates.get(place).map_or(0, |rate| count(rate.changed))
         };
         table = table
-            .column(FIXED.of(name, of(|all| all.fixed)))
-            .column(NEW.of(name, of(|all| all.new)))
+            .column(FIXED.of(name, of(|all| all.fixed)).of_figure(event.rate(), Role::Differing))
+            .column(NEW.of(name, of(|all| all.new)).of_figure(event.rate(), Role::Differing))
             .column(SAME.of(name, of(|all| all.same)));
     }
     table

@@ -2,7 +2,7 @@ use super::GateError;
 use crate::record::metric::MEAN;
 use crate::record::{ColumnReference, Role, metrics};
 use crate::report::aggregate::{FIRST_FAILURE, FIRST_FAULT};
-use crate::report::infer::LEARNT;
+use crate::report::infer::{LEARNT, Learnt};
 use crate::report::metric_table::TRAININGS_DISAGREE;
 
 /// A part of a gate: a column, a sign, and a number or a word.
@@ -13,8 +13,12 @@ pub(super) struct Condition {
     pub column: ColumnReference,
     /// Of an end of an interval, the columns that answer nearly the same question, the nearest first.
     pub instead: Vec<String>,
+    /// Of an adjusted probability, the columns of the pairs in which its figure differs.
+    pub differing: Vec<String>,
     pub comparison: Comparison,
     pub bound: Bound,
+    /// The least and the greatest value that the column can have.
+    range: (f64, f64),
     /// Whether it chooses cells by a word of their key, instead of judging a result.
     pub chooses: bool,
     /// Whether the column has no value where nothing collided, which is not a reason to fail.
@@ -104,7 +108,8 @@ impl Condition {
         let names = [name.to_string(), MEAN.name(name)];
         let column = names.iter().find_map(|name| columns.iter().find(|column| column.name == *name));
         let column = column.ok_or_else(|| unknown(name, columns))?;
-        let kind = |holds, advice| GateError::Kind { name: name.to_string(), holds, advice };
+        let kind = |holds, advice: &str| GateError::Kind { name: name.to_string(), holds, advice: advice.into() };
+        let role = value_of_figure(column, columns).map_or(column.role, |value| value.role);
         let bound = if column.holds.is_string() {
             if !matches!(comparison, Comparison::Equal | Comparison::Unequal) {
                 return Err(kind("words", "compare it by == or !="));
@@ -118,8 +123,8 @@ impl Condition {
             let number = number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?;
             // More than a whole is never true, and would pass for ever.
             let is_out_of_reach = number.abs() > 1.0 || number == 1.0 && comparison == Comparison::More;
-            match value_of_figure(column, columns).map_or(column.role, |value| value.role) {
-                Role::Share if is_out_of_reach => {
+            match role {
+                Role::Share | Role::ShareDifference | Role::RunShare if is_out_of_reach => {
                     return Err(kind("shares from 0 to 1", "write 5 % as 0.05, 1 % as 0.01"));
                 }
                 Role::Risk if is_out_of_reach => {
@@ -130,15 +135,65 @@ impl Condition {
             }
             Bound::Number(number)
         };
-        let is_result = [LEARNT.name, TRAININGS_DISAGREE.name].contains(&&*column.name);
-        let chooses = matches!(bound, Bound::Word(_)) && !is_result;
+        let known: Option<Vec<&str>> = match &*column.name {
+            name if name == LEARNT.name => Some(Learnt::ALL.iter().map(|learnt| learnt.name()).collect()),
+            name if name == TRAININGS_DISAGREE.name => Some(vec!["yes", "no"]),
+            _ => None,
+        };
+        if let (Bound::Word(word), Some(known)) = (&bound, &known)
+            && !known.contains(&word.as_str())
+        {
+            return Err(kind("words", &format!("write one of {}", known.join(", "))));
+        }
+        let chooses = matches!(bound, Bound::Word(_)) && known.is_none();
+        let range = match role {
+            Role::Share | Role::RunShare | Role::Risk | Role::AdjustedP => (0.0, 1.0),
+            Role::ShareDifference => (-1.0, 1.0),
+            Role::Deviation => (0.0, f64::INFINITY),
+            _ if column.holds.is_unsigned_integer() => (0.0, f64::INFINITY),
+            _ => (f64::NEG_INFINITY, f64::INFINITY),
+        };
         let is_of_collisions = is_of_collisions(&column.figure);
         let of_figure = |other: &&ColumnReference| other.figure == column.figure && other.name != column.name;
         let of_role = |role: Role| columns.iter().filter(of_figure).find(|other| other.role == role);
         let others = [of_role(column.role), of_role(Role::AdjustedP), value_of_figure(column, columns)];
         let others = others.into_iter().flatten().filter(|_| is_end(column));
         let instead = others.map(|other| other.name.to_string()).collect();
-        Ok(Self { over, column: column.clone(), instead, comparison, bound, chooses, is_of_collisions })
+        let differing = columns.iter().filter(of_figure).filter(|other| other.role == Role::Differing);
+        let differing = differing.filter(|_| column.role == Role::AdjustedP).map(|other| other.name.to_string());
+        let differing = differing.collect();
+        let column = column.clone();
+        Ok(Self { over, column, instead, differing, comparison, bound, range, chooses, is_of_collisions })
+    }
+
+    /// Whether it judges a result that only trainings have.
+    pub fn is_of_trainings(&self) -> bool {
+        matches!(self.bound, Bound::Word(_)) && !self.chooses
+    }
+
+    /// Whether some value of its column is as all of these say that are about this column.
+    pub fn can_hold_with(&self, all: &[Self]) -> bool {
+        let own = || all.iter().filter(|other| other.column.name == self.column.name);
+        let words = own().filter_map(|each| if let Bound::Word(word) = &each.bound { Some(&**word) } else { None });
+        if words.chain([""]).any(|word| {
+            let is_true = |each: &Self| matches!(&each.bound, Bound::Word(of) if each.is_true_of(word, of));
+            own().all(is_true)
+        }) {
+            return true;
+        }
+        let mut ends: Vec<f64> =
+            own().filter_map(|each| if let Bound::Number(bound) = each.bound { Some(bound) } else { None }).collect();
+        let (least, greatest) = self.range;
+        ends.extend([least, greatest].into_iter().filter(|end| end.is_finite()));
+        ends.sort_by(f64::total_cmp);
+        // Between two ends all values are alike.
+        let between = ends.windows(2).map(|pair| f64::midpoint(pair[0], pair[1]));
+        let beyond = ends.iter().flat_map(|end| [*end, end - 1.0, end + 1.0]);
+        let round = |value: f64| if self.column.holds.is_unsigned_integer() { value.floor() } else { value };
+        let mut values = between.chain(beyond).map(round).filter(|value| (least..=greatest).contains(value));
+        values.any(|value| {
+            own().all(|each| matches!(each.bound, Bound::Number(bound) if each.comparison.holds(value, bound)))
+        })
     }
 }
 
@@ -149,7 +204,8 @@ pub(super) fn is_end(column: &ColumnReference) -> bool {
 
 /// The column with the values of the figure of a column of interval ends; `None` of other columns.
 fn value_of_figure<'a>(column: &ColumnReference, columns: &'a [ColumnReference]) -> Option<&'a ColumnReference> {
-    let is_value = |other: &&ColumnReference| matches!(other.role, Role::Plain | Role::Share | Role::Risk);
+    let is_value =
+        |other: &&ColumnReference| matches!(other.role, Role::Plain | Role::Share | Role::ShareDifference | Role::Risk);
     columns.iter().filter(|other| is_end(column) && other.figure == column.figure).find(is_value)
 }
 

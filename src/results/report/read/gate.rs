@@ -3,13 +3,13 @@ use std::collections::BTreeSet;
 use polars::prelude::{AnyValue, DataFrame};
 
 use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
-use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, VEHICLE};
+use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, TRAIN_TOWN, VEHICLE};
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::Findings;
 use crate::report::aggregate::{STARTS, search_cell_table, search_key};
 use crate::report::cell_table::{KnownCell, cell_table};
-use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, DIFFERING, TRIED_STARTS};
+use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, TRIED_STARTS};
 use base::statistics::{MIN_RUNS, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
@@ -64,7 +64,14 @@ pub enum GateError {
         /// The kind of its values.
         holds: &'static str,
         /// The valid forms.
-        advice: &'static str,
+        advice: String,
+    },
+    /// Its conditions on a column exclude each other, or the column has no such value.
+    #[error("`{text}` can never be true: no value of `{name}` is as it says")]
+    Never {
+        text: String,
+        /// The column.
+        name: String,
     },
 }
 
@@ -134,14 +141,17 @@ impl Judged {
     }
 }
 
-/// An end of an interval that too few runs have. `Display` gives the reason and what to write instead.
+/// An end of an interval, or a standard deviation, that too few runs have. `Display` gives the reason and what to write instead.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "there is no `{column}`, since fewer than {MIN_RUNS} runs have no interval, and the cases of a test have none at all{}",
+    "there is no `{column}`, since {}{}",
+    if *is_deviation { "a single run has no deviation; give more `runs`".into() } else { format!("fewer than {MIN_RUNS} runs have no interval, and the cases of a test have none at all") },
     instead.as_ref().map_or(String::new(), |instead| format!("; write `{instead}`, or give more `runs`"))
 )]
 pub struct TooFewRuns {
     pub column: String,
+    /// Whether it is a standard deviation.
+    pub is_deviation: bool,
     /// A column that answers nearly the same question and has a value.
     pub instead: Option<String>,
 }
@@ -151,11 +161,13 @@ impl TooFewRuns {
     fn of(cells: &DataFrame, condition: &Condition, row: usize) -> Option<Self> {
         let column = &condition.column.name;
         let (runs, found) = (number(&value(cells, RUNS, row))?, number(&value(cells, column, row)));
-        if !is_end(&condition.column) || found.is_some() || runs >= MIN_RUNS as f64 {
+        let is_deviation = condition.column.role == Role::Deviation;
+        let needed = if is_deviation { 2.0 } else { MIN_RUNS as f64 };
+        if !(is_deviation || is_end(&condition.column)) || found.is_some() || runs >= needed {
             return None;
         }
         let instead = condition.instead.iter().find(|other| number(&value(cells, other, row)).is_some());
-        Some(Self { column: column.to_string(), instead: instead.cloned() })
+        Some(Self { column: column.to_string(), is_deviation, instead: instead.cloned() })
     }
 }
 
@@ -194,6 +206,9 @@ impl Gate {
             text.split(" and ").map(|part| Condition::parse(part, columns)).collect::<Result<_, _>>()?;
         if conditions.iter().filter(|condition| condition.over.is_some()).count() > 1 {
             return Err(GateError::Extremes { text });
+        }
+        if let Some(never) = conditions.iter().find(|condition| !condition.can_hold_with(&conditions)) {
+            return Err(GateError::Never { text, name: never.column.name.to_string() });
         }
         Ok(Self { text, about_searches: false, conditions })
     }
@@ -244,14 +259,23 @@ impl Gate {
             let what = if self.about_searches { "a `search`" } else { "an `evaluate`" };
             return Err(format!("no campaign has {what} block"));
         }
+        let rows = || 0..keys.height();
+        let is_trained = |row: usize| value(keys, TRAIN_TOWN.name, row).get_str().is_some_and(|town| !town.is_empty());
+        if let Some(condition) = self.conditions.iter().find(|each| each.is_of_trainings())
+            && !rows().any(is_trained)
+        {
+            return Err(format!(
+                "`{}` is about trained pedestrians, and no campaign evaluates one",
+                condition.column.name
+            ));
+        }
         let chosen = |condition: &Condition, row: usize| match (&condition.bound, condition.chooses) {
             (Bound::Word(word), true) => {
                 let found = value(keys, &condition.column.name, row);
                 condition.is_true_of(found.get_str().unwrap_or_default(), word)
             }
-            _ => true,
+            _ => !condition.is_of_trainings() || is_trained(row),
         };
-        let rows = || 0..keys.height();
         if rows().any(|row| self.conditions.iter().all(|condition| chosen(condition, row))) {
             return Ok(());
         }
@@ -348,17 +372,22 @@ impl Gate {
         let is_pooled = |row: usize| value(cells, CONTROLLER.name, row).get_str() == Some(ALL_UNTRAINED);
         let is_exact = is_pooled(row) || number(&value(cells, RUNS, row)) == Some(1.0);
         let own = starts(row).filter(|_| is_exact)?;
-        // Rows of unchanged drivers are in no correction.
-        let is_tested = |other: &usize| {
-            is_pooled(*other) == is_pooled(row) && number(&value(cells, DIFFERING.name, *other)) != Some(0.0)
+        // Holm's correction counts the rows in which a pair differs, and of these no longer those that are shown.
+        let is_out_of_reach = |condition: &&Condition| {
+            let Bound::Number(bound) = condition.bound else { return false };
+            let found = |column: &str, other| number(&value(cells, column, other));
+            let is_counted = |other: &usize| {
+                let differs = condition.differing.iter().any(|column| found(column, *other) > Some(0.0));
+                let is_shown = found(&condition.column.name, *other).is_some_and(|p| p < bound);
+                *other != row && is_pooled(*other) == is_pooled(row) && differs && !is_shown
+            };
+            let tests = 1 + (0..cells.height()).filter(is_counted).count();
+            tests as f64 * mcnemar(0, own) >= bound
         };
-        let tested: Vec<u64> = (0..cells.height()).filter(is_tested).filter_map(starts).collect();
-        let most = tested.iter().copied().max().unwrap_or(own);
         let below = |condition: &&Condition| matches!(condition.comparison, Comparison::Less | Comparison::AtMost);
         let mut bounds =
             self.conditions.iter().filter(below).filter(|condition| condition.column.role == Role::AdjustedP);
-        let is_out_of_reach = |bound: f64| mcnemar(0, own) >= bound || tested.len() as f64 * mcnemar(0, most) >= bound;
-        let found = bounds.find(|each| matches!(each.bound, Bound::Number(bound) if is_out_of_reach(bound)));
+        let found = bounds.find(is_out_of_reach);
         found.map(|_| own)
     }
 
@@ -460,7 +489,7 @@ pub fn requirements_in(text: &str) -> Vec<&str> {
 }
 
 fn is_share(condition: &Condition) -> bool {
-    condition.column.role == Role::Share
+    matches!(condition.column.role, Role::Share | Role::ShareDifference)
 }
 
 fn value<'a>(cells: &'a DataFrame, column: &str, row: usize) -> AnyValue<'a> {
@@ -480,13 +509,17 @@ mod tests {
     fn a_gate_that_chooses_no_row_is_refused_before_the_run() {
         let keys = df!(
             "town" => ["harbour", "village", "village"],
-            "controller" => ["trained", "trained", "random"]
+            "controller" => ["trained", "trained", "random"],
+            "train_town" => ["harbour", "harbour", ""]
         )
         .unwrap();
         let reason = |text: &str| Gate::parse(text).unwrap().check_keys(&keys);
         assert_eq!(reason("preventable_rate > 0.05"), Ok(()));
         assert_eq!(reason("preventable_rate > 0.05 and town == village"), Ok(()));
         assert_eq!(reason("learnt != yes"), Ok(()), "results are known after the run only");
+        let untrained = Gate::parse("learnt != yes").unwrap().check_keys(&keys.tail(Some(1))).unwrap_err();
+        assert_eq!(untrained, "`learnt` is about trained pedestrians, and no campaign evaluates one");
+        assert!(reason("learnt != yes and controller == random").unwrap_err().contains("no row is chosen by all"));
         let typo = reason("preventable_rate > 0.05 and town == vilage").unwrap_err();
         assert_eq!(typo, "`town` can be: harbour, village");
         let apart = reason("preventable_rate > 0.05 and town == harbour and controller == random").unwrap_err();

@@ -83,11 +83,18 @@ fn headline(comparison: &ReportComparison) -> String {
     told.collect::<Vec<_>>().join("; ")
 }
 
-/// How many starts must differ for a difference of single runs to show; `None` without one.
+/// How many starts must differ for a difference of single runs to show; `None` without one. Holm's correction counts the rows of one rate that differ in it,
+/// also those of several runs.
 fn power(comparison: &ReportComparison) -> Option<String> {
-    let single = || comparison.cells.iter().filter(|cell| cell.runs == 1 && cell.starts > 0 && !cell.is_pooled());
-    let tests = single().filter(|cell| cell.differing > 0).count();
-    let least = single().map(|cell| cell.starts).min().filter(|_| tests > 0)?;
+    let cells = || comparison.cells.iter().filter(|cell| cell.starts > 0 && !cell.is_pooled());
+    let differing = |event: usize| {
+        cells()
+            .filter(|cell| cell.rates.get(event).is_some_and(|rate| rate.changed.fixed + rate.changed.new > 0))
+            .count()
+    };
+    let tests = (0..comparison.events.len()).map(differing).max()?.max(1);
+    let single = || cells().filter(|cell| cell.runs == 1);
+    let least = single().map(|cell| cell.starts).min().filter(|_| single().any(|cell| cell.differing > 0))?;
     let needed = (1..).find(|starts| tests as f64 * mcnemar(0, *starts) < 0.05)?;
     let few = if least < needed { format!("; with {least} common starts none can show") } else { String::new() };
     Some(format!(
