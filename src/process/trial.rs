@@ -7,10 +7,13 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use base::files::MAX_BYTES;
+
 /// Maximum memory that a trial may address (MiB): twice of what the largest network file needs, which is 900. The smallest one needs 100.
 const MAX_MEMORY: u64 = 2048;
-/// Maximum time of the processor (s); the largest network file needs 1.5 s. Other work of the machine does not count.
-const MAX_SECONDS: u64 = 10;
+/// Maximum time of the processor (s) for a small network, of which nearly all is a tick, and for the largest file, which needs 1.5 s. Other work of the machine
+/// does not count.
+const MAX_SECONDS: [u64; 2] = [2, 10];
 /// Maximum time of the clock, for a child that waits, and for systems without the other limits.
 const MAX_WAIT: Duration = Duration::from_secs(30);
 /// Time between two looks at the child.
@@ -52,7 +55,7 @@ fn started(words: &[&str], bytes: &[u8]) -> Result<(), String> {
             Err(format!("loading and running it once needs more than {} MiB of memory", max_memory()))
         }
         Some(status) if !is_late(status) => Err(format!("loading or running it ends the program ({status})")),
-        _ => Err(format!("loading and running it once takes more than {MAX_SECONDS} s")),
+        _ => Err(format!("loading and running it once takes more than {} s", max_seconds(bytes.len()))),
     }
 }
 
@@ -104,13 +107,20 @@ fn max_memory() -> u64 {
     MAX_MEMORY
 }
 
-/// Sets the limits of a trial for this process. Systems other than Unix have none, and others may refuse some.
-pub fn limit_trial() {
+/// Maximum time of the processor (s) for a file of this number of bytes.
+fn max_seconds(bytes: usize) -> u64 {
+    let [least, greatest] = MAX_SECONDS;
+    least + (greatest - least) * bytes as u64 / MAX_BYTES
+}
+
+/// Sets the limits of a trial of this number of bytes for this process. Systems other than Unix have none, and others may refuse some.
+#[cfg_attr(not(unix), expect(unused_variables, reason = "there are no limits"))]
+pub fn limit_trial(bytes: usize) {
     #[cfg(unix)]
     {
         use nix::sys::resource::{Resource, setrlimit};
         let _ = setrlimit(Resource::RLIMIT_AS, max_memory() << 20, max_memory() << 20);
-        let _ = setrlimit(Resource::RLIMIT_CPU, MAX_SECONDS, MAX_SECONDS + 1);
+        let _ = setrlimit(Resource::RLIMIT_CPU, max_seconds(bytes), max_seconds(bytes) + 1);
         let _ = setrlimit(Resource::RLIMIT_CORE, 0, 0);
     }
 }

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_302),
+    ("src/base", 3_347),
     ("src/learn", 5_412),
-    ("src/world", 31_090),
+    ("src/world", 31_143),
     ("src/ported", 4_642),
-    ("src/lang", 6_344),
+    ("src/lang", 6_397),
     ("src/compile", 6_966),
-    ("src/process", 839),
+    ("src/process", 849),
     ("src/export", 3_780),
-    ("src/results", 26_294),
-    ("src/program", 11_342),
-    ("tests", 26_125),
+    ("src/results", 26_501),
+    ("src/program", 11_393),
+    ("tests", 26_318),
 ];
 
 /// Crates that only some places may name.

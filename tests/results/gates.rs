@@ -228,6 +228,7 @@ fn a_gate_that_can_never_be_true_is_refused() {
     let comparison = comparison_reference(&[]);
     assert!(Gate::of_table("fault_rate_p_holm < 0", &comparison).is_err());
     assert!(Gate::of_table("fault_rate_difference < 0 and fault_rate_p_holm < 0.05", &comparison).is_ok());
+    assert!(Gate::of_table("fault_rate_high < 0", &comparison).is_ok(), "the interval of a difference");
     let typo = Gate::parse("learnt == ja").unwrap_err().to_string();
     assert!(typo.contains("write one of yes, no, unclear"), "{typo}");
 }

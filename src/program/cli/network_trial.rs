@@ -17,11 +17,11 @@ pub fn trial() -> Arc<NetworkTrial> {
 
 /// What the child does. Whether the network can be used is found out later, by the program that started it.
 pub fn carry_out() -> ExitCode {
-    process::limit_trial();
     let mut bytes = Vec::new();
     if std::io::stdin().lock().take(base::files::MAX_BYTES).read_to_end(&mut bytes).is_err() {
         return ExitCode::Usage;
     }
+    process::limit_trial(bytes.len());
     // It is a driver or a pedestrian.
     if Model::read(bytes.clone()).is_err() {
         let _ = Network::read(bytes);

@@ -15,6 +15,7 @@ pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
 use world::judge::JudgedDegree;
+use world::sim::time_of;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -192,12 +193,12 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
                 "robustness": degree.robustness,
                 "unit": unit_of(named),
                 "scaled": named.requirement.is_scaled(),
-                "instant_s": (f64::from(degree.sample) * scenario.episode.tick).min(outcome.duration),
+                "instant_s": degree.instant(scenario.episode.tick).min(outcome.duration),
                 "part": part_of(named, degree),
                 "preventable": verdict.map(|verdict| verdict.preventable),
                 "foreseeable": verdict.map(|verdict| verdict.foreseeable),
                 "fault": verdict.map(|verdict| verdict.fault),
-                "danger_s": verdict.map(|verdict| f64::from(verdict.danger) * scenario.episode.tick),
+                "danger_s": verdict.map(|verdict| time_of(verdict.danger as usize, scenario.episode.tick)),
                 "no_verdict": no_verdict(named),
             })
         })

@@ -127,7 +127,7 @@ impl<'a> Find<'a> {
     /// Time of the sample that decides its violation, from the start of the episode (s); `None` of a collision.
     pub fn instant(&self) -> Option<f64> {
         let degree = self.failure.violation.as_ref()?;
-        Some((f64::from(degree.sample) * self.scenario.episode.tick).min(self.failure.outcome.duration))
+        Some(degree.instant(self.scenario.episode.tick).min(self.failure.outcome.duration))
     }
 
     /// The requirement that it violates, by how much, and whose fault that is; `None` of a collision.

@@ -66,8 +66,11 @@ impl StoredReport {
 /// Adds to the copy of a program what lies beside its declared files: links, and copies of what its command names, since an interpreter looks for other files
 /// where a script really is.
 fn complete(copy: &Path, program: &Program, within: &Path) -> io::Result<()> {
+    const MAX_COPY: u64 = MAX_HELD_BYTES as u64;
+    let is_named = |path: &Path| program.words.iter().any(|word| Path::new(word.trim_start_matches("./")) == path);
     let folder = std::path::absolute(program.folder.join(within))?;
-    for entry in fs::read_dir(&folder)? {
+    let Ok(entries) = fs::read_dir(&folder) else { return Ok(()) };
+    for entry in entries {
         let name = entry?.file_name();
         let (path, here) = (within.join(&name), folder.join(&name));
         let place = copy.join(&path);
@@ -78,9 +81,7 @@ fn complete(copy: &Path, program: &Program, within: &Path) -> io::Result<()> {
         }
         if place.is_dir() {
             complete(copy, program, &path)?;
-        } else if here.is_file()
-            && program.words.iter().any(|word| Path::new(word) == path || *word == format!("./{text}"))
-        {
+        } else if is_named(&path) && fs::metadata(&here).is_ok_and(|data| data.is_file() && data.len() <= MAX_COPY) {
             fs::copy(&here, &place)?;
         } else {
             link(&here, &place)?;

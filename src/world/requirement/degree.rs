@@ -1,6 +1,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::sim::time_of;
+
 /// How far a requirement is from being violated, and what decides that.
 ///
 /// Its text is `-0.25@31#0`: robustness, sample and part, and `~` at its end if the requirement never applied. The same bits are read from it.
@@ -22,6 +24,11 @@ impl Degree {
     /// The degree of a constant.
     pub fn constant(truth: bool, sample: u32) -> Self {
         Self { robustness: if truth { f64::INFINITY } else { f64::NEG_INFINITY }, sample, part: None, applies: true }
+    }
+
+    /// Time of the sample that decides (s), for samples this time (s) apart.
+    pub fn instant(&self, tick: f64) -> f64 {
+        time_of(self.sample as usize, tick)
     }
 
     pub fn is_violated(&self) -> bool {

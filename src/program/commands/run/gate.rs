@@ -11,7 +11,7 @@ use crate::commands::compare;
 use crate::commands::condition::{self, Condition};
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{CampaignReport, RunReport};
-use results::report::{self, Gate, Judged, SearchCell, Suite};
+use results::report::{self, Gate, GateError, Judged, SearchCell, Suite};
 
 /// Options that make a run pass or fail.
 #[derive(Debug, Args)]
@@ -37,7 +37,13 @@ impl GateArgs {
     /// The exit code, after the reason has been printed.
     pub fn gates(&self) -> Result<Vec<Gate>, ExitCode> {
         let own = self.fail_if.iter().filter(|text| !self.is_of_comparison(text));
-        own.map(|text| Gate::parse(text).map_err(|error| misused(format!("--fail-if: {error}")))).collect()
+        let refused = |text: &String, error: GateError| {
+            let compared = self.baseline.as_ref().and(Condition::parse(text, &compare::tables(&self.fail_if)).err());
+            let compared = compared.filter(|_| matches!(error, GateError::Column { .. }));
+            let known = compared.filter(|other| !matches!(other, GateError::Column { .. }));
+            misused(format!("--fail-if: {}", known.unwrap_or(error)))
+        };
+        own.map(|text| Gate::parse(text).map_err(|error| refused(text, error))).collect()
     }
 
     /// Whether a condition names columns that only the comparison with the baseline has.

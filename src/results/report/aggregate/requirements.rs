@@ -9,6 +9,7 @@ use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Tabl
 use base::statistics::{ClusteredCount, wilson};
 use world::judge::{JudgedDegree, NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
+use world::sim::time_of;
 
 /// The stem of the files of the table of requirements.
 pub const REQUIREMENTS: &str = "requirements";
@@ -150,10 +151,10 @@ pub fn requirement_rows(
                 degree,
                 violation: Violation { at_collision, ..Violation::new(named, &degree, verdict) },
                 is_scaled: named.requirement.is_scaled(),
-                instant: (f64::from(degree.sample) * tick).min(length),
+                instant: degree.instant(tick).min(length),
                 counts: table.counts(row),
                 verdict,
-                danger: verdict.map(|verdict| f64::from(verdict.danger) * tick),
+                danger: verdict.map(|verdict| time_of(verdict.danger as usize, tick)),
             });
         }
     }

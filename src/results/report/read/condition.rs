@@ -202,11 +202,11 @@ pub(super) fn is_end(column: &ColumnReference) -> bool {
     matches!(column.role, Role::LowerBound | Role::UpperBound)
 }
 
-/// The column with the values of the figure of a column of interval ends; `None` of other columns.
+/// The column with the values of the figure of a column of interval ends; `None` of other columns. The interval of a comparison is that of the difference.
 fn value_of_figure<'a>(column: &ColumnReference, columns: &'a [ColumnReference]) -> Option<&'a ColumnReference> {
-    let is_value =
-        |other: &&ColumnReference| matches!(other.role, Role::Plain | Role::Share | Role::ShareDifference | Role::Risk);
-    columns.iter().filter(|other| is_end(column) && other.figure == column.figure).find(is_value)
+    let of_figure = |other: &&ColumnReference| is_end(column) && other.figure == column.figure;
+    let of_role = |role: Role| columns.iter().filter(of_figure).find(|other| other.role == role);
+    [Role::ShareDifference, Role::Plain, Role::Share, Role::Risk].into_iter().find_map(of_role)
 }
 
 /// Whether a figure of cells or searches has no value where there was no collision.

@@ -64,7 +64,7 @@ pub fn narrative(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Narrati
         events.insert(place, (instant, text));
     };
     for (named, JudgedDegree { degree, verdict }) in violations(scenario, judged) {
-        let instant = (f64::from(degree.sample) * dt).min(outcome.duration);
+        let instant = degree.instant(dt).min(outcome.duration);
         let text = format!("violates `{}`{}; {}", named.name, violated_part(named, degree), blame(named, *verdict));
         insert(instant, text);
         if let Some(verdict) = verdict {
