@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_780),
     ("src/results", 26_501),
     ("src/program", 11_393),
-    ("tests", 26_318),
+    ("tests", 26_313),
 ];
 
 /// Crates that only some places may name.

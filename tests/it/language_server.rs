@@ -679,7 +679,7 @@ reward rq2 { on violated( rq ) => 1 - robustness(rq) }
 #[test]
 fn addresses_that_are_not_encoded_are_understood() {
     let mut session = Session::new();
-    session.open("file:///nowhere/100%/[1]/c.scn", "edition 1\nreward a {}\n");
+    session.open("file:///nowhere/100%/[1]/c.scn", "edition 1\nrewrd a {}\n");
     let said = session.hold();
     assert!(!diagnostics(&said, "file:///nowhere/100%25/%5B1%5D/c.scn").is_empty());
 }

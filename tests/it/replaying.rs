@@ -280,7 +280,8 @@ fn a_broken_gate_is_said_in_the_exit_code_and_in_junit() {
     assert!(said(&nothing).contains("`controller` can be: "), "{nothing:?}");
     assert!(!here.join("reports").exists(), "it is known before the run");
 
-    let gates = ["--fail-if", "collision_rate >= 0.5 and controller == intercept", "--fail-if", "front_rate < 0"];
+    let gates =
+        ["--fail-if", "collision_rate >= 0.5 and controller == intercept", "--fail-if", "front_rate == 0.123456"];
     let run = [&["run", "--junit", "out/results.xml"], &gates[..], &["again.scn"]].concat();
     let run = falsify(&run, here);
     assert_eq!(run.status.code(), Some(7), "{run:?}");

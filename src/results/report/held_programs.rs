@@ -68,7 +68,7 @@ impl StoredReport {
 fn complete(copy: &Path, program: &Program, within: &Path) -> io::Result<()> {
     const MAX_COPY: u64 = MAX_HELD_BYTES as u64;
     let is_named = |path: &Path| program.words.iter().any(|word| Path::new(word.trim_start_matches("./")) == path);
-    let folder = std::path::absolute(program.folder.join(within))?;
+    let folder = std::path::absolute(Path::new(".").join(&program.folder).join(within))?;
     let Ok(entries) = fs::read_dir(&folder) else { return Ok(()) };
     for entry in entries {
         let name = entry?.file_name();
