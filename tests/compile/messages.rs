@@ -17,6 +17,15 @@ const OTHERS: &[(&str, &str)] = &[
     ("an emoji in a formula", "edition 1\nreward r { on hit => 1 🚗🚗 }\n"),
     ("an import that is being typed", "edition 1\nimport \"lib/\nreward r { on hit => 1 }\n"),
     ("a model that is not there", "edition 1\npolicy p = onnx(model: \"nowhere.onnx\")\n"),
+    ("curly quotes", "edition 1\nimport “std/drivers.scn”\n"),
+    ("a long dash", "edition 1\nspawn s { bearing: −60 deg .. 60 deg }\n"),
+    (
+        "decimal commas",
+        "edition 1\nspawn s { distance: 7,5 m .. 40 m }\npolicy p = idm(margin: 0,5 m)\nparam s: number = 0,2\n",
+    ),
+    ("a text with an escape", "edition 1\npolicy p = external(command: \"python3 \\\"my av.py\\\"\")\n"),
+    ("a typo beside the key that it resembles", "edition 1\npolicy p = idm(time_hedway: 1 s, time_headway: 2 s)\n"),
+    ("two typos of one key", "edition 1\npolicy p = idm(time_hedway: 1 s, time_headwy: 2 s)\n"),
     (
         "several mistakes at once",
         "edition 1\nrewrd r {}\nepisode e { tiks: 1.5  hold: 0 }\nspawn s { clearance: 2 s }\n",

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
     ("src/learn", 5_412),
-    ("src/world", 31_142),
+    ("src/world", 31_143),
     ("src/ported", 4_642),
     ("src/lang", 6_397),
     ("src/compile", 6_966),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_780),
     ("src/results", 26_501),
     ("src/program", 11_393),
-    ("tests", 26_298),
+    ("tests", 26_307),
 ];
 
 /// Crates that only some places may name.
