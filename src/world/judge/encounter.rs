@@ -319,11 +319,12 @@ impl Approach<'_> {
     }
 }
 
-/// Whether the car stands at a tick and has stood for half a second, on average: a single sample of 0 is no stop.
+/// Whether the car stands at a tick and has stood for half a second, on average: a single sample of 0 is no stop, also at the start of an episode.
 fn has_stood(pair: &Pair<'_>, tick: usize) -> bool {
     let speed = |tick: usize| pair.frame(tick).ego.speed;
-    let first = (tick + 1).saturating_sub(((STOP / pair.dt()).round() as usize).max(1));
-    speed(tick) <= STANDING && (first..=tick).map(speed).sum::<f64>() <= STANDING * (tick + 1 - first) as f64
+    let samples = ((STOP / pair.dt()).round() as usize).max(1);
+    let mean = |first: usize| (first..=tick).map(speed).sum::<f64>() / samples as f64;
+    speed(tick) <= STANDING && (tick + 1).checked_sub(samples).is_some_and(|first| mean(first) <= STANDING)
 }
 
 /// The car's position along its own path at each frame (m).
