@@ -169,7 +169,7 @@ impl Session {
             )));
         }
         let opener = self.catalog.opener().filter(|_| programs == WhichPrograms::OfReport && options.files.is_none());
-        let opener = opener.map(|opener| Arc::new(HeldPrograms::new(&report, &place, opener.clone())));
+        let opener = opener.map(|opener| Arc::new(HeldPrograms::new(&report, place, opener.clone())));
         let catalog = self.catalog.clone();
         let catalog = match &opener {
             Some(opener) => catalog.with_opener(opener.clone()),

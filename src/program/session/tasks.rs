@@ -57,7 +57,7 @@ impl campaign::Observer for Listener<'_> {
     fn event(&self, event: &campaign::Event<'_>) {
         match *event {
             campaign::Event::Curve { task, curve, has_grown: true } => {
-                self.curves.grow(self.training(task), task.part, curve)
+                self.curves.grow(self.training(task), task.part, curve);
             }
             campaign::Event::Curve { task, curve, has_grown: false } => self.begin_curve(task, curve),
             campaign::Event::Reused { task, result } => {
