@@ -9,7 +9,7 @@ use base::choice;
 use base::units::Dimension;
 use compile::SearchKey;
 use world::av::DrivingMode;
-use world::env::{Ending, Outcome};
+use world::env::Impact;
 use world::judge::{Label, NoVerdict, Sight, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
 use world::sim::WalkCommand;
@@ -21,42 +21,6 @@ choice! {
         #[default]
         Evaluation = "evaluation",
         Search = "search",
-    }
-}
-
-choice! {
-    /// The side of the car that was hit.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-    pub enum Impact {
-        /// Within the front sector.
-        Front = "front",
-        /// Beside it, to the car's left.
-        Left = "left",
-        /// Beside it, to the car's right.
-        Right = "right",
-        /// Within 60° of straight behind.
-        Rear = "rear",
-    }
-}
-
-impl Impact {
-    /// The side where a pedestrian hit the car, from whether it was within the front sector and from its bearing from the car's centre
-    /// (rad).
-    pub fn new(front: bool, bearing: f64) -> Self {
-        match bearing {
-            _ if front => Self::Front,
-            b if b.abs() >= 120_f64.to_radians() => Self::Rear,
-            b if b > 0.0 => Self::Left,
-            _ => Self::Right,
-        }
-    }
-
-    /// That of an episode; `None` without a touch.
-    pub fn of(outcome: &Outcome) -> Option<Self> {
-        match outcome.ending {
-            Ending::Touch { front, bearing, .. } => Some(Self::new(front, bearing)),
-            _ => None,
-        }
     }
 }
 

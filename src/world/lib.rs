@@ -11,3 +11,4 @@ pub mod falsifier;
 pub mod driving;
 pub mod likelihood;
 pub mod hardening;
+pub mod cause;

@@ -36,6 +36,7 @@ mod recordings;
 mod resuming;
 mod sensors;
 mod shaping;
+mod shrinking;
 mod spawns;
 mod start_bank;
 mod steady_starts;

@@ -11,7 +11,7 @@ use base::files;
 use lang::reason;
 
 /// Options of all commands that repeat episodes of a report.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct RepeatArgs {
     /// Those of a session.
     #[command(flatten)]

@@ -4,6 +4,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::episode::{Named, RepeatArgs, resolved};
+use super::shrink;
 use crate::cli::choice::choice;
 use crate::cli::console;
 use crate::cli::failure::{failed, misused};
@@ -65,6 +66,9 @@ pub struct ExportArgs {
     /// A report, or a folder of reports.
     #[arg(long, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub report: PathBuf,
+    /// The failure with the fewest commands, as `falsify shrink` finds it.
+    #[arg(long)]
+    pub shrunk: bool,
     /// Options of the repetition.
     #[command(flatten)]
     pub repeat: RepeatArgs,
@@ -204,6 +208,10 @@ fn repeated(
         }
     };
     let repeated = open.insert(source).repeat(*name)?;
+    if options.shrunk {
+        let shrunk = repeated.shrink(shrink::MAX_RUNS)?;
+        return Ok(repeated.replaced_by(shrunk));
+    }
     if repeated.differences.is_empty() || options.repeat.repeat.anyway {
         return Ok(repeated);
     }

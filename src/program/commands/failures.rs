@@ -3,15 +3,17 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::episode::RepeatArgs;
+use super::shrink::MAX_RUNS;
 use crate::cli::choice::choice;
 use crate::cli::console;
 use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{Error, Session};
+use crate::session::{EpisodeName, Error, Notice, RepeatOptions, Session};
 use results::failure::{Failure, FailureOrder};
-use results::record::CellKey;
-use results::report::{self, StoredReport};
+use results::report::{self, ListedFailure, StoredReport};
+use world::cause::FailureKind;
 use world::judge::Label;
 
 /// Number of failures that a table shows by default.
@@ -23,8 +25,10 @@ Examples:
   falsify failures                           the worst failures of reports/, fault ones first
   falsify failures reports/first_look --driver behavior --verdict preventable --top 5
                                              the five worst preventable ones of a driver
-  falsify failures reports/first_look --distinct --names --top 5 | falsify replay -
-                                             repeat the worst of five starts
+  falsify failures reports/first_look --distinct
+                                             each finding once, with how many failures shrink to it
+  falsify failures reports/first_look --distinct --names --top 5 | falsify replay - --shrunk
+                                             repeat five findings with the fewest commands
   falsify failures reports/first_look --format csv > failures.csv
                                              all of them as a table
 
@@ -69,9 +73,12 @@ pub struct FailuresArgs {
     /// The number of failures; a table has 20 without it, other forms have all.
     #[arg(long, value_name = "N")]
     pub top: Option<usize>,
-    /// Only the first failure of each start of a town and driver.
+    /// Merge failures of a driver that shrink to the same kind with the same number of commands: the first of each, with how many there are.
     #[arg(long)]
     pub distinct: bool,
+    /// Options for repeating failures, which --distinct needs.
+    #[command(flatten)]
+    pub repeat: RepeatArgs,
     /// Form of the list.
     #[arg(long, value_enum, default_value_t = Form::Table, value_name = "FORMAT")]
     pub format: Form,
@@ -106,6 +113,7 @@ impl Default for FailuresArgs {
             sort: FailureOrder::Severity,
             top: None,
             distinct: false,
+            repeat: RepeatArgs::default(),
             format: Form::Table,
             names: false,
         }
@@ -158,6 +166,8 @@ pub struct FoundFailure {
     /// The folder of the report.
     pub report: PathBuf,
     pub failure: Failure,
+    /// The number of failures that shrink to it, itself included; 1 if they are not merged.
+    pub merged: usize,
 }
 
 /// The words that reports have for a filter.
@@ -227,37 +237,72 @@ impl Session {
                 let failures = report.failures()?;
                 known.add(&report, &failures)?;
                 let listed = failures.into_iter().filter(|failure| options.allows(failure));
-                found.extend(listed.map(|failure| FoundFailure { report: report.folder().to_path_buf(), failure }));
+                found.extend(listed.map(|failure| FoundFailure {
+                    report: report.folder().to_path_buf(),
+                    failure,
+                    merged: 1,
+                }));
             }
         }
         if found.is_empty() {
             known.check(options)?;
         }
         found.sort_by(|a, b| options.sort.compare(&a.failure, &b.failure));
-        if options.distinct {
-            let mut seen = BTreeSet::new();
-            found.retain(|FoundFailure { report, failure }| {
-                let CellKey { town, policy, .. } = &failure.key.cell;
-                seen.insert((report.clone(), town.clone(), policy.clone(), failure.start))
-            });
+        if options.distinct { self.merged(found, &options.repeat.repeat) } else { Ok(found) }
+    }
+
+    /// The first of failures that shrink to the same, with how many there are. One that cannot be repeated is not merged.
+    fn merged(&self, found: Vec<FoundFailure>, options: &RepeatOptions) -> Result<Vec<FoundFailure>, Error> {
+        let name = |each: &FoundFailure| Ok((each.report.clone(), EpisodeName::of_table(each.failure.name())?));
+        let names: Vec<_> = found.iter().map(name).collect::<Result<_, Error>>()?;
+        let shrunk = self.shrink(&names, options, MAX_RUNS)?;
+        let mut classes: Vec<(PathBuf, String, (FailureKind, usize))> = Vec::new();
+        let mut merged: Vec<FoundFailure> = Vec::new();
+        let mut places: Vec<usize> = Vec::new();
+        let mut unrepeated = 0;
+        for (each, shrunk) in found.into_iter().zip(shrunk) {
+            let Ok(shrunk) = shrunk else {
+                unrepeated += 1;
+                merged.push(each);
+                continue;
+            };
+            let class = (each.report.clone(), each.failure.key.cell.policy.clone(), shrunk.class());
+            match classes.iter().position(|other| *other == class) {
+                Some(same) => merged[places[same]].merged += 1,
+                None => {
+                    places.push(merged.len());
+                    classes.push(class);
+                    merged.push(each);
+                }
+            }
         }
-        Ok(found)
+        if unrepeated > 0 {
+            self.notice(&Notice::Warning(format!(
+                "{unrepeated} failures could not be repeated, so they are not merged"
+            )));
+        }
+        Ok(merged)
     }
 }
 
 /// `falsify failures`
 pub fn failures(options: &FailuresArgs) -> Ended {
-    let found = session(false).failures(options).map_err(failed)?;
+    let found = session(options.repeat.allow_external).failures(options).map_err(failed)?;
     let is_table = options.format == Form::Table && !options.names;
     let shown = options.top.unwrap_or(if is_table { SHOWN } else { usize::MAX });
     let all = found.len();
-    let listed = found.into_iter().take(shown).map(|FoundFailure { report, failure }| (report, failure));
-    let listed: Vec<(PathBuf, Failure)> = listed.collect();
+    let listed: Vec<ListedFailure> = found
+        .into_iter()
+        .take(shown)
+        .map(|FoundFailure { report, failure, merged }| ListedFailure {
+            report,
+            failure,
+            merged: options.distinct.then_some(merged as u64),
+        })
+        .collect();
     match options.format {
         _ if options.names => {
-            listed
-                .iter()
-                .for_each(|(folder, failure)| console::say(&folder.join(failure.name()).display().to_string()));
+            listed.iter().for_each(|each| console::say(&each.report.join(each.failure.name()).display().to_string()));
         }
         Form::Table => tell(&listed, all),
         Form::Json => console::say_objects(&report::json_rows(&report::failure_list(&listed))),
@@ -267,8 +312,8 @@ pub fn failures(options: &FailuresArgs) -> Ended {
 }
 
 /// Prints a table for people, how much it leaves out, and how to see the first failure again.
-fn tell(listed: &[(PathBuf, Failure)], all: usize) {
-    let Some((folder, first)) = listed.first() else {
+fn tell(listed: &[ListedFailure], all: usize) {
+    let Some(ListedFailure { report: folder, failure: first, .. }) = listed.first() else {
         return console::say("no failure");
     };
     console::say(report::failures_for_terminal(listed, console::width()).trim_end());

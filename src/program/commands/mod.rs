@@ -7,6 +7,7 @@ mod run;
 mod merge;
 mod status;
 mod replay;
+mod shrink;
 mod export;
 mod failures;
 mod judge;
@@ -61,7 +62,7 @@ pub struct Arguments {
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Write a scenario", &["new", "check", "explain", "fmt", "preview"]),
     ("Run it", &["demo", "run", "status", "merge"]),
-    ("Look at what was found", &["failures", "replay", "compare", "recheck", "judge"]),
+    ("Look at what was found", &["failures", "shrink", "replay", "compare", "recheck", "judge"]),
     ("Give it away", &["export"]),
     ("For editors and shells", &["lsp", "completions"]),
 ];
@@ -110,6 +111,9 @@ pub enum Command {
     /// List failures, those that count most against a driver first.
     #[command(after_help = failures::EXAMPLES)]
     Failures(failures::FailuresArgs),
+    /// Shrink failures: the same failure with the fewest commands of the pedestrian, nearest to a natural walk.
+    #[command(after_help = shrink::EXAMPLES)]
+    Shrink(shrink::ShrinkArgs),
     /// Judge a collision recorded elsewhere: would a careful driver have avoided it?
     #[command(after_help = judge::EXAMPLES)]
     Judge(judge::JudgeArgs),
@@ -153,7 +157,13 @@ impl Command {
     /// The exit code of a failure whose message is printed.
     pub fn run(self) -> Ended {
         // These may have started programs, which must not outlive them. Others with programs have handlers of their own.
-        if let Self::Replay(_) | Self::Export(_) | Self::Compare(_) | Self::Recheck(_) = self {
+        if let Self::Replay(_)
+        | Self::Shrink(_)
+        | Self::Failures(_)
+        | Self::Export(_)
+        | Self::Compare(_)
+        | Self::Recheck(_) = self
+        {
             interrupt::end_when_asked();
         }
         match self {
@@ -165,6 +175,7 @@ impl Command {
             Self::Compare(options) => compare::compare(&options),
             Self::Recheck(options) => recheck::recheck(&options),
             Self::Failures(options) => failures::failures(&options),
+            Self::Shrink(options) => shrink::shrink(&options),
             Self::Judge(options) => judge::judge(&options),
             Self::Check(options) => check::check(&options),
             Self::Explain(options) => explain::explain(&options),

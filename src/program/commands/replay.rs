@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::episode::{Named, RepeatArgs, resolved};
+use super::shrink;
 use crate::cli::console;
 use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::input::session;
@@ -27,6 +28,7 @@ Examples:
                                              the five worst failures of reports/
   falsify replay 1a2b3c4d:17 --ticks way.csv
                                              also write every tick as a table, .csv or .parquet
+  falsify replay 1a2b3c4d:17 --shrunk        the same failure with the fewest commands of the pedestrian
   falsify replay --all reports/first_look --sample 100
                                              100 episodes of a report, every column compared byte for byte
   falsify replay --all reports/first_look --trainings
@@ -59,6 +61,9 @@ pub struct ReplayArgs {
     /// Print one JSON object, for programs.
     #[arg(long, conflicts_with = "all", display_order = 17)]
     pub json: bool,
+    /// Repeat the failure with the fewest commands, as `falsify shrink` finds it.
+    #[arg(long, conflicts_with = "all", display_order = 18)]
+    pub shrunk: bool,
 }
 
 fn table_file(text: &str) -> Result<PathBuf, String> {
@@ -128,7 +133,11 @@ pub fn replay(options: &ReplayArgs) -> Ended {
 }
 
 fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) -> Ended {
-    let replay = session.replay(which).map_err(failed)?;
+    let mut replay = session.replay(which).map_err(failed)?;
+    if options.shrunk {
+        let shrunk = replay.episode.shrink(shrink::MAX_RUNS).map_err(failed)?;
+        replay.episode = replay.episode.replaced_by(shrunk);
+    }
     let episode = &replay.episode;
     if let Some(path) = &options.ticks {
         let table = report::ticks(which.name.run, which.name.number, &episode.scenario, &episode.trace);
@@ -138,13 +147,13 @@ fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) ->
     if options.json {
         console::say(&as_json(&replay, &narrative).to_string());
     } else {
-        tell(&replay, &narrative);
+        tell(&replay, &narrative, options.shrunk);
     }
     if episode.differences.is_empty() { Ok(ExitCode::Done) } else { Err(ExitCode::Differs) }
 }
 
 /// Prints the result for people.
-fn tell(replay: &Replay, narrative: &Narrative) {
+fn tell(replay: &Replay, narrative: &Narrative, is_shrunk: bool) {
     let Replay { report, episode: repeated, programs } = replay;
     let manifest = report.manifest();
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
@@ -160,7 +169,11 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     }
     console::say("");
     if repeated.differences.is_empty() {
-        console::say(&format!("digest {:016x}: as in the report, in every column", repeated.judged.outcome.digest));
+        let digest = repeated.judged.outcome.digest;
+        console::say(&match is_shrunk {
+            true => format!("digest {digest:016x}; before it was shrunk it was as in the report, in every column"),
+            false => format!("digest {digest:016x}: as in the report, in every column"),
+        });
         return;
     }
     console::fail(&format!("{} differs from the report", repeated.name));

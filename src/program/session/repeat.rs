@@ -6,6 +6,7 @@ use compile::{Evaluation, Search};
 use results::jobs::{Find, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
+use world::cause::{Incident, Shrunk, shrink};
 use world::env::{FailureCell, Scenario, Trace};
 use world::falsifier::Failure;
 use world::judge::Judged;
@@ -26,15 +27,37 @@ pub struct Repeated {
     pub differences: Vec<Difference>,
     /// Where it starts to differ from the stored one, in words, when that is known.
     pub divergence: Option<String>,
+    /// The failure, by what repeats it; `None` if it is not a failure.
+    pub incident: Option<Incident>,
 }
 
 impl Repeated {
-    fn new(
-        name: EpisodeName,
-        title: String,
-        results::jobs::Repeated { scenario, trace, judged }: results::jobs::Repeated,
-    ) -> Self {
-        Self { name, title, scenario, trace, judged, differences: Vec::new(), divergence: None }
+    fn new(name: EpisodeName, title: String, seen: results::jobs::Repeated) -> Self {
+        let incident = seen.incident();
+        let results::jobs::Repeated { scenario, trace, judged, .. } = seen;
+        Self { name, title, scenario, trace, judged, differences: Vec::new(), divergence: None, incident }
+    }
+
+    /// The same failure with the fewest commands, with at most this number of runs.
+    ///
+    /// # Errors
+    /// It is not a failure, it is not as in the report, or it does not fail again when its commands are repeated.
+    pub fn shrink(&self, max_runs: u32) -> Result<Shrunk, Error> {
+        let name = self.name;
+        let Some(incident) = &self.incident else { return Err(Error::Usage(format!("{name} is not a failure"))) };
+        if !self.differences.is_empty() {
+            return Err(Error::Differs(format!("{name} differs from the report; `falsify replay {name}` shows where")));
+        }
+        let shrunk = shrink(incident, max_runs);
+        shrunk.ok_or_else(|| Error::Differs(format!("{name} does not fail again when its commands are repeated")))
+    }
+
+    /// The shrunk failure in place of the episode, under its name.
+    pub fn replaced_by(self, shrunk: Shrunk) -> Self {
+        let Shrunk { incident, rerun, counts: [before, now], .. } = shrunk;
+        let title = format!("{}, shrunk from {before} commands to {now}", self.title);
+        let judged = Judged::new(&rerun.outcome, &rerun.trace.main_pair(&incident.scenario));
+        Self { title, trace: rerun.trace, judged, incident: Some(incident), ..self }
     }
 }
 

@@ -1,7 +1,8 @@
 use std::fmt;
 
-use crate::failure::{Failure, Impact};
+use crate::failure::Failure;
 use world::av::DrivingMode;
+use world::env::Impact;
 use world::judge::Label;
 
 /// The class of a collision, by fixed rules.

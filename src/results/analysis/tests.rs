@@ -2,8 +2,9 @@ use serde_json::Value;
 
 use super::approach::Station;
 use super::*;
-use crate::failure::{Failure, Impact};
+use crate::failure::Failure;
 use world::av::DrivingMode;
+use world::env::Impact;
 use world::judge::Label;
 
 /// Recorded from scikit-learn by `tests/reference/failure_modes/record.py`.

@@ -3,10 +3,11 @@ use std::sync::Arc;
 
 use super::watch;
 use base::seed::Seed;
-use compile::{Evaluation, Search};
+use compile::{Evaluation, Search, episodes_seed};
 use learn::ActorCritic;
-use world::env::{Outcome, Scenario, Trace};
-use world::falsifier::follow;
+use world::cause::Incident;
+use world::env::{Criterion, Outcome, Scenario, Trace};
+use world::falsifier::{follow, recorded_commands};
 use world::judge::Judged;
 use world::sim::WalkCommand;
 
@@ -25,23 +26,44 @@ pub struct Repeated {
     pub scenario: Arc<Scenario>,
     pub trace: Trace,
     pub judged: Judged,
+    /// The seed of the starts, and the number of its start.
+    pub start: (Seed, u64),
+}
+
+impl Repeated {
+    /// The failure, by what repeats it: what its search looked for, else the collision, else the violation of the most important requirement. `None` if
+    /// it is not a failure.
+    pub fn incident(&self) -> Option<Incident> {
+        let Self { scenario, trace, judged, start: (seed, start) } = self;
+        let ranked = scenario.requirements.iter().enumerate().map(|(place, named)| (named.priority, place));
+        let mut ranked: Vec<_> = ranked.collect();
+        ranked.sort_unstable();
+        let violations = ranked.into_iter().map(|(_, place)| Criterion::Violation(place));
+        let mut criteria = [scenario.criterion, Criterion::Collision].into_iter().chain(violations);
+        let is_met = |criterion: &Criterion| criterion.is_met(&judged.outcome, trace.degrees());
+        let criterion = criteria.find(is_met).filter(|_| judged.outcome.counts())?;
+        let commands = recorded_commands(trace);
+        Some(Incident { scenario: scenario.clone(), seed: *seed, start: *start, commands, criterion })
+    }
 }
 
 impl Repeatable<'_> {
     /// Repeats it by the seed of the user. `None` if a pedestrian was to be trained and there are no networks, or if the commands do not end the
     /// episode, as may be with a driver that is not deterministic.
     pub fn repeat(&self, seed: &Seed) -> Option<Repeated> {
-        let (scenario, (outcome, trace)) = match *self {
+        let (scenario, start, (outcome, trace)) = match *self {
             Self::Episode { evaluation, networks, number } => {
                 let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-                (&evaluation.scenario, repeat_episodes(evaluation, networks, &[number], seed, note).pop()?.1)
+                let start = (episodes_seed(seed, &evaluation.town), number.into());
+                (&evaluation.scenario, start, repeat_episodes(evaluation, networks, &[number], seed, note).pop()?.1)
             }
             Self::Find { search, start, commands } => {
-                (&search.scenario, follow(&search.scenario, search.starts(seed), start, commands)?)
+                let starts = search.starts(seed);
+                (&search.scenario, (starts, start), follow(&search.scenario, starts, start, commands)?)
             }
         };
         let judged = Judged::new(&outcome, &trace.main_pair(scenario));
-        Some(Repeated { scenario: scenario.clone(), trace, judged })
+        Some(Repeated { scenario: scenario.clone(), trace, judged, start })
     }
 }
 

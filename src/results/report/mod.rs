@@ -67,8 +67,8 @@ pub use text_forms::{csv_text, json_rows};
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_new_file, write_table};
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use read::{
-    Difference, Gate, GateError, Judged, ReadError, StoredReport, TooFewRuns, differences, divergence, failure_list,
-    requirements_in, searched,
+    Difference, Gate, GateError, Judged, ListedFailure, ReadError, StoredReport, TooFewRuns, differences, divergence,
+    failure_list, requirements_in, searched,
 };
 pub use scenario_files::{MAX_HELD_BYTES, held_places};
 pub use staging::staging_file;

@@ -58,7 +58,7 @@ pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use local_simulation::LocalSimulation;
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
 pub use other_drive::OtherDrive;
-pub use outcome::{Ending, LeftOut, Outcome};
+pub use outcome::{Ending, Impact, LeftOut, Outcome};
 pub use pair::{Frame, Pair};
 pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule};

@@ -48,7 +48,7 @@ pub use homing::{Homing, HomingKeys};
 pub use intercept::{Intercept, InterceptKeys};
 pub use learning::{Learning, LearningKeys};
 pub use method::{Falsifier, Searched};
-pub use natural::{Gaps, Natural, NaturalKeys, Recording};
+pub use natural::{Gaps, Natural, NaturalKeys, Recording, log_likelihood};
 pub use open_loop::OpenLoop;
 pub use outside::{Networked, NetworkedKeys, PROTOCOL, Programmed, ProgrammedKeys, UnsuitableNetwork};
 pub use random::{Random, RandomKeys};

@@ -1,9 +1,10 @@
 use rand::RngExt;
 
+use super::recorded_walking::PREFERRED;
 use super::{RecordedWalking, WalkPolicy};
-use crate::env::Scene;
-use crate::geometry::wrap_angle;
-use crate::sim::WalkCommand;
+use crate::env::{Pair, Scene};
+use crate::geometry::{Point, wrap_angle};
+use crate::sim::{PedestrianBody, VehicleBlueprint, VehicleState, WalkCommand};
 use base::seed::Stream;
 use base::{choice, keys};
 
@@ -109,10 +110,8 @@ impl Natural {
             Gaps::HcmObserved => HCM_OBSERVED_GAP,
         };
         let heeds = stream.random::<f64>() < self.heed;
-        let (ego, here) = (&scene.world.ego().state.pose, scene.world.pedestrians[pedestrian].state.pose.position());
-        let aside = ego.to_local(here).y;
-        let across = ego.left() * if aside > 0.0 { -1.0 } else { 1.0 };
-        let across = libm::atan2(across.y, across.x);
+        let here = scene.world.pedestrians[pedestrian].state.pose.position();
+        let across = across(&scene.world.ego().state, here);
         Walk { preferred, gap: if heeds { gap } else { f64::NEG_INFINITY }, across, walking: None }
     }
 }
@@ -127,22 +126,78 @@ impl Default for Natural {
 impl Walk {
     /// Whether its gap is large enough to set off.
     fn may_go(&self, scene: &Scene<'_>, pedestrian: usize) -> bool {
-        let world = scene.world;
-        let (ego, person) = (world.ego(), &world.pedestrians[pedestrian]);
-        let place = ego.state.pose.to_local(person.state.pose.position());
-        let way = place.x - ego.blueprint.half_length;
-        if way <= 0.0 || ego.state.speed <= 0.1 {
-            return true;
-        }
-        let aside = ego.blueprint.half_width + person.body.radius;
-        if place.y.abs() < aside {
-            return true;
-        }
-        // It has crossed when it is out of the car's width.
-        let beyond = place.y.abs() + aside;
-        way / ego.state.speed - beyond / self.preferred >= self.gap
+        let (ego, person) = (scene.world.ego(), &scene.world.pedestrians[pedestrian]);
+        let place = person.state.pose.position();
+        gap(&ego.state, &ego.blueprint, &person.body, place, self.preferred).is_none_or(|gap| gap >= self.gap)
     }
 }
+
+/// The direction straight across the way of the car, away from the side of a place (rad).
+fn across(ego: &VehicleState, place: Point) -> f64 {
+    let aside = ego.pose.to_local(place).y;
+    let across = ego.pose.left() * if aside > 0.0 { -1.0 } else { 1.0 };
+    libm::atan2(across.y, across.x)
+}
+
+/// The time that is left between a pedestrian who sets off now at a speed (m/s), once out of the car's width, and the car (s). `None` if it needs no
+/// gap: the car has passed or stands, or the pedestrian is in its way.
+fn gap(
+    ego: &VehicleState,
+    blueprint: &VehicleBlueprint,
+    body: &PedestrianBody,
+    place: Point,
+    speed: f64,
+) -> Option<f64> {
+    let place = ego.pose.to_local(place);
+    let way = place.x - blueprint.half_length;
+    let aside = blueprint.half_width + body.radius;
+    if way <= 0.0 || ego.speed <= 0.1 || place.y.abs() < aside {
+        return None;
+    }
+    // It has crossed when it is out of the car's width.
+    Some(way / ego.speed - (place.y.abs() + aside) / speed)
+}
+
+/// Logarithm of the likelihood of decisions of the pedestrian of an episode among natural pedestrians of the recording DUT, over that of the likeliest walk: 0 at most.
+///
+/// The likeliest one accepts its gap surely, walks straight across at the mean speed and never changes. A first heading that is not straight across
+/// counts as a change of heading within a second. A pedestrian slower than any preferred speed waits, until it has set off.
+pub fn log_likelihood(pair: &Pair<'_>, decisions: &[WalkCommand]) -> f64 {
+    let walking = RecordedWalking::DUT;
+    let rule = &pair.scenario.episode;
+    let seconds = f64::from(rule.hold) * rule.tick;
+    let Some(first) = pair.walking.first() else { return 0.0 };
+    let across = across(&pair.frame(0).ego, first.pose.position());
+    let (mut log, mut refused) = (0.0, 0.0_f64);
+    // The preferred speed, then the speed and the direction of the last decision.
+    let mut walk: Option<(f64, f64, f64)> = None;
+    for (number, command) in decisions.iter().enumerate() {
+        let turned = wrap_angle(command.heading - across);
+        let frame = pair.frame((number * rule.hold as usize).min(pair.len() - 1));
+        let place = frame.pedestrian.pose.position();
+        let accepted = |speed: f64| {
+            gap(&frame.ego, pair.blueprint, pair.body, place, speed).map_or(1.0, |gap| walking.accepts(gap))
+        };
+        match walk {
+            None if command.speed < PREFERRED.0 => refused = refused.max(accepted(walking.speed.0)),
+            None => {
+                let chance = (accepted(command.speed) - refused).max(MIN_CHANCE);
+                log += libm::log(chance) + walking.log_speed(command.speed);
+                log += walking.log_change((0.0, turned), (0.0, 0.0), 1.0);
+                walk = Some((command.speed, command.speed, turned));
+            }
+            Some((preferred, speed, direction)) => {
+                let changes = (command.speed - speed, wrap_angle(turned - direction));
+                log += walking.log_change(changes, (speed - preferred, direction), seconds);
+                walk = Some((preferred, command.speed, turned));
+            }
+        }
+    }
+    log
+}
+
+/// Minimum probability that a gap is accepted: the recorded ones say nothing below it.
+const MIN_CHANCE: f64 = 1e-6;
 
 impl WalkPolicy for Natural {
     fn begin(&mut self, stream: Stream) {

@@ -2,6 +2,7 @@ use rand::RngExt;
 
 use base::seed::Stream;
 use base::signature::Distribution;
+use base::statistics::normal_below;
 
 /// The walking of recorded pedestrians as a model of six numbers.
 ///
@@ -39,7 +40,7 @@ const HALF_RETURN: f64 = 0.1;
 /// The standard deviation of the departure that follows, as a share of that of a change.
 const DEPARTURE: f64 = 1.07;
 /// Slowest and fastest preferred speed (m/s): no recorded pedestrian walks faster than 3.48 m/s.
-const PREFERRED: (f64, f64) = (0.3, 3.48);
+pub(super) const PREFERRED: (f64, f64) = (0.3, 3.48);
 
 impl RecordedWalking {
     /// Pedestrians beside cars on a campus.
@@ -50,11 +51,37 @@ impl RecordedWalking {
 
     /// Draws a preferred speed (m/s).
     pub(super) fn speed(&self, stream: &mut Stream) -> f64 {
-        let (mean, deviation, degrees) = self.speed;
-        // The changes while walking make a part of the spread.
+        (self.speed.0 + self.between() * student(self.speed.2, stream)).clamp(PREFERRED.0, PREFERRED.1)
+    }
+
+    /// Standard deviation of preferred speeds (m/s): the changes while walking make a part of the spread.
+    fn between(&self) -> f64 {
         let within = DEPARTURE * self.speed_change.0;
-        let between = (deviation * deviation - within * within).max(0.0).sqrt();
-        (mean + between * student(degrees, stream)).clamp(PREFERRED.0, PREFERRED.1)
+        (self.speed.1 * self.speed.1 - within * within).max(0.0).sqrt()
+    }
+
+    /// Logarithm of the density of a preferred speed (m/s) over that of the likeliest one: 0 at most.
+    pub(super) fn log_speed(&self, speed: f64) -> f64 {
+        log_student(speed - self.speed.0, self.between(), self.speed.2)
+    }
+
+    /// Probability that a gap before a car (s) is accepted.
+    pub(super) fn accepts(&self, gap: f64) -> f64 {
+        if gap > 0.0 { normal_below(libm::log(gap / ACCEPTED_GAP.0) / ACCEPTED_GAP.1) } else { 0.0 }
+    }
+
+    /// Logarithm of the density of a change of speed (m/s) and of heading (rad) within a time (s), for departures from the preferred ones, over
+    /// that of no change: 0 at most.
+    pub(super) fn log_change(&self, changes: (f64, f64), departures: (f64, f64), seconds: f64) -> f64 {
+        let log = |(deviation, degrees): (f64, u32), change: f64, departure: f64| {
+            if change == 0.0 {
+                return 0.0;
+            }
+            let back = leads_back(departure, deviation);
+            let chance = if (change < 0.0) == (departure > 0.0) { back } else { 1.0 - back };
+            libm::log(chance) + log_student(change, deviation * seconds.sqrt(), degrees)
+        };
+        log(self.speed_change, changes.0, departures.0) + log(self.heading_change, changes.1, departures.1)
     }
 
     /// Draws the gap before a car that a pedestrian accepts (s).
@@ -69,12 +96,23 @@ impl RecordedWalking {
     pub(super) fn change(&self, faster: f64, turned: f64, seconds: f64, stream: &mut Stream) -> (f64, f64) {
         let mut draw = |(deviation, degrees): (f64, u32), departure: f64| {
             let size = (deviation * student(degrees, stream)).abs() * seconds.sqrt();
-            let back = 0.5 + 0.5 * departure.abs() / (departure.abs() + HALF_RETURN * deviation);
-            let leads_back = stream.random::<f64>() < back;
-            if leads_back == (departure > 0.0) { -size } else { size }
+            let is_back = stream.random::<f64>() < leads_back(departure, deviation);
+            if is_back == (departure > 0.0) { -size } else { size }
         };
         (draw(self.speed_change, faster), draw(self.heading_change, turned))
     }
+}
+
+/// Probability that a change with this standard deviation leads back from a departure.
+fn leads_back(departure: f64, deviation: f64) -> f64 {
+    0.5 + 0.5 * departure.abs() / (departure.abs() + HALF_RETURN * deviation)
+}
+
+/// Logarithm of the density of Student's t distribution, scaled to a standard deviation, over that at 0.
+fn log_student(value: f64, deviation: f64, degrees: u32) -> f64 {
+    let degrees = f64::from(degrees);
+    let scaled = value / deviation;
+    -(degrees + 1.0) / 2.0 * libm::log1p(scaled * scaled / (degrees - 2.0))
 }
 
 /// A draw from the normal distribution with mean 0 and standard deviation 1.

@@ -5,7 +5,7 @@ use super::search_figures::{
     FAILED_STARTS, FAILURE_COUNT, FAULT, FAULT_START_RATE, FAULT_STARTS, FIRST_FAILURE, FIRST_FAULT, FIRST_SIMULATIONS,
     Figures, INJURY, PREVENTABLE,
 };
-use crate::failure::{Failure, Impact, Violation};
+use crate::failure::{Failure, Violation};
 use crate::jobs::Find;
 use crate::jobs::SearchResult;
 use crate::record::columns::{
@@ -14,6 +14,7 @@ use crate::record::columns::{
 };
 use crate::record::{Column, Entry, Signed, Table, reference_columns, verdict_columns};
 use compile::SearchKey;
+use world::env::Impact;
 use world::falsifier;
 
 pub const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the falsifier");

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 
 use super::{ReadError, StoredReport};
-use crate::failure::{Failure, FoundBy, Impact, Violation, is_occluded};
+use crate::failure::{Failure, FoundBy, Violation, is_occluded};
 use crate::record::columns::{
     CONTROLLER, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
     POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
@@ -18,6 +18,7 @@ use crate::report::aggregate::{
     ROBUSTNESS_UNIT, SEARCH_BLOCK, SEARCH_RUN, START, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
 };
 use world::av::DrivingMode;
+use world::env::Impact;
 use world::judge::Label;
 use world::sim::WalkCommand;
 
@@ -225,41 +226,63 @@ fn violations(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
     (0..rows.height()).filter(wanted).map(failure).collect()
 }
 
+/// A failure of a list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedFailure {
+    /// The folder of its report.
+    pub report: PathBuf,
+    pub failure: Failure,
+    /// The number of failures that shrink to it, itself included; `None` if they are not merged.
+    pub merged: Option<u64>,
+}
+
 /// Failures with the folders of their reports as a table, one row each, in the order given.
-pub fn failure_list(failures: &[(PathBuf, Failure)]) -> DataFrame {
-    type Listed = (PathBuf, Failure);
+pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
+    type Listed = ListedFailure;
     Table::<Listed>::new("failures", "One row for each failure.")
-        .text("name", "the path by which other commands find it", |row| format!("{}/{}", row.0.display(), row.1.name()))
-        .text("report", "folder of the report", |row| row.0.display().to_string())
-        .column(RUN_ID.of(|row: &Listed| row.1.key.id.to_string()))
+        .text("name", "the path by which other commands find it", |row| {
+            format!("{}/{}", row.report.display(), row.failure.name())
+        })
+        .text("report", "folder of the report", |row| row.report.display().to_string())
+        .column(RUN_ID.of(|row: &Listed| row.failure.key.id.to_string()))
         .column(
             Column::<u64>::new("number", "", "number of the episode, or of the failure of a search")
-                .of(|row: &Listed| row.1.number),
+                .of(|row: &Listed| row.failure.number),
         )
-        .text("found_by", "`evaluation` or `search`", |row| row.1.found_by.name())
-        .column(POLICY.of(|row: &Listed| row.1.key.cell.policy.clone()))
-        .column(CONTROLLER.of(|row: &Listed| row.1.key.cell.controller.clone()))
-        .column(REWARD.of(|row: &Listed| row.1.key.cell.reward.clone()))
-        .column(TRAIN_TOWN.of(|row: &Listed| row.1.key.cell.train_town.clone()))
-        .column(TRAIN_POLICY.of(|row: &Listed| row.1.key.cell.train_policy.clone()))
-        .column(TOWN.of(|row: &Listed| row.1.key.cell.town.clone()))
-        .column(VERDICT.of(|row: &Listed| row.1.verdict.map(Label::name)))
-        .column(FORESEEABLE.of(|row: &Listed| row.1.foreseeable))
-        .column(FAULT.of(|row: &Listed| row.1.fault))
-        .column(IMPACT.of(|row: &Listed| row.1.impact.map_or("", Impact::name)))
+        .text("found_by", "`evaluation` or `search`", |row| row.failure.found_by.name())
+        .column(POLICY.of(|row: &Listed| row.failure.key.cell.policy.clone()))
+        .column(CONTROLLER.of(|row: &Listed| row.failure.key.cell.controller.clone()))
+        .column(REWARD.of(|row: &Listed| row.failure.key.cell.reward.clone()))
+        .column(TRAIN_TOWN.of(|row: &Listed| row.failure.key.cell.train_town.clone()))
+        .column(TRAIN_POLICY.of(|row: &Listed| row.failure.key.cell.train_policy.clone()))
+        .column(TOWN.of(|row: &Listed| row.failure.key.cell.town.clone()))
+        .column(VERDICT.of(|row: &Listed| row.failure.verdict.map(Label::name)))
+        .column(FORESEEABLE.of(|row: &Listed| row.failure.foreseeable))
+        .column(FAULT.of(|row: &Listed| row.failure.fault))
+        .column(IMPACT.of(|row: &Listed| row.failure.impact.map_or("", Impact::name)))
         .column(
             Column::<bool>::new("occluded", "", "whether it came into sight too late for a careful human")
-                .of(|row: &Listed| row.1.occluded),
+                .of(|row: &Listed| row.failure.occluded),
         )
-        .column(DRIVING_MODE.of(|row: &Listed| row.1.driving_mode.map_or("", DrivingMode::name)))
-        .column(IMPACT_SPEED.of(|row: &Listed| Some(row.1.impact_speed).filter(|_| row.1.violation.is_none())))
-        .column(EPISODE_LENGTH.of(|row: &Listed| row.1.episode_length))
-        .column(REQUIREMENT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.requirement.clone())))
-        .column(ROBUSTNESS.of(|row: &Listed| Signed(row.1.violation.as_ref().map(|found| found.robustness))))
-        .column(ROBUSTNESS_UNIT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.unit.clone())))
-        .column(INSTANT.of(|row: &Listed| row.1.violation.as_ref().map(|_| row.1.length)))
-        .column(PART.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.part.clone())))
-        .column(PREVENTABLE.of(|row: &Listed| row.1.violation.as_ref().and_then(|found| found.preventable)))
-        .column(NO_VERDICT.of(|row: &Listed| row.1.violation.as_ref().map(|found| found.no_verdict.clone())))
+        .column(DRIVING_MODE.of(|row: &Listed| row.failure.driving_mode.map_or("", DrivingMode::name)))
+        .column(
+            IMPACT_SPEED.of(|row: &Listed| Some(row.failure.impact_speed).filter(|_| row.failure.violation.is_none())),
+        )
+        .column(EPISODE_LENGTH.of(|row: &Listed| row.failure.episode_length))
+        .column(REQUIREMENT.of(|row: &Listed| row.failure.violation.as_ref().map(|found| found.requirement.clone())))
+        .column(ROBUSTNESS.of(|row: &Listed| Signed(row.failure.violation.as_ref().map(|found| found.robustness))))
+        .column(ROBUSTNESS_UNIT.of(|row: &Listed| row.failure.violation.as_ref().map(|found| found.unit.clone())))
+        .column(INSTANT.of(|row: &Listed| row.failure.violation.as_ref().map(|_| row.failure.length)))
+        .column(PART.of(|row: &Listed| row.failure.violation.as_ref().map(|found| found.part.clone())))
+        .column(PREVENTABLE.of(|row: &Listed| row.failure.violation.as_ref().and_then(|found| found.preventable)))
+        .column(NO_VERDICT.of(|row: &Listed| row.failure.violation.as_ref().map(|found| found.no_verdict.clone())))
+        .column(
+            Column::<u64>::new(
+                "merged",
+                "",
+                "number of failures that shrink to it, itself included; missing without --distinct",
+            )
+            .of(|row: &Listed| row.merged),
+        )
         .frame(failures)
 }

@@ -18,7 +18,7 @@ impl Players {
     pub fn new(played: &[PlayedFailure<'_>], options: &'static str) -> Self {
         let mut scenery: BTreeMap<&str, Scenery> = BTreeMap::new();
         let mut all = BTreeMap::new();
-        for (name, town, Repeated { scenario, trace, judged }) in played {
+        for (name, town, Repeated { scenario, trace, judged, .. }) in played {
             let scenery = scenery.entry(town).or_insert_with(|| Scenery::new(&scenario.town));
             all.insert(name.clone(), Replay::new(scenario, scenery, trace, judged));
         }

@@ -1,14 +1,14 @@
-use std::path::PathBuf;
-
 use crate::failure::Failure;
+use crate::report::ListedFailure;
 use crate::report::render::table::{Column, Table, Value};
 
 /// Failures with the folders of their reports as text for a terminal. When all are of one report, rows have names without its folder.
-pub fn failures_for_terminal(failures: &[(PathBuf, Failure)], width: u16) -> String {
-    let one = failures.iter().all(|(report, _)| *report == failures[0].0);
-    let row = |(report, failure): &(PathBuf, Failure)| {
+pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
+    let one = failures.iter().all(|each| each.report == failures[0].report);
+    let is_merged = failures.iter().any(|each| each.merged.is_some());
+    let row = |ListedFailure { report, failure, merged }: &ListedFailure| {
         let name = failure.name();
-        vec![
+        let mut row = vec![
             Value::Code(if one { name } else { report.join(name).display().to_string() }),
             failure.word().into(),
             Value::Number(Some(failure.impact_speed).filter(|_| failure.violation.is_none()), 1),
@@ -16,9 +16,11 @@ pub fn failures_for_terminal(failures: &[(PathBuf, Failure)], width: u16) -> Str
             Value::Text(controller(failure)),
             failure.key.cell.town.clone().into(),
             failure.kind().into(),
-        ]
+        ];
+        row.extend(merged.filter(|_| is_merged).map(Value::Count));
+        row
     };
-    let head = vec![
+    let mut head = vec![
         Column::text("failure"),
         Column::text("verdict"),
         Column::number("m/s"),
@@ -27,6 +29,7 @@ pub fn failures_for_terminal(failures: &[(PathBuf, Failure)], width: u16) -> Str
         Column::text("town"),
         Column::text("kind"),
     ];
+    head.extend(is_merged.then(|| Column::number("merged")));
     Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal(width)
 }
 
