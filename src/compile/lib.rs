@@ -12,6 +12,7 @@ mod town;
 mod vehicle;
 mod policy_kind;
 mod policy;
+mod driver_parts;
 mod outside;
 mod programs;
 mod sensors;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::lowering::{BuiltTown, Lowering, Shared};
+use super::lowering::{BuiltTown, Lowering, MadeDriver, Shared};
 use super::noting::Noting;
 use super::plan::{Documented, NamedTown, Plan};
 use super::reached::{reached, reaches};
@@ -15,7 +15,7 @@ use base::diagnostic::{Diagnostic, Severity, Sources};
 use base::signature::DeclarationId;
 use lang::hir::{Block, Declaration, ParamId};
 use lang::{Reader, Unreadable, diagnostics};
-use world::env::{PolicyMaker, SpawnRule};
+use world::env::SpawnRule;
 use world::geometry::Obstacles;
 
 /// The result of compiling a set of files.
@@ -201,7 +201,7 @@ impl Lowering<'_> {
         spawn::lower(declaration, &self.catalog.vocabulary, self.sources, self.said)
     }
 
-    pub fn policy(&mut self, id: DeclarationId) -> Option<PolicyMaker> {
+    pub fn policy(&mut self, id: DeclarationId) -> Option<MadeDriver> {
         let declaration = self.program.get(id);
         // A variant may change the declaration behind a name without changing the policy.
         let contents: Vec<Block> =

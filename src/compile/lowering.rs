@@ -10,9 +10,17 @@ use super::programs::ExternalProgram;
 use base::diagnostic::{Diagnostic, Sources};
 use base::signature::DeclarationId;
 use lang::hir::{Block, Declaration, Program};
-use world::env::PolicyMaker;
+use world::env::{DriverParts, PolicyMaker};
 use world::geometry::Obstacles;
 use world::road::Town;
+
+/// A driver, ready to be shared.
+#[derive(Clone)]
+pub(super) struct MadeDriver {
+    pub policy: PolicyMaker,
+    /// What can be exchanged of it.
+    pub parts: Arc<DriverParts>,
+}
 
 /// A town with its obstacles, ready to be shared.
 #[derive(Clone)]
@@ -35,7 +43,7 @@ pub(super) struct Shared {
 }
 
 /// The contents of a policy and of everything that it refers to, and the policy made of them.
-pub(super) type MadePolicy = (Vec<Block>, Option<PolicyMaker>);
+pub(super) type MadePolicy = (Vec<Block>, Option<MadeDriver>);
 
 /// The state of every step from HIR to plan.
 pub(super) struct Lowering<'a> {

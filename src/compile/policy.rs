@@ -1,11 +1,12 @@
 use std::sync::Arc;
 
 use super::Catalog;
-use super::lowering::Lowering;
+use super::driver_parts;
+use super::lowering::{Lowering, MadeDriver};
 use super::plan::Driver;
 use super::policy_kind::{CommonKeys, FromArguments, PolicyKind};
 use super::{outside, sensors};
-use base::signature::{Form, Keys, Signature};
+use base::signature::{Arguments, Form, Keys, Signature};
 use lang::diagnostics;
 use lang::hir::Declaration;
 use ported::behavior_agent::BehaviorAgent;
@@ -13,7 +14,7 @@ use ported::interfuser::InterFuser;
 use ported::lav::Lav;
 use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
-use world::av::sensors::SensorWrapper;
+use world::av::sensors::{SensorModel, SensorWrapper};
 use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, CruiseKeys, Idm, OracleBrake, Predictive, RssGuarded};
 use world::env::PolicyMaker;
 
@@ -40,32 +41,41 @@ pub fn form() -> Form {
     Form::of_kinds("policy", "A driver under test.", Vec::new())
 }
 
-/// A maker of new drivers with their sensors and their delay; `None` after reporting what is wrong.
-pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let make = from_arguments(declaration, lowering)?;
+/// A driver with its sensors and its delay, and what can be exchanged of it; `None` after reporting what is wrong.
+pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<MadeDriver> {
+    let make = driver(declaration, lowering)?;
+    let model = sensor_model(declaration, lowering);
     let written = declaration.block.places.iter().find(|(key, _)| *key == "sensors");
     if let Some((_, span)) = written.filter(|_| declaration.kind == CruiseKeys::KIND) {
         lowering.said.push(diagnostics::sensors_without_effect(*span, declaration.kind));
     }
-    Some(make(&declaration.block.arguments))
+    let arguments = &declaration.block.arguments;
+    let policy = assembled(make(arguments), arguments, model.clone());
+    let parts = Arc::new(driver_parts::parts(declaration, lowering, make, model.as_deref()));
+    Some(MadeDriver { policy, parts })
 }
 
 /// What makes drivers such as the declared one, with its sensors, of other arguments; `None` after reporting what is wrong.
 pub fn from_arguments(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<FromArguments> {
     let make = driver(declaration, lowering)?;
+    let model = sensor_model(declaration, lowering);
+    Some(Arc::new(move |arguments| assembled(make(arguments), arguments, model.clone())))
+}
+
+fn sensor_model(declaration: &Declaration, lowering: &Lowering<'_>) -> Option<Arc<SensorModel>> {
     let CommonKeys { sensors, .. } = declaration.block.keys();
-    let sensors = sensors.map(|sensors| lowering.program.get(sensors));
-    let model = sensors.map(|sensors| Arc::new(sensors::lower(&sensors.block)));
-    Some(Arc::new(move |arguments| {
-        let mut make = make(arguments);
-        let CommonKeys { actuation_delay, .. } = CommonKeys::read(arguments);
-        if actuation_delay > 0.0 {
-            let prompt = make;
-            make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), actuation_delay)));
-        }
-        let Some(model) = model.clone() else { return make };
-        Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone())))
-    }))
+    sensors.map(|sensors| Arc::new(sensors::lower(&lowering.program.get(sensors).block)))
+}
+
+/// A driver with the delay of its arguments and behind sensors.
+pub(crate) fn assembled(mut make: PolicyMaker, arguments: &Arguments, model: Option<Arc<SensorModel>>) -> PolicyMaker {
+    let CommonKeys { actuation_delay, .. } = CommonKeys::read(arguments);
+    if actuation_delay > 0.0 {
+        let prompt = make;
+        make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), actuation_delay)));
+    }
+    let Some(model) = model else { return make };
+    Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone())))
 }
 
 /// The signature of a driver's kind.

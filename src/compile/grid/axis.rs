@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::lowering::{BuiltTown, Lowering};
+use crate::lowering::{BuiltTown, Lowering, MadeDriver};
 use crate::{adversary, reward, training, vehicle};
 use base::signature::DeclarationId;
 use lang::diagnostics;
 use lang::hir::Block;
 use learn::PpoConfig;
-use world::env::{EpisodeRule, PedestrianRole, PolicyMaker, RewardRule, SpawnRule};
+use world::env::{EpisodeRule, PedestrianRole, RewardRule, SpawnRule};
 use world::requirement::NamedRequirement;
 use world::sim::VehicleBlueprint;
 
@@ -101,7 +101,7 @@ impl Lowering<'_> {
         ids.iter().filter_map(named).collect()
     }
 
-    pub(crate) fn policies(&mut self, ids: &[DeclarationId]) -> Vec<Axis<PolicyMaker>> {
+    pub(crate) fn policies(&mut self, ids: &[DeclarationId]) -> Vec<Axis<MadeDriver>> {
         let named = |id: &DeclarationId| Some(Axis { id: *id, name: self.axis_name(*id), value: self.policy(*id)? });
         ids.iter().filter_map(named).collect()
     }

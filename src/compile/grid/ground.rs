@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Nested;
 use super::axis::{Axis, Usual};
 use crate::campaign::{CampaignKeys, PlaceKeys, StartKeys};
-use crate::lowering::{BuiltTown, Lowering};
+use crate::lowering::{BuiltTown, Lowering, MadeDriver};
 use crate::plan::NamedTown;
 use crate::policy;
 use base::diagnostic::Span;
@@ -14,8 +14,8 @@ use base::signature::{DeclarationId, short};
 use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{
-    Cast, Criterion, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule,
-    TargetBox, TestOracle, VehicleRole,
+    Cast, Criterion, EpisodeRule, FirstHeading, PedestrianRole, RewardRule, Scenario, SpawnRule, TargetBox, TestOracle,
+    VehicleRole,
 };
 use world::judge::ReferenceOracle;
 use world::requirement::NamedRequirement;
@@ -27,7 +27,7 @@ const GRAVITY: f64 = 9.81;
 /// Where the episodes of a block happen, against which drivers, and how they start.
 pub(crate) struct Ground {
     pub towns: Vec<Axis<BuiltTown>>,
-    pub policies: Vec<Axis<PolicyMaker>>,
+    pub policies: Vec<Axis<MadeDriver>>,
     pub spawn: Axis<SpawnRule>,
 }
 
@@ -43,7 +43,7 @@ impl Ground {
 #[derive(Clone, Copy)]
 pub(crate) struct Place<'a> {
     pub town: &'a Axis<BuiltTown>,
-    pub policy: &'a Axis<PolicyMaker>,
+    pub policy: &'a Axis<MadeDriver>,
     pub spawn: &'a Axis<SpawnRule>,
 }
 
@@ -60,10 +60,11 @@ impl Place<'_> {
         let (car, walker, rule) = (&car.value, &walker.value, &rule.value);
         let grip = rule.friction.map_or(car.grip, |friction| friction * GRAVITY);
         let blueprint = VehicleBlueprint { grip, ..car.clone() };
+        let MadeDriver { policy, parts } = self.policy.value.clone();
         Arc::new(Scenario {
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
-            cast: Cast::pair(VehicleRole { blueprint, policy: self.policy.value.clone(), start: None }, walker.clone()),
+            cast: Cast::pair(VehicleRole { blueprint, policy, parts, start: None }, walker.clone()),
             spawn: for_car(&self.spawn.value, car),
             reward: reward.clone(),
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),

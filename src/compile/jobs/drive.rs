@@ -72,7 +72,7 @@ impl Lowering<'_> {
         let all: Vec<_> = ground.places().collect();
         let Some(first) = all.first() else { return };
         let rule = Arc::new(DriveRule {
-            teacher: first.policy.value.clone(),
+            teacher: first.policy.value.policy.clone(),
             demonstrations: keys.demonstrations,
             hold: keys.hold,
             walkers,

@@ -15,6 +15,7 @@ use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOpti
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
+use world::cause::Cause;
 use world::judge::JudgedDegree;
 use world::sim::time_of;
 
@@ -61,6 +62,9 @@ pub struct ReplayArgs {
     /// Print one JSON object, for programs.
     #[arg(long, conflicts_with = "all", display_order = 17)]
     pub json: bool,
+    /// Explain the failure also if the driver is a program, which drives about a hundred episodes for it.
+    #[arg(long, conflicts_with = "all", display_order = 19)]
+    pub why: bool,
     /// Repeat the failure with the fewest commands, as `falsify shrink` finds it.
     #[arg(long, conflicts_with = "all", display_order = 18)]
     pub shrunk: bool,
@@ -144,22 +148,29 @@ fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) ->
         report::write_table(path, &table).map_err(unwritten)?;
     }
     let narrative = report::narrative(&episode.scenario, &episode.trace, &episode.judged);
+    let cause = episode.cause(options.why);
     if options.json {
-        console::say(&as_json(&replay, &narrative).to_string());
+        console::say(&as_json(&replay, &narrative, cause.as_ref()).to_string());
     } else {
-        tell(&replay, &narrative, options.shrunk);
+        tell(&replay, &narrative, cause.as_ref(), options.shrunk);
     }
     if episode.differences.is_empty() { Ok(ExitCode::Done) } else { Err(ExitCode::Differs) }
 }
 
 /// Prints the result for people.
-fn tell(replay: &Replay, narrative: &Narrative, is_shrunk: bool) {
+fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, is_shrunk: bool) {
     let Replay { report, episode: repeated, programs } = replay;
     let manifest = report.manifest();
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
     console::say(&format!("{}  {}", repeated.name, repeated.title));
     console::say(&format!("of {}, seed {}{smoke}\n", report.folder().display(), manifest.seed));
-    console::say(&format!("{}\n", console::wrapped(&narrative.short).trim_end()));
+    let paragraph = |text: &str| console::say(&format!("{}\n", console::wrapped(text).trim_end()));
+    if let Some(cause) = cause {
+        paragraph(&cause.sentence());
+        let cost = cause.setting.as_ref().map(|setting| format!(" {}", setting.cost())).unwrap_or_default();
+        paragraph(&format!("{}{cost}", cause.last_chances()));
+    }
+    paragraph(&narrative.short);
     for (time, text) in &narrative.events {
         console::say(console::wrapped(&format!("{time:7.2} s  {text}")).trim_end());
     }
@@ -189,7 +200,7 @@ fn tell(replay: &Replay, narrative: &Narrative, is_shrunk: bool) {
 }
 
 /// Makes an object of the result, for programs.
-fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
+fn as_json(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>) -> serde_json::Value {
     let Replay { report, episode: repeated, .. } = replay;
     let (outcome, verdict) = (&repeated.judged.outcome, repeated.judged.verdict);
     let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
@@ -221,6 +232,7 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     json!({
         "name": repeated.name.to_string(),
         "what": repeated.title,
+        "cause": cause.map(cause_json),
         "short": narrative.short,
         "report": report.folder().display().to_string(),
         "seed": report.manifest().seed,
@@ -239,5 +251,26 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
         "digest": format!("{:016x}", outcome.digest),
         "events": events.collect::<Vec<_>>(),
         "commands": commands.collect::<Vec<_>>(),
+    })
+}
+
+/// A cause as an object, for programs. Times are before the end of the failure.
+fn cause_json(cause: &Cause) -> serde_json::Value {
+    let setting = cause.setting.as_ref().map(|setting| {
+        json!({ "key": setting.name, "unit": setting.unit, "from": setting.from, "to": setting.to, "cost": setting.cost() })
+    });
+    json!({
+        "sentence": cause.sentence(),
+        "weakness": cause.weakness.name(),
+        "amount": cause.amount,
+        "full_braking_helps_s": cause.last[0],
+        "comfortable_braking_helps_s": cause.last[1],
+        "swerving_helps_s": cause.last[2],
+        "in_sight_s": cause.seen,
+        "reacts_s": cause.reacted,
+        "brakes_s": cause.braked,
+        "setting": setting,
+        "tried": cause.tried.iter().map(|(what, turns)| json!({ "change": what, "turns": turns })).collect::<Vec<_>>(),
+        "runs": cause.runs,
     })
 }

@@ -6,7 +6,7 @@ use compile::{Evaluation, Search};
 use results::jobs::{Find, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
-use world::cause::{Incident, Shrunk, shrink};
+use world::cause::{Cause, Incident, Shrunk, explain, shrink};
 use world::env::{FailureCell, Scenario, Trace};
 use world::falsifier::Failure;
 use world::judge::Judged;
@@ -50,6 +50,12 @@ impl Repeated {
         }
         let shrunk = shrink(incident, max_runs);
         shrunk.ok_or_else(|| Error::Differs(format!("{name} does not fail again when its commands are repeated")))
+    }
+
+    /// Why it failed; `None` if it is not a failure, if it is not as in the report, or if its driver is a program and `patient` is false.
+    pub fn cause(&self, patient: bool) -> Option<Cause> {
+        let incident = self.incident.as_ref().filter(|_| self.differences.is_empty());
+        incident.and_then(|incident| explain(incident, patient))
     }
 
     /// The shrunk failure in place of the episode, under its name.

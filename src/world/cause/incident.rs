@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use crate::av::DrivingPolicy;
 use crate::env::{Criterion, Draw, Observer, Outcome, Scenario, Simulation, Trace};
 use crate::falsifier::{Recorded, play, recorded_commands};
 use crate::judge::Judged;
@@ -19,6 +20,9 @@ pub struct Incident {
     /// What failed.
     pub criterion: Criterion,
 }
+
+/// Makes another driver of a driver.
+pub type WrapMaker = dyn Fn(Box<dyn DrivingPolicy>) -> Box<dyn DrivingPolicy> + Send + Sync;
 
 /// Runs episodes from one start.
 pub struct Reruns {
@@ -56,25 +60,46 @@ impl Reruns {
     /// From the start of an incident in another scenario, which has the same start: with another driver, or another world.
     pub fn with(incident: &Incident, scenario: Arc<Scenario>) -> Self {
         let draw = Draw::new(&incident.seed, incident.start);
-        let mut simulation = scenario.simulation();
-        simulation.start(draw.clone());
-        let begun = simulation.snapshot();
-        Self { scenario, draw, criterion: incident.criterion, begun, runs: 0 }
+        let mut reruns = Self { scenario, draw, criterion: incident.criterion, begun: None, runs: 0 };
+        reruns.begun = reruns.begin(reruns.scenario.clone()).snapshot();
+        reruns
     }
 
-    pub fn scenario(&self) -> &Arc<Scenario> {
-        &self.scenario
+    /// Whether the start can be copied, so that a run takes no run-up.
+    pub fn is_copied(&self) -> bool {
+        self.begun.is_some()
     }
 
     /// Runs it with these commands, the last of which is kept until the end. `None` without commands.
     pub fn run(&mut self, commands: &[WalkCommand]) -> Option<Rerun> {
-        self.runs += 1;
         let copy = self.begun.as_ref().and_then(|begun| begun.snapshot());
-        let mut simulation = copy.unwrap_or_else(|| {
-            let mut simulation = self.scenario.simulation();
-            simulation.start(self.draw.clone());
-            simulation
+        let simulation = copy.unwrap_or_else(|| self.begin(self.scenario.clone()));
+        self.finish(simulation, commands)
+    }
+
+    /// The same, with what `wrap` makes of the driver under test. A driver that cannot be copied is wrapped from its run-up on.
+    pub fn run_with(&mut self, commands: &[WalkCommand], wrap: &Arc<WrapMaker>) -> Option<Rerun> {
+        // Without a run-up the driver has seen the start when it was reset.
+        let begun = self.begun.as_ref().filter(|begun| begun.run_up_ticks() > 0);
+        let copy = begun.and_then(|begun| begun.snapshot_with(&**wrap));
+        let simulation = copy.unwrap_or_else(|| {
+            let mut scenario = Scenario::clone(&self.scenario);
+            let (make, wrap) = (scenario.cast.vehicles[0].policy.clone(), wrap.clone());
+            scenario.cast.vehicles[0].policy = Arc::new(move || wrap(make()));
+            self.begin(Arc::new(scenario))
         });
+        self.finish(simulation, commands)
+    }
+
+    /// A simulation after its run-up.
+    fn begin(&self, scenario: Arc<Scenario>) -> Box<dyn Simulation> {
+        let mut simulation = scenario.simulation();
+        simulation.start(self.draw.clone());
+        simulation
+    }
+
+    fn finish(&mut self, mut simulation: Box<dyn Simulation>, commands: &[WalkCommand]) -> Option<Rerun> {
+        self.runs += 1;
         let mut trace = Trace::new(&self.scenario);
         trace.begin(&simulation.scene());
         let mut walk = Recorded::new(self.scenario.cast.pedestrians.len(), commands, true);

@@ -1,14 +1,24 @@
 //! The cause of a failure, by running it again with one thing changed.
 //!
-//! An [`Incident`] is a failure by what repeats it. [`Reruns`] run it with other commands or another driver, [`shrink`] finds the fewest commands that
-//! keep its [`FailureKind`].
+//! An [`Incident`] is a failure by what repeats it. [`Reruns`] run it with other commands or another driver. [`shrink()`] finds the fewest commands that
+//! keep its [`FailureKind`]; [`explain()`] finds the [`Change`] of what the driver sees or does that turns it, and the [`Weakness`](crate::av::Weakness) that this shows.
+//!
+//! A driver is asked as a black box: its commands are compared, bit for bit, with those that it gives when nobody is there, when somebody suddenly stands
+//! in its way, or when the pedestrian is somewhere else than she is. So a cause is found for a program of the user, too. [`DriverParts`](crate::env::DriverParts) are what can be
+//! exchanged of a driver of ours.
 
+mod altered;
+mod experiments;
+mod explain;
 mod failure_kind;
 mod incident;
 mod plan;
+mod sentence;
 mod shrink;
 
+pub use altered::Change;
+pub use explain::{Cause, TurnedBy, explain};
 pub use failure_kind::FailureKind;
-pub use incident::{Incident, Rerun, Reruns};
+pub use incident::{Incident, Rerun, Reruns, WrapMaker};
 pub use plan::{Plan, Segment};
 pub use shrink::{Limit, Shrunk, shrink};

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::{ActionSpec, ObservationSpec};
+use super::{ActionSpec, DriverParts, ObservationSpec};
 use crate::av::DrivingPolicy;
 use crate::sim::{ActorStart, PedestrianBody, VehicleBlueprint, WalkCommand};
 use base::choice;
@@ -23,6 +23,8 @@ pub struct VehicleRole {
     pub blueprint: VehicleBlueprint,
     /// Its driver.
     pub policy: PolicyMaker,
+    /// What can be exchanged of the driver.
+    pub parts: Arc<DriverParts>,
     /// Its start in every episode; `None` for the ego, which the scenario's spawn rule places.
     pub start: Option<ActorStart>,
 }

@@ -10,6 +10,7 @@ use super::script::Script;
 use super::tally::hashed;
 use super::{
     Actions, Draw, Ending, FailureCell, Outcome, Phase, RewardRule, Scenario, Scene, Simulation, Spawn, SpawnRule,
+    WrapDriver,
 };
 use crate::av::Fault;
 use crate::geometry::Pose;
@@ -246,6 +247,13 @@ impl Simulation for LocalSimulation {
                 &self.observers.requirements.robustness,
             )
         })
+    }
+
+    fn snapshot_with(&self, wrap: &WrapDriver<'_>) -> Option<Box<dyn Simulation>> {
+        let mut copy = self.copy()?;
+        let ego = copy.drivers.policies.remove(0);
+        copy.drivers.policies.insert(0, wrap(ego));
+        Some(Box::new(copy))
     }
 
     fn snapshot(&self) -> Option<Box<dyn Simulation>> {

@@ -17,6 +17,7 @@
 
 mod scenario;
 mod cast;
+mod driver_parts;
 mod reference_frame;
 mod observation;
 mod action;
@@ -53,6 +54,7 @@ pub use actions::Actions;
 pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, PolicyMaker, VehicleRole};
 pub use component::Component;
 pub use criterion::Criterion;
+pub use driver_parts::{DriverParts, Setting};
 pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use local_simulation::LocalSimulation;
@@ -69,7 +71,7 @@ pub use signal::{
     Situation, is_about_braking, is_about_map, is_about_pedestrian, robustness, robustness_of, vocabulary,
 };
 pub(crate) use simulation::tick;
-pub use simulation::{Draw, Observer, Phase, Simulation, carry_out};
+pub use simulation::{Draw, Observer, Phase, Simulation, WrapDriver, carry_out};
 pub use spawn::{
     Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn,
     SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,

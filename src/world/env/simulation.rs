@@ -1,11 +1,14 @@
 use std::sync::Arc;
 
 use super::{FailureCell, Outcome, Scenario, Scene, SpawnRule};
-use crate::av::Fault;
+use crate::av::{DrivingPolicy, Fault};
 use crate::requirement::Degree;
 use crate::sim::WalkCommand;
 use base::seed::{Seed, Stream};
 use learn::Step;
+
+/// Makes another driver of a driver.
+pub type WrapDriver<'a> = dyn Fn(Box<dyn DrivingPolicy>) -> Box<dyn DrivingPolicy> + 'a;
 
 /// Runs episodes of a scenario, tick by tick: our simulator ([`LocalSimulation`](super::LocalSimulation)), or a bridge to another one.
 ///
@@ -86,6 +89,12 @@ pub trait Simulation: Send {
 
     /// A copy in the present state; `None` if that cannot be copied. Then a caller repeats the episode from its start.
     fn snapshot(&self) -> Option<Box<dyn Simulation>> {
+        None
+    }
+
+    /// A copy in the present state whose driver under test is what `wrap` makes of it; `None` if that cannot be copied.
+    fn snapshot_with(&self, wrap: &WrapDriver<'_>) -> Option<Box<dyn Simulation>> {
+        let _ = wrap;
         None
     }
 

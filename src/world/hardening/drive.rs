@@ -4,7 +4,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::env::{Criterion, Outcome, Scenario, Trace};
-use crate::falsifier::{WalkPolicy, evaluate_observed};
+use crate::falsifier::{Natural, WalkPolicy, evaluate_observed};
 use crate::judge::{Blame, Judged};
 use base::keys;
 use base::seed::Seed;
@@ -122,4 +122,11 @@ pub(super) fn drives(
     let mut go_on = |_: u32| if stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let (starts, drawn) = (seed.child("starts"), seed.child("walker"));
     evaluate_observed(walker, scenario, 0..episodes, &starts, &drawn, &mut note, &mut go_on)
+}
+
+/// Traffic of a scenario's driver with natural pedestrians, in this number of episodes.
+pub fn natural_traffic(scenario: &Arc<Scenario>, episodes: u32, seed: &Seed) -> Traffic {
+    let mut traffic = Traffic::default();
+    drives(scenario, &mut Natural::default(), episodes, seed, &|| false).iter().for_each(|drive| traffic.add(drive));
+    traffic
 }

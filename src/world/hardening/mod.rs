@@ -17,7 +17,7 @@ mod tunable;
 #[cfg(test)]
 mod tests;
 
-pub use drive::{Traffic, TrafficRule};
+pub use drive::{Traffic, TrafficRule, natural_traffic};
 pub use rounds::{Attack, Hardened, Hardening, Round, harden};
 pub use tested::Tested;
 pub use tunable::{Side, Tunable, TunableKey};

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use super::written::PARAMETERS;
 use super::{Harden, VariedKey, WrittenPolicy};
 use crate::campaign::{PlaceKeys, StartKeys};
+use crate::driver_parts::unit;
 use crate::grid::{Axis, Grid, Ground, Nested, Usual, note_towns};
 use crate::jobs::JobBlock;
 use crate::jobs::search::Rival;
@@ -227,15 +228,6 @@ impl Lowering<'_> {
 fn dimension(policy: &Declaration, key: &str, catalog: &Catalog) -> Option<Dimension> {
     let signature = policy::signature(policy, catalog)?;
     signature.params.iter().find(|param| param.name == key).and_then(|param| Type::dimension(&param.ty))
-}
-
-/// The unit of SI of a dimension, as a file writes it.
-fn unit(dimension: Option<Dimension>) -> &'static str {
-    match dimension {
-        Some(Dimension::ANGLE) => "rad",
-        Some(Dimension::TURN_RATE) => "rad/s",
-        other => other.and_then(|dimension| dimension.usual_units().first().copied()).unwrap_or(""),
-    }
 }
 
 /// The arguments with these values.

@@ -1,0 +1,124 @@
+use std::sync::Arc;
+
+use super::lowering::Lowering;
+use super::policy;
+use super::policy_kind::{CommonKeys, FromArguments};
+use base::signature::{Arguments, Keys, Signature, Type, Value};
+use base::units::Dimension;
+use lang::hir::Declaration;
+use world::av::Weakness;
+use world::av::sensors::{SensorKeys, SensorModel};
+use world::env::{DriverParts, PolicyMaker, Setting};
+
+/// What can be exchanged of a declared driver, which `make` makes of arguments without its delay and its sensors.
+pub fn parts(
+    declaration: &Declaration,
+    lowering: &Lowering<'_>,
+    make: FromArguments,
+    model: Option<&SensorModel>,
+) -> DriverParts {
+    let own = &declaration.block.arguments;
+    let make = move |arguments: &Arguments, model: Option<SensorModel>| {
+        policy::assembled(make(arguments), arguments, model.map(Arc::new))
+    };
+    let CommonKeys { sensors, actuation_delay } = declaration.block.keys();
+    let is_late = actuation_delay > 0.0 || model.is_some_and(|model| model.keys.latency > 0.0);
+    let at_once = || {
+        let mut arguments = own.clone();
+        arguments.replace("actuation_delay", Value::Number(0.0));
+        make(&arguments, model.map(|model| exact(model, Weakness::Delay)))
+    };
+    let mut settings = Vec::new();
+    if let Some(signature) = policy::signature(declaration, lowering.catalog) {
+        let (make, model, own) = (make.clone(), model.cloned(), own.clone());
+        let maker: MakeOf = Arc::new(move |changed| make(changed, model.clone()));
+        settings.extend(quantities(signature, &own, "", &maker));
+    }
+    if let (Some(sensors), Some(model)) = (sensors, model) {
+        let (make, model, own) = (make.clone(), model.clone(), own.clone());
+        let maker: MakeOf =
+            Arc::new(move |changed| make(&own, Some(SensorModel { keys: SensorKeys::read(changed), ..model.clone() })));
+        let arguments = &lowering.program.get(sensors).block.arguments;
+        settings.extend(quantities(&SensorKeys::signature(), arguments, "sensors.", &maker));
+    }
+    let respects =
+        [Weakness::BlindSide, Weakness::Range, Weakness::Delay, Weakness::Dropouts, Weakness::Hidden, Weakness::Errors];
+    let sensors = respects.into_iter().filter_map(|weakness| {
+        let exact = model.map(|model| exact(model, weakness)).filter(|exact| Some(exact) != model)?;
+        Some((weakness, make(own, Some(exact))))
+    });
+    DriverParts {
+        exact_sensors: model.map(|_| make(own, None)),
+        sensors: sensors.collect(),
+        prompt: is_late.then(at_once),
+        settings,
+    }
+}
+
+/// Makes drivers of the changed arguments of a driver, or of its sensors.
+type MakeOf = Arc<dyn Fn(&Arguments) -> PolicyMaker + Send + Sync>;
+
+/// The quantities among arguments.
+fn quantities(signature: &Signature, own: &Arguments, prefix: &str, maker: &MakeOf) -> Vec<Setting> {
+    let setting = |param: &base::signature::Param| {
+        let Type::Quantity { dimension, mut min, mut max } = param.ty else { return None };
+        let Value::Number(value) = own.value(param.name) else { return None };
+        for [low, high] in &signature.rising {
+            if let (true, Value::Number(high)) = (*low == param.name, own.value(high)) {
+                max = max.min(*high);
+            }
+            if let (true, Value::Number(low)) = (*high == param.name, own.value(low)) {
+                min = min.max(*low);
+            }
+        }
+        let (name, own, maker) = (param.name, own.clone(), maker.clone());
+        Some(Setting {
+            name: format!("{prefix}{name}"),
+            unit: unit(Some(dimension)),
+            value: *value,
+            bounds: (min, max),
+            make: Arc::new(move |value| {
+                let mut arguments = own.clone();
+                arguments.replace(name, Value::Number(value));
+                maker(&arguments)
+            }),
+        })
+    };
+    signature.params.iter().filter_map(setting).collect()
+}
+
+/// Sensors that are exact in one respect.
+fn exact(model: &SensorModel, respect: Weakness) -> SensorModel {
+    let mut model = model.clone();
+    let keys = &mut model.keys;
+    match respect {
+        Weakness::BlindSide => {
+            model.sectors.clear();
+            model.seams.clear();
+        }
+        Weakness::Range => {
+            (keys.ahead, keys.behind, keys.aside, keys.range) = (None, None, None, None);
+            model.sectors.iter_mut().for_each(|sector| sector.range = None);
+        }
+        Weakness::Delay => (keys.latency, keys.update_rate) = (0.0, None),
+        Weakness::Dropouts => {
+            (keys.miss_near, keys.miss_far) = (0.0, 0.0);
+            model.seams.clear();
+        }
+        Weakness::Hidden => keys.least_visible = 0.0,
+        _ => {
+            (keys.position_noise, keys.velocity_noise, keys.heading_noise, keys.size_noise) = (0.0, 0.0, 0.0, 0.0);
+            (keys.confusion, keys.false_alarms, keys.speed_pull) = (0.0, 0.0, 0.0);
+        }
+    }
+    model
+}
+
+/// The unit of SI of a dimension, as a file writes it.
+pub(crate) fn unit(dimension: Option<Dimension>) -> &'static str {
+    match dimension {
+        Some(Dimension::ANGLE) => "rad",
+        Some(Dimension::TURN_RATE) => "rad/s",
+        other => other.and_then(|dimension| dimension.usual_units().first().copied()).unwrap_or(""),
+    }
+}

@@ -1,0 +1,98 @@
+use super::{Cause, TurnedBy};
+use crate::av::Weakness;
+
+impl Cause {
+    /// The cause in a sentence or two, without the name of the driver: `drives off after a red light, sees her for 2.4 s and does not brake: …`.
+    pub fn sentence(&self) -> String {
+        let drove_off = match self.drove_off {
+            Some(true) => "drives off after a red light, ",
+            Some(false) => "drives off, ",
+            None => "",
+        };
+        let act = match (self.reacted, self.braked) {
+            (None, _) => "does not react".to_string(),
+            (Some(reacted), None) => format!("reacts {reacted:.1} s before, but does not brake"),
+            (Some(_), Some(braked)) => format!("brakes {braked:.1} s before"),
+        };
+        let why = self.why();
+        let turned = self.setting.as_ref().map(|setting| format!("; {}", setting.text())).unwrap_or_default();
+        format!("The driver {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{turned}.", self.seen)
+    }
+
+    /// What it lacks.
+    fn why(&self) -> String {
+        let amount = self.amount;
+        let by = |unit: &str| amount.map_or(String::new(), |amount| format!(" {amount:.1} {unit}"));
+        match self.weakness {
+            Weakness::Ignores => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
+            Weakness::Hidden => {
+                "an obstacle hides the pedestrian for too long, with sight through it the driver avoids it".into()
+            }
+            Weakness::BlindSide => {
+                "it does not see pedestrians on that side, from the other side it avoids the same one".into()
+            }
+            Weakness::Range => match amount {
+                Some(range) => format!("it notices somebody in its way only {range:.1} m ahead, at any speed"),
+                None => "its sensors do not reach far enough".into(),
+            },
+            Weakness::Dropouts => "its sensors lose the pedestrian".into(),
+            Weakness::Errors => "its sensors mistake the pedestrian, with exact ones it avoids it".into(),
+            Weakness::Delay => match amount {
+                Some(time) => format!("it responds {time:.2} s late"),
+                None => "it responds late".into(),
+            },
+            Weakness::WeakBrake => format!(
+                "it brakes too weakly{}, full braking from the same moment on avoids it",
+                amount.map_or(String::new(), |hardest| format!(", at most {hardest:.1} m/s²"))
+            ),
+            Weakness::LetsGo => "it lets go of the brake, and avoids it if it keeps it".into(),
+            Weakness::Distance => {
+                format!("it brakes too late for its speed, for somebody in its way only{} ahead", by("m"))
+            }
+            Weakness::Anticipation => "it does not expect where the pedestrian will be".into(),
+            Weakness::Corridor => {
+                format!("the pedestrian is outside the corridor that it watches; with{} more it avoids it", by("m"))
+            }
+            Weakness::NotFound => {
+                let tried: Vec<&str> = self.tried.iter().map(|(what, _)| what.as_str()).collect();
+                format!("a cause was not found; tried: {}", tried.join(", "))
+            }
+        }
+    }
+
+    /// When braking and swerving help for the last time.
+    pub fn last_chances(&self) -> String {
+        let text = |(what, last): (&str, Option<f64>)| match last {
+            Some(time) => format!("{what} helps up to {time:.2} s before"),
+            None => format!("{what} never helps"),
+        };
+        let all = ["Full braking", "comfortable braking", "swerving"].into_iter().zip(self.last).map(text);
+        all.collect::<Vec<_>>().join(", ") + "."
+    }
+}
+
+impl TurnedBy {
+    /// As ``with `margin` 0.7 m instead of 0.3 m it avoids it``.
+    pub fn text(&self) -> String {
+        let Self { name, unit, from, to, .. } = self;
+        let value = |value: f64| format!("{} {unit}", base::signature::short(value)).trim_end().to_string();
+        format!("with `{name}` {} instead of {} it avoids it", value(*to), value(*from))
+    }
+
+    /// What it costs in natural crossings.
+    pub fn cost(&self) -> String {
+        let [before, now] = &self.natural;
+        let speed = |of: fn(&crate::hardening::Traffic) -> Option<f64>, traffic| of(traffic).unwrap_or(0.0);
+        let (a, b) = (speed(|t| t.speed(), before), speed(|t| t.speed(), now));
+        let (c, d) = (speed(|t| t.braking_rate(), before), speed(|t| t.braking_rate(), now));
+        format!(
+            "In {} natural crossings it drives {b:.2} m/s on average instead of {a:.2} m/s, brakes hard in {:.0} % instead of {:.0} %, and has {} faults \
+             instead of {}.",
+            now.episodes,
+            100.0 * d,
+            100.0 * c,
+            now.faults,
+            before.faults
+        )
+    }
+}
