@@ -34,6 +34,8 @@ pub struct Episode<'a> {
     pub outcome: &'a Outcome,
     /// The verdict of the reference drivers; `None` without a collision.
     pub verdict: Option<&'a Verdict>,
+    /// Why the driver failed, in a sentence; `None` if that is not known.
+    pub cause: Option<&'a str>,
 }
 
 /// The shape of an actor.
@@ -193,7 +195,8 @@ impl<'a> Episode<'a> {
             None => format!("no collision, least gap {:.2} m", self.outcome.least_gap),
         };
         let verdict = self.verdict.map(|verdict| format!(", {}", verdict.word())).unwrap_or_default();
-        format!("{} ({}), digest {:016x}: {end}{verdict}", self.name, self.title, self.outcome.digest)
+        let cause = self.cause.map(|cause| format!(". {cause}")).unwrap_or_default();
+        format!("{} ({}), digest {:016x}: {end}{verdict}{cause}", self.name, self.title, self.outcome.digest)
     }
 
     /// The first tick at which the ego's box overlaps a box with these half extents (m) around the middle of its pedestrian: the touch as

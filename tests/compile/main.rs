@@ -18,6 +18,7 @@ mod allocation;
 mod axioms;
 mod case_book;
 mod cast;
+mod causes;
 mod drivers;
 mod editors;
 mod explanations;

@@ -125,7 +125,7 @@ impl Exporter for Drawing {
     }
 
     fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        let Episode { name, title, scenario, trace, outcome, verdict } = episode;
+        let Episode { name, title, scenario, trace, outcome, verdict, .. } = episode;
         let what = match (outcome.impact_speed(), verdict) {
             (Some(speed), Some(verdict)) => format!("hit at {speed:.1} m/s, {}", verdict.word()),
             _ => format!("no hit, minimum gap {:.2} m", outcome.least_gap),
@@ -225,7 +225,9 @@ fn repeated(
 /// Writes the files of an episode; returns them, the one to open first.
 fn write(repeated: &Repeated, exporter: &dyn Exporter, variant: Variant, out: &Path) -> Result<Vec<PathBuf>, Error> {
     let name = repeated.name.to_string();
+    let cause = repeated.cause(false).map(|cause| cause.sentence());
     let episode = Episode {
+        cause: cause.as_deref(),
         name: &name,
         title: &repeated.title,
         scenario: &repeated.scenario,

@@ -25,6 +25,8 @@ Examples:
   falsify failures                           the worst failures of reports/, fault ones first
   falsify failures reports/first_look --driver behavior --verdict preventable --top 5
                                              the five worst preventable ones of a driver
+  falsify failures reports/first_look --top 3 --why
+                                             the three worst ones, and why they happened
   falsify failures reports/first_look --distinct
                                              each finding once, with how many failures shrink to it
   falsify failures reports/first_look --distinct --names --top 5 | falsify replay - --shrunk
@@ -76,7 +78,10 @@ pub struct FailuresArgs {
     /// Merge failures of a driver that shrink to the same kind with the same number of commands: the first of each, with how many there are.
     #[arg(long)]
     pub distinct: bool,
-    /// Options for repeating failures, which --distinct needs.
+    /// Say why each listed failure happened: what the driver lacks, and which setting turns it.
+    #[arg(long, conflicts_with = "names")]
+    pub why: bool,
+    /// Options for repeating failures, which --distinct and --why need.
     #[command(flatten)]
     pub repeat: RepeatArgs,
     /// Form of the list.
@@ -113,6 +118,7 @@ impl Default for FailuresArgs {
             sort: FailureOrder::Severity,
             top: None,
             distinct: false,
+            why: false,
             repeat: RepeatArgs::default(),
             format: Form::Table,
             names: false,
@@ -251,6 +257,17 @@ impl Session {
         if options.distinct { self.merged(found, &options.repeat.repeat) } else { Ok(found) }
     }
 
+    /// Finds the causes of failures of a list; a failure that cannot be repeated has none.
+    fn explain(&self, listed: &mut [ListedFailure], options: &RepeatOptions) -> Result<(), Error> {
+        let name = |each: &ListedFailure| Ok((each.report.clone(), EpisodeName::of_table(each.failure.name())?));
+        let names: Vec<_> = listed.iter().map(name).collect::<Result<_, Error>>()?;
+        let causes = self.each_repeated(&names, options, |repeated| Ok(repeated.cause(true)))?;
+        for (each, cause) in listed.iter_mut().zip(causes) {
+            each.cause = cause.ok().flatten();
+        }
+        Ok(())
+    }
+
     /// The first of failures that shrink to the same, with how many there are. One that cannot be repeated is not merged.
     fn merged(&self, found: Vec<FoundFailure>, options: &RepeatOptions) -> Result<Vec<FoundFailure>, Error> {
         let name = |each: &FoundFailure| Ok((each.report.clone(), EpisodeName::of_table(each.failure.name())?));
@@ -287,19 +304,24 @@ impl Session {
 
 /// `falsify failures`
 pub fn failures(options: &FailuresArgs) -> Ended {
-    let found = session(options.repeat.allow_external).failures(options).map_err(failed)?;
+    let session = session(options.repeat.allow_external);
+    let found = session.failures(options).map_err(failed)?;
     let is_table = options.format == Form::Table && !options.names;
     let shown = options.top.unwrap_or(if is_table { SHOWN } else { usize::MAX });
     let all = found.len();
-    let listed: Vec<ListedFailure> = found
+    let mut listed: Vec<ListedFailure> = found
         .into_iter()
         .take(shown)
         .map(|FoundFailure { report, failure, merged }| ListedFailure {
             report,
             failure,
             merged: options.distinct.then_some(merged as u64),
+            cause: None,
         })
         .collect();
+    if options.why {
+        session.explain(&mut listed, &options.repeat.repeat).map_err(failed)?;
+    }
     match options.format {
         _ if options.names => {
             listed.iter().for_each(|each| console::say(&each.report.join(each.failure.name()).display().to_string()));
@@ -317,6 +339,12 @@ fn tell(listed: &[ListedFailure], all: usize) {
         return console::say("no failure");
     };
     console::say(report::failures_for_terminal(listed, console::width()).trim_end());
+    for ListedFailure { failure, cause, .. } in listed {
+        if let Some(cause) = cause {
+            console::say("");
+            console::say(console::wrapped(&format!("{}  {}", failure.name(), cause.sentence())).trim_end());
+        }
+    }
     if listed.len() < all {
         console::say(&format!("{} of {all} failures; --top N shows more", listed.len()));
     }

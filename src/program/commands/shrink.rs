@@ -10,7 +10,7 @@ use crate::cli::console;
 use crate::cli::failure::failed;
 use crate::cli::input::session;
 use crate::exit_code::{Ended, ExitCode};
-use crate::session::{EpisodeName, EpisodePath, Error, RepeatOptions, Session, Source};
+use crate::session::{EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session, Source};
 use results::parallel;
 use world::cause::{Limit, Plan, Shrunk};
 
@@ -83,6 +83,19 @@ impl Session {
         options: &RepeatOptions,
         max_runs: u32,
     ) -> Result<Vec<Result<Shrunk, Error>>, Error> {
+        self.each_repeated(failures, options, |repeated| repeated.shrink(max_runs))
+    }
+
+    /// What a function makes of repeated failures, each with its report or a folder of reports. A failure that cannot be repeated has the reason.
+    ///
+    /// # Errors
+    /// A report cannot be read, or its scenario files cannot be compiled.
+    pub(crate) fn each_repeated<T: Send>(
+        &self,
+        failures: &[(PathBuf, EpisodeName)],
+        options: &RepeatOptions,
+        of: impl Fn(Repeated) -> Result<T, Error> + Sync,
+    ) -> Result<Vec<Result<T, Error>>, Error> {
         let mut sources: Vec<Source> = Vec::new();
         let mut places = Vec::new();
         for (folder, name) in failures {
@@ -103,8 +116,7 @@ impl Session {
             };
             places.push((place, *name));
         }
-        let shrunk = |(place, name): &(usize, EpisodeName)| sources[*place].repeat(*name)?.shrink(max_runs);
-        Ok(parallel::map(&places, shrunk))
+        Ok(parallel::map(&places, |(place, name)| of(sources[*place].repeat(*name)?)))
     }
 }
 

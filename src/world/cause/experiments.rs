@@ -5,6 +5,8 @@ use super::{Change, Incident, Rerun, Reruns};
 use crate::env::{Criterion, Pair, PolicyMaker, Scenario};
 use crate::sim::{Control, WalkCommand};
 
+/// A car that is slower (m/s) may let go of the brake.
+const MOVING: f64 = 1.0;
 /// Time after the touch for which a run that avoids it goes on (s).
 const AFTER: f64 = 5.0;
 
@@ -28,6 +30,10 @@ pub(super) struct Response {
     pub time: f64,
     /// Distance from the bumper then (m).
     pub gap: f64,
+    /// The tick then.
+    pub tick: u32,
+    /// The first tick after that in which it has let go of the brake while the car moves.
+    pub released: Option<u32>,
 }
 
 impl<'a> Experiments<'a> {
@@ -157,7 +163,13 @@ impl<'a> Experiments<'a> {
         let frames = somebody.trace.vehicle(0);
         let place = |tick: u32| frames.get(tick as usize).map(|frame| frame.state.pose.position());
         let gap = ahead - (place(tick)? - place(from)?).norm();
-        Some(Response { time: f64::from(tick - from) * self.dt(), gap })
+        let brakes =
+            |number: usize| frames[number].driven.control.brake > BRAKING && frames[number].state.speed > MOVING;
+        let mut pairs = (tick as usize + 1..frames.len()).skip_while(|number| !brakes(*number));
+        let is_free =
+            |number: &usize| frames[*number].driven.control.brake <= BRAKING && frames[*number].state.speed > MOVING;
+        let released = pairs.find(is_free).map(|number| number as u32 - 1);
+        Some(Response { time: f64::from(tick - from) * self.dt(), gap, tick, released })
     }
 
     /// The first tick in which the car has nearly its greatest speed, and that speed (m/s).

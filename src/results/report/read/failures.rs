@@ -18,6 +18,7 @@ use crate::report::aggregate::{
     ROBUSTNESS_UNIT, SEARCH_BLOCK, SEARCH_RUN, START, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
 };
 use world::av::DrivingMode;
+use world::cause::Cause;
 use world::env::Impact;
 use world::judge::Label;
 use world::sim::WalkCommand;
@@ -234,6 +235,8 @@ pub struct ListedFailure {
     pub failure: Failure,
     /// The number of failures that shrink to it, itself included; `None` if they are not merged.
     pub merged: Option<u64>,
+    /// Why it happened; `None` if that was not asked or is not known.
+    pub cause: Option<Cause>,
 }
 
 /// Failures with the folders of their reports as a table, one row each, in the order given.
@@ -283,6 +286,14 @@ pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
                 "number of failures that shrink to it, itself included; missing without --distinct",
             )
             .of(|row: &Listed| row.merged),
+        )
+        .column(
+            Column::<String>::new("weakness", "", "what the driver lacks, a word; missing without --why")
+                .of(|row: &Listed| row.cause.as_ref().map(|cause| cause.weakness.name())),
+        )
+        .column(
+            Column::<String>::new("cause", "", "why the driver failed, a sentence; missing without --why")
+                .of(|row: &Listed| row.cause.as_ref().map(Cause::sentence)),
         )
         .frame(failures)
 }

@@ -3,7 +3,12 @@ use std::collections::BTreeMap;
 use super::super::town::Scenery;
 use super::Replay;
 use crate::jobs::Repeated;
+use crate::parallel;
 use crate::report::PlayedFailure;
+use world::cause::explain;
+
+/// Maximum number of failures whose cause is found.
+const MAX_EXPLAINED: usize = 8;
 
 /// The failures that can be played on a page.
 #[derive(Debug, Default)]
@@ -18,9 +23,15 @@ impl Players {
     pub fn new(played: &[PlayedFailure<'_>], options: &'static str) -> Self {
         let mut scenery: BTreeMap<&str, Scenery> = BTreeMap::new();
         let mut all = BTreeMap::new();
+        let cause = |(.., repeated): &PlayedFailure<'_>| Some(explain(&repeated.incident()?, false)?.sentence());
+        let mut causes = parallel::map(&played[..played.len().min(MAX_EXPLAINED)], cause).into_iter();
         for (name, town, Repeated { scenario, trace, judged, .. }) in played {
             let scenery = scenery.entry(town).or_insert_with(|| Scenery::new(&scenario.town));
-            all.insert(name.clone(), Replay::new(scenario, scenery, trace, judged));
+            let mut replay = Replay::new(scenario, scenery, trace, judged);
+            if let Some(cause) = causes.next().flatten() {
+                replay.short = format!("{cause} {}", replay.short);
+            }
+            all.insert(name.clone(), replay);
         }
         Self { all, options }
     }

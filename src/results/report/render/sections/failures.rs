@@ -6,7 +6,7 @@ use crate::report::render::table::{Column, Table, Value};
 pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
     let one = failures.iter().all(|each| each.report == failures[0].report);
     let is_merged = failures.iter().any(|each| each.merged.is_some());
-    let row = |ListedFailure { report, failure, merged }: &ListedFailure| {
+    let row = |ListedFailure { report, failure, merged, .. }: &ListedFailure| {
         let name = failure.name();
         let mut row = vec![
             Value::Code(if one { name } else { report.join(name).display().to_string() }),
