@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
     ("src/learn", 5_412),
-    ("src/world", 31_143),
+    ("src/world", 32_911),
     ("src/ported", 4_642),
     ("src/lang", 6_397),
-    ("src/compile", 6_966),
+    ("src/compile", 7_102),
     ("src/process", 849),
-    ("src/export", 3_780),
-    ("src/results", 26_501),
-    ("src/program", 11_393),
-    ("tests", 26_307),
+    ("src/export", 3_783),
+    ("src/results", 26_538),
+    ("src/program", 11_773),
+    ("tests", 26_687),
 ];
 
 /// Crates that only some places may name.
