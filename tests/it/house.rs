@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
     ("src/learn", 5_412),
-    ("src/world", 32_911),
+    ("src/world", 32_898),
     ("src/ported", 4_642),
     ("src/lang", 6_397),
     ("src/compile", 7_102),

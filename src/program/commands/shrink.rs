@@ -25,7 +25,7 @@ Examples:
   falsify shrink reports/first_look          the 20 worst failures of a report with the fewest commands
   falsify shrink 1a2b3c4d:17                 a failure of a report in reports/
   falsify replay 1a2b3c4d:17 --shrunk        repeat it so
-  falsify export 1a2b3c4d:17 --shrunk --as openscenario
+  falsify export 1a2b3c4d:17 --shrunk --as xosc-1.3
                                              and give it away
 
 A shrunk failure is of the same kind: it violates the same requirement, counts against the driver as much, and the car hits with the same side while the

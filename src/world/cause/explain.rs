@@ -5,7 +5,6 @@ use super::experiments::{Experiments, Response};
 use super::{Change, Incident};
 use crate::av::{DrivingMode, Weakness};
 use crate::env::{DriverParts, Scenario, Setting};
-use crate::geometry::Obstacles;
 use crate::hardening::{Traffic, natural_traffic};
 
 /// Distances at which somebody suddenly stands before the bumper (m), the greatest first.
@@ -322,18 +321,11 @@ impl Inquiry<'_> {
             }
         }
         let scenario = self.experiments.incident.scenario.clone();
-        let mut cleared = Scenario::clone(&scenario);
-        cleared.obstacles = Arc::new(Obstacles::new(&[]));
-        let mut dry = Scenario::clone(&scenario);
-        dry.cast.vehicles[0].blueprint.grip = f64::INFINITY;
-        for (what, scenario, applies) in [
-            ("no obstacles", cleared, !scenario.obstacles.is_empty()),
-            ("a dry road", dry, scenario.episode.friction.is_some()),
-        ] {
-            if applies {
-                let turns = self.experiments.is_turned_in(Arc::new(scenario));
-                self.tried.push((what.into(), turns));
-            }
+        if scenario.episode.friction.is_some() {
+            let mut dry = Scenario::clone(&scenario);
+            dry.cast.vehicles[0].blueprint.grip = f64::INFINITY;
+            let turns = self.experiments.is_turned_in(Arc::new(dry));
+            self.tried.push(("a dry road".into(), turns));
         }
         let (_, setting, value) = best?;
         let seed = self.experiments.incident.seed.child("natural");

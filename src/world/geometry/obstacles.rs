@@ -39,11 +39,6 @@ impl Obstacles {
         }
     }
 
-    /// Whether there is no box.
-    pub fn is_empty(&self) -> bool {
-        self.boxes.is_empty()
-    }
-
     /// Moves the centre of a disc out of every box it overlaps, the shortest way; so a pedestrian slides along walls.
     ///
     /// Between two boxes closer than the disc is wide the last one wins.
