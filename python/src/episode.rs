@@ -21,7 +21,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
         Ending::OtherContact => "other_contact",
         Ending::Lost => "lost",
         Ending::Timeout => "timeout",
-        Ending::Error(_) | Ending::ControllerError(_) => "error",
+        Ending::Error(_) | Ending::ControllerError(_) | Ending::WorldError(_) => "error",
     };
     let (front, bearing) = match outcome.ending {
         Ending::Touch { front, bearing, .. } => (front, bearing),

@@ -6,12 +6,12 @@ use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
 use super::walker::WalkerKind;
 use super::{
-    adversary, campaign, controller, falsifier, policy, published, requirement, reward, sensors, spawn, town, training,
-    vehicle, walker,
+    adversary, campaign, controller, external_world, falsifier, policy, published, requirement, reward, sensors, spawn,
+    town, training, vehicle, walker,
 };
 use base::signature::{Form, Keys, Signature, Type, Vocabulary};
 use world::av::external::Opener;
-use world::env::EpisodeRule;
+use world::env::{EpisodeRule, MapWriter};
 
 /// Tries a network where it can do no harm, before it is loaded into this process; the error is the reason, as a part of a sentence.
 pub type NetworkTrial = dyn Fn(&[u8]) -> Result<(), String> + Send + Sync;
@@ -37,6 +37,7 @@ pub struct Catalog {
     pub(super) falsifiers: Vec<FalsifierKind>,
     pub(super) opener: Option<Arc<dyn Opener>>,
     pub(super) network_trial: Option<Arc<NetworkTrial>>,
+    pub(super) map_writer: Option<Arc<MapWriter>>,
 }
 
 impl Catalog {
@@ -55,6 +56,7 @@ impl Catalog {
             training::form(),
             controller::form(),
             falsifier::form(),
+            external_world::form(),
             published::form(),
             campaign::form(),
         ];
@@ -67,6 +69,7 @@ impl Catalog {
             falsifiers: Vec::new(),
             opener: None,
             network_trial: None,
+            map_writer: None,
         };
         let with_towns = town::kinds().into_iter().try_fold(bare, Self::with_town);
         let with_policies = policy::kinds().into_iter().try_fold(with_towns.expect(DIFFER), Self::with_policy);
@@ -82,6 +85,11 @@ impl Catalog {
     /// The same; networks in ONNX files are tried in this way first. Without a trial a network may take any memory and time.
     pub fn with_network_trial(self, trial: Arc<NetworkTrial>) -> Self {
         Self { network_trial: Some(trial), ..self }
+    }
+
+    /// The same; maps of towns for other worlds are written in this way. Without it no world but ours can be used.
+    pub fn with_map_writer(self, writer: Arc<MapWriter>) -> Self {
+        Self { map_writer: Some(writer), ..self }
     }
 
     /// How scenarios start programs; `None` if they may not.

@@ -145,6 +145,9 @@ impl Lowering<'_> {
             for declaration in program.of_form("controller") {
                 let _ = self.controller(declaration.id);
             }
+            for declaration in program.of_form("world") {
+                let _ = self.external_world(declaration.id);
+            }
             for declaration in program.of_form("spawn") {
                 let _ = self.spawn_rule(declaration.id);
             }
@@ -176,6 +179,7 @@ impl Lowering<'_> {
         of_form("town").for_each(|town| drop(self.town(town.id)));
         of_form("policy").for_each(|policy| drop(self.policy(policy.id)));
         of_form("controller").for_each(|controller| drop(self.controller(controller.id)));
+        of_form("world").for_each(|world| drop(self.external_world(world.id)));
         of_form("spawn").for_each(|spawn| drop(self.spawn_rule(spawn.id)));
         of_form("adversary").for_each(|adversary| adversary::check(&adversary.block, self.said));
         for campaign in of_form("campaign").filter(|campaign| !left_out.contains(&campaign.id)) {

@@ -10,7 +10,7 @@ use super::programs::ExternalProgram;
 use base::diagnostic::{Diagnostic, Sources};
 use base::signature::DeclarationId;
 use lang::hir::{Block, Declaration, Program};
-use world::env::{DriverParts, PolicyMaker};
+use world::env::{DriverParts, ExternalWorld, PolicyMaker};
 use world::geometry::Obstacles;
 use world::road::Town;
 
@@ -36,7 +36,9 @@ pub(super) struct Shared {
     pub towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
     /// The policies that were made, with their own contents and those of everything that they refer to.
     pub policies: BTreeMap<DeclarationId, Vec<MadePolicy>>,
-    /// The programs of drivers and controllers, by their declaration and its contents.
+    /// Other worlds that were asked what they can do, by their declaration and its contents.
+    pub worlds: BTreeMap<DeclarationId, Vec<AskedWorld>>,
+    /// The programs of drivers, controllers and worlds, by their declaration and its contents.
     pub programs: BTreeMap<DeclarationId, Vec<(Block, Arc<ExternalProgram>)>>,
     /// Declarations that campaigns use.
     pub used: BTreeSet<DeclarationId>,
@@ -44,6 +46,9 @@ pub(super) struct Shared {
 
 /// The contents of a policy and of everything that it refers to, and the policy made of them.
 pub(super) type MadePolicy = (Vec<Block>, Option<MadeDriver>);
+
+/// The contents of a world, and the world if its program could be used.
+pub(super) type AskedWorld = (Block, Option<Arc<ExternalWorld>>);
 
 /// The state of every step from HIR to plan.
 pub(super) struct Lowering<'a> {

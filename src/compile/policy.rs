@@ -15,7 +15,9 @@ use ported::lav::Lav;
 use world::av::external::ExternalKeys;
 use world::av::onnx::OnnxKeys;
 use world::av::sensors::{SensorModel, SensorWrapper};
-use world::av::{ActuationDelay, Aeb, CarefulHuman, Cruise, CruiseKeys, Idm, OracleBrake, Predictive, RssGuarded};
+use world::av::{
+    ActuationDelay, Aeb, CarefulHuman, Cruise, CruiseKeys, Idm, Native, NativeKeys, OracleBrake, Predictive, RssGuarded,
+};
 use world::env::PolicyMaker;
 
 /// All kinds of driving policies; a new one is a line here.
@@ -31,6 +33,7 @@ pub fn kinds() -> Vec<PolicyKind> {
         PolicyKind::new(Predictive::new),
         PolicyKind::new(OracleBrake::new),
         PolicyKind::new(CarefulHuman::new),
+        PolicyKind::new(Native::new),
         PolicyKind::outside::<ExternalKeys>(outside::external),
         PolicyKind::outside::<OnnxKeys>(outside::onnx),
     ]
@@ -46,7 +49,7 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<M
     let make = driver(declaration, lowering)?;
     let model = sensor_model(declaration, lowering);
     let written = declaration.block.places.iter().find(|(key, _)| *key == "sensors");
-    if let Some((_, span)) = written.filter(|_| declaration.kind == CruiseKeys::KIND) {
+    if let Some((_, span)) = written.filter(|_| [CruiseKeys::KIND, NativeKeys::KIND].contains(&declaration.kind)) {
         lowering.said.push(diagnostics::sensors_without_effect(*span, declaration.kind));
     }
     let arguments = &declaration.block.arguments;

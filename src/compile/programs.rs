@@ -10,14 +10,14 @@ use base::signature::DeclarationId;
 use lang::hir::Declaration;
 use world::av::external::{Opener, Program, ProgramKeys};
 
-/// A program of the user that drives or walks.
+/// A program of the user that drives, walks, or bridges to another world.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExternalProgram {
-    /// The name of the driver or the controller.
+    /// The name of the driver, the controller or the world.
     pub name: String,
     /// As the files have it.
     pub command: String,
-    /// Its version, as the scenario states it.
+    /// Its version, as the scenario states it, or as a world does.
     pub version: Option<String>,
     /// The folder in which it runs.
     pub folder: PathBuf,
@@ -60,6 +60,14 @@ impl Lowering<'_> {
         let found = ExternalProgram { name, command, version, folder, files: opener.digests(program)? };
         self.shared.programs.entry(declaration.id).or_default().push((declaration.block.clone(), Arc::new(found)));
         Ok(())
+    }
+
+    /// Notes what the program of a declaration says of its version, unless the scenario states its version or its files.
+    pub(super) fn note_version(&mut self, declaration: &Declaration, version: &str) {
+        let known = self.shared.programs.get_mut(&declaration.id).into_iter().flatten();
+        for (_, program) in known.filter(|(block, program)| *block == declaration.block && program.is_unknown()) {
+            Arc::make_mut(program).version = Some(version.into());
+        }
     }
 
     /// The program of a declaration, if it has one.

@@ -15,6 +15,7 @@ const MAX_BYTES: usize = 1 << 20;
 #[derive(Debug, Clone, Default)]
 pub struct ProcessOpener {
     notes: Notes,
+    asks: bool,
 }
 
 impl Opener for ProcessOpener {
@@ -26,12 +27,21 @@ impl Opener for ProcessOpener {
         super::digests::digests(program)
     }
 
+    fn asks(&self) -> bool {
+        self.asks
+    }
+
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         self.start(program)
     }
 }
 
 impl ProcessOpener {
+    /// The same; it may start a program before a run to ask what that can do.
+    pub fn asking(self) -> Self {
+        Self { asks: true, ..self }
+    }
+
     #[cfg(unix)]
     fn start(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         match super::child::Child::start(program, self.notes.clone()) {

@@ -45,5 +45,6 @@ mod stepping;
 mod streets;
 mod suite;
 mod training;
+mod worlds;
 
 use repository::repository;

@@ -25,9 +25,10 @@ use results::campaign::{self, NoStore, Silent, Task};
 use results::jobs::{SearchResult, TrainingResult, watch};
 use results::record::{EpisodeRow, RunKey};
 use serde::Deserialize;
+use serde_json::json;
 use world::av::external::{Link, Opener, Program};
 use world::av::{Exit, Fault};
-use world::env::{Ending, Outcome, Trace};
+use world::env::{Ending, Outcome, Trace, WORLD_PROTOCOL};
 use world::judge::{Judged, Verdict};
 
 /// What the scenarios are made of: `tests/suite/keys.toml`.
@@ -66,27 +67,66 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 });
 
-/// A catalogue whose external drivers and controllers run inside the test.
+/// A catalogue whose external drivers, controllers and worlds run inside the test.
 fn catalog() -> Catalog {
-    Catalog::builtin().with_opener(Arc::new(Inside))
+    Catalog::builtin().with_opener(Arc::new(Inside)).with_map_writer(Arc::new(|_| Ok(String::new())))
 }
 
 /// Opens programs that need half a second for everything. A driver brakes for the number of actors that it knows of, and keeps less of its speed
 /// the nearer the end of its route is; the argument of the command, the number of its files and its parameters are its acceleration. A pedestrian walks at the car at
-/// that speed.
+/// that speed. In a world the car is slowed down by that deceleration, and it needs two seconds for a town.
 struct Inside;
 
 impl Opener for Inside {
+    fn asks(&self) -> bool {
+        true
+    }
+
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         let argument: f64 = program.words.get(1).and_then(|word| word.parse().ok()).unwrap_or(1.0);
         let argument = argument + program.files.len() as f64 + program.parameters.values().sum::<f64>();
-        Ok(Box::new(InsideLink { argument, answer: Vec::new() }))
+        Ok(Box::new(InsideLink { argument, car: json!(null), is_native: false, answer: Vec::new() }))
     }
 }
 
 struct InsideLink {
     argument: f64,
+    /// The car of a world, and whether a driver of the world drives it.
+    car: serde_json::Value,
+    is_native: bool,
     answer: Vec<u8>,
+}
+
+impl InsideLink {
+    /// The answer of a world. Its second driver brakes harder than the first.
+    fn world(&mut self, message: &serde_json::Value, limit: f64) -> Result<serde_json::Value, Fault> {
+        match message["type"].as_str() {
+            Some("hello") => Ok(
+                json!({ "protocol": WORLD_PROTOCOL, "name": "inside", "version": "1", "drivers": ["first", "second"],
+                "friction": true, "lights": true, "seeds": true }),
+            ),
+            Some("load") if limit < 2.0 => Err(Fault::Late { limit_ms: 2000 }),
+            Some("load") => Ok(json!({ "lanes": null })),
+            Some(kind) => {
+                if kind == "begin" {
+                    self.car = message["ego"].clone();
+                    self.is_native = message["driver"].is_string();
+                    self.argument += if message["driver"] == "second" { 3.0 } else { 0.0 };
+                } else {
+                    let [x, y, yaw, speed] = ["x", "y", "yaw", "speed"].map(|key| self.car[key].as_f64().unwrap());
+                    let ours = message["control"]["acceleration"].as_f64().filter(|_| !self.is_native).unwrap_or(0.0);
+                    let (way, slower) = (speed * 0.05, (speed + (ours - self.argument) * 0.05).max(0.0));
+                    self.car =
+                        json!({ "x": x + way * yaw.cos(), "y": y + way * yaw.sin(), "yaw": yaw, "speed": slower });
+                }
+                let places = message["pedestrians"].as_array().unwrap().iter();
+                let places: Vec<_> = places.map(|walker| json!([walker["x"], walker["y"]])).collect();
+                let tick = message["tick"].as_u64().unwrap_or(0);
+                Ok(json!({ "tick": tick, "ego": self.car, "pedestrians": places }))
+            }
+            None => Err(Fault::Answer("a message without a type")),
+        }
+    }
 }
 
 impl Link for InsideLink {
@@ -95,17 +135,21 @@ impl Link for InsideLink {
             return Err(Fault::Late { limit_ms: 500 });
         }
         let message: serde_json::Value = serde_json::from_slice(message).unwrap();
+        if message["protocol"] == WORLD_PROTOCOL || message["worlds"].is_null() && message["type"] != "hello" {
+            self.answer = serde_json::to_vec(&self.world(&message, limit)?).unwrap();
+            return Ok(());
+        }
         let action = |world: &serde_json::Value| {
             if world["state"].is_array() {
-                return serde_json::json!({ "id": world["id"], "action": [0.0, self.argument] });
+                return json!({ "id": world["id"], "action": [0.0, self.argument] });
             }
             let count = |key: &str| world[key].as_array().unwrap().len() as f64;
             let acceleration = self.argument * count("route") / 20.0 - 2.0 * count("actors");
-            serde_json::json!({ "id": world["id"], "acceleration": acceleration })
+            json!({ "id": world["id"], "acceleration": acceleration })
         };
         let answer = match message["worlds"].as_array() {
-            Some(worlds) => serde_json::json!({ "actions": worlds.iter().map(action).collect::<Vec<_>>() }),
-            None => serde_json::json!({ "protocol": message["protocol"] }),
+            Some(worlds) => json!({ "actions": worlds.iter().map(action).collect::<Vec<_>>() }),
+            None => json!({ "protocol": message["protocol"] }),
         };
         self.answer = serde_json::to_vec(&answer).unwrap();
         Ok(())
@@ -416,7 +460,7 @@ fn tables(text: &str) -> String {
         cache: Some(CACHE.path().into()),
         ..RunOptions::default()
     };
-    let session = Session::default().with_reader(Files(text.to_string()));
+    let session = Session::new(catalog()).with_reader(Files(text.to_string()));
     let report = session.run(&options).unwrap();
     let place = report.reports().next().expect("a report was written").folder.clone();
     let read = |name: &str| std::fs::read_to_string(place.join(name)).unwrap_or_default();
@@ -519,6 +563,7 @@ forms! {
     keys_of_trainings_change_outcomes: "training",
     keys_of_controllers_change_outcomes: "controller",
     keys_of_falsifiers_change_outcomes: "falsifier",
+    keys_of_worlds_change_outcomes: "world",
     keys_of_requirements_change_outcomes: "requirement",
     keys_of_published_figures_change_tables: "published",
     keys_of_campaigns_change_outcomes: "campaign",

@@ -65,5 +65,6 @@ mod tools;
 mod targets;
 mod unbreakable;
 mod watching;
+mod worlds;
 
 use repository::repository;

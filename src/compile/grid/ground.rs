@@ -62,6 +62,7 @@ impl Place<'_> {
         let blueprint = VehicleBlueprint { grip, ..car.clone() };
         let MadeDriver { policy, parts } = self.policy.value.clone();
         Arc::new(Scenario {
+            external_world: None,
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
             cast: Cast::pair(VehicleRole { blueprint, policy, parts, start: None }, walker.clone()),
@@ -122,6 +123,10 @@ impl Lowering<'_> {
         let spawn = self.spawn(start.spawn.unwrap_or(usual))?;
         let ground = Ground { towns: self.towns(&places.towns), policies: self.policies(&places.policies), spawn };
         self.compare_ticks(episode, block, &places.policies);
+        if block.places.iter().all(|(key, _)| *key != "worlds") {
+            let rule = self.program.get(episode).block.keys();
+            self.worlds_fit(block, &[None], &ground, &rule);
+        }
         let place = if start.spawn.is_some() { block.place("spawn") } else { campaign.place("spawn") };
         if self.probe(place, &ground.towns, &ground.spawn.value, bodies) {
             let EpisodeRule { tick, ticks, .. } = self.program.get(episode).block.keys();

@@ -9,6 +9,7 @@ use super::{console, failure, interrupt, network_trial};
 use crate::session::{Event, Input, Observer, Session};
 use compile::Catalog;
 use process::ProcessOpener;
+use world::env::MapWriter;
 
 /// Options that replace parts of the files.
 #[derive(Debug, Args)]
@@ -42,15 +43,28 @@ pub fn language() -> Catalog {
     make()
 }
 
-/// The language of the commands: networks are tried before they are loaded, and programs are started if the user allows it.
-pub fn catalog(allow_external: bool) -> Catalog {
-    let catalog = language().with_network_trial(network_trial::trial());
-    if allow_external { catalog.with_opener(Arc::new(ProcessOpener::default())) } else { catalog }
+/// The language of the commands without programs: networks are tried before they are loaded, and maps are written for other worlds.
+fn without_programs() -> Catalog {
+    language().with_network_trial(network_trial::trial()).with_map_writer(map_writer())
+}
+
+/// Writes the maps of towns for other worlds.
+pub fn map_writer() -> Arc<MapWriter> {
+    Arc::new(|town| export::town(town).map_err(|error| error.to_string()))
+}
+
+/// The language for editors: programs are looked up, and none is started.
+pub fn catalog() -> Catalog {
+    without_programs().with_opener(Arc::new(ProcessOpener::default()))
 }
 
 /// A session that reports on the error stream and stops at Ctrl-C.
 pub fn session(allow_external: bool) -> Session {
-    let session = Session::new(catalog(allow_external));
+    let catalog = without_programs();
+    let session = Session::new(match allow_external {
+        true => catalog.with_opener(Arc::new(ProcessOpener::default().asking())),
+        false => catalog,
+    });
     let session = session.with_observer(Arc::new(Reporter)).with_stop(interrupt::stop());
     session.with_folder(std::env::current_dir().unwrap_or_default())
 }

@@ -3,6 +3,7 @@
 pub(crate) mod console;
 mod crash;
 pub(crate) mod failure;
+pub(crate) mod external_world;
 pub(crate) mod input;
 pub(crate) mod output;
 pub(crate) mod interrupt;

@@ -1,4 +1,5 @@
 mod driver_trial;
+mod world_trial;
 mod empty_road;
 mod sample;
 mod fix;
@@ -17,6 +18,7 @@ use base::files;
 use driver_trial::{TrialArgs, try_driver};
 use fix::fix;
 use lang::{Reader, reason};
+use world_trial::try_world;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -30,8 +32,10 @@ Examples:
   falsify check -- python3 my_av.py          see whether a driver of your own speaks the protocol of
                                              scenarios/external/README.md and drives the same way twice
   falsify check --driver sumo                the same for a driver that others wrote; says what is not installed
+  falsify check --world 'python3 mine.py'    see whether a bridge to another simulator speaks the protocol of
+                                             docs/src/how-to/worlds.md, and moves cars and pedestrians as it is told
 
-Exit codes: 0 no errors   2 missing file   3 errors   5 the driver failed";
+Exit codes: 0 no errors   2 missing file   3 errors   5 the driver or the world failed";
 
 /// Options of `falsify check`.
 #[derive(Debug, Args)]
@@ -90,6 +94,9 @@ impl Reader for InputAndFiles {
 
 /// `falsify check`
 pub fn check(options: &CheckArgs) -> Ended {
+    if let Some(world) = &options.trial.world {
+        return Ok(try_world(&options.trial, world));
+    }
     if let Some(words) = options.trial.words() {
         return Ok(try_driver(&options.trial, words));
     }

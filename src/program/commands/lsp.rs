@@ -24,7 +24,7 @@ fn cache() -> PathBuf {
 pub fn lsp() -> Ended {
     let shelf = cache().join("falsify").join(concat!("std-", env!("CARGO_PKG_VERSION")));
     // The server looks up the programs that scenarios name, and never starts them.
-    match serve(catalog(true), std::io::stdin().lock(), std::io::stdout().lock(), shelf).map_err(misused)? {
+    match serve(catalog(), std::io::stdin().lock(), std::io::stdout().lock(), shelf).map_err(misused)? {
         Ending::Orderly => Ok(ExitCode::Done),
         Ending::Abrupt => Err(ExitCode::Internal),
     }

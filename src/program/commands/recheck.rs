@@ -23,6 +23,9 @@ use results::report::{self, CrossedStarts, FailureChange, Recheck, RecheckNote, 
 /// Maximum number of encounters in each list for people.
 const MAX_SHOWN: usize = 10;
 
+/// Starts in each town of the fixed list.
+const STARTS: u32 = 20;
+
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
@@ -32,6 +35,8 @@ Examples:
                                              a driver of the report with another key
   falsify recheck reports/my --allow-external
                                              a program that was edited since the report was made
+  falsify recheck reports/my --world metadrive
+                                             the same drivers in another simulator: which faults survive
   falsify recheck reports/my new.scn --fail-if 'still_faults > 0' --fail-if 'faults_new > 0'
                                              block what is not fixed, and what is new
 
@@ -54,9 +59,12 @@ pub struct RecheckArgs {
     /// Give a parameter or a key of the new drivers another value, as `v1.margin=1 m`.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub settings: Vec<String>,
-    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out.
-    #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
-    pub starts: u32,
+    /// Another simulator in which the new drivers drive: metadrive or sumo of the Python package, or the command of a bridge.
+    #[arg(long, value_name = "WORLD")]
+    pub world: Option<String>,
+    /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out. 20 by default, and 0 in another simulator.
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
+    pub starts: Option<u32>,
     /// Form of the output; `json` is one object.
     #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
     pub format: Form,
@@ -73,6 +81,12 @@ pub struct RecheckArgs {
     /// Options of the repetition of the report.
     #[command(flatten)]
     pub repeat: RepeatArgs,
+}
+
+impl RecheckArgs {
+    fn starts(&self) -> u32 {
+        self.starts.unwrap_or(if self.world.is_some() { 0 } else { STARTS })
+    }
 }
 
 /// `falsify recheck`

@@ -72,6 +72,10 @@ impl Opener for HeldPrograms {
         self.inner.digests(&self.placed(program))
     }
 
+    fn asks(&self) -> bool {
+        self.inner.asks()
+    }
+
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         self.inner.open(&self.placed(program))
     }

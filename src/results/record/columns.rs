@@ -29,6 +29,11 @@ pub const TOWN: Column<String> = Column::new("town", "", "town of the episodes")
 pub const POLICY: Column<String> = Column::new("policy", "", "driving policy of the car");
 pub const VEHICLE: Column<String> = Column::new("vehicle", "", "model of the car");
 pub const ADVERSARY: Column<String> = Column::new("adversary", "", "body of the pedestrian");
+pub const WORLD: Column<String> = Column::new(
+    "world",
+    "",
+    "simulator in which the car drove: `here` is that of this program, others are the `world` of that name",
+);
 pub const BLOCK: Column<u32> = Column::new("block", "", "number of the `evaluate` block in its campaign, from 0");
 pub const EPISODE: Column<u32> =
     Column::new("episode", "", "number of the episode, from 0; equal numbers of a place have equal starts");

@@ -5,7 +5,7 @@ use super::columns::{
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEFT_LANE, LEFT_OUT, LEFT_ROAD,
     MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW,
     PET, PLACED, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN,
-    VEHICLE, VELOCITY_CHANGE,
+    VEHICLE, VELOCITY_CHANGE, WORLD,
 };
 use super::reference_drivers::{is_of_reference_driver, reference_columns};
 use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
@@ -16,7 +16,7 @@ use world::judge::{LaneDeparture, NearMiss, PedestrianMotion};
 pub const EPISODES: &str = "episodes";
 
 /// The columns of a cell's key, for a table whose rows have one.
-pub fn cell_key<'t, R>(key: impl Fn(&R) -> &CellKey + Copy + 't) -> [Entry<'t, R>; 9] {
+pub fn cell_key<'t, R>(key: impl Fn(&R) -> &CellKey + Copy + 't) -> [Entry<'t, R>; 10] {
     [
         REWARD.of(move |row| key(row).reward.clone()),
         TRAIN_TOWN.of(move |row| key(row).train_town.clone()),
@@ -26,6 +26,7 @@ pub fn cell_key<'t, R>(key: impl Fn(&R) -> &CellKey + Copy + 't) -> [Entry<'t, R
         POLICY.of(move |row| key(row).policy.clone()),
         VEHICLE.of(move |row| key(row).vehicle.clone()),
         ADVERSARY.of(move |row| key(row).adversary.clone()),
+        WORLD.of(move |row| key(row).world.clone()),
         BLOCK.of(move |row| key(row).block),
     ]
 }
@@ -170,7 +171,7 @@ pub mod named {
 /// The cause of an episode in error; empty for others. A driver's has no subject, a controller's names the controller.
 fn why_in_error(outcome: &Outcome) -> String {
     match outcome.ending {
-        Ending::ControllerError(_) => outcome.error().unwrap_or_default(),
+        Ending::ControllerError(_) | Ending::WorldError(_) => outcome.error().unwrap_or_default(),
         _ => outcome.fault().map_or(String::new(), |fault| fault.to_string()),
     }
 }
@@ -182,6 +183,6 @@ fn ending(ending: &Ending) -> &'static str {
         Ending::OtherContact => named::OTHER_CONTACT,
         Ending::Lost => named::LOST,
         Ending::Timeout => named::TIMEOUT,
-        Ending::Error(_) | Ending::ControllerError(_) => named::ERROR,
+        Ending::Error(_) | Ending::ControllerError(_) | Ending::WorldError(_) => named::ERROR,
     }
 }

@@ -15,6 +15,8 @@ pub struct CellKey {
     pub vehicle: String,
     /// Name of the adversary, for its body.
     pub adversary: String,
+    /// Name of the simulator in which the car drives; `here` for that of this program.
+    pub world: String,
     /// The controller: `trained`, `stochastic`, `untrained`, `random`, `homing`, `intercept`, `scripted`, or the name of a declared one.
     pub controller: String,
     pub reward: String,
@@ -34,6 +36,7 @@ impl CellKey {
             policy: evaluation.policy.to_string(),
             vehicle: evaluation.vehicle.to_string(),
             adversary: evaluation.adversary.to_string(),
+            world: evaluation.world.to_string(),
             controller: evaluation.controller.name().to_string(),
             reward: trained.reward.clone(),
             train_town: trained.town.clone(),
@@ -52,11 +55,11 @@ impl CellKey {
         self.is_trained() || self.controller == UNTRAINED
     }
 
-    /// Whether another cell has the same place: the same block, town, vehicle and adversary. Cells of one place share their starts,
+    /// Whether another cell has the same place: the same block, town, vehicle, adversary and world. Cells of one place share their starts,
     /// whatever their driving policies and controllers are.
     pub fn is_beside(&self, other: &Self) -> bool {
-        (self.block, &self.town, &self.vehicle, &self.adversary)
-            == (other.block, &other.town, &other.vehicle, &other.adversary)
+        let own = (self.block, &self.town, &self.vehicle, &self.adversary, &self.world);
+        own == (other.block, &other.town, &other.vehicle, &other.adversary, &other.world)
     }
 
     /// Whether another cell has the same controller: with the same reward and training.
@@ -75,9 +78,9 @@ impl CellKey {
         }
     }
 
-    /// The full key in words: [`Display`](fmt::Display), then vehicle, adversary and block.
+    /// The full key in words: [`Display`](fmt::Display), then vehicle, adversary, world and block.
     pub fn in_full(&self) -> String {
-        format!("{self}, {}, {}, block {}", self.vehicle, self.adversary, self.block)
+        format!("{self}, {}, {}, {}, block {}", self.vehicle, self.adversary, self.world, self.block)
     }
 }
 

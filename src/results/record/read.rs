@@ -6,7 +6,7 @@ use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FORESEEABLE, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEFT_OUT,
     OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN, TRAIN_POLICY,
-    TRAIN_TOWN, VEHICLE, VERDICT,
+    TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
@@ -28,6 +28,7 @@ impl CellKey {
             policy: text(&POLICY)?,
             vehicle: text(&VEHICLE)?,
             adversary: text(&ADVERSARY)?,
+            world: text(&WORLD)?,
             controller: text(&CONTROLLER)?,
             reward: text(&REWARD)?,
             train_town: text(&TRAIN_TOWN)?,

@@ -16,6 +16,7 @@ pub(crate) fn key() -> RunKey {
         policy: "idm".into(),
         vehicle: "v".into(),
         adversary: "w".into(),
+        world: "here".into(),
         controller: "trained".into(),
         reward: "r1".into(),
         train_town: "village".into(),
@@ -166,7 +167,7 @@ fn tables_with_one_wrong_byte_are_read_or_refused() {
 fn a_key_is_told_in_words() {
     let mut key = key();
     assert_eq!(key.to_string(), "trained r1 (village, blind) in harbour against idm, run 3");
-    assert_eq!(key.cell.in_full(), "trained r1 (village, blind) in harbour against idm, v, w, block 2");
+    assert_eq!(key.cell.in_full(), "trained r1 (village, blind) in harbour against idm, v, w, here, block 2");
     (key.cell.train_town, key.cell.train_policy) = Default::default();
     assert_eq!(key.cell.to_string(), "trained r1 in harbour against idm");
 }

@@ -51,6 +51,10 @@ impl DrivingPolicy for ActuationDelay {
         self.driver.fault()
     }
 
+    fn world_driver(&self) -> Option<&str> {
+        self.driver.world_driver()
+    }
+
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         let (driver, waiting) = (self.driver.snapshot()?, self.waiting.clone());
         Some(Box::new(Self { driver, waiting, ..*self }))

@@ -13,6 +13,13 @@ keys! {
     }
 }
 
+/// The defaults of the keys.
+impl Default for CruiseKeys {
+    fn default() -> Self {
+        Self { limit_share: 0.9, lateral_acceleration: 2.0 }
+    }
+}
+
 /// Keeps its lane and its speed and ignores all road users. It is a lower bound, since every pedestrian can hit it.
 #[derive(Debug, Clone)]
 pub struct Cruise {

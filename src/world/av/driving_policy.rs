@@ -57,6 +57,11 @@ pub trait DrivingPolicy: Send {
         None
     }
 
+    /// The name of the driver of another simulator that it stands for: that drives in an [`ExternalWorld`](crate::env::ExternalWorld) instead of it.
+    fn world_driver(&self) -> Option<&str> {
+        None
+    }
+
     /// A copy in its present state, with its memory; `None` for a driver whose memory is elsewhere, as in another process.
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         None

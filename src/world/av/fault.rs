@@ -1,4 +1,4 @@
-/// Why a driver could not drive. An episode in which this happens counts neither as passed nor as failed.
+/// Why a driver, a controller or a world failed as a program. An episode in which this happens counts neither as passed nor as failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// Its process could not be started.
@@ -25,6 +25,24 @@ pub enum Fault {
     /// It gave an answer that makes no sense.
     #[error("gave a wrong answer: {0}")]
     Answer(&'static str),
+    /// A world has moved a pedestrian to another place than it was told.
+    #[error("moved a pedestrian to {millimetres} mm from where it was told")]
+    Moved {
+        /// The distance between the two places (mm).
+        millimetres: u32,
+    },
+    /// A world has lanes elsewhere than the town has.
+    #[error("has lanes up to {millimetres} mm from those of the town")]
+    Lanes {
+        /// The distance of a lane from that of the town (mm).
+        millimetres: u32,
+    },
+    /// The map of the town cannot be written for a world.
+    #[error("gets no map of the town")]
+    NoMap,
+    /// A world ended an episode before it was over.
+    #[error("ended the episode before it was over")]
+    EndedEarly,
     /// A key of a message of it has a value of a wrong type.
     #[error("{}: `{key}` is {found}; give {wanted}", if *greeting { "greeted wrongly" } else { "gave a wrong answer" })]
     WrongType {

@@ -2,7 +2,7 @@ use super::trace::Driven;
 use super::{Cast, Controller};
 use crate::av::DrivingMode;
 use crate::geometry::wrap_angle;
-use crate::sim::{ActorStart, Contact, Control, WalkCommand};
+use crate::sim::{ActorStart, Contact, Control, Vehicle, VehicleState, WalkCommand};
 
 /// What the actors of an episode do: the command of each pedestrian, what each driver did in the last tick, and the touch in it.
 #[derive(Debug, Clone)]
@@ -57,6 +57,13 @@ impl Actions {
             *turn = wrap_angle(command.heading - last.heading);
             *last = command;
         }
+    }
+
+    /// Notes what another simulator's own driver did in a tick: the pedals that would move our car as its car has moved.
+    pub(super) fn observe(&mut self, before: &Vehicle, after: &VehicleState, dt: f64) {
+        let speed = before.state.speed;
+        self.controls[0] = before.blueprint.pedals_for((after.speed - speed) / dt, speed);
+        self.modes[0] = DrivingMode::Unknown;
     }
 
     /// What the driver of a vehicle did in the last tick.

@@ -3,6 +3,7 @@ use super::{Actions, Cast};
 use crate::av::{DrivingPolicy, Fault, Path, Perception, PerfectSensors, cruising_speed};
 use crate::sim::World;
 use base::seed::{Seed, Stream};
+use rand::Rng;
 
 /// The drivers of all vehicles, in the order of their numbers, and their sensors.
 pub(super) struct Drivers {
@@ -79,6 +80,11 @@ impl Drivers {
             *control = driven;
         }
         None
+    }
+
+    /// What another simulator draws from in the running episode: numbers in every language represent 53 bits exactly.
+    pub(super) fn world_seed(&self) -> u64 {
+        self.seed.child("world").stream().next_u64() >> 11
     }
 
     /// A copy in their present state; `None` if one of them cannot be copied.

@@ -4,6 +4,7 @@ mod start;
 use std::sync::Arc;
 
 use super::drivers::Drivers;
+use super::external_world::Bridge;
 use super::observers::Observers;
 use super::run_up::{self, RunUp, Stage};
 use super::script::Script;
@@ -29,9 +30,13 @@ use learn::Step;
 /// another vehicle starts at the drawn pose, at rest and without memory.
 ///
 /// A decision is one command for each pedestrian of the cast, in the order of their numbers.
+///
+/// Where the scenario names an [`ExternalWorld`](super::ExternalWorld), the car drives there from tick 0 on, and only its run-up is ours. Such an episode
+/// has no snapshot.
 pub struct LocalSimulation {
     scenario: Arc<Scenario>,
     world: World,
+    bridge: Option<Bridge>,
     /// The start of each vehicle of the running episode.
     vehicles: Vec<ActorStart>,
     /// Time within the cycles of the traffic lights at the start (s).
@@ -98,6 +103,7 @@ impl LocalSimulation {
             observers: Observers::new(&scenario, &world),
             scratch: actions.commands.clone(),
             actions,
+            bridge: scenario.external_world.clone().map(Bridge::new),
             scenario,
             world,
             light_phase: 0.0,
@@ -108,9 +114,13 @@ impl LocalSimulation {
         }
     }
 
-    /// A copy in its present state, if all drivers can be copied.
+    /// A copy in its present state, if all drivers can be copied and the car drives here.
     fn copy(&self) -> Option<Self> {
+        if self.bridge.is_some() {
+            return None;
+        }
         Some(Self {
+            bridge: None,
             drivers: self.drivers.snapshot()?,
             scenario: self.scenario.clone(),
             world: self.world.clone(),
@@ -137,7 +147,27 @@ impl LocalSimulation {
                 &self.scratch
             }
         };
-        actions.contact = world.tick(&actions.controls, commands);
+        let contact = match &mut self.bridge {
+            None => Ok(world.tick(&actions.controls, commands)),
+            Some(bridge) => {
+                let own = self.drivers.policies[0].world_driver().map(|name| (name, self.run_up.route()));
+                let begun = match world.ticks {
+                    0 => bridge.begin(scenario, world, self.drivers.world_seed(), own),
+                    _ => Ok(()),
+                };
+                world.walk(commands);
+                begun.and_then(|()| bridge.tick(world, actions.controls[0])).map(|ego| {
+                    if own.is_some() {
+                        actions.observe(world.ego(), &ego, world.dt);
+                    }
+                    world.follow(ego)
+                })
+            }
+        };
+        actions.contact = match contact {
+            Ok(contact) => contact,
+            Err(fault) => return Some(self.give_up(Ending::WorldError(fault))),
+        };
         observers.tick(&Scene { scenario, world, actions });
         let rule = &scenario.episode;
         let (ticks, held) = (world.ticks, episode.held);
@@ -193,7 +223,7 @@ impl Simulation for LocalSimulation {
             return None;
         }
         match self.failed_run_up().or_else(|| self.drivers.drive(&self.world, &self.run_up, &mut self.actions)) {
-            Some(fault) => Some(self.give_up(fault)),
+            Some(fault) => Some(self.give_up(Ending::Error(fault))),
             None => self.tick_encounter(),
         }
     }
@@ -265,6 +295,9 @@ impl Simulation for LocalSimulation {
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn Simulation>> {
+        if self.bridge.is_some() {
+            return None;
+        }
         let drivers = self.drivers.clone_for_batch(&self.scenario.cast)?;
         Some(Box::new(Self::with_drivers(self.scenario.clone(), drivers)))
     }

@@ -1,7 +1,7 @@
 //! The Markov decision process: what an episode is, how it starts, what a pedestrian observes and does, and its reward.
 //!
 //! A [`Scenario`] has a [`Cast`]: the ego and other vehicles with their drivers, and pedestrians. A pedestrian has four parts: a body, an
-//! [`ObservationSpec`], an [`ActionSpec`] and a [`Controller`]. A [`Simulation`] runs episodes of it; ours is [`LocalSimulation`]. A [`Trace`] records an episode,
+//! [`ObservationSpec`], an [`ActionSpec`] and a [`Controller`]. A [`Simulation`] runs episodes of it; ours is [`LocalSimulation`], whose car may drive in an [`ExternalWorld`]. A [`Trace`] records an episode,
 //! and a [`Pair`] is its view for one car and one pedestrian.
 //!
 //! | paper | here |
@@ -44,6 +44,7 @@ mod tally;
 mod road_watch;
 mod requirement_watch;
 mod observers;
+mod external_world;
 mod local_simulation;
 mod trace;
 mod pair;
@@ -55,6 +56,7 @@ pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, PolicyMaker, Vehi
 pub use component::Component;
 pub use criterion::Criterion;
 pub use driver_parts::{DriverParts, Setting};
+pub use external_world::{Abilities, BridgeKeys, ExternalWorld, MapWriter, PROTOCOL as WORLD_PROTOCOL};
 pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use local_simulation::LocalSimulation;

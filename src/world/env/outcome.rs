@@ -44,6 +44,9 @@ pub enum Ending {
     /// The controller of the pedestrian failed as a program. As for a driver, this is not stored.
     #[serde(skip)]
     ControllerError(Fault),
+    /// The other simulator in which the episode was to happen failed as a program. As for a driver, this is not stored.
+    #[serde(skip)]
+    WorldError(Fault),
 }
 
 /// The outcome of an episode.
@@ -98,10 +101,10 @@ impl Outcome {
         self.fault().is_none() && self.left_out.is_none()
     }
 
-    /// The fault of the driver or of the controller, if it ended the episode.
+    /// The fault of the driver, of the controller or of the world, if it ended the episode.
     pub fn fault(&self) -> Option<Fault> {
         match self.ending {
-            Ending::Error(fault) | Ending::ControllerError(fault) => Some(fault),
+            Ending::Error(fault) | Ending::ControllerError(fault) | Ending::WorldError(fault) => Some(fault),
             _ => None,
         }
     }
@@ -111,6 +114,7 @@ impl Outcome {
         match self.ending {
             Ending::Error(fault) => Some(format!("the driver {fault}")),
             Ending::ControllerError(fault) => Some(format!("the controller {fault}")),
+            Ending::WorldError(fault) => Some(format!("the world {fault}")),
             _ => None,
         }
     }

@@ -1,7 +1,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::{Cast, Criterion, EgoSpeed, LocalSimulation, RewardRule, Simulation, SpawnRule, TestOracle, run_up};
+use super::{
+    Cast, Criterion, EgoSpeed, ExternalWorld, LocalSimulation, RewardRule, Simulation, SpawnRule, TestOracle, run_up,
+};
 use crate::geometry::Obstacles;
 use crate::requirement::NamedRequirement;
 use crate::road::Town;
@@ -55,6 +57,8 @@ impl EpisodeRule {
 /// A logical scenario: everything that all its episodes share.
 #[derive(Clone)]
 pub struct Scenario {
+    /// The simulator in which the car drives; `None` for ours.
+    pub external_world: Option<Arc<ExternalWorld>>,
     /// The roads.
     pub town: Arc<Town>,
     /// The obstacles beside them.

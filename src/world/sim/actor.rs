@@ -75,8 +75,13 @@ impl Vehicle {
     /// Simulates one tick.
     #[inline]
     pub(super) fn step(&mut self, control: Control, town: &Town, dt: f64) {
-        self.before = self.state;
-        self.state = self.before.step(control, &self.blueprint, dt);
+        self.follow(self.state.step(control, &self.blueprint, dt), town);
+    }
+
+    /// Takes the state that it has after a tick.
+    #[inline]
+    pub(super) fn follow(&mut self, state: VehicleState, town: &Town) {
+        (self.before, self.state) = (self.state, state);
         self.obey_signs(town);
     }
 

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::{
     ActorId, Contact, Control, LightClock, LightCycle, Pedestrian, PedestrianBody, Start, Vehicle, VehicleBlueprint,
-    WalkCommand,
+    VehicleState, WalkCommand,
 };
 use crate::geometry::Obstacles;
 use crate::road::Town;
@@ -117,13 +117,29 @@ impl World {
     /// When the number of controls or commands is not that of the vehicles or pedestrians.
     pub fn tick(&mut self, controls: &[Control], commands: &[WalkCommand]) -> Option<Contact> {
         assert_eq!(controls.len(), self.vehicles.len(), "each vehicle has a control");
-        assert_eq!(commands.len(), self.pedestrians.len(), "each pedestrian has a command");
         for (vehicle, control) in self.vehicles.iter_mut().zip(controls) {
             vehicle.step(*control, &self.town, self.dt);
         }
+        self.walk(commands);
+        self.ticks += 1;
+        self.first_contact()
+    }
+
+    /// Lets the pedestrians walk for the next tick, which [`World::follow`] ends.
+    ///
+    /// # Panics
+    /// When the number of commands is not that of the pedestrians.
+    pub fn walk(&mut self, commands: &[WalkCommand]) {
+        assert_eq!(commands.len(), self.pedestrians.len(), "each pedestrian has a command");
         for (pedestrian, command) in self.pedestrians.iter_mut().zip(commands) {
             pedestrian.step(*command, &self.obstacles, self.dt);
         }
+    }
+
+    /// Ends a tick in which the pedestrians have walked and another simulator has moved the ego, and finds the first touch as [`World::tick`]
+    /// does.
+    pub fn follow(&mut self, ego: VehicleState) -> Option<Contact> {
+        self.vehicles[0].follow(ego, &self.town);
         self.ticks += 1;
         self.first_contact()
     }

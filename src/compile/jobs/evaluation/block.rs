@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use super::{ControllerKind, Evaluation, STOCHASTIC, TRAINED, UNTRAINED};
 use crate::campaign::{PlaceKeys, StartKeys};
+use crate::external_world::HERE;
 use crate::grid::{Grid, Nested, of_places};
 use crate::jobs::{JobBlock, NO_REWARD, Origin, Training, TrainingKey};
 use crate::lowering::Lowering;
@@ -11,7 +12,7 @@ use base::keys;
 use base::signature::{DeclarationId, Keys, Value};
 use lang::diagnostics;
 use lang::hir::Block;
-use world::env::RewardRule;
+use world::env::{RewardRule, Scenario};
 
 keys! {
     /// Tries every pedestrian in every town against every policy.
@@ -29,6 +30,8 @@ keys! {
         vehicles: Option<Vec<DeclarationId>> as Reference("vehicle"),
         /// Bodies and readings to try them with, instead of the campaign's `adversary`.
         adversaries: Option<Vec<DeclarationId>> as Reference("adversary"),
+        /// Simulators in which these episodes happen: ours (`here`), or a `world` of the file. All have the same starts and the same pedestrians.
+        worlds: Vec<Value> as WordOrReference(vec![HERE], "world") = "[here]",
         ..start: StartKeys,
     }
     .explained("towns", "Towns to try them in.")
@@ -46,7 +49,7 @@ pub(crate) const BLOCK: JobBlock =
 impl Lowering<'_> {
     fn evaluate(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let block = at.block;
-        let EvaluateKeys { places, episodes, pedestrians, vehicles, adversaries, start } = block.keys();
+        let EvaluateKeys { places, episodes, pedestrians, vehicles, adversaries, worlds, start } = block.keys();
         let cars = vehicles.map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
         let walkers = adversaries.map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
         let cars: Vec<_> = cars.unwrap_or_else(|| vec![grid.usual.car.clone()]);
@@ -54,6 +57,10 @@ impl Lowering<'_> {
         let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
         let all: Vec<_> = bodies().collect();
         let Some(ground) = self.ground(at, &places, &start, &all) else { return };
+        let Some(worlds) = self.worlds(&worlds) else { return };
+        if !self.worlds_fit(block, &worlds, &ground, &grid.usual.rule.value) {
+            return;
+        }
         let untrained = at.campaign.nested("train").next().is_none();
         if untrained && pedestrians.iter().any(|word| matches!(word, Value::Choice(TRAINED | STOCHASTIC | UNTRAINED))) {
             return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
@@ -72,14 +79,21 @@ impl Lowering<'_> {
         let controllers =
             if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &grid.campaign.jobs) };
         let each = controllers.len().max(grid.rewards.len());
-        if !self.takes(at, &ground, [all.len(), each], grid) {
+        if !self.takes(at, &ground, [all.len() * worlds.len(), each], grid) {
             return;
         }
         let Grid { usual, campaign, rewards } = grid;
-        for (place, (car, walker)) in ground.places().flat_map(|place| bodies().map(move |body| (place, body))) {
-            let ground = [place.declarations(car, walker, &usual.rule).as_slice(), &usual.requirements.ids].concat();
+        let places = worlds.iter().flat_map(|world| ground.places().map(move |place| (world, place)));
+        for (world, place, (car, walker)) in
+            places.flat_map(|(world, place)| bodies().map(move |body| (world, place, body)))
+        {
+            let mut ground =
+                [place.declarations(car, walker, &usual.rule).as_slice(), &usual.requirements.ids].concat();
+            ground.extend(world.as_ref().map(|world| world.id));
             let mut scenario = |rule: &RewardRule, declared: &[DeclarationId]| {
                 let scenario = place.scenario(car, walker, &usual.rule, rule, &usual.requirements.all);
+                let external_world = world.as_ref().map(|world| world.value.clone());
+                let scenario = Arc::new(Scenario { external_world, ..Scenario::clone(&scenario) });
                 let parts = [ground.as_slice(), declared].concat();
                 (scenario, self.origins(at, 1, &parts).next().expect("one run has one origin"))
             };
@@ -110,6 +124,7 @@ impl Lowering<'_> {
                     policy: place.policy.name.clone(),
                     vehicle: car.name.clone(),
                     adversary: walker.name.clone(),
+                    world: world.as_ref().map_or_else(|| HERE.into(), |world| world.name.clone()),
                     scenario,
                     episodes,
                 })

@@ -60,6 +60,8 @@ pub struct Evaluation {
     pub vehicle: Arc<str>,
     /// Name of the adversary, which gives the pedestrian's body and its states and actions.
     pub adversary: Arc<str>,
+    /// Name of the simulator in which the car drives; `here` for ours.
+    pub world: Arc<str>,
     /// The scenario of the evaluation.
     pub scenario: Arc<Scenario>,
     /// The number of episodes.
@@ -67,6 +69,11 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
+    /// The name of the other simulator in which the car drives; `None` if that is ours.
+    fn elsewhere(&self) -> Option<&str> {
+        self.scenario.external_world.as_ref().map(|_| &*self.world)
+    }
+
     /// The episodes of one of its parts.
     pub fn chunk(&self, part: u32) -> Range<u32> {
         let start = part * CHUNK;
@@ -86,7 +93,8 @@ impl Planned for Evaluation {
             other if key.reward == NO_REWARD => other.name().to_string(),
             other => format!("{} ({})", other.name(), key.reward),
         };
-        format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
+        let elsewhere = self.elsewhere().map_or_else(String::new, |world| format!(" of {world}"));
+        format!("{who} in {}{elsewhere} against {}, run {}", here.0, here.1, key.run)
     }
 
     fn places(&self) -> Vec<(&str, &Arc<Scenario>)> {
@@ -109,7 +117,8 @@ impl Planned for Evaluation {
     fn inputs(&self) -> String {
         let Self { controller, trained, first, town, policy, origin: Origin { fingerprint, .. }, .. } = self;
         let first = first.as_ref().map(|training| training.inputs());
-        format!("evaluation {town:?} {policy:?} {:?} {} {fingerprint} {first:?}", controller.name(), trained.run)
+        let world = self.elsewhere().map_or_else(String::new, |world| format!(" {world:?}"));
+        format!("evaluation {town:?} {policy:?} {:?} {} {fingerprint} {first:?}{world}", controller.name(), trained.run)
     }
 
     fn depends_on_processor(&self) -> bool {
@@ -129,7 +138,8 @@ impl Planned for Evaluation {
         // A smoke run takes fewer steps than the files say.
         let training =
             training.map(|training| [training.origin.fingerprint.to_string(), training.config.steps.to_string()]);
-        own.into_iter().chain(place).map(ToString::to_string).chain(training.into_iter().flatten()).collect()
+        let own = own.into_iter().chain(place).map(ToString::to_string).chain(training.into_iter().flatten());
+        own.chain(self.elsewhere().map(ToString::to_string)).collect()
     }
 }
 

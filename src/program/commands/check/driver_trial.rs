@@ -33,6 +33,9 @@ pub struct TrialArgs {
     /// Try a driver that others wrote, by its name in the Python package: sumo, openpilot_like, pdm_closed, fiss, commonroad.
     #[arg(long = "driver", value_name = "NAME", group = "tried")]
     pub stack: Option<String>,
+    /// Try a bridge to another simulator: metadrive or sumo of the Python package, or a command.
+    #[arg(long, value_name = "WORLD", group = "tried")]
+    pub world: Option<String>,
     /// Time limit of the driver's answer to a tick, in seconds.
     #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds, requires = "tried")]
     pub timeout: f64,
@@ -51,6 +54,14 @@ impl TrialArgs {
             Some(name) => Some([&PYTHON[..], &[name]].concat().into_iter().map(String::from).collect()),
             None => (!self.driver.is_empty()).then(|| self.driver.clone()),
         }
+    }
+}
+
+impl TrialArgs {
+    /// Starts what is tried, and shows its first messages if they are asked for.
+    pub(super) fn opener(&self) -> Overhearing {
+        let left = if self.show { SHOWN } else { 0 };
+        Overhearing { inner: ProcessOpener::default(), left: Arc::new(AtomicUsize::new(left)) }
     }
 }
 
@@ -118,10 +129,7 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
     if let Some(Err(reason)) = options.stack.as_deref().map(installed) {
         return failed(&format!("is installed: {reason}"));
     }
-    let opener = Arc::new(Overhearing { inner: ProcessOpener::default(), left: Arc::new(AtomicUsize::new(0)) });
-    if options.show {
-        opener.left.store(SHOWN, Ordering::Relaxed);
-    }
+    let opener = Arc::new(options.opener());
     interrupt::end_when_asked();
     if let Err(reason) = opener.find(&program) {
         return failed(&format!("could be started: {reason}"));
@@ -179,17 +187,17 @@ pub fn try_driver(options: &TrialArgs, words: Vec<String>) -> ExitCode {
     ExitCode::Done
 }
 
-fn passed(what: &str) {
+pub(super) fn passed(what: &str) {
     console::say(&format!("  ok    {what}"));
 }
 
-fn failed(what: &str) -> ExitCode {
+pub(super) fn failed(what: &str) -> ExitCode {
     console::say(&format!("  FAIL  {what}"));
     ExitCode::RunFailed
 }
 
 /// The first episode in which the driver failed, in words.
-fn first_fault(outcomes: &[Outcome]) -> Option<String> {
+pub(super) fn first_fault(outcomes: &[Outcome]) -> Option<String> {
     let mut faults = outcomes.iter().enumerate().filter_map(|(episode, outcome)| Some((episode, outcome.fault()?)));
     faults.next().map(|(episode, fault)| format!("in episode {episode} {}", told(fault)))
 }
@@ -202,13 +210,13 @@ pub(super) fn told(fault: Fault) -> String {
 }
 
 /// The first episode that is another one, in words; an episode in error is not another one.
-fn first_difference(left: &[Outcome], right: &[Outcome]) -> Option<String> {
+pub(super) fn first_difference(left: &[Outcome], right: &[Outcome]) -> Option<String> {
     let other = || left.iter().zip(right).position(|(left, right)| left != right);
     first_fault(right).or_else(|| other().map(|episode| format!("episode {episode} became another one")))
 }
 
 /// The crossing and the empty road.
-fn proving_grounds() -> [Scenario; 2] {
+pub(super) fn proving_grounds() -> [Scenario; 2] {
     let read = |path: &Path| match path.to_str() {
         Some("proving_ground.scn") => Ok([CAMPAIGN, CROSSING, empty_road::TOWN].concat()),
         _ => Err(io::Error::from(io::ErrorKind::NotFound)),
@@ -220,7 +228,7 @@ fn proving_grounds() -> [Scenario; 2] {
 }
 
 /// Shows the messages on the links that it opens.
-struct Overhearing {
+pub(super) struct Overhearing {
     inner: ProcessOpener,
     left: Arc<AtomicUsize>,
 }
@@ -233,6 +241,10 @@ struct Overheard {
 impl Opener for Overhearing {
     fn find(&self, program: &Program) -> Result<(), String> {
         self.inner.find(program)
+    }
+
+    fn asks(&self) -> bool {
+        true
     }
 
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use crate::session::{Error, named};
 use compile::{Campaign, Evaluation, Search};
 use results::report::RecheckNote;
-use world::env::{Scenario, VehicleRole};
+use world::env::{ExternalWorld, Scenario, VehicleRole};
 
 /// A driver of an old report and its new version.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -110,12 +110,20 @@ pub(super) fn new_role<'a>(
     of_driver.min_by_key(unlike).map(|place| place.scenario.cast.ego())
 }
 
+/// A car with its driver, and the other simulator in which it drives; `None` if that is the simulator of the old scenario.
+#[derive(Clone, Copy)]
+pub(super) struct NewDriver<'a> {
+    pub role: &'a VehicleRole,
+    pub world: Option<&'a Arc<ExternalWorld>>,
+}
+
 /// The old scenario with the car and the driver of another. The grip of the road stays.
-pub(super) fn with_driver(scenario: &Arc<Scenario>, role: &VehicleRole) -> Arc<Scenario> {
+pub(super) fn with_driver(scenario: &Arc<Scenario>, NewDriver { role, world }: NewDriver<'_>) -> Arc<Scenario> {
     let mut scenario = Scenario::clone(scenario);
     let grip = scenario.cast.ego().blueprint.grip;
     scenario.cast.vehicles[0] = role.clone();
     scenario.cast.vehicles[0].blueprint.grip = grip;
+    scenario.external_world = world.cloned().or(scenario.external_world);
     Arc::new(scenario)
 }
 

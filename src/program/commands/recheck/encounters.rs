@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use super::driver_pairs::with_driver;
+use super::driver_pairs::{NewDriver, with_driver};
 use crate::session::Source;
 use base::seed::Seed;
 use compile::{Evaluation, Search, episodes_seed};
@@ -12,7 +12,7 @@ use results::failure::Failure;
 use results::jobs::Repeatable;
 use results::parallel;
 use results::report::{Encounter, Encounters, Met, WalkedBy};
-use world::env::{Criterion, Outcome, Scenario, Trace, VehicleRole};
+use world::env::{Criterion, Outcome, Scenario, Trace};
 use world::falsifier::{Goal, evaluate_crossings, evaluate_observed, recorded_commands, walk_again};
 use world::judge::Judged;
 
@@ -39,7 +39,7 @@ impl Source {
         &self,
         failure: &Failure,
         (evaluation, trained): (&Evaluation, Option<&ActorCritic>),
-        role: &VehicleRole,
+        new: NewDriver<'_>,
         old: bool,
     ) -> MetAgain {
         let number = failure.number as u32;
@@ -48,7 +48,7 @@ impl Source {
             Some((seen.judged.outcome, seen.trace))
         };
         let before = old.then(|| play(evaluation)).flatten();
-        let after = Evaluation { scenario: with_driver(&evaluation.scenario, role), ..evaluation.clone() };
+        let after = Evaluation { scenario: with_driver(&evaluation.scenario, new), ..evaluation.clone() };
         let commands = before.as_ref().map(|(_, trace)| recorded_commands(trace));
         let again = commands.and_then(|commands| {
             let starts = episodes_seed(&self.seed, &evaluation.town);
@@ -59,12 +59,12 @@ impl Source {
     }
 
     /// Meets a failure of a search again. `old` says whether the old driver can be run.
-    pub(super) fn meet_failure(&self, failure: &Failure, search: &Search, role: &VehicleRole, old: bool) -> MetAgain {
+    pub(super) fn meet_failure(&self, failure: &Failure, search: &Search, new: NewDriver<'_>, old: bool) -> MetAgain {
         if failure.commands.is_empty() {
             return MetAgain { is_damaged: true, ..MetAgain::default() };
         }
         let seed = search.starts(&self.seed);
-        let after = with_driver(&search.scenario, role);
+        let after = with_driver(&search.scenario, new);
         let follow = |scenario| walk_again(scenario, seed, failure.start, &failure.commands);
         let walker = search.falsifier.walk_policy().zip(u32::try_from(failure.start).ok());
         let has_no_controller = walker.is_none();

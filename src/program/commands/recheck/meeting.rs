@@ -3,14 +3,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::RecheckArgs;
-use super::driver_pairs::{DriverPair, Place, driver_pairs, new_role, places, with_driver};
+use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, places, with_driver};
 use super::encounters::{MetAgain, cross};
+use crate::cli::external_world::external_world;
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source, WhichPrograms};
 use compile::{Campaign, RunId};
+use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
 use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
-use world::env::Scenario;
+use world::env::{ExternalWorld, Scenario};
 use world::falsifier::{Goal, crossings};
 
 /// Values of a component of a crossing on the fixed list.
@@ -22,6 +24,8 @@ struct Sides {
     /// Whether the scenario of the report can be compiled as it was.
     is_old_there: bool,
     new: Vec<Campaign>,
+    /// The other simulator in which the new drivers drive.
+    world: Option<Arc<ExternalWorld>>,
 }
 
 impl Session {
@@ -40,8 +44,9 @@ impl Session {
         notes.extend(
             changed.map(|program| RecheckNote::OldDriverGone { reason: format!("{program} since the report") }),
         );
+        notes.extend(sides.world.iter().map(|world| RecheckNote::elsewhere(world)));
         let failures = sides.meet_failures(&pairs, self, &mut notes)?;
-        let crossings = sides.cross_all(&pairs, options.starts, self, &mut notes);
+        let crossings = sides.cross_all(&pairs, options.starts(), self, &mut notes);
         let report = options.report.clone();
         let files = options.files.clone();
         let mut recheck = Recheck { report, files, notes, failures, crossings };
@@ -77,7 +82,8 @@ impl Session {
         };
         let is_old_there = reason.is_none();
         let notes = reason.map(|reason| RecheckNote::OldDriverGone { reason }).into_iter().collect();
-        Ok((Sides { old, is_old_there, new }, notes))
+        let world = options.world.as_deref().map(opened).transpose()?;
+        Ok((Sides { old, is_old_there, new, world }, notes))
     }
 
     /// The campaigns of the new files: that of the report's name, or else all.
@@ -91,6 +97,16 @@ impl Session {
         let named = plan.campaigns.iter().find(|campaign| campaign.name == report.manifest().campaign);
         Ok(named.map_or_else(|| plan.campaigns.clone(), |campaign| vec![campaign.clone()]))
     }
+}
+
+/// Times of another simulator for a tick, and for its start (s).
+const WORLD_TIMES: (f64, f64) = (10.0, 300.0);
+
+/// The other simulator with a name or a command, which the user allows by naming it.
+fn opened(name: &str) -> Result<Arc<ExternalWorld>, Error> {
+    let opener = Arc::new(ProcessOpener::default().asking());
+    let world = external_world(name, opener, WORLD_TIMES);
+    world.map(Arc::new).map_err(|reason| Error::Usage(format!("cannot use the world `{name}`: {reason}")))
 }
 
 /// Counts the episodes of a stage, and reports each to the observer of a session.
@@ -128,6 +144,12 @@ impl Sides {
     /// Whether an old driver can be run as it was.
     fn is_there(&self, driver: &str) -> bool {
         self.is_old_there && self.old.other_program(driver).is_none()
+    }
+
+    /// A new driver with its car, and where it drives.
+    fn new_driver(&self, name: &str, town: &str, vehicle: Option<&str>) -> Option<NewDriver<'_>> {
+        let role = new_role(&self.new, name, town, vehicle)?;
+        Some(NewDriver { role, world: self.world.as_ref() })
     }
 
     fn meet_failures(
@@ -200,20 +222,20 @@ impl Sides {
         let is_old_there = self.is_there(&pair.before);
         if let Some(evaluation) = self.old.evaluation(run) {
             let trained = self.old.trained(evaluation)?;
-            let role =
-                new_role(&self.new, &pair.after, &evaluation.town, Some(&evaluation.vehicle)).ok_or_else(gone)?;
+            let vehicle = Some(&*evaluation.vehicle);
+            let new = self.new_driver(&pair.after, &evaluation.town, vehicle).ok_or_else(gone)?;
             let of_run = (evaluation, trained.as_ref());
             let meet = |failure: &Failure| {
-                let met = self.old.meet_episode(failure, of_run, role, is_old_there);
+                let met = self.old.meet_episode(failure, of_run, new, is_old_there);
                 tally.add();
                 met
             };
             return Ok(parallel::map(failures, meet));
         }
         let search = self.old.search(run).ok_or_else(gone)?;
-        let role = new_role(&self.new, &pair.after, &search.key.town, None).ok_or_else(gone)?;
+        let new = self.new_driver(&pair.after, &search.key.town, None).ok_or_else(gone)?;
         let meet = |failure: &Failure| {
-            let met = self.old.meet_failure(failure, search, role, is_old_there);
+            let met = self.old.meet_failure(failure, search, new, is_old_there);
             tally.add();
             met
         };
@@ -261,7 +283,7 @@ impl Sides {
         tally: &Tally<'_>,
     ) -> CrossedStarts {
         let Setup { town, number, scenario } = setup;
-        let role = new_role(&self.new, &pair.after, town, None).expect("the new driver is in a campaign");
+        let new = self.new_driver(&pair.after, town, None).expect("the new driver is in a campaign");
         let before = self.is_there(&pair.before).then_some(scenario);
         let seed = self.old.seed.child("recheck").child(town);
         CrossedStarts {
@@ -269,7 +291,7 @@ impl Sides {
             town: (*town).to_owned(),
             setup: *number,
             crossings: goals.len() as u64,
-            encounters: cross(goals, before, &with_driver(scenario, role), starts, seed, &|| tally.add()),
+            encounters: cross(goals, before, &with_driver(scenario, new), starts, seed, &|| tally.add()),
             holm: None,
         }
     }

@@ -105,8 +105,17 @@ fn names(key: &RunKey, renamed: bool, one_report: bool) -> String {
     let own = renamed && !one_report && cell.train_policy == cell.policy;
     let train_policy: &str = if own { "" } else { &cell.train_policy };
     let reward: &str = if cell.is_of_reward() { &cell.reward } else { "" };
-    let words: [&str; 8] =
-        [&cell.town, policy, &cell.vehicle, &cell.adversary, &cell.controller, reward, &cell.train_town, train_policy];
+    let words: [&str; 9] = [
+        &cell.town,
+        policy,
+        &cell.vehicle,
+        &cell.adversary,
+        &cell.world,
+        &cell.controller,
+        reward,
+        &cell.train_town,
+        train_policy,
+    ];
     format!("{}\0{}\0{}", words.join("\0"), cell.block, key.run)
 }
 

@@ -2,7 +2,9 @@ use polars::prelude::DataFrame;
 
 use super::comparison::{ComparedCell, ReportComparison};
 use super::paired_rate::{Changed, CountedEvent, PairedRate};
-use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE};
+use crate::record::columns::{
+    ADVERSARY, BLOCK, CONTROLLER, POLICY, REWARD, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, WORLD,
+};
 use crate::record::{Column, Family, Role, Table, TableReference};
 
 const BEFORE: Family<f64> =
@@ -82,6 +84,7 @@ fn table(events: &[CountedEvent]) -> Table<'static, ComparedCell> {
     .column(TRAIN_POLICY.of(|row: &Row| row.keys[0].train_policy.clone()))
     .column(VEHICLE.of(|row: &Row| row.keys[0].vehicle.clone()))
     .column(ADVERSARY.of(|row: &Row| row.keys[0].adversary.clone()))
+    .column(WORLD.of(|row: &Row| row.keys[0].world.clone()))
     .column(BLOCK.of(|row: &Row| row.keys[0].block))
     .column(MATCHED_RUNS.of(|row: &Row| row.runs))
     .column(COMMON_STARTS.of(|row: &Row| row.starts))

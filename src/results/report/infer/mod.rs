@@ -1,6 +1,6 @@
 //! The evidence of the results for further trainings and episodes: intervals, and comparisons on common starts.
 //!
-//! Episodes come run by run. They stay in memory while runs of their place come. A place is a town, a vehicle and an adversary of one
+//! Episodes come run by run. They stay in memory while runs of their place come. A place is a town, a vehicle, an adversary and a world of one
 //! `evaluate` block. All controllers and all driving policies of a place have the same starts.
 
 mod figure;

@@ -60,7 +60,7 @@ pub fn remaining_rate(reference: Reference) -> ColumnReference {
 pub fn comparison_table() -> Table<'static, Comparison> {
     Table::new(
         "comparisons",
-        "One row for each pair of cells with common starts, and figure; both have the same town, vehicle, adversary and block. Where `other_policy` is \
+        "One row for each pair of cells with common starts, and figure; both have the same town, vehicle, adversary, world and block. Where `other_policy` is \
          `policy`, a trained controller less another one: an untrained one (`random`, `homing`, `intercept`) with the same reward, or the same one \
          trained for an earlier reward. Otherwise a driver less an earlier one, met by the same controller: run by run, so trainings are paired, too. \
          The two kinds are adjusted separately.",

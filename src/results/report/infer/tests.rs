@@ -21,6 +21,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
         policy: policy.into(),
         vehicle: "v".into(),
         adversary: "w".into(),
+        world: "here".into(),
         block: 0,
     };
     let row = |(episode, letter): (usize, char)| {

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use polars::prelude::{AnyValue, DataFrame};
 
 use super::condition::{Bound, Comparison, Condition, Extreme, is_end};
-use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, TRAIN_TOWN, VEHICLE};
+use crate::record::columns::{ADVERSARY, BLOCK, CONTROLLER, POLICY, TOWN, TRAIN_TOWN, VEHICLE, WORLD};
 use crate::record::metric::{EPISODES, MEAN};
 use crate::record::{CellKey, ColumnReference, Role, Table, TableReference, cell_key};
 use crate::report::Findings;
@@ -456,7 +456,7 @@ impl Gate {
 }
 
 /// The columns that name a place: its controllers have the same starts.
-const PLACE: [&str; 5] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, BLOCK.name];
+const PLACE: [&str; 6] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, WORLD.name, BLOCK.name];
 
 /// The share of episodes in which the driver left the road, and from which share on a row says nothing about the driver's failures.
 const LEFT_ROAD_RATE: &str = "left_road_rate";

@@ -3,6 +3,7 @@ use crate::failure::FoundBy;
 use crate::report::FailureChange;
 use crate::report::compare::drivers;
 use base::choice;
+use base::statistics::clopper_pearson;
 
 choice! {
     /// What moves the pedestrian of a failure when it is met again.
@@ -34,6 +35,13 @@ impl RecheckedFailures {
     pub fn title(&self) -> String {
         let (found_in, walked_by) = (self.found_in.name(), self.walked_by.name());
         format!("{} in {}, failures of the {found_in}, by {walked_by}", drivers(&self.policies), self.town)
+    }
+
+    /// The share of the old driver's faults that the new driver still has, and its interval (95 %); `None` without faults.
+    pub fn survival(&self) -> Option<(f64, (f64, f64))> {
+        let all = self.encounters.count(|before, _| before.fault).filter(|all| *all > 0)?;
+        let still = self.encounters.count(|before, after| before.fault && after.fault)?;
+        Some((still as f64 / all as f64, clopper_pearson(still, all, 0.05)))
     }
 
     /// The failures, as they end for both drivers.

@@ -1,3 +1,5 @@
+use world::env::{Abilities, ExternalWorld};
+
 /// What a reader of a recheck must know.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RecheckNote {
@@ -26,7 +28,20 @@ pub enum RecheckNote {
     /// Failures cannot be repeated.
     #[error("failures that cannot be repeated and are left out, since their commands are damaged: {failures}")]
     Damaged { failures: u64 },
+    /// The new drivers drive in another simulator.
+    #[error(
+        "the new drivers drive in `{name}` ({version}); starts, pedestrians, contacts and verdicts are those of the report"
+    )]
+    Elsewhere { name: String, version: String },
     /// Encounters whose starts differ.
     #[error("encounters that have another start with the new driver and are left out: {encounters}")]
     OtherStart { encounters: u64 },
+}
+
+impl RecheckNote {
+    /// The note about another simulator that was asked who it is.
+    pub fn elsewhere(world: &ExternalWorld) -> Self {
+        let Abilities { name, version, .. } = world.abilities.clone().unwrap_or_default();
+        Self::Elsewhere { name, version }
+    }
 }

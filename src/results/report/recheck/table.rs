@@ -26,6 +26,21 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
             "of these faults, those that the new driver still has",
             is(|before, after| before.fault && after.fault),
         )
+        .column(
+            Column::<f64>::new("still_fault_share", "", "`still_faults` as a share of `old_faults`")
+                .with_role(Role::Share)
+                .of(|row: &Row| row.survival().map(|(share, _)| share)),
+        )
+        .column(
+            Column::<f64>::new("still_fault_share_low", "", "its interval (95 %, Clopper and Pearson): lower end")
+                .with_role(Role::LowerBound)
+                .of(|row: &Row| row.survival().map(|(_, (low, _))| low)),
+        )
+        .column(
+            Column::<f64>::new("still_fault_share_high", "", "upper end")
+                .with_role(Role::UpperBound)
+                .of(|row: &Row| row.survival().map(|(_, (_, high))| high)),
+        )
         .count(
             "turned_faults",
             "failures that were no fault of the old driver and are one of the new",

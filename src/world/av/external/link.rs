@@ -51,6 +51,11 @@ pub trait Opener: Send + Sync {
         Ok(BTreeMap::new())
     }
 
+    /// Whether a program may be started to ask what it can do, before anything is run. Editors start nothing.
+    fn asks(&self) -> bool {
+        false
+    }
+
     /// Starts one.
     ///
     /// # Errors

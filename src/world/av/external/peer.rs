@@ -77,6 +77,11 @@ impl Peer {
         }
     }
 
+    /// Whether it runs.
+    pub fn is_running(&self) -> bool {
+        self.link.is_some()
+    }
+
     /// Its link.
     ///
     /// # Errors

@@ -186,6 +186,10 @@ impl DrivingPolicy for SensorWrapper {
         self.driver.fault()
     }
 
+    fn world_driver(&self) -> Option<&str> {
+        self.driver.world_driver()
+    }
+
     fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(Self {
             driver: self.driver.snapshot()?,

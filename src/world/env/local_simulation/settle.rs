@@ -1,5 +1,4 @@
 use super::LocalSimulation;
-use crate::av::Fault;
 use crate::env::reward::{Hit, HitClass};
 use crate::env::{Ending, MOVING_ABOVE, Outcome, RewardRule, Simulation, Situation};
 use crate::sim::Contact;
@@ -65,9 +64,9 @@ impl LocalSimulation {
         Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
     }
 
-    /// Ends an episode whose driver failed: the decision has no reward, and the rest of the episode is unknown.
-    pub(super) fn give_up(&mut self, fault: Fault) -> Step {
-        self.finish(Ending::Error(fault));
+    /// Ends an episode whose driver or world failed: the decision has no reward, and the rest of the episode is unknown.
+    pub(super) fn give_up(&mut self, ending: Ending) -> Step {
+        self.finish(ending);
         Step { reward: 0.0, terminated: false, truncated: true }
     }
 
@@ -79,7 +78,7 @@ impl LocalSimulation {
 
     /// Records the outcome of the episode.
     pub(super) fn finish(&mut self, ending: Ending) {
-        if !matches!(ending, Ending::Error(_) | Ending::ControllerError(_)) {
+        if !matches!(ending, Ending::Error(_) | Ending::ControllerError(_) | Ending::WorldError(_)) {
             self.observers.requirements.conclude();
         }
         let (scene, tally) = (self.scene(), &self.observers.tally);

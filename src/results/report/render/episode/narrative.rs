@@ -236,7 +236,7 @@ fn ending(outcome: &Outcome, frames: &[Frame]) -> String {
         Ending::OtherContact => "actors touch that are not the car and a pedestrian".to_string(),
         Ending::Lost => "the episode ends early, as the scenario says".to_string(),
         Ending::Timeout => format!("the time limit is reached; the least gap was {:.2} m", outcome.least_gap),
-        Ending::Error(_) | Ending::ControllerError(_) => outcome.error().unwrap_or_default(),
+        Ending::Error(_) | Ending::ControllerError(_) | Ending::WorldError(_) => outcome.error().unwrap_or_default(),
     }
 }
 

@@ -65,7 +65,7 @@ pub fn training(cell: &Cell) -> String {
     }
 }
 
-/// The town of a cell, with all else that differs between the cells: vehicle, adversary, `evaluate` block.
+/// The town of a cell, with all else that differs between the cells: vehicle, adversary, world, `evaluate` block.
 pub fn place(cell: &Cell, cells: &[Cell]) -> String {
     let mut text = cell.key.town.clone();
     if cells.iter().any(|other| other.key.vehicle != cell.key.vehicle) {
@@ -73,6 +73,9 @@ pub fn place(cell: &Cell, cells: &[Cell]) -> String {
     }
     if cells.iter().any(|other| other.key.adversary != cell.key.adversary) {
         let _ = write!(text, ", {}", cell.key.adversary);
+    }
+    if cells.iter().any(|other| other.key.world != cell.key.world) {
+        let _ = write!(text, ", {}", cell.key.world);
     }
     if cells.iter().any(|other| other.key.block != cell.key.block) {
         let _ = write!(text, " #{}", cell.key.block);

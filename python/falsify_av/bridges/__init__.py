@@ -1,0 +1,63 @@
+"""Other simulators as worlds: the bridges that ship, and what serves a bridge.
+
+Each is a program that a scenario names, ``world metadrive = bridge(command: "python3 -m falsify_av.bridges metadrive")``, and that
+``falsify check --world metadrive`` tries. ``docs/src/how-to/worlds.md`` describes the messages, and says what each simulator is and can do.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any, Protocol
+
+from ..answers import answers
+from ..stacks import Stack
+
+Message = dict[str, Any]
+
+#: The bridges by their names: what each needs.
+BRIDGES = {
+    "metadrive": Stack(
+        "metadrive", "MetaDrive", ("metadrive", "sumolib", "sumo"), "metadrive-simulator==0.4.3 eclipse-sumo==1.28.0 sumolib==1.28.0", (3, 11)
+    ),
+    "sumo": Stack("sumo", "SUMO", ("libsumo", "sumo"), "libsumo==1.28.0 eclipse-sumo==1.28.0"),
+}
+
+
+class World(Protocol):
+    """A simulator behind a bridge. The messages are those of the protocol; lengths are in m, times in s, angles in rad."""
+
+    #: The greeting without the protocol: `name`, `version`, `drivers`, `friction`, `lights`, `seeds`.
+    about: Message
+
+    def load(self, message: Message) -> list[tuple[float, float]] | None:
+        """Load a town; the nearest place on the middle of a lane for each of `message["lanes"]`, or None if it has no lanes."""
+
+    def begin(self, message: Message) -> Message:
+        """Place the actors; the first state."""
+
+    def step(self, message: Message) -> Message:
+        """Move on one tick; the state after it."""
+
+
+def state(x: float, y: float, yaw: float, speed: float, pedestrians: list[tuple[float, float]]) -> Message:
+    """A state for an answer."""
+    return {"ego": {"x": x, "y": y, "yaw": yaw, "speed": speed}, "pedestrians": pedestrians}
+
+
+def serve(world: World) -> None:
+    """Answer the messages on the standard input until it ends."""
+    out = answers()
+    for line in sys.stdin.buffer:
+        message = json.loads(line)
+        kind = message["type"]
+        if kind == "hello":
+            answer = {"protocol": message["protocol"], **world.about}
+        elif kind == "load":
+            answer = {"lanes": world.load(message)}
+        elif kind == "begin":
+            answer = {"tick": 0, **world.begin(message)}
+        else:
+            answer = {"tick": message["tick"], **world.step(message)}
+        out.write(json.dumps(answer).encode() + b"\n")
+        out.flush()

@@ -1,0 +1,120 @@
+"""The bridges to other simulators: what they say of themselves, and that they move cars and pedestrians as they are told."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from falsify_av.bridges import BRIDGES
+from falsify_av.bridges.__main__ import main
+
+TICK = 0.05
+VEHICLE = {"length": 4.79, "width": 2.16, "wheelbase": 3.0, "full_brake": 7.0}
+# A street of 400 m along x, with a lane of 3.5 m in each direction.
+LANE = '<lane id="{0}" type="driving" level="false"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane>'
+MAP = (
+    '<OpenDRIVE><header revMajor="1" revMinor="7"/><road name="" length="400" id="1" junction="-1">'
+    '<type s="0" type="town"><speed max="50" unit="km/h"/></type>'
+    '<planView><geometry s="0" x="100" y="-50" hdg="0" length="400"><line/></geometry></planView><lanes><laneSection s="0">'
+    f'<left>{LANE.format(1)}</left><center><lane id="0" type="none"/></center><right>{LANE.format(-1)}</right>'
+    "</laneSection></lanes></road></OpenDRIVE>"
+)
+START = {"x": 150.0, "y": -51.75, "yaw": 0.0, "speed": 8.0}
+
+
+class Bridge:
+    """A bridge as a child process."""
+
+    def __init__(self, *words: str) -> None:
+        missing = BRIDGES[words[0]].missing()
+        if missing is not None:
+            pytest.skip(missing)
+        command = [sys.executable, "-m", "falsify_av.bridges", *words]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.about = self.ask({"type": "hello", "protocol": "falsify-world/1"})
+        self.loaded = self.ask({
+            "type": "load", "town": "street", "map": MAP, "tick_s": TICK, "vehicle": VEHICLE,
+            "pedestrians": [{"radius": 0.2, "height": 1.8}], "lanes": [[200.0, -51.75], [300.0, -48.25]],
+        })  # fmt: skip
+
+    def ask(self, message: dict[str, Any]) -> dict[str, Any]:
+        """The answer to a message."""
+        assert self.process.stdin is not None and self.process.stdout is not None
+        self.process.stdin.write(json.dumps(message) + "\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def episode(self, ticks: int, walker: Any, control: dict[str, float], driver: str | None = None) -> list[dict[str, Any]]:
+        """The states of an episode; `walker` gives the place of the pedestrian at a tick."""
+
+        def pedestrians(tick: int) -> list[dict[str, float]]:
+            (x, y), (next_x, next_y) = walker(tick), walker(tick + 1)
+            return [{"x": x, "y": y, "yaw": 0.0, "vx": (next_x - x) / TICK, "vy": (next_y - y) / TICK}]
+
+        route = [[x, -51.75, 0.0] for x in range(150, 490)]
+        begin = {"type": "begin", "seed": 7, "ego": START, "driver": driver, "speed_limit": 13.9, "route": route, "pedestrians": pedestrians(0)}
+        states = [self.ask(begin)]
+        states += [self.ask({"type": "step", "tick": tick, "control": control, "pedestrians": pedestrians(tick)}) for tick in range(1, ticks + 1)]
+        for tick, state in enumerate(states):
+            assert state["tick"] == tick
+            assert math.dist(state["pedestrians"][0], walker(tick)) < 1e-3
+        return states
+
+
+def crossing(at: float, first: float) -> Any:
+    """A pedestrian that crosses the lane at 1.4 m/s."""
+    return lambda tick: (at, first - 1.4 * TICK * tick)
+
+
+@pytest.mark.parametrize("name", sorted(BRIDGES))
+def test_a_bridge_says_what_it_needs_and_what_it_is(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--missing", name]) in (0, 3)
+    assert main(["nobody"]) == 2
+    assert "names: metadrive, sumo" in capsys.readouterr().err
+    bridge = Bridge(name)
+    assert bridge.about["name"] == name and bridge.about["version"] and bridge.about["drivers"]
+    places = bridge.loaded["lanes"]
+    assert math.dist(places[0], (200.0, -51.75)) < 0.1 and math.dist(places[1], (300.0, -48.25)) < 0.1
+
+
+def test_metadrive_carries_out_what_our_drivers_command() -> None:
+    bridge = Bridge("metadrive")
+    still = lambda _: (300.0, -40.0)
+    straight = bridge.episode(20, still, {"acceleration": -3.0, "wheel_angle": 0.0})
+    speeds = [state["ego"]["speed"] for state in straight]
+    assert speeds[0] == pytest.approx(8.0, abs=1e-3) and speeds[-1] == pytest.approx(5.0, abs=0.05)
+    left = bridge.episode(20, still, {"acceleration": 0.0, "wheel_angle": 0.1})
+    turned = 8.0 * math.tan(0.1) / VEHICLE["wheelbase"]
+    assert left[-1]["ego"]["yaw"] == pytest.approx(turned, rel=0.15) and left[-1]["ego"]["y"] > -51.75
+    assert bridge.episode(20, still, {"acceleration": -3.0, "wheel_angle": 0.0}) == straight, "episodes do not depend on earlier ones"
+
+
+def test_a_pedestrian_blinds_the_idm_of_metadrive_and_a_mended_one_does_not() -> None:
+    control = {"acceleration": 0.0, "wheel_angle": 0.0}
+    standing = lambda _: (205.0, -51.75)
+    # 120 ticks end before the front of the car reaches the pedestrian.
+    blind, mended = (Bridge(*words).episode(120, standing, control, "IDMPolicy")[-1]["ego"] for words in (("metadrive",), ("metadrive", "mended")))
+    assert blind["speed"] > 8.3 and 199.0 < blind["x"] < 202.0
+    assert mended["speed"] < 3.0 and mended["x"] < blind["x"] - 5.0
+    assert Bridge("metadrive").episode(160, standing, control, "TrajectoryIDMPolicy")[-1]["ego"]["speed"] < 2.0
+
+
+@pytest.mark.parametrize("model", ["EIDM", "IDM", "Krauss"])
+def test_a_model_of_sumo_brakes_for_a_person_on_its_lane(model: str) -> None:
+    bridge, control = Bridge("sumo"), {"acceleration": 0.0, "wheel_angle": 0.0}
+    assert bridge.about["controls"] is False
+    met = bridge.episode(160, lambda _: (205.0, -51.75), control, model)
+    assert met[-1]["ego"]["speed"] < 2.0 and met[-1]["ego"]["x"] < 205.0
+    assert bridge.episode(160, lambda _: (205.0, -51.75), control, model) == met, "the seed is all that it draws from"
+    assert bridge.episode(120, crossing(300.0, -40.0), control, model)[-1]["ego"]["speed"] > 8.0
+
+
+def test_the_bridges_that_ship_are_files_of_the_package() -> None:
+    folder = Path(sys.modules["falsify_av.bridges"].__file__ or "").parent
+    assert all((folder / f"{name}.py").exists() for name in BRIDGES)

@@ -1,0 +1,240 @@
+use std::sync::Arc;
+
+use super::message::{self, Begin, Body, Car, Load, Model, Moved, Pedals, Step, Walker, read_loaded, read_moved};
+use super::{ExternalWorld, Loaded};
+use crate::av::Fault;
+use crate::av::external::Peer;
+use crate::env::{PedestrianRole, Scenario};
+use crate::geometry::{Pose, wrap_angle};
+use crate::road::{ForkRule, LaneFilter, RandomWalk, RoadOption, RoutePoint, Town, Waypoint};
+use crate::sim::{Control, VehicleState, World};
+use base::seed::Seed;
+
+/// How far a pedestrian may be from where the world was told to place it (m): an answer has the numbers of another program.
+const MOVED: f64 = 0.01;
+/// How far the car may be from its start (m, rad, m/s) when an episode begins.
+const PLACED: f64 = 0.01;
+/// How much farther than by its speeds the car may get in a tick (m): contact and steep turns move its middle. More is a jump.
+const JUMP: f64 = 0.5;
+/// How far a lane of the world may be from that of the town (m).
+const LANES: f64 = 0.1;
+/// The distance between places on lanes (m), and their maximum number.
+const SPACING: f64 = 10.0;
+const MAX_PLACES: usize = 2_000;
+/// The length of the way of another simulator's driver (points, a metre apart).
+const ROUTE: usize = 600;
+
+/// The driver of the other simulator that drives, and the lanes that it is to take; `None` if the driver is ours.
+type Driver<'a> = Option<(&'a str, &'a [Waypoint])>;
+
+/// A program that bridges to another simulator, for one episode after another. It is started for the first one, and again after a fault.
+pub(in crate::env) struct Bridge {
+    world: Arc<ExternalWorld>,
+    /// `None` before the first episode.
+    peer: Option<Peer>,
+    /// The message with the town.
+    load: Vec<u8>,
+    request: Vec<u8>,
+    answer: Vec<u8>,
+}
+
+impl Drop for Bridge {
+    /// Keeps a program that runs for the next bridge.
+    fn drop(&mut self) {
+        if let Some(peer) = self.peer.take().filter(Peer::is_running) {
+            self.world.keep(Loaded { peer, load: std::mem::take(&mut self.load) });
+        }
+    }
+}
+
+impl Bridge {
+    /// Makes one. The program is not started before the first episode.
+    pub fn new(world: Arc<ExternalWorld>) -> Self {
+        Self { world, peer: None, load: Vec::new(), request: Vec::new(), answer: Vec::new() }
+    }
+
+    /// Places the actors of a world whose first tick comes next. If a driver of the other simulator drives, it gets a way that begins with the given
+    /// lanes.
+    ///
+    /// # Errors
+    /// The program failed, its lanes are others, or it placed an actor elsewhere.
+    pub fn begin(&mut self, scenario: &Scenario, here: &World, seed: u64, driver: Driver<'_>) -> Result<(), Fault> {
+        let begun = self.try_begin(scenario, here, seed, driver);
+        begun.inspect_err(|_| self.end())
+    }
+
+    /// Ends the program: what it says later would not be the answer to a later question.
+    fn end(&mut self) {
+        self.peer.iter_mut().for_each(Peer::end);
+    }
+
+    fn try_begin(&mut self, scenario: &Scenario, here: &World, seed: u64, driver: Driver<'_>) -> Result<(), Fault> {
+        self.start(scenario)?;
+        let ego = here.ego();
+        let begin = Begin {
+            r#type: "begin",
+            seed,
+            ego: Car::new(&ego.state),
+            driver: driver.map(|(name, _)| name),
+            speed_limit: ego.speed_limit,
+            route: driver.map_or_else(Vec::new, |(_, lanes)| route(&here.town, &ego.state.pose, lanes, seed)),
+            pedestrians: walkers(here),
+        };
+        let moved = self.ask(&begin, self.world.timeout.max(self.world.start_timeout), read_moved)?;
+        self.check(&moved, here)?;
+        let (pose, placed) = (ego.state.pose, moved.ego);
+        let turned = wrap_angle(placed.yaw - pose.yaw);
+        let off = [placed.x - pose.x, placed.y - pose.y, turned, placed.speed - ego.state.speed];
+        match off.iter().any(|off| off.abs() > PLACED) {
+            true => Err(Fault::Answer("the car is not where, or not as fast as, it was told to be")),
+            false => Ok(()),
+        }
+    }
+
+    /// Starts the program if it does not run, and lets it load the town.
+    fn start(&mut self, scenario: &Scenario) -> Result<(), Fault> {
+        if self.peer.as_ref().is_some_and(Peer::is_running) {
+            return Ok(());
+        }
+        let lanes = places(&scenario.town);
+        if self.peer.is_none() {
+            let map = self.world.map(&scenario.town).map_err(|_| Fault::NoMap)?;
+            self.load = load(scenario, &map, &lanes);
+            let (peer, has_town) = self.world.take(&self.load);
+            self.peer = Some(peer);
+            if has_town {
+                return Ok(());
+            }
+        }
+        let Some(peer) = &mut self.peer else { return Err(Fault::NotStarted) };
+        peer.forgive();
+        peer.ready(message::hello, |line| message::read_greeting(line).map(|_| ()))?;
+        let loaded = peer.exchange(&self.load, self.world.start_timeout, &mut self.answer, read_loaded)?;
+        let Some(theirs) = loaded.lanes else { return Ok(()) };
+        if theirs.len() != lanes.len() {
+            return Err(Fault::Answer("not one place for each place on the lanes"));
+        }
+        let apart = |(ours, theirs): (&[f64; 2], &[f64; 2])| libm::hypot(ours[0] - theirs[0], ours[1] - theirs[1]);
+        let farthest = lanes.iter().zip(&theirs).map(apart).fold(0.0, f64::max);
+        if farthest > LANES { Err(Fault::Lanes { millimetres: millimetres(farthest) }) } else { Ok(()) }
+    }
+
+    /// Moves the car by a control, after the pedestrians have walked; returns its new state.
+    ///
+    /// # Errors
+    /// The program failed, ended the episode, or moved an actor as it cannot move.
+    pub fn tick(&mut self, here: &World, control: Control) -> Result<VehicleState, Fault> {
+        self.try_tick(here, control).inspect_err(|_| self.end())
+    }
+
+    fn try_tick(&mut self, here: &World, control: Control) -> Result<VehicleState, Fault> {
+        let ego = here.ego();
+        let (state, car) = (&ego.state, &ego.blueprint);
+        let next = state.step(control, car, here.dt);
+        let (acceleration, wheel_angle) =
+            ((next.speed - state.speed) / here.dt, car.wheel_angle(control.steer, state.speed));
+        let step = Step {
+            r#type: "step",
+            tick: here.ticks + 1,
+            control: Pedals::new(control, acceleration, wheel_angle),
+            pedestrians: walkers(here),
+        };
+        let moved = self.ask(&step, self.world.timeout, read_moved)?;
+        if moved.tick != step.tick {
+            return Err(Fault::Answer("another tick than it was asked for"));
+        }
+        self.check(&moved, here)?;
+        let Car { x, y, yaw, speed } = moved.ego;
+        let way = libm::hypot(x - state.pose.x, y - state.pose.y);
+        if way > speed.abs().max(state.speed.abs()) * here.dt + JUMP {
+            return Err(Fault::Answer("the car is farther away than its speed allows"));
+        }
+        Ok(VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age })
+    }
+
+    /// Whether the episode goes on, with each pedestrian where it was told to be.
+    fn check(&self, moved: &Moved, here: &World) -> Result<(), Fault> {
+        if moved.end {
+            return Err(Fault::EndedEarly);
+        }
+        if moved.pedestrians.len() != here.pedestrians.len() {
+            return Err(Fault::Answer("not one place for each pedestrian"));
+        }
+        let apart = moved.pedestrians.iter().zip(&here.pedestrians).map(|([x, y], told)| {
+            let told = told.state.pose;
+            libm::hypot(x - told.x, y - told.y)
+        });
+        let farthest = apart.fold(0.0, f64::max);
+        if farthest > MOVED { Err(Fault::Moved { millimetres: millimetres(farthest) }) } else { Ok(()) }
+    }
+
+    fn ask<T>(
+        &mut self,
+        message: &impl serde::Serialize,
+        limit: f64,
+        read: impl FnOnce(&[u8]) -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
+        let Self { peer: Some(peer), request, answer, .. } = self else { return Err(Fault::NotStarted) };
+        request.clear();
+        write(request, message);
+        peer.exchange(request, limit, answer, read)
+    }
+}
+
+/// Appends a message with its line end.
+fn write(line: &mut Vec<u8>, message: &impl serde::Serialize) {
+    serde_json::to_writer(&mut *line, message).expect("numbers and words have a form in JSON");
+    line.push(b'\n');
+}
+
+/// The message with the town of a scenario.
+fn load(scenario: &Scenario, map: &str, lanes: &[[f64; 2]]) -> Vec<u8> {
+    let Scenario { town, cast, episode, .. } = scenario;
+    let car = &cast.ego().blueprint;
+    let body = |role: &PedestrianRole| Body { radius: role.body.radius, height: 2.0 * role.body.half_height };
+    let load = Load {
+        r#type: "load",
+        town: &town.name,
+        map,
+        tick_s: episode.tick,
+        vehicle: Model {
+            length: 2.0 * car.half_length,
+            width: 2.0 * car.half_width,
+            wheelbase: car.wheelbase,
+            full_brake: car.full_brake,
+        },
+        pedestrians: cast.pedestrians.iter().map(body).collect(),
+        friction: episode.friction,
+        lanes,
+    };
+    let mut line = Vec::new();
+    write(&mut line, &load);
+    line
+}
+
+/// A way through a town from a place, along the given lanes as far as they lead: x, y, yaw.
+fn route(town: &Town, from: &Pose, lanes: &[Waypoint], seed: u64) -> Vec<[f64; 3]> {
+    let mut walk = RandomWalk::new(ForkRule::AnyBranch);
+    walk.take(lanes);
+    let mut stream = Seed::root(seed).child("route").stream();
+    let start = lanes.first().copied().or_else(|| town.nearest_lane(from.position(), LaneFilter::Driving));
+    let start = start.map(|lane| RoutePoint::new(town, lane, RoadOption::LaneFollow));
+    let points = std::iter::successors(start, |last| walk.next(town, last, 1.0, &mut stream));
+    points.take(ROUTE).map(|point| [point.pose.x, point.pose.y, point.pose.yaw]).collect()
+}
+
+fn walkers(here: &World) -> Vec<Walker> {
+    here.pedestrians.iter().map(|pedestrian| Walker::new(&pedestrian.state)).collect()
+}
+
+/// Places on the middle of driving lanes outside junctions, where simulators draw their own.
+fn places(town: &Town) -> Vec<[f64; 2]> {
+    let all = town.generate_waypoints(SPACING).into_iter().filter(|place| !town.is_junction(*place));
+    let all: Vec<[f64; 2]> = all.map(|place| town.pose(place)).map(|pose| [pose.x, pose.y]).collect();
+    let stride = all.len().div_ceil(MAX_PLACES).max(1);
+    all.into_iter().step_by(stride).collect()
+}
+
+fn millimetres(metres: f64) -> u32 {
+    (metres * 1000.0).round() as u32
+}

@@ -1,0 +1,173 @@
+//! Other worlds: the same episodes in a simulator of equal kinematics, and the faults of a bridge, none of which is a row like others.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+
+use base::diagnostic::Sources;
+use base::seed::Seed;
+use compile::{Catalog, Compiled, Evaluation, compile};
+use process::ProcessOpener;
+use world::av::{Exit, Fault};
+use world::env::{Ending, Outcome, Trace};
+use world::falsifier::{Intercept, evaluate_observed};
+use world::road::Town;
+
+use super::repository;
+
+const EPISODES: u32 = 12;
+
+/// Whether a Python runs the worlds of these tests.
+fn has_python() -> bool {
+    let found = Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success());
+    if !found {
+        loud!("skipped: there is no python3");
+    }
+    found
+}
+
+fn text(fault: &str, settings: &str, policies: &str, worlds: &str) -> String {
+    format!(
+        "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
+         world other = bridge(command: \"python3 world.py {fault}\", {settings})\n\
+         policy theirs = native(driver: \"theirs\")\npolicy unknown = native(driver: \"nobody\")\n\
+         spawn driving {{ bearing: -45 deg .. 45 deg distance: 15 m .. 40 m }}\n\
+         campaign worlds {{ vehicle: model3 adversary: suicidal spawn: driving episode: thirty_seconds\n\
+         evaluate {{ towns: [harbour] policies: [{policies}] pedestrians: [intercept] episodes: {EPISODES} worlds: [{worlds}] }} }}\n",
+        repository().join("scenarios/lib").display()
+    )
+}
+
+fn compiled(text: &str) -> Compiled {
+    let root = repository().join("tests/external/test.scn");
+    let read = |path: &Path| if path == root { Ok(text.to_owned()) } else { std::fs::read_to_string(path) };
+    let write = |_: &Town| Ok("<OpenDRIVE/>".to_string());
+    let catalog =
+        Catalog::builtin().with_opener(Arc::new(ProcessOpener::default().asking())).with_map_writer(Arc::new(write));
+    compile(std::slice::from_ref(&root), &catalog, &read, &mut Sources::default()).unwrap()
+}
+
+/// The evaluations of a text, in the order of its worlds.
+fn evaluations(text: &str) -> Vec<Evaluation> {
+    let compiled = compiled(text);
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    plan.campaigns[0].all::<Evaluation>().cloned().collect()
+}
+
+fn episodes(evaluation: &Evaluation, count: u32) -> Vec<(Outcome, Trace)> {
+    let seed = Seed::root(5);
+    let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
+    let go_on = &mut |_| ControlFlow::Continue(());
+    evaluate_observed(
+        &mut Intercept::default(),
+        &evaluation.scenario,
+        0..count,
+        &seed,
+        &seed.child("walker"),
+        note,
+        go_on,
+    )
+}
+
+#[test]
+fn a_world_of_our_kinematics_has_our_episodes() {
+    if !has_python() {
+        return;
+    }
+    let both = evaluations(&text("none", "timeout: 60 s", "idm", "here, other"));
+    let names: Vec<&str> = both.iter().map(|evaluation| &*evaluation.world).collect();
+    assert_eq!(names, ["here", "other"]);
+    let [here, other] = [0, 1].map(|place| episodes(&both[place], EPISODES));
+    assert!(here.iter().any(|(outcome, _)| outcome.is_collision()));
+    for ((ours, our_trace), (theirs, their_trace)) in here.iter().zip(&other) {
+        assert_eq!(
+            (ours.start, ours.spawn, ours.run_up, ours.ticks),
+            (theirs.start, theirs.spawn, theirs.run_up, theirs.ticks)
+        );
+        assert_eq!(ours.is_collision(), theirs.is_collision(), "{ours:?} {theirs:?}");
+        let apart = our_trace
+            .vehicle(0)
+            .iter()
+            .zip(their_trace.vehicle(0))
+            .map(|(ours, theirs)| (ours.state.pose.position() - theirs.state.pose.position()).norm());
+        assert!(apart.fold(0.0, f64::max) < 1e-6);
+    }
+}
+
+#[test]
+fn a_driver_of_another_world_drives_there_from_the_same_start() {
+    if !has_python() {
+        return;
+    }
+    let native = evaluations(&text("none", "timeout: 60 s", "theirs", "other"));
+    for (outcome, trace) in episodes(&native[0], 4) {
+        assert_eq!(outcome.fault(), None);
+        let speeds: Vec<f64> = trace.vehicle(0).iter().map(|frame| frame.state.speed).collect();
+        assert!(speeds[0] > 5.0, "our driver brings it to its speed");
+        assert!(speeds.windows(2).all(|pair| (pair[1] - (pair[0] - 0.25).max(0.0)).abs() < 1e-9), "theirs brakes");
+        assert!(trace.vehicle(0)[1].driven.control.brake > 0.0, "what it does is in the record");
+    }
+}
+
+#[test]
+fn each_fault_of_a_world_is_an_error_of_its_own() {
+    if !has_python() {
+        return;
+    }
+    let answer = Fault::Answer;
+    for (fault, found) in [
+        ("hang", Fault::Late { limit_ms: 2000 }),
+        ("late_start", Fault::Late { limit_ms: 4000 }),
+        ("crash", Fault::Ended(Exit::Code(3))),
+        ("nan", answer("not the JSON of an answer")),
+        ("infinite", answer("not the JSON of an answer")),
+        ("elsewhere", Fault::Moved { millimetres: 20 }),
+        ("ends", Fault::EndedEarly),
+        ("behind", answer("another tick than it was asked for")),
+        ("jumps", answer("the car is farther away than its speed allows")),
+        ("nobody", answer("not one place for each pedestrian")),
+        ("half", answer("an object with a key that is missing or there twice")),
+        ("misplaced", answer("the car is not where, or not as fast as, it was told to be")),
+        ("shifted", Fault::Lanes { millimetres: 300 }),
+        ("few_lanes", answer("not one place for each place on the lanes")),
+    ] {
+        let evaluation = &evaluations(&text(fault, "timeout: 2 s, start_timeout: 4 s", "idm", "other"))[0];
+        // After a crash it is started again.
+        let count = if fault == "crash" { 2 } else { 1 };
+        let ended = episodes(evaluation, count);
+        assert_eq!(ended.len() as u32, count, "{fault}");
+        for (outcome, _) in ended {
+            assert_eq!(outcome.ending, Ending::WorldError(found), "{fault}");
+            assert!(!outcome.counts() && outcome.error().unwrap().starts_with("the world "), "{fault}");
+        }
+    }
+}
+
+#[test]
+fn what_a_world_cannot_do_is_said_before_a_run() {
+    if !has_python() {
+        return;
+    }
+    let said =
+        |text: &str| -> Vec<String> { compiled(text).diagnostics.iter().map(|each| each.message.clone()).collect() };
+    let has = |text: &str, message: &str| {
+        let said = said(text);
+        assert!(said.iter().any(|other| other == message), "{said:?} lacks {message}");
+    };
+    has(&text("none", "", "unknown", "other"), "`other` has no driver `nobody`");
+    has(
+        &text("none", "", "theirs", "here, other"),
+        "`theirs` is a driver of another simulator, and these episodes happen in ours",
+    );
+    has(&text("rails", "", "idm", "other"), "`idm` cannot drive in `other`, whose cars only its own drivers drive");
+    has(&text("unseeded", "", "theirs", "other"), "the seed of an episode does not reach `theirs`: `other` takes none");
+    let lights = "`theirs` does not see the traffic lights of `village`: `other` does not show them";
+    has(&text("none", "", "theirs", "other").replace("harbour", "village"), lights);
+    let slippery = text("none", "", "idm", "other")
+        .replace("thirty_seconds", "wet")
+        .replace("campaign", "episode wet { friction: 0.4 }\ncampaign");
+    has(&slippery, "the episode sets the `friction` of the road, and `other` has none");
+    let elsewhere = text("none", "", "theirs", "other").replace("worlds: [other]", "");
+    has(&elsewhere, "`theirs` is a driver of another simulator, and these episodes happen in ours");
+}

@@ -1,0 +1,68 @@
+"""The world of scenarios/external/my_world.py with a fault: `world.py FAULT`. It comes in the third tick of an episode, or in the message that the fault is about."""
+
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scenarios" / "external"))
+import my_world
+
+FAULT = sys.argv[1]
+
+
+class World(my_world.MyWorld):
+    ABOUT = {**my_world.MyWorld.ABOUT, "drivers": ["theirs"], "controls": FAULT != "rails", "seeds": FAULT != "unseeded"}
+
+    def load(self, message):
+        super().load(message)
+        if FAULT == "half_tick":
+            self.tick /= 2
+        shift = 0.3 if FAULT == "shifted" else 0.05
+        lanes = [[x + shift, y] for x, y in message["lanes"]]
+        return lanes[1:] if FAULT == "few_lanes" else lanes
+
+    def begin(self, message):
+        if FAULT == "late_start":
+            time.sleep(3600)
+        super().begin(message)
+        self.native = message["driver"] is not None
+        if FAULT == "misplaced":
+            self.y += 0.5
+
+    def step(self, message):
+        if FAULT == "mirrored":
+            message["control"]["wheel_angle"] *= -1
+        if self.native:
+            message["control"].update(acceleration=-5.0, wheel_angle=0.0)
+        super().step(message)
+
+    def state(self, tick):
+        state = super().state(tick)
+        if tick < 3:
+            return state
+        if FAULT == "hang":
+            time.sleep(3600)
+        if FAULT == "crash":
+            sys.exit(3)
+        if FAULT == "nan":
+            state["ego"]["x"] = float("nan")
+        if FAULT == "null":
+            state["ego"]["speed"] = None
+        if FAULT == "infinite":
+            state["ego"]["x"] = 1e999
+        if FAULT == "elsewhere":
+            state["pedestrians"][0][0] += 0.02
+        if FAULT == "ends":
+            state["end"] = True
+        if FAULT == "behind":
+            state["tick"] -= 1
+        if FAULT == "jumps":
+            state["ego"]["x"] += 3.0
+        if FAULT == "nobody":
+            state["pedestrians"] = []
+        if FAULT == "half":
+            del state["pedestrians"]
+        return state
+
+
+my_world.serve(World())

@@ -1,0 +1,88 @@
+//! Other worlds as a user meets them: a check of a bridge, a report with two worlds, and its failures met again in another one.
+
+use std::path::Path;
+
+use crate::program::falsify;
+
+fn has_python() -> bool {
+    let found = std::process::Command::new("python3").arg("--version").output();
+    let found = found.is_ok_and(|output| output.status.success());
+    if !found {
+        loud!("skipped: there is no python3");
+    }
+    found
+}
+
+fn top(path: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path).display().to_string()
+}
+
+/// The exit code of the program and what it prints.
+fn said(arguments: &[&str], place: &Path) -> (Option<i32>, String) {
+    let output = falsify(arguments, place);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    (output.status.code(), text)
+}
+
+#[test]
+fn a_check_of_a_bridge_names_what_is_wrong() {
+    if !has_python() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let check = |command: &str| said(&["check", "--world", command], place.path());
+    let (code, text) = check(&format!("python3 {}", top("scenarios/external/my_world.py")));
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("ok    turns the car as it is told") && text.contains("it has no drivers of its own"),
+        "{text}"
+    );
+    for (fault, message) in [
+        ("mirrored", "steer and yaw are positive to the left, y is north"),
+        ("half_tick", "it gets 0.50 times as far; its time step is not the tick of 0.05 s"),
+        ("shifted", "it has lanes up to 300 mm from those of the town"),
+        ("elsewhere", "it moved a pedestrian to 20 mm from where it was told"),
+        ("ends", "it ended the episode before it was over"),
+    ] {
+        let (code, text) = check(&format!("python3 {} {fault}", top("tests/external/world.py")));
+        assert!(code == Some(5) && text.contains(message), "{fault}: {text}");
+    }
+    let (code, text) = check("no_such_program --here");
+    assert!(code == Some(5) && text.contains("no_such_program"), "{text}");
+}
+
+#[test]
+fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
+    if !has_python() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
+    let scenario = scenario.replace("../lib", "std").replace("episodes: 20", "episodes: 30");
+    std::fs::write(place.path().join("two.scn"), scenario).unwrap();
+    std::fs::copy(top("scenarios/external/my_world.py"), place.path().join("my_world.py")).unwrap();
+    let (code, text) = said(&["run", "--allow-external", "--out", "out", "two.scn"], place.path());
+    assert_eq!(code, Some(0), "{text}");
+    let report = place.path().join("out/two_worlds");
+    let table = std::fs::read_to_string(report.join("episodes.csv")).unwrap();
+    let column = table.lines().next().unwrap().split(',').position(|name| name == "world").unwrap();
+    let worlds = |name: &str| table.lines().filter(|row| row.split(',').nth(column) == Some(name)).count();
+    assert_eq!((worlds("here"), worlds("mine")), (30, 30), "{table}");
+    let manifest = std::fs::read_to_string(report.join("manifest.toml")).unwrap();
+    assert!(manifest.contains("my_world.py"), "the program is recorded");
+
+    let world = format!("python3 {}", top("scenarios/external/my_world.py"));
+    let arguments = ["recheck", "--allow-external", "out/two_worlds", "--world", &world, "--format", "json"];
+    let output = falsify(&arguments, place.path());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(found["notes"].to_string().contains("the new drivers drive in `my_world` (1)"), "{found}");
+    assert_eq!(found["crossings"], serde_json::json!([]), "the fixed list is left out");
+    let rows = found["failures"].as_array().unwrap();
+    assert!(!rows.is_empty());
+    for row in rows {
+        assert_eq!(row["still_faults"], row["old_faults"], "our kinematics: {row}");
+        assert_eq!(row["still_collisions"], row["failures"], "{row}");
+        assert_eq!(row["still_fault_share"].is_null(), row["old_faults"] == 0, "{row}");
+    }
+}
