@@ -173,7 +173,7 @@ fn a_time_in_another_unit_is_no_jump() {
         assert!(found.starts_with("the car moves 10.00 times as far"), "{rate} Hz: {found}");
         // Three rows have no unit, and are refused all the same.
         let few = class(&scenario, &rows[..3], 9);
-        assert!(rate > 20.0 || few.starts_with("instant 1: the car has moved"), "{rate} Hz: {few}");
+        assert!(rate > 20.0 || few.starts_with("line 3: the car has moved"), "{rate} Hz: {few}");
     }
 }
 
@@ -238,7 +238,7 @@ fn a_jump_that_nobody_makes_is_an_error_with_its_row() {
                 let mut rows = STANDING.rows(rate);
                 rows[70][place] += 1.0;
                 let found = class(&scenario, &rows, columns);
-                assert!(found.starts_with("instant 70: ") && found.contains(who), "{rate} Hz, {columns}: {found}");
+                assert!(found.starts_with("line 72: ") && found.contains(who), "{rate} Hz, {columns}: {found}");
             }
         }
     }
@@ -266,5 +266,67 @@ fn a_long_recording_is_judged_at_once() {
         let class = class(&crate::case_book::scenario(), &rows, 9);
         assert!(begun.elapsed().as_secs() < 10, "{rate} Hz, {noise} m: {:?}", begun.elapsed());
         assert_eq!(class, if aside > 0.0 { "no touch" } else { "fault" });
+    }
+}
+
+/// Columns of a car (3 to 4) or of a pedestrian (7 to 8) that contradict the positions in a part of the recording change verdicts, and are refused there.
+#[test]
+fn a_part_that_contradicts_its_positions_is_refused() {
+    let scenario = crate::case_book::scenario();
+    let row = |instant: u32| {
+        let instant = f64::from(instant);
+        [0.05 * instant, 0.5 * instant, 0.0, 0.0, 10.0, 32.0, -5.0 + 0.07 * instant, 90.0, 1.4]
+    };
+    let plain: Vec<Row> = (0..70).map(row).collect();
+    let good = class(&scenario, &plain, 9);
+    let mut stream = Seed::root(12).stream();
+    for (from, column, value, who) in [
+        (35, 4, 0.0, "car"),
+        (57, 4, 0.0, "car"),
+        (45, 4, -10.0, "car"),
+        (30, 4, 6.5, "car"),
+        (30, 4, 36.0, "car"),
+        (40, 3, 90.0, "car"),
+        (40, 3, 180.0, "car"),
+        (30, 8, 0.0, "pedestrian"),
+        (30, 8, 5.0, "pedestrian"),
+        (30, 7, 270.0, "pedestrian"),
+        (30, 7, 0.0, "pedestrian"),
+    ] {
+        for noise in [0.0, 0.001, 0.03] {
+            let mut rows = plain.clone();
+            for row in &mut rows {
+                [1, 2, 5, 6].iter().for_each(|place| row[*place] += normal(&mut stream, noise));
+            }
+            assert_eq!(class(&scenario, &rows, 9), good);
+            rows[from..].iter_mut().for_each(|row| row[column] = value);
+            let found = class(&scenario, &rows, 9);
+            let wanted = format!(" s from here on the {who} moves at ");
+            assert!(
+                found.starts_with("line ") && found.contains(&wanted),
+                "{from}, {column}, {value}, {noise}: {found}"
+            );
+            let line: usize = found[5..7].parse().unwrap();
+            assert!((from - 3..from + 15).contains(&line), "{from}, {column}, {value}, {noise}: {found}");
+        }
+    }
+    // Below the boundary nothing is refused: a speed that is wrong by a fifth, one that is late by 0.3 s, a slip of 15 deg, a drift.
+    let accepted = |change: &dyn Fn(usize, &mut Row)| {
+        let mut rows = plain.clone();
+        rows.iter_mut().enumerate().for_each(|(instant, row)| change(instant, row));
+        let found = class(&scenario, &rows, 9);
+        assert!(!found.contains("line"), "{found}");
+    };
+    accepted(&|instant, row| row[4] = if instant < 30 { 10.0 } else { 8.0 });
+    accepted(&|instant, row| row[4] = if instant < 30 { 10.0 } else { 12.5 });
+    accepted(&|instant, row| row[3] = if instant < 30 { 0.0 } else { 15.0 });
+    accepted(&|instant, row| row[5] += if instant < 30 { 0.0 } else { 0.015 * (instant - 30) as f64 });
+    for late in [-0.3, 0.3_f64] {
+        accepted(&|instant, row| {
+            let braked = |time: f64| (time - 1.0).clamp(0.0, 1.25);
+            let time = 0.05 * instant as f64;
+            row[1] = 10.0 * time - 4.0 * braked(time).powi(2) - 10.0 * (time - 2.25).max(0.0);
+            row[4] = 10.0 - 8.0 * braked(time - late);
+        });
     }
 }

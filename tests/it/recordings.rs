@@ -92,6 +92,11 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
         rows[line - 1] = row;
         rows.join("\n")
     };
+    let halted: Vec<String> = rows
+        .iter()
+        .enumerate()
+        .map(|(place, row)| if place < 60 { (*row).to_owned() } else { row.replace(",8,x", ",0,x") })
+        .collect();
     for (text, wanted) in [
         (String::new(), "there is no column `time_s`"),
         (good.replace("ego_yaw_deg", "yaw"), "there is no column `ego_yaw_deg`; there is time_s, "),
@@ -102,8 +107,8 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
             changed(5, "0.19,40,-6,1.2,0,0,8,x"),
             "line 5: the time is 0.19 s, 0.09 s after the row before; the others are 0.05 s apart",
         ),
-        (changed(5, "0.15,40,-6,NaN,0,0,8,x"), "instant 3: the x of the car (m) is NaN"),
-        (changed(5, "0.15,40,-6,1.2,0,0,-800,x"), "instant 3: the speed of the car (m/s) is -800; give -150 to 150"),
+        (changed(5, "0.15,40,-6,NaN,0,0,8,x"), "line 5: the x of the car (m) is NaN"),
+        (changed(5, "0.15,40,-6,1.2,0,0,-800,x"), "line 5: the speed of the car (m/s) is -800; give -150 to 150"),
         (
             rows[..5].iter().chain(&rows[6..]).copied().collect::<Vec<_>>().join("\n"),
             "line 6: the time is 0.25 s, 0.1 s after the row before",
@@ -116,10 +121,18 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
             good.replace("note", "pedestrian_speed_mps,pedestrian_yaw_deg").replace(",x", ",-1.4,90"),
             "line 2: `pedestrian_speed_mps` is -1.4; it is a speed in the direction of motion",
         ),
-        (changed(5, "0.15,40,-6,9000,0,0,8,x"), "instant 3: the car has moved 89"),
+        (changed(5, "0.15,40,-6,9000,0,0,8,x"), "line 5: the car has moved 89"),
         (
             format!("{}\n{}", rows[0], vec![rows[1]; 100_001].join("\n")),
             "there are more than 100000 rows; cut the recording",
+        ),
+        (rows.join("\r"), "the lines end with a carriage return alone; give line feeds"),
+        (good.replace(',', ";"), "the fields are separated by `;`; give `,` between fields, and decimal points"),
+        (good.replacen("time_s", "\u{201c}time_s\u{201d}", 1), "the names are in typographic quotes"),
+        (changed(5, "0,15,40,0,-6,5,1,2,0,0,0,0,8,0,x"), "there are 15 fields; the header has 8. Give decimal points"),
+        (
+            halted.join("\n"),
+            "line 61: in 0.10 s from here on the car moves at 8.0 m/s towards 0 deg by its positions, and at 0 m/s by its speed and heading; correct",
         ),
         (rows[..2].join("\n"), "there are 1 instants of the car and 1 of the pedestrian"),
         (crossing(8.0, 1.4, 1.0), "the time between two instants is 1 s"),

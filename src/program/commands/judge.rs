@@ -67,24 +67,24 @@ const PAPER_FILE: &str = "recording.scn";
 
 /// `falsify judge`
 pub fn judge(options: &JudgeArgs) -> Ended {
-    let found = judged(options).map_err(failed)?;
+    let (found, recording) = judged(options).map_err(failed)?;
     if options.json {
         console::say(&as_json(&found).to_string());
     } else {
-        tell(&found);
+        tell(&found, &recording);
     }
     Ok(ExitCode::Done)
 }
 
 /// Judges the first touch of a car and a pedestrian that were recorded elsewhere, on a plane without obstacles.
-fn judged(options: &JudgeArgs) -> Result<Encountered, Error> {
+fn judged(options: &JudgeArgs) -> Result<(Encountered, Recording), Error> {
     let refused = |reason: String| Error::Usage(format!("cannot judge `{}`: {reason}", options.file.display()));
     let text = base::files::text(&options.file).map_err(|error| refused(reason(&error)))?;
     let recording = Recording::from_csv(&text).map_err(|error| refused(error.to_string()))?;
     let mut scenario = paper()?;
     let sizes = Sizes { length: options.length, width: options.width, radius: options.radius };
     sizes.apply(&mut scenario).map_err(|error| refused(RecordingFileError::from(error).to_string()))?;
-    Ok(recording.judged_without_obstacles(&scenario))
+    Ok((recording.judged_without_obstacles(&scenario), recording))
 }
 
 /// The scenario with the paper's car and pedestrian.
@@ -98,12 +98,13 @@ fn paper() -> Result<Scenario, Error> {
 }
 
 /// Prints the result for people.
-fn tell(found: &Encountered) {
+fn tell(found: &Encountered, recording: &Recording) {
     let near = &found.near_miss;
     if let [first, rest @ ..] = &found.ignored[..] {
         let others = if rest.is_empty() { String::new() } else { format!(" and of {} others", rest.len()) };
+        let line = recording.line(*first).unwrap_or(*first);
         console::say(&format!(
-            "ignored: the speed or heading of the car at instant {first}{others}, which those before and after contradict"
+            "ignored: the speed or heading of the car in line {line}{others}, which those before and after contradict"
         ));
     }
     if let (Some(touch), Some(late)) = (found.touch, found.begins_late) {

@@ -52,6 +52,7 @@ mod oracle;
 mod recording;
 mod recording_file;
 mod recording_noise;
+mod recording_parts;
 mod recording_units;
 #[cfg(test)]
 mod tests;
@@ -68,7 +69,7 @@ pub use lane_departure::LaneDeparture;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
 pub use reaction::share_of_drivers;
-pub use recording::{Encountered, RecordedRequirement, Recording, RecordingError, Sizes};
+pub use recording::{Encountered, InstantFault, RecordedRequirement, Recording, RecordingError, Sizes};
 pub use recording_file::RecordingFileError;
 pub use reference::Reference;
 pub use severity::{HARD, fatality_risk, severe_injury_risk};

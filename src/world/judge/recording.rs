@@ -1,7 +1,8 @@
 use std::sync::Arc;
 
 use super::recording_noise::{clean_car, clean_pedestrian, noise, remove_spikes, usual_speeds, walked};
-use super::recording_units::{Misfit, TrackOf, misfit};
+use super::recording_parts::{Contradiction, contradiction};
+use super::recording_units::{Misfit, TrackOf, fits, misfit};
 use super::{Inquiry, NearMiss, Verdict, ViolationVerdict};
 use crate::env::{Driven, OtherDrive, Scenario, Trace, VehicleFrame, is_about_map};
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
@@ -21,6 +22,8 @@ pub struct Recording {
     is_walked: bool,
     /// The instants at which the car has a speed or a heading that no car has.
     spikes: Vec<usize>,
+    /// The lines of the instants in their file; empty without one.
+    pub(super) lines: Vec<usize>,
 }
 
 /// Time (s) before the touch in which the direction of the car's motion is looked for.
@@ -71,16 +74,36 @@ pub enum RecordingError {
     Step(f64),
     #[error("`{quantity}` is {size}; give {low} to {high} m")]
     Size { quantity: &'static str, size: f64, low: f64, high: f64 },
-    #[error("instant {instant}: the {quantity} is {number}; give {low} to {high}")]
-    Number { instant: usize, quantity: &'static str, number: f64, low: f64, high: f64 },
-    #[error(
-        "instant {instant}: the {who} has moved {moved:.1} m since the instant before, at {speed:.1} m/s; correct the position or the speed"
-    )]
-    Jump { instant: usize, who: &'static str, moved: f64, speed: f64 },
+    #[error("instant {instant}: {fault}")]
+    Instant { instant: usize, fault: InstantFault },
     #[error("the {who} moves {ratio:.2} times as far as its speed and the step of {dt} s explain: {likely}")]
     Units { who: &'static str, ratio: f64, dt: f64, likely: String },
     #[error("the {who} moves at {degrees:.0} deg from its heading: {likely}")]
     Heading { who: &'static str, degrees: f64, likely: &'static str },
+}
+
+/// What is wrong at an instant of a recording, or from it on.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum InstantFault {
+    #[error("the {quantity} is {number}; give {low} to {high}")]
+    Number { quantity: &'static str, number: f64, low: f64, high: f64 },
+    #[error(
+        "the {who} has moved {moved:.1} m since the instant before, at {speed:.1} m/s; correct the position or the speed"
+    )]
+    Jump { who: &'static str, moved: f64, speed: f64 },
+    #[error(
+        "in {lasts:.2} s from here on the {who} moves at {} by its positions, and at {} by its speed and heading; correct {}",
+        velocity(*.moved), velocity(*.told), if *.who == "car" { "what is wrong" } else { "what is wrong, or leave out speed and heading: they then come from the positions" }
+    )]
+    Contradiction { who: &'static str, lasts: f64, moved: Vector, told: Vector },
+}
+
+/// A speed and its direction.
+fn velocity(velocity: Vector) -> String {
+    match velocity.norm() {
+        speed if speed < 0.05 => "0 m/s".to_owned(),
+        speed => format!("{speed:.1} m/s towards {:.0} deg", libm::atan2(velocity.y, velocity.x).to_degrees()),
+    }
 }
 
 /// What a recording shows.
@@ -132,10 +155,11 @@ impl Recording {
     ///
     /// # Errors
     /// The tracks have not 2 to [`Recording::MAX_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 100,000 km, a
-    /// speed is above 150 m/s, a step is much longer than the speed explains, or the units do not fit each other: most stretches of the way
-    /// are longer or shorter than the speed explains, or are not along the heading.
+    /// speed is above 150 m/s, a step is much longer than the speed explains, the units do not fit each other: most stretches of the way
+    /// are longer or shorter than the speed explains, or are not along the heading. Or a part of a tenth of a second to two seconds is so by more
+    /// than noise, braking or a late speed explain.
     pub fn new(dt: f64, ego: Vec<VehicleState>, pedestrian: Vec<PedestrianState>) -> Result<Self, RecordingError> {
-        Self::checked(Self { dt, ego, pedestrian, is_walked: false, spikes: Vec::new() })
+        Self::checked(Self { dt, ego, pedestrian, is_walked: false, spikes: Vec::new(), lines: Vec::new() })
     }
 
     /// The same of a pedestrian of which there are only positions. Its velocity is taken from them, over the longer a time the noisier they are.
@@ -148,7 +172,7 @@ impl Recording {
         for (state, position) in pedestrian.iter_mut().zip(positions) {
             (state.pose.x, state.pose.y) = (position.x, position.y);
         }
-        Self::checked(Self { dt, ego, pedestrian, is_walked: true, spikes: Vec::new() })
+        Self::checked(Self { dt, ego, pedestrian, is_walked: true, spikes: Vec::new(), lines: Vec::new() })
     }
 
     fn checked(mut self) -> Result<Self, RecordingError> {
@@ -174,7 +198,8 @@ impl Recording {
                 ("speed of the pedestrian (m/s)", walker.speed(), (0.0, Self::MAX_SPEED)),
             ] {
                 if !(low..=high).contains(&number) {
-                    return Err(RecordingError::Number { instant, quantity, number, low, high });
+                    let fault = InstantFault::Number { quantity, number, low, high };
+                    return Err(RecordingError::Instant { instant, fault });
                 }
             }
         }
@@ -191,14 +216,26 @@ impl Recording {
                 Some((*who, Self::jump(track, dt, of_way, most, length)?))
             };
             match tracks.iter().filter_map(first).min_by_key(|(_, (instant, ..))| *instant) {
-                Some((who, (instant, moved, speed))) => Err(RecordingError::Jump { instant, who, moved, speed }),
+                Some((who, (instant, moved, speed))) => {
+                    Err(RecordingError::Instant { instant, fault: InstantFault::Jump { who, moved, speed } })
+                }
                 None => Ok(()),
             }
         };
         // What most steps do is a matter of units.
         jumps(Self::OF_WAY.0, self.ego.len() / 2, |moved, _| moved.norm())?;
         // A heading that was taken from positions fits them.
-        for (who, track, track_of) in tracks.iter().take(if self.is_walked { 1 } else { 2 }) {
+        let told = &tracks[..if self.is_walked { 1 } else { 2 }];
+        let parts = told.iter().filter_map(|(who, track, of)| Some((*who, track, *of, contradiction(track, dt, *of)?)));
+        let first = parts.min_by_key(|(.., part)| part.first);
+        let contradicts = first.map(|(who, track, of, Contradiction { first: instant, lasts, told, moved })| {
+            let fault = InstantFault::Contradiction { who, lasts, moved, told };
+            (RecordingError::Instant { instant, fault }, fits(&track[..=instant], dt, of))
+        });
+        if let Some((error, true)) = contradicts {
+            return Err(error);
+        }
+        for (who, track, track_of) in told {
             match misfit(track, dt, *track_of) {
                 None => {}
                 Some(Misfit::Speed { ratio, likely }) => return Err(RecordingError::Units { who, ratio, dt, likely }),
@@ -209,6 +246,9 @@ impl Recording {
         }
         jumps(Self::OF_WAY.0, usize::MAX, |moved, _| moved.norm())?;
         jumps(Self::OF_WAY.1, usize::MAX, |moved, pose| moved.dot(&pose.left()).abs())?;
+        if let Some((error, _)) = contradicts {
+            return Err(error);
+        }
         // Wrapped only now: degrees that were wrapped as radians are no longer recognised.
         let poses = self.ego.iter_mut().map(|state| &mut state.pose);
         for pose in poses.chain(self.pedestrian.iter_mut().map(|state| &mut state.pose)) {
@@ -236,6 +276,11 @@ impl Recording {
         });
         let first = jumps.next()?;
         (jumps.count() < most).then_some(first)
+    }
+
+    /// The line of an instant in its file; `None` without a file.
+    pub fn line(&self, instant: usize) -> Option<usize> {
+        self.lines.get(instant).copied()
     }
 
     /// Judges the first touch. `scenario` gives the sizes of the car and of the pedestrian, the grip of the road, and with `obstacles`

@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use super::{Recording, RecordingError};
+use super::{InstantFault, Recording, RecordingError};
 use crate::geometry::{Point, Pose};
 use crate::sim::{PedestrianState, VehicleState};
 
@@ -11,6 +11,17 @@ const NEEDED: [&str; 7] =
 const VELOCITY: [&str; 2] = ["pedestrian_yaw_deg", "pedestrian_speed_mps"];
 /// The most columns; what follows is not looked at.
 const MAX_COLUMNS: usize = 10_000;
+/// Characters of a header without the columns that are needed: what they show, and what is needed.
+const FORMATS: [(&[char], &str, &str); 4] = [
+    (&['\r'], "lines end with a carriage return alone", "line feeds"),
+    (&[';'], "fields are separated by `;`", "`,` between fields, and decimal points"),
+    (&['\t'], "fields are separated by tabs", "`,`"),
+    (
+        &['\u{201c}', '\u{201d}', '\u{201e}', '\u{2018}', '\u{2019}'],
+        "names are in typographic quotes",
+        "`\"` or no quotes",
+    ),
+];
 /// The greatest deviation of a time from a constant step, as a share of the step.
 const UNEVEN: f64 = 0.1;
 /// A speed of a pedestrian may be as far below 0 by noise (m/s); its direction is then the opposite.
@@ -21,9 +32,11 @@ const NOISE_OF_SPEED: f64 = 1.0;
 pub enum RecordingFileError {
     #[error("there is no column `{column}`; there is {}", if found.is_empty() { "none".to_owned() } else { found.join(", ") })]
     Column { column: &'static str, found: Vec<String> },
+    #[error("the {found}; give {wanted}")]
+    Format { found: &'static str, wanted: &'static str },
     #[error("the column `{column}` is there twice; give one")]
     Repeated { column: &'static str },
-    #[error("line {line}: there are {found} fields; the header has {wanted}")]
+    #[error("line {line}: there are {found} fields; the header has {wanted}{}", if *found + 1 >= 2 * wanted { ". Give decimal points, no decimal commas" } else { "" })]
     Fields { line: usize, found: usize, wanted: usize },
     #[error("line {line}: there are more than {most} rows; cut the recording", most = Recording::MAX_INSTANTS)]
     Long { line: usize },
@@ -33,7 +46,9 @@ pub enum RecordingFileError {
     Uneven { line: usize, time: f64, found: f64, step: f64 },
     #[error("line {line}: `pedestrian_speed_mps` is {speed}; it is a speed in the direction of motion, 0 or more")]
     Backwards { line: usize, speed: f64 },
-    #[error("{0}; instant 0 is line 2")]
+    #[error("line {line}: {fault}")]
+    Instant { line: usize, fault: InstantFault },
+    #[error("{0}")]
     Recording(#[from] RecordingError),
 }
 
@@ -51,6 +66,11 @@ impl Recording {
             lines.next().map_or_else(Vec::new, |(_, line)| fields(line).take(MAX_COLUMNS).collect());
         let place = |column: &'static str| header.iter().position(|name| *name == column);
         let absent = |column: &'static str| {
+            if let Some((_, found, wanted)) =
+                FORMATS.iter().find(|(signs, ..)| header.iter().any(|name| name.contains(*signs)))
+            {
+                return RecordingFileError::Format { found, wanted };
+            }
             let found = header.iter().take(40).map(|name| name.chars().take(40).collect()).collect();
             RecordingFileError::Column { column, found }
         };
@@ -98,9 +118,17 @@ impl Recording {
             walkers.push(PedestrianState::moving(Pose::new(walker_x, walker_y, direction), walker_speed.abs()));
         }
         let dt = step(&times)?;
-        match has_velocity {
-            true => Ok(Self::new(dt, ego, walkers)?),
-            false => Ok(Self::of_positions(dt, ego, &positions)?),
+        let made = if has_velocity { Self::new(dt, ego, walkers) } else { Self::of_positions(dt, ego, &positions) };
+        let lines: Vec<usize> = times.iter().map(|(line, _)| *line).collect();
+        match made {
+            Ok(mut recording) => {
+                recording.lines = lines;
+                Ok(recording)
+            }
+            Err(RecordingError::Instant { instant, fault }) => {
+                Err(RecordingFileError::Instant { line: lines[instant], fault })
+            }
+            Err(error) => Err(RecordingFileError::Recording(error)),
         }
     }
 }

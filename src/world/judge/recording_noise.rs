@@ -178,7 +178,7 @@ fn unwrapped(states: &[VehicleState]) -> Vec<f64> {
 }
 
 /// The ways that velocities explain, from the first instant.
-fn ways(velocities: impl Iterator<Item = Vector>, dt: f64) -> Vec<Vector> {
+pub(super) fn ways(velocities: impl Iterator<Item = Vector>, dt: f64) -> Vec<Vector> {
     let mut last: Option<Vector> = None;
     let mut way = Vector::zeros();
     velocities

@@ -8,14 +8,14 @@ use crate::geometry::{Pose, Vector, wrap_angle};
 /// Length of a stretch of a car and of a pedestrian (m), longer than the noise of positions, and the least mean speed on it (m/s).
 const STRETCH: f64 = 2.0;
 const SHORT_STRETCH: f64 = 0.5;
-const MOVING: f64 = 0.5;
+pub(super) const MOVING: f64 = 0.5;
 /// The minimum number of such stretches that say something.
 const MIN_STRETCHES: usize = 4;
 const MIN_SHORT_STRETCHES: usize = 2;
 /// A stretch of a pedestrian is at least this multiple of the noise of positions.
 const MIN_OF_NOISE: f64 = 10.0;
 /// A car whose speed is never negative may still move backwards, up to this speed (m/s).
-const MAX_UNSIGNED_REVERSING: f64 = 5.0;
+pub(super) const MAX_UNSIGNED_REVERSING: f64 = 5.0;
 /// What the length of a stretch may be, as a multiple of what the speed explains: of the longest at least the first number, since an actor that turns round
 /// comes back, and of the median at most the second. Miles per hour give 0.45.
 const EXPLAINED: (f64, f64) = (0.6, 1.7);
@@ -113,6 +113,12 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
         () => "the heading is that of the motion",
     };
     Some(Misfit::Heading { degrees: found.to_degrees(), likely })
+}
+
+/// Whether enough of a track shows that its units fit.
+pub(super) fn fits(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> bool {
+    let length = if of == TrackOf::Car { STRETCH } else { SHORT_STRETCH };
+    stretches(track, dt, length).len() >= MIN_SHORT_STRETCHES && misfit(track, dt, of).is_none()
 }
 
 /// What explains stretches of another length.
