@@ -315,6 +315,8 @@ fn all_forms_are_read() {
     assert_eq!(
         problems,
         [
+            "the reference line jumps by 2.68 m at 20 m, where a geometry should begin at the end of the one before; drawn as given",
+            "the reference line jumps by 2.59 m at 40 m, where a geometry should begin at the end of the one before; drawn as given",
             "the id `a` is not a number below 2^32 that it has alone; the free number 0 stands for it",
             "the id `b` is not a number below 2^32 that it has alone; the free number 1 stands for it",
             "not used: 1 × lane of type HOV",

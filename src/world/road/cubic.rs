@@ -96,19 +96,17 @@ impl Profile {
         each.fold(0.0, f64::max)
     }
 
-    /// The greatest absolute value from `start` to `end` (m); 0 for an empty profile.
-    pub fn greatest(&self, start: f64, end: f64) -> f64 {
+    /// The places from `start` to `end` (m) at which a value may be the least or the greatest one, with the values; none of an empty profile.
+    pub fn extremes(&self, start: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
         let ends = self.0.iter().skip(1).map(|next| next.start).chain([f64::INFINITY]);
-        let pieces = self.0.iter().zip(ends).enumerate().filter_map(|(index, (cubic, until))| {
+        let pieces = self.0.iter().zip(ends).enumerate().filter_map(move |(index, (cubic, until))| {
             let from = if index == 0 { start } else { cubic.start.max(start) };
             (from <= end && until > start).then_some((cubic, from, until.min(end)))
         });
-        let values = pieces.flat_map(|(cubic, from, to)| {
+        pieces.flat_map(|(cubic, from, to)| {
             let inside = cubic.turning_points().map(move |s| if s > from && s < to { s } else { from });
-            [from, to].into_iter().chain(inside).map(|s| cubic.value(s).abs())
-        });
-        // A value that is not a number is the maximum.
-        values.fold(0.0, |most, value| if value <= most { most } else { value })
+            [from, to].into_iter().chain(inside).map(|s| (s, cubic.value(s)))
+        })
     }
 
     /// The sum of profiles, each multiplied by a factor, from `start` to `end` (m); exact, since sums of cubics are cubics.

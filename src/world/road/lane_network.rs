@@ -157,9 +157,9 @@ impl LaneNetwork {
         let before = road.sections.partition_point(|section| section.start < lane.start) as u32;
         let inside = |id| {
             if lane.forward() {
-                (after..road.sections.len() as u32).find_map(|section| self.slot_of(lane.road, section, id))
+                self.first_of(road, lane.road, after..road.sections.len() as u32, id)
             } else {
-                (0..before).rev().find_map(|section| self.slot_of(lane.road, section, id))
+                self.first_of(road, lane.road, (0..before).rev(), id)
             }
         };
         let has_next = if lane.forward() { (after as usize) < road.sections.len() } else { before > 0 };
@@ -193,9 +193,23 @@ impl LaneNetwork {
     /// end.
     fn edge(&self, roads: &[Road], road: RoadIndex, id: LaneId) -> Option<LaneSlot> {
         let entered = roads.get(road.0 as usize)?;
-        let mut sections = 0..entered.sections.len() as u32;
-        let slot = |section| self.slot_of(road, section, id);
-        if entered.is_forward(id) { sections.find_map(slot) } else { sections.rev().find_map(slot) }
+        let sections = 0..entered.sections.len() as u32;
+        match entered.is_forward(id) {
+            true => self.first_of(entered, road, sections, id),
+            false => self.first_of(entered, road, sections.rev(), id),
+        }
+    }
+
+    /// The first lane of a number in some sections of a road; `None` beyond a section without lanes, where nothing leads on.
+    fn first_of(
+        &self,
+        road: &Road,
+        index: RoadIndex,
+        sections: impl Iterator<Item = u32>,
+        id: LaneId,
+    ) -> Option<LaneSlot> {
+        let mut has_lanes = sections.take_while(|section| !road.sections[*section as usize].lanes.is_empty());
+        has_lanes.find_map(|section| self.slot_of(index, section, id))
     }
 
     pub fn lanes(&self) -> &[NetworkLane] {

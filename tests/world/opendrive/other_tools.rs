@@ -152,7 +152,7 @@ fn a_road_ends_where_its_geometry_ends() {
     let gap = of_length("300")
         .replace(r#"s="0" x="0""#, r#"s="40" x="40""#)
         .replace(r#"length="300"><line"#, r#"length="260"><line"#);
-    assert_eq!(warnings(&gap), ["no geometry between 0 m and 40 m; these metres lie on one point"]);
+    assert_eq!(warnings(&gap), ["no geometry between 0 m and 40 m; there are no lanes there"]);
 }
 
 #[test]
@@ -265,4 +265,97 @@ fn a_map_without_a_usable_road_says_why() {
     let bare = map(&road(r#"id="1" length="300""#, LANES, "")).replace("laneSection", "section");
     assert_eq!(error(&bare), "no usable road among 1: line 1, road 1: no lane section; the road is left out");
     assert_eq!(error("<OpenDRIVE/>"), "no usable road among 0");
+}
+
+/// A road whose geometries are those of a list: s, x and length.
+fn drawn(geometries: &[(f64, f64, f64)]) -> String {
+    let pieces: String = geometries
+        .iter()
+        .map(|(s, x, length)| {
+            format!(r#"<geometry s="{s}" x="{x}" y="0" hdg="0" length="{length}"><line/></geometry>"#)
+        })
+        .collect();
+    map(&format!(
+        r#"<road id="1" length="300" junction="-1"><planView>{pieces}</planView><lanes><laneSection s="0">{LANES}</laneSection></lanes></road>"#
+    ))
+}
+
+#[test]
+fn leaps_overlaps_and_gaps_of_geometries_are_named() {
+    assert_eq!(warnings(&drawn(&[(0.0, 0.0, 100.0), (100.0, 100.05, 200.0)])), [""; 0]);
+    assert_eq!(
+        warnings(&drawn(&[(0.0, 0.0, 100.0), (100.0, 150.0, 200.0)])),
+        [
+            "the reference line jumps by 50 m at 100 m, where a geometry should begin at the end of the one before; drawn as given"
+        ]
+    );
+    assert_eq!(
+        warnings(&drawn(&[(0.0, 0.0, 150.0), (100.0, 100.0, 200.0)])),
+        ["two geometries between 100 m and 150 m; the later one counts"]
+    );
+    let gap = drawn(&[(0.0, 0.0, 100.0), (200.0, 200.0, 100.0)]);
+    assert_eq!(warnings(&gap), ["no geometry between 100 m and 200 m; there are no lanes there"]);
+    // A car starts on one of the two parts that are drawn, and the first one ends at the gap.
+    let town = town(&gap);
+    let length: f64 = town.driving_lanes().iter().map(|stretch| stretch.length).sum();
+    assert!((length - 400.0).abs() < 1e-9, "{length} m");
+    assert!(town.successors(eastbound(90.0)).next().is_none());
+}
+
+#[test]
+fn lanes_that_break_the_rules_of_the_standard_are_named() {
+    let of_lanes = |lanes: &str| warnings(&map(&road(r#"id="1" length="300""#, lanes, "")));
+    let right = |lanes: &str| of_lanes(&format!("<right>{lanes}</right>"));
+    let lane = |id: i32, rest: &str| format!(r#"<lane id="{id}" type="driving" {rest}<width a="3.5"/></lane>"#);
+    assert_eq!(right(&(lane(-1, ">") + &lane(-2, r#"direction="standard">"#))), [""; 0]);
+    for direction in ["reversed", "both"] {
+        let rest = format!(r#"direction="{direction}">"#);
+        assert_eq!(
+            right(&(lane(-1, ">") + &lane(-2, &rest))),
+            [format!("cars do not drive on 1 × lane of type driving whose `direction` is `{direction}`")]
+        );
+    }
+    assert_eq!(
+        right(r#"<lane id="-1" type="driving"><width sOffset="20" a="3.5"/></lane>"#),
+        [
+            "lane -1 has no width up to 20 m from the start of its section, where the standard wants one; the first one applies there, too"
+        ]
+    );
+    assert_eq!(
+        right(r#"<lane id="-1" type="driving"><width a="3.5" b="-0.02"/></lane>"#),
+        ["lane -1 is -2.5 m wide at 300 m, less than 0; no car starts there, and the lanes beyond it overlap others"]
+    );
+    assert_eq!(
+        right(&(lane(-1, ">") + &lane(-3, ">"))),
+        ["lane -3 follows on lane -1, and the ids of a side have no gaps; they lie side by side"]
+    );
+    assert_eq!(
+        right(&(lane(-1, ">") + &lane(1, ">"))),
+        ["lane 1 is in `right`; ids are above 0 on the left and below 0 on the right. Its id counts"]
+    );
+}
+
+#[test]
+fn crosswalks_beyond_the_road_are_named_and_repeated_ones_are_repeated() {
+    let with = |object: &str| map(&road(r#"id="1" length="300""#, LANES, &format!("<objects>{object}</objects>")));
+    let crosswalk = |rest: &str, parts: &str| {
+        with(&format!(r#"<object id="1" type="crosswalk" length="4" width="7" {rest}>{parts}</object>"#))
+    };
+    assert_eq!(
+        warnings(&crosswalk(r#"s="500" t="0""#, "")),
+        ["`object` is at 500 m, and its road is 300 m long; it counts at the nearer end"]
+    );
+    assert_eq!(
+        warnings(&crosswalk(r#"s="50" t="40""#, "")),
+        ["the crosswalk lies 38 m beside the lanes; no car passes it"]
+    );
+    let repeat = r#"<repeat s="100" length="100" distance="50" tStart="0" tEnd="2" zOffsetStart="0" zOffsetEnd="0"/>"#;
+    let repeated = crosswalk(r#"s="10" t="0""#, repeat);
+    assert_eq!(warnings(&repeated), [""; 0]);
+    let middles: Vec<(f64, f64)> = parts(&repeated)
+        .crosswalks
+        .iter()
+        .map(|corners| ((corners[0].x + corners[2].x) / 2.0, (corners[0].y + corners[2].y) / 2.0))
+        .collect();
+    assert_eq!(middles, [(100.0, 0.0), (150.0, 1.0), (200.0, 2.0)]);
 }

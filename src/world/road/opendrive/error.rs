@@ -61,12 +61,34 @@ pub enum OpenDriveProblem {
     NoLaneSection,
     #[error("lane {lane} has no width; taken as 0 m wide")]
     NoWidth { lane: i32 },
+    #[error(
+        "lane {lane} has no width up to {from} m from the start of its section, where the standard wants one; the first one applies there, too"
+    )]
+    LateWidth { lane: i32, from: String },
+    #[error(
+        "lane {lane} is {width} m wide at {at} m, less than 0; no car starts there, and the lanes beyond it overlap others"
+    )]
+    NegativeWidth { lane: i32, width: String, at: String },
+    #[error("lane {lane} is in `{side}`; ids are above 0 on the left and below 0 on the right. Its id counts")]
+    OtherSide { lane: i32, side: &'static str },
+    #[error("lane {lane} follows on lane {inner}, and the ids of a side have no gaps; they lie side by side")]
+    MissingLane { lane: i32, inner: i32 },
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
     #[error("the road is {length} m long, and its geometry ends at {drawn} m; the shorter one counts")]
     OtherLength { length: String, drawn: String },
-    #[error("no geometry between {from} m and {to} m; these metres lie on one point")]
+    #[error("no geometry between {from} m and {to} m; there are no lanes there")]
     Gap { from: String, to: String },
+    #[error("two geometries between {from} m and {to} m; the later one counts")]
+    Overlap { from: String, to: String },
+    #[error(
+        "the reference line jumps by {apart} m at {at} m, where a geometry should begin at the end of the one before; drawn as given"
+    )]
+    Leap { apart: String, at: String },
+    #[error("`{element}` is at {s} m, and its road is {length} m long; it counts at the nearer end")]
+    BeyondRoad { element: &'static str, s: String, length: String },
+    #[error("the crosswalk lies {apart} m beside the lanes; no car passes it")]
+    CrosswalkAside { apart: u32 },
     /// A link names a junction by a number that a road has too, or a road by a number that a junction has too.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
     AmbiguousLink { element: &'static str, wanted: &'static str, found: &'static str, id: String },

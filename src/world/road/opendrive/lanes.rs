@@ -2,6 +2,7 @@ use roxmltree::Node;
 
 use super::attributes::{Context, Counted, child, children};
 use super::limits::{self, Limits};
+use super::roads::{ROUNDED, metres};
 use super::{OpenDriveError, OpenDriveProblem};
 use crate::road::{Cubic, Lane, LaneId, LaneKind, LaneSection, Profile};
 
@@ -36,8 +37,9 @@ pub(super) fn sections(context: &mut Context, lanes: Node, length: f64, types: &
 
 fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &Limits) -> LaneSection {
     let mut found: Vec<(LaneId, Node)> = Vec::new();
-    let sides = node.children().filter(|side| matches!(side.tag_name().name(), "left" | "center" | "right"));
-    for lane in sides.flat_map(|side| children(side, "lane")) {
+    let sides =
+        ["left", "center", "right"].into_iter().flat_map(|side| children(node, side).map(move |node| (side, node)));
+    for (side, lane) in sides.flat_map(|(side, node)| children(node, "lane").map(move |lane| (side, lane))) {
         let id = context.whole(lane, "id");
         match id.filter(|id| id.unsigned_abs() <= MAX_ID) {
             None => match (lane.attribute("id"), id) {
@@ -49,18 +51,33 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
             Some(id) if found.iter().any(|(other, _)| *other == id) => {
                 context.warn(lane, OpenDriveProblem::Duplicate { element: "lane", id: id.to_string() });
             }
-            Some(id) => found.push((id, lane)),
+            Some(id) => {
+                if side != ["right", "center", "left"][(id.signum() + 1) as usize] {
+                    context.warn(lane, OpenDriveProblem::OtherSide { lane: id, side });
+                }
+                found.push((id, lane));
+            }
         }
     }
     // Borders need the lanes nearer to the middle, so each side is read from the middle outwards.
     found.sort_by_key(|(id, _)| id.unsigned_abs());
     let mut edges = [Profile::constant(0.0), Profile::constant(0.0)];
     let mut lanes: Vec<Lane> = Vec::with_capacity(found.len());
+    let mut inner = [0; 2];
     for (id, node) in found {
+        let inner = &mut inner[usize::from(id > 0)];
+        if (id - *inner).abs() > 1 {
+            context.warn(node, OpenDriveProblem::MissingLane { lane: id, inner: *inner });
+        }
+        *inner = id;
         let edge = &mut edges[usize::from(id > 0)];
         let width = if id == 0 { Profile::constant(0.0) } else { width(context, node, id, edge, start, end) };
-        let most = width.greatest(start, end);
         // A width that is not a number is no width, either.
+        let most = width.extremes(start, end).fold(0.0, |most, (_, at)| if at.abs() <= most { most } else { at.abs() });
+        let narrowest = width.extremes(start, end).min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((s, width)) = narrowest.filter(|(_, width)| *width < -ROUNDED) {
+            context.warn(node, OpenDriveProblem::NegativeWidth { lane: id, width: metres(width), at: metres(s) });
+        }
         if (most.is_nan() || most > WIDEST) && context.refused.is_none() {
             let (line, road) = (context.line(node), context.road.clone().unwrap_or_default());
             context.refused = Some(OpenDriveError::TooWide { line, road, lane: id, width: most, most: WIDEST });
@@ -82,9 +99,18 @@ fn section(context: &mut Context, node: Node, (start, end): (f64, f64), types: &
     LaneSection { start, end, lanes }
 }
 
-/// The use of a lane. One for driving that denies cars is reserved for others; CARLA's maps are read without such rules, as in CARLA.
+/// The use of a lane. One for driving against the direction of its side, or in both (`direction`, since 1.8), has no cars here; one that denies cars is reserved for others; CARLA's maps are read without such rules, as in CARLA.
 fn kind(context: &mut Context, lane: Node) -> LaneKind {
     match LaneKind::from_opendrive(lane.attribute("type").unwrap_or_default()) {
+        LaneKind::Driving if lane.attribute("direction").is_some_and(|direction| direction.trim() != "standard") => {
+            let direction = lane.attribute("direction").unwrap_or_default().trim();
+            let what = format!(
+                "lane of type driving whose `direction` is `{}`",
+                direction.chars().take(40).collect::<String>()
+            );
+            context.count(lane, Counted::NotDriven, what);
+            LaneKind::Special
+        }
         LaneKind::Driving if !context.of_carla && denies_cars(lane) => {
             context.count(lane, Counted::NotDriven, "lane of type driving whose `access` denies cars".to_owned());
             LaneKind::Special
@@ -116,7 +142,10 @@ fn denies_cars(lane: Node) -> bool {
 /// The width of a lane: from its widths, or else from its borders and the edge of the lanes nearer to the middle.
 fn width(context: &mut Context, lane: Node, id: LaneId, inner: &Profile, start: f64, end: f64) -> Profile {
     let widths: Vec<Cubic> = children(lane, "width").map(|node| cubic(context, node, "sOffset", start)).collect();
-    if !widths.is_empty() {
+    if let Some(first) = widths.iter().map(|cubic| cubic.start).min_by(f64::total_cmp) {
+        if first > start + ROUNDED {
+            context.warn(lane, OpenDriveProblem::LateWidth { lane: id, from: metres(first - start) });
+        }
         return Profile::new(widths);
     }
     let borders: Vec<Cubic> = children(lane, "border").map(|node| cubic(context, node, "sOffset", start)).collect();

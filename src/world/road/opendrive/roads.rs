@@ -5,10 +5,10 @@ use roxmltree::Node;
 use super::attributes::{Context, child, children};
 use super::budget::MAX_LENGTH;
 use super::{OpenDriveProblem, lanes, limits, plan_view};
-use crate::road::{Cubic, JunctionIndex, PlanView, Profile, Road, RoadEnd, RoadIndex, RoadLink};
+use crate::road::{Cubic, Geometry, JunctionIndex, LaneSection, PlanView, Profile, Road, RoadEnd, RoadIndex, RoadLink};
 
-/// A road may be this much longer or shorter than its geometry, as lengths are rounded (m).
-const ROUNDED: f64 = 0.1;
+/// Lengths and places may differ by this much, as they are rounded (m).
+pub(super) const ROUNDED: f64 = 0.1;
 
 /// The roads of a file, with the elements they come from.
 pub(super) struct Roads<'a, 'x> {
@@ -75,7 +75,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         return None;
     };
     let drawn = last.s + last.length;
-    note_gaps(context, node, &plan_view);
+    let gaps = gaps(context, node, &plan_view);
     let mut length = context.optional(node, "length").filter(|length| *length > 0.0).unwrap_or(drawn);
     if (length - drawn).abs() > ROUNDED {
         let (length, drawn) = (metres(length), metres(drawn));
@@ -91,6 +91,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
     let lanes = child(node, "lanes");
     let types = limits::of_types(context, node);
     let sections = lanes.map(|lanes| lanes::sections(context, lanes, length, &types)).unwrap_or_default();
+    let sections = gaps.into_iter().fold(sections, cut);
     if sections.is_empty() {
         context.warn(node, OpenDriveProblem::NoLaneSection);
         return None;
@@ -109,19 +110,46 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
     })
 }
 
-/// Names the parts of a road that no geometry draws.
-fn note_gaps(context: &mut Context, road: Node, plan_view: &PlanView) {
-    let mut drawn = 0.0_f64;
+/// Finds the parts of a road that no geometry draws (m), and names them, the parts that two draw, and the places at which the line leaps.
+///
+/// # Source
+/// ASAM OpenDRIVE 1.8, section 9.2: geometries follow each other in ascending order, without leaps; each begins where the one before ends.
+fn gaps(context: &mut Context, road: Node, plan_view: &PlanView) -> Vec<(f64, f64)> {
+    let (mut drawn, mut before, mut gaps): (f64, Option<&Geometry>, _) = (0.0, None, Vec::new());
     for piece in plan_view.pieces() {
         if piece.s > drawn + ROUNDED {
             context.warn(road, OpenDriveProblem::Gap { from: metres(drawn), to: metres(piece.s) });
+            gaps.push((drawn, piece.s));
+        } else if let Some(before) = before {
+            let apart = (before.pose(piece.s - before.s).position() - piece.start.position()).norm();
+            if piece.s < drawn - ROUNDED {
+                context.warn(road, OpenDriveProblem::Overlap { from: metres(piece.s), to: metres(drawn) });
+            }
+            if apart > ROUNDED {
+                context.warn(road, OpenDriveProblem::Leap { apart: metres(apart), at: metres(piece.s) });
+            }
         }
-        drawn = drawn.max(piece.s + piece.length);
+        (drawn, before) = (drawn.max(piece.s + piece.length), Some(piece));
     }
+    gaps
+}
+
+/// Takes the lanes away between two places (m).
+fn cut(sections: Vec<LaneSection>, (from, to): (f64, f64)) -> Vec<LaneSection> {
+    let parts = |LaneSection { start, end, lanes }: LaneSection| {
+        let parts = [
+            (start, end.min(from), lanes.clone()),
+            (start.max(from), end.min(to), Vec::new()),
+            (start.max(to), end, lanes),
+        ];
+        let sections = parts.map(|(start, end, lanes)| LaneSection { start, end, lanes });
+        sections.into_iter().filter(|section| section.end > section.start)
+    };
+    sections.into_iter().flat_map(parts).collect()
 }
 
 /// A length to the centimetre, without zeros at its end.
-fn metres(length: f64) -> String {
+pub(super) fn metres(length: f64) -> String {
     ((length * 100.0).round() / 100.0).to_string()
 }
 

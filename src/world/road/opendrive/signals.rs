@@ -8,7 +8,7 @@ use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
 use super::limits::{in_unit, note_low};
 use super::obstacles::trigger;
-use super::roads::Roads;
+use super::roads::{ROUNDED, Roads, metres};
 use crate::geometry::{OrientedBox, Vector};
 use crate::road::lane_index::{LaneFilter, LaneIndex, Lanes};
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
@@ -16,8 +16,8 @@ use crate::road::{LaneId, LaneKind, Road, RoadIndex, SpeedSign};
 
 /// The half size of a speed sign's trigger box, as a share of the lane's width.
 const HALF_SIZE: f64 = 0.35;
-/// A sign farther than this from a lane's middle does not stand beside it (m).
-const BESIDE: f64 = 20.0;
+/// A sign or a crosswalk farther than this from a lane's middle does not stand beside it (m).
+pub(super) const BESIDE: f64 = 20.0;
 /// The signal type of a speed limit.
 const SPEED_LIMIT: &str = "274";
 
@@ -43,6 +43,10 @@ pub(super) fn placed<'a, 'x: 'a>(
         let elements = child(*node, container).into_iter().flat_map(|container| children(container, name));
         for node in elements.filter(|node| wanted(*node)) {
             let Some(s) = context.number(node, "s") else { continue };
+            if s < -ROUNDED || s > road.length + ROUNDED {
+                let (s, length) = (metres(s), metres(road.length));
+                context.warn(node, OpenDriveProblem::BeyondRoad { element: name, s, length });
+            }
             let s = s.clamp(0.0, road.length);
             let lanes = lanes(context, node, network, road, RoadIndex(index), s);
             found.push(Placed { node, road: RoadIndex(index), s, lanes });
