@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::refusal::{ID, KeyOf, answer_refusal, greeting_refusal};
+use super::refusal::{ID, KeyOf, Keyed, answer_refusal, greeting_refusal};
 use crate::av::view::{Kind, LaneAhead, Seen, View};
 use crate::av::{DrivingMode, Fault, Perception};
 use crate::geometry::Pose;
@@ -109,7 +109,8 @@ const GREETING: [KeyOf; 4] = [
 /// # Errors
 /// It is not one, or another protocol.
 pub(super) fn read_greeting(line: &[u8]) -> Result<Greeting, Fault> {
-    let greeting: Greeting = serde_json::from_slice(line).map_err(|_| greeting_refusal(line, &GREETING))?;
+    let Keyed(greeting): Keyed<Greeting> =
+        serde_json::from_slice(line).map_err(|_| greeting_refusal(line, &GREETING))?;
     if greeting.protocol == PROTOCOL {
         Ok(greeting)
     } else {
@@ -253,6 +254,9 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
     serde_json::to_writer(out, &world).expect("numbers and words have a form in JSON");
 }
 
+/// A number may be out of its range by this much, as 32 bits round it.
+const ROUNDED: f64 = 1e-6;
+
 /// A driver's decision for a world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Decision {
@@ -280,6 +284,20 @@ impl Decision {
         }
     }
 
+    /// What is said if a number is out of its range, and clamped.
+    pub fn out_of_range(&self) -> Option<String> {
+        let (throttle, brake) = match self.pedals {
+            Choice::Pedals { throttle, brake } => (throttle, brake),
+            Choice::Acceleration(_) => (0.0, 0.0),
+        };
+        let steer = self.steer;
+        let within = |number: f64, low: f64| (low - ROUNDED..=1.0 + ROUNDED).contains(&number);
+        let fits = within(throttle, 0.0) && within(brake, 0.0) && within(steer, -1.0);
+        (!fits).then(|| {
+            format!("answers throttle {throttle}, brake {brake}, steer {steer}: clamped to 0 to 1, 0 to 1, -1 to 1")
+        })
+    }
+
     /// Checks that all its numbers are finite.
     pub fn finite(self) -> Result<Self, Fault> {
         let finite = match self.pedals {
@@ -293,7 +311,7 @@ impl Decision {
 
 #[derive(Deserialize)]
 struct Answers {
-    actions: Vec<Action>,
+    actions: Vec<Keyed<Action>>,
 }
 
 /// The keys of an action.
@@ -348,16 +366,17 @@ fn refusal(line: &[u8]) -> Fault {
 /// # Errors
 /// The line is not an answer, or does not answer each world once.
 pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Decision>) -> Result<(), Fault> {
-    let answers: Answers = serde_json::from_slice(line).map_err(|_| refusal(line))?;
+    let Keyed(answers): Keyed<Answers> = serde_json::from_slice(line).map_err(|_| refusal(line))?;
     if answers.actions.len() != asked.len() {
         return Err(Fault::Answer("not one action for each world"));
     }
     decisions.clear();
     for (place, id) in asked.iter().enumerate() {
         // Most drivers answer in the order of the request.
-        let here = &answers.actions[place];
+        let Keyed(here) = &answers.actions[place];
         let action = Some(here).filter(|here| here.id == *id);
-        let action = action.or_else(|| answers.actions.iter().find(|action| action.id == *id));
+        let action =
+            action.or_else(|| answers.actions.iter().map(|Keyed(action)| action).find(|action| action.id == *id));
         let action = action.ok_or(Fault::Answer("not one action for each world"))?;
         let pedals = match (action.acceleration, action.throttle, action.brake) {
             (Some(acceleration), None, None) => Choice::Acceleration(acceleration),
@@ -414,6 +433,24 @@ mod tests {
         }
     }
 
+    const NOT_FINITE: &str =
+        "JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)";
+
+    #[test]
+    fn a_number_out_of_its_range_is_said() {
+        let said = |keys: &str| {
+            let mut decisions = Vec::new();
+            read_decisions(format!(r#"{{"actions":[{{"id":3,{keys}}}]}}"#).as_bytes(), &[3], &mut decisions).unwrap();
+            decisions[0].out_of_range()
+        };
+        for keys in [r#""throttle":1.0000001"#, r#""brake":1,"steer":-1"#, r#""acceleration":-12"#] {
+            assert_eq!(said(keys), None, "{keys}");
+        }
+        let text = "answers throttle 2, brake -1, steer 0: clamped to 0 to 1, 0 to 1, -1 to 1";
+        assert_eq!(said(r#""throttle":2,"brake":-1"#).as_deref(), Some(text));
+        assert!(said(r#""brake":0,"steer":1.5"#).is_some());
+    }
+
     #[test]
     fn answers_may_come_in_any_order_and_each_must_be_one_decision() {
         let read = |line: &str| {
@@ -438,6 +475,10 @@ mod tests {
             (r#"{"actions":[{"brake":1}]}"#, "an action without `id`"),
             (r#"{"actions":[{"id":3,"brake":1,"brake":0}]}"#, "an action with a key that is missing or there twice"),
             ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
+            (r#"{"actions":[{"id":3,"brake":NaN}]}"#, NOT_FINITE),
+            (r#"{"actions":[{"id":3,"brake":-Infinity}]}"#, NOT_FINITE),
+            (r#"[[{"id":3,"brake":1},{"id":5,"brake":1}]]"#, "JSON, and not an object with `actions`"),
+            (r#"{"actions":[[3,1,0],[5,1,0]]}"#, "an action that is not an object"),
             ("{\0\"\0", "it is UTF-16: write UTF-8"),
             (r#"{"actions":[{"id":3,"brake":1}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"brake":1},{"id":3,"brake":1}]}"#, "not one action for each world"),
@@ -493,6 +534,7 @@ mod tests {
             ("hello", "not the JSON of a greeting"),
             ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
             ("[]", "JSON, and not an object"),
+            (r#"["falsify-av/1"]"#, "JSON, and not an object"),
             ("{}", "an object without `protocol`"),
             (r#"{"protocol":1}"#, "`protocol` is another number; give a text"),
             (r#"{"protocol":"falsify-av/1","revision":"2"}"#, "`revision` is a text; give 1 or 2"),

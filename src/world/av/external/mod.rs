@@ -24,5 +24,5 @@ pub(crate) use message::Body;
 pub use message::PROTOCOL;
 pub use peer::Peer;
 pub use program::{Program, ProgramKeys};
-pub(crate) use refusal::{ID, KeyOf, answer_refusal, greeting_refusal};
+pub(crate) use refusal::{ID, KeyOf, Keyed, answer_refusal, greeting_refusal};
 pub use session::Settings;

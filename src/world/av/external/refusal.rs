@@ -1,5 +1,10 @@
 //! What is wrong with a line that is not the message it should be.
 
+use std::fmt::{self, Formatter};
+use std::marker::PhantomData;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Map, Value};
 
 use crate::av::Fault;
@@ -10,6 +15,29 @@ pub(crate) type KeyOf = (&'static str, &'static str, fn(&Value) -> bool);
 /// The key of an action that says which world it is for.
 pub(crate) const ID: KeyOf =
     ("id", "the id of a world", |value| value.as_u64().is_some_and(|id| u32::try_from(id).is_ok()));
+
+/// A message that is an object: a list of its values without their keys is refused.
+pub(crate) struct Keyed<T>(pub T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Keyed<T> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_map(Object(PhantomData)).map(Self)
+    }
+}
+
+struct Object<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Object<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map))
+    }
+}
 
 /// What is wrong with a line that is not a greeting with these keys, of which the first must be there.
 pub(crate) fn greeting_refusal(line: &[u8], keys: &[KeyOf]) -> Fault {
@@ -73,6 +101,9 @@ fn not_json(line: &[u8]) -> Option<&'static str> {
     match line {
         [0xef, 0xbb, 0xbf, ..] => Some("it begins with a byte order mark: write UTF-8 without one"),
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..] => Some("it is UTF-16: write UTF-8"),
+        _ if [&b"NaN"[..], b"Infinity"].iter().any(|word| line.windows(word.len()).any(|part| part == *word)) => {
+            Some("JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)")
+        }
         _ => None,
     }
 }

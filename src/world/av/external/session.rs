@@ -44,6 +44,8 @@ pub(super) struct Session {
     answer: Vec<u8>,
     decisions: Vec<Decision>,
     outcome: Option<Result<(), Fault>>,
+    /// Whether a number out of its range was reported.
+    is_clamped: bool,
 }
 
 impl Session {
@@ -61,6 +63,7 @@ impl Session {
             answer: Vec::new(),
             decisions: Vec::new(),
             outcome: None,
+            is_clamped: false,
         }
     }
 
@@ -146,7 +149,20 @@ impl Session {
         outcome.map(|()| self.decisions[place])
     }
 
+    /// Sends all requests and receives the decisions. The first one that is out of its range is reported.
     fn exchange(&mut self) -> Result<(), Fault> {
+        self.ask_all()?;
+        let clamped = || self.decisions.iter().find_map(Decision::out_of_range);
+        if !self.is_clamped
+            && let Some(text) = clamped()
+        {
+            self.is_clamped = true;
+            self.peer.link()?.note(&text);
+        }
+        Ok(())
+    }
+
+    fn ask_all(&mut self) -> Result<(), Fault> {
         let limit = self.settings.timeout;
         let Self { peer, request, asked, answer, decisions, control, .. } = self;
         match self.encoding {

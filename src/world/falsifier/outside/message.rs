@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::av::Fault;
-use crate::av::external::{Body, ID, KeyOf, answer_refusal, greeting_refusal};
+use crate::av::external::{Body, ID, KeyOf, Keyed, answer_refusal, greeting_refusal};
 use crate::env::Scene;
 
 /// Name and major version of the protocol. Keys may be added within a version; a program must ignore keys that it does not know.
@@ -58,7 +58,8 @@ struct Greeting {
 /// [`Fault::Greeting`].
 pub(super) fn read_greeting(line: &[u8]) -> Result<(), Fault> {
     let protocol: KeyOf = ("protocol", "a text", |value| value.is_string());
-    let greeting: Greeting = serde_json::from_slice(line).map_err(|_| greeting_refusal(line, &[protocol]))?;
+    let Keyed(greeting): Keyed<Greeting> =
+        serde_json::from_slice(line).map_err(|_| greeting_refusal(line, &[protocol]))?;
     let known = greeting.protocol == PROTOCOL;
     known.then_some(()).ok_or(Fault::Greeting("another protocol than falsify-pedestrian/1"))
 }
@@ -110,7 +111,7 @@ struct Action {
 
 #[derive(Deserialize)]
 struct Answers {
-    actions: Vec<Action>,
+    actions: Vec<Keyed<Action>>,
 }
 
 /// Reads the action for a world.
@@ -120,9 +121,9 @@ struct Answers {
 pub(super) fn read_action(line: &[u8], id: u32, action: &mut [f64]) -> Result<(), Fault> {
     let numbers = |value: &serde_json::Value| value.as_array().is_some_and(|list| list.iter().all(|n| n.is_number()));
     let keys: [KeyOf; 2] = [ID, ("action", "a list of numbers", numbers)];
-    let answers: Answers = serde_json::from_slice(line).map_err(|_| answer_refusal(line, &keys))?;
+    let Keyed(answers): Keyed<Answers> = serde_json::from_slice(line).map_err(|_| answer_refusal(line, &keys))?;
     match answers.actions.as_slice() {
-        [answer] if answer.id == id => {
+        [Keyed(answer)] if answer.id == id => {
             if answer.action.len() != action.len() {
                 return Err(Fault::Answer("not two numbers for each pedestrian"));
             }
