@@ -166,7 +166,10 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
         ("version", Fault::Greeting("another protocol than falsify-av/1")),
         ("gone", Fault::Ended(Exit::Code(0))),
         ("lazy", Fault::Answer("not one action for each world")),
-        ("nan", Fault::Answer("not the JSON of an answer")),
+        (
+            "nan",
+            Fault::Answer("JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)"),
+        ),
         ("eager", Fault::Answer("it came before the question")),
     ];
     for (mode, fault) in cases {

@@ -11,7 +11,7 @@ const NEEDED: [&str; 7] =
 const VELOCITY: [&str; 2] = ["pedestrian_yaw_deg", "pedestrian_speed_mps"];
 /// The most columns; what follows is not looked at.
 const MAX_COLUMNS: usize = 10_000;
-/// Characters of a header without the columns that are needed: what they show, and what is needed.
+/// Characters of a header without the columns that are needed, and the first in any header: what they show, and what is needed.
 const FORMATS: [(&[char], &str, &str); 4] = [
     (&['\r'], "lines end with a carriage return alone", "line feeds"),
     (&[';'], "fields are separated by `;`", "`,` between fields, and decimal points"),
@@ -74,6 +74,11 @@ impl Recording {
             let found = header.iter().take(40).map(|name| name.chars().take(40).collect()).collect();
             RecordingFileError::Column { column, found }
         };
+        // All rows are then one header.
+        let [(_, found, wanted), ..] = FORMATS;
+        if header.iter().any(|name| name.contains('\r')) {
+            return Err(RecordingFileError::Format { found, wanted });
+        }
         if let Some(column) =
             NEEDED.iter().chain(&VELOCITY).find(|name| header.iter().filter(|is| is == name).count() > 1)
         {

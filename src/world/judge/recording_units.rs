@@ -1,6 +1,6 @@
 //! Units of a recording: whether positions, speeds, headings and time fit each other.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use super::recording_noise::noise;
 use crate::geometry::{Pose, Vector, wrap_angle};
@@ -27,6 +27,9 @@ const FAR: f64 = 20.0;
 const NEAR: f64 = 0.1;
 /// Headings that deviate by less (rad) are right, whatever would fit better.
 const SMALL: f64 = 0.05;
+
+/// The likely cause of headings that are far beyond a whole turn, or fit as degrees.
+const DEGREES: &str = "the numbers look like degrees where radians are needed";
 
 /// Units that do not fit each other, as parts of a sentence.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,11 +100,11 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
     let of_reading = |reading| median(stretches.iter().map(|stretch| deviation(stretch, reading)));
     let found = of_reading(0);
     // Numbers beyond 1 that fit much better as degrees are degrees.
-    let turned = median(track.iter().map(|(pose, _)| pose.yaw.abs())) > 1.0;
+    let usual = median(track.iter().map(|(pose, _)| pose.yaw.abs()));
     let is_better = |reading| of_reading(reading) < (found / 4.0).min(PI - found);
     let likely = match () {
         () if found <= SMALL => return None,
-        () if turned && is_better(1) => "the numbers look like degrees where radians are needed",
+        () if usual > 1.0 && is_better(1) || usual > TAU && found > FRAC_PI_4 => DEGREES,
         () if is_better(3) => "they look left-handed; of a left-handed frame change the signs of y and of the heading",
         () if found <= FRAC_PI_4 => return None,
         () if is_better(2) => "the numbers look like radians where degrees are needed",
@@ -245,7 +248,9 @@ mod tests {
             assert_eq!(said(&track, DT * 2.0), format!("0.50: {step}"));
             assert!(said(&scaled(0.0), DT).ends_with("its positions move and its speeds are near 0"));
             let degrees = said(&headed(&track, f64::to_degrees), DT);
-            assert_eq!(degrees, "the numbers look like degrees where radians are needed", "{heading}");
+            assert_eq!(degrees, DEGREES, "{heading}");
+            // Also where no reading fits.
+            assert_eq!(said(&headed(&track, |_| 90.0), DT), DEGREES, "{heading}");
         }
         for heading in [0.1, -0.2, 0.35, 0.6, 2.9] {
             let mirrored = changed(&driven(10.0, heading), |pose, speed| (Pose { y: -pose.y, ..pose }, speed));

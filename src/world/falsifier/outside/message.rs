@@ -149,7 +149,10 @@ mod tests {
         assert_eq!(read(r#"{"actions":[{"id":3,"action":[-1,2.5],"new":0}]}"#), Ok([-1.0, 2.5]));
         for (line, reason) in [
             ("walk", "not the JSON of an answer"),
-            (r#"{"actions":[{"id":3,"action":[NaN,1]}]}"#, "not the JSON of an answer"),
+            (
+                r#"{"actions":[{"id":3,"action":[NaN,1]}]}"#,
+                "JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)",
+            ),
             ("\u{feff}{}", "it begins with a byte order mark: write UTF-8 without one"),
             (r#"{"actions":[{"id":3}]}"#, "an action with a key that is missing or there twice"),
             (r#"{"actions":[]}"#, "not one action for each world"),
