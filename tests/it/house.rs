@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
     ("src/learn", 5_412),
-    ("src/world", 33_665),
+    ("src/world", 34_070),
     ("src/ported", 4_642),
     ("src/lang", 6_422),
     ("src/compile", 7_289),
     ("src/process", 859),
     ("src/export", 3_783),
     ("src/results", 26_603),
-    ("src/program", 12_051),
-    ("tests", 26_996),
+    ("src/program", 12_052),
+    ("tests", 27_169),
 ];
 
 /// Crates that only some places may name.
