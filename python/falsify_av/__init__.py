@@ -13,7 +13,7 @@ from ._core import __version__
 from .environments import PedestrianEnv, PedestrianVectorEnv, make, make_vec
 from .evaluation import evaluate
 from .judgement import judge
-from .network import onnx
+from .network import hunter, onnx
 from .program import ProgramError, compare, export, failures, replay, run
 from .scenarios import Diagnostic, ScenarioError, check, scenarios
 from .worlds import RunUpWarning
@@ -32,6 +32,7 @@ __all__ = [
     "evaluate",
     "export",
     "failures",
+    "hunter",
     "judge",
     "make",
     "make_vec",

@@ -37,7 +37,8 @@ def evaluate(
     ``episodes``. The names are those of its columns. The result does not depend on ``num_envs`` if each action depends on its own row only.
 
     Args:
-        pedestrian: Gets states of the shape ``(worlds, numbers)`` and returns actions of the shape ``(worlds, 2 * pedestrians)``.
+        pedestrian: Gets states of the shape ``(worlds, numbers)`` and returns actions of the shape ``(worlds, 2 * pedestrians)``. One with memory has
+            a method ``begin``, which gets the mask of the worlds whose episodes begin.
         scenario, campaign, options: As those of :func:`falsify_av.make`.
         episodes: The number of episodes.
         seed: The seed of the campaign.
@@ -57,6 +58,8 @@ def evaluate(
     core.reseed(np.full(worlds, checked_seed(seed), np.int64))
     number = np.arange(worlds, dtype=np.int64)
     states = core.reset(mask, number)
+    begin = getattr(pedestrian, "begin", lambda _: None)
+    begin(mask)
     rows: dict[int, dict[str, Any]] = {}
     following = worlds
     tell = shown(progress, "episodes")
@@ -78,6 +81,7 @@ def evaluate(
         running = running & ~over | again
         if again.any():
             states = core.reset(again, number)
+            begin(again)
     ends = [rows[episode] for episode in range(episodes)]
     text = failed_run_ups(sum(row["placed"] for row in ends), sum(row["run_up_ticks"] > 0 for row in ends))
     if text:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .pedestrians import Pedestrian
+from ._core import shipped_network
 
 _FLOATS: dict[str, type[np.floating[Any]]] = {"tensor(float)": np.float32, "tensor(double)": np.float64}
 
@@ -54,26 +54,64 @@ def fits(shape: list[Any], *wanted: int | range) -> bool:
     )
 
 
-def onnx(path: str | os.PathLike[str]) -> Pedestrian:
+class Walker:
+    """A pedestrian's network. One that takes several states gets the last ones of an episode, the oldest first, with zeros before its start.
+
+    Raises:
+        ValueError: The network has other inputs than one of states.
+    """
+
+    def __init__(self, network: Network) -> None:
+        [(name, shape), *more] = network.shapes.items()
+        if more or not fits(shape, range(1, 1 << 16)):
+            raise ValueError("a pedestrian's network has one input, of the shape (1, n) or (batch, n)")
+        self._network, self._name = network, name
+        self._width, self._one_by_one = shape[1], shape[0] == 1
+        self._past: NDArray[np.float32] | None = None
+
+    def begin(self, worlds: NDArray[np.bool_]) -> None:
+        """Forget what was seen in the worlds of a mask, whose episodes begin."""
+        if self._past is None or len(self._past) != len(worlds):
+            self._past = np.zeros((len(worlds), self._width), np.float32)
+        self._past[worlds] = 0
+
+    def __call__(self, states: NDArray[np.float32]) -> NDArray[Any]:
+        numbers = states.shape[1]
+        if self._width % numbers:
+            raise ValueError(f"the network takes {self._width} numbers, and a state of this scenario has {numbers}")
+        if self._width > numbers:
+            if self._past is None:
+                raise ValueError("the network takes several states: call `begin` where episodes begin, as `falsify_av.evaluate` does")
+            self._past = np.concatenate([self._past[:, numbers:], states], axis=1)
+            states = self._past
+        if self._one_by_one:
+            return np.array([self._network.answer({self._name: state[None]}).ravel() for state in states])
+        return self._network.answer({self._name: states})
+
+
+def onnx(path: str | os.PathLike[str]) -> Walker:
     """A pedestrian of an ONNX file, such as those in ``pedestrians`` of a report: one input of states, and actions as its output.
 
     It needs ``pip install falsify-av[onnx]``. A scenario's ``controller mine = onnx(model: …)`` needs no onnxruntime. The two compute the same
     function with other last bits, so digests differ, outcomes seldom.
 
     Raises:
-        ValueError: The file is no such network. A network that takes several states (``frame_stack``) walks only in a scenario, as a ``controller``.
+        ValueError: The file is no such network.
     """
-    network = Network(path)
-    [(name, shape), *more] = network.shapes.items()
-    if more or not fits(shape, range(1, 1 << 16)):
-        raise ValueError("a pedestrian's network has one input, of the shape (1, n) or (batch, n)")
-    width, one_by_one = shape[1], shape[0] == 1
+    return Walker(Network(path))
 
-    def choose(states: NDArray[np.float32]) -> NDArray[Any]:
-        if states.shape[1] != width:
-            raise ValueError(f"the network takes {width} numbers, and a state of this scenario has {states.shape[1]}")
-        if one_by_one:
-            return np.array([network.answer({name: state[None]}).ravel() for state in states])
-        return network.answer({name: states})
 
-    return choose
+def hunter(body: str = "adult") -> Walker:
+    """The trained pedestrian that comes with the program: ``hunter``, or ``hunter_child`` for the body ``"child"``.
+
+    It walks in scenarios with the adversary ``pursuer`` (``child_pursuer``) and needs ``pip install falsify-av[onnx]``.
+
+    Raises:
+        ValueError: There is none with this body.
+    """
+    import onnxruntime
+
+    names = {"adult": "hunter.onnx", "child": "hunter_child.onnx"}
+    if body not in names:
+        raise ValueError(f"no trained pedestrian has the body {body!r}; there are {', '.join(map(repr, names))}")
+    return Walker(Network(onnxruntime.InferenceSession(shipped_network(names[body]), providers=["CPUExecutionProvider"])))

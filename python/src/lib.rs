@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::scenarios::{Choice, Scenarios, load};
+    use super::scenarios::{Choice, Scenarios, load, shipped_network};
     #[pymodule_export]
     use super::worlds::Worlds;
 

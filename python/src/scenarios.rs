@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base::diagnostic::{Colour, Severity, Sources, records, render};
 use base::files;
 use compile::{Catalog, Overrides, Plan, Search, SearchKey, compile_with, episodes_seed};
-use lang::{Reader, Unreadable};
+use lang::{Reader, Unreadable, library};
 use numpy::PyReadonlyArray2;
 use process::ProcessOpener;
 use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError, PyValueError};
@@ -149,6 +149,13 @@ pub fn load(
             plan.map(|plan| Scenarios { choices: choices(&plan), without_campaigns: plan.without_campaigns() });
         Ok((scenarios, text.join("\n"), known))
     })
+}
+
+/// The bytes of a network of the standard library, an ONNX file.
+#[pyfunction]
+pub fn shipped_network(name: &str) -> PyResult<&'static [u8]> {
+    let network = library::place(&format!("std/{name}")).and_then(|place| library::network(&place));
+    network.ok_or_else(|| PyValueError::new_err(format!("the library has no network `{name}`")))
 }
 
 /// The exception of a file that cannot be read.

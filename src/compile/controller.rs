@@ -55,11 +55,15 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Co
 /// A network from a file.
 fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
     let NetworkedKeys { model } = declaration.block.keys();
-    let network = lowering.network(declaration, &model, |bytes| {
+    let (network, properties) = lowering.network(declaration, &model, |bytes| {
+        let properties = Arc::new(learn::onnx_properties(&bytes));
         let network = Network::read(bytes).map_err(|error| error.to_string())?;
-        Networked::check(&network).map(|()| Arc::new(network)).map_err(|unsuitable| unsuitable.to_string())
+        Networked::check(&network)
+            .map(|()| (Arc::new(network), properties))
+            .map_err(|unsuitable| unsuitable.to_string())
     })?;
-    Some(Controller::new(&declaration.name, move || Box::new(Networked::new(network.clone())) as _))
+    let make = move || Box::new(Networked::new(network.clone(), properties.clone())) as _;
+    Some(Controller::new(&declaration.name, make))
 }
 
 /// A pedestrian that walks as recorded ones do, with settings.

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use lang::Reader;
+use lang::{Reader, library};
 
 /// Reads files and remembers a digest of each, if fingerprints are wanted.
 pub(super) struct Noting<'a> {
@@ -41,6 +41,7 @@ impl Reader for Noting<'_> {
     }
 
     fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.read.bytes(path).inspect(|bytes| self.note(path, bytes))
+        let held = library::network(path).map(|bytes| Ok(bytes.to_vec()));
+        held.unwrap_or_else(|| self.read.bytes(path)).inspect(|bytes| self.note(path, bytes))
     }
 }

@@ -24,6 +24,12 @@ const FILES: &[(&str, &str)] = &[
     ("towns.scn", include_str!("library/towns.scn")),
 ];
 
+/// The networks that they name.
+const NETWORKS: &[(&str, &[u8])] = &[
+    ("hunter.onnx", include_bytes!("library/hunter.onnx")),
+    ("hunter_child.onnx", include_bytes!("library/hunter_child.onnx")),
+];
+
 /// A declaration or a parameter of the library.
 struct Statement {
     file: &'static str,
@@ -71,6 +77,12 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The place of a file that is imported as `std/…`.
 pub fn place(import: &str) -> Option<PathBuf> {
     import.strip_prefix("std/").map(|name| Path::new(FOLDER).join(name))
+}
+
+/// A network of the library, at this path; `None` for other paths.
+pub fn network(path: &Path) -> Option<&'static [u8]> {
+    let name = path.strip_prefix(FOLDER).ok()?.to_str()?;
+    NETWORKS.iter().find(|(known, _)| *known == name).map(|(_, bytes)| *bytes)
 }
 
 /// Whether a path leads into the library.

@@ -61,7 +61,7 @@ pub use frame_stack::FrameStack;
 pub use log::{FinishedEpisode, UpdateLog};
 pub use moments::RunningMoments;
 pub use normal::standard_normal;
-pub use onnx::Inputs;
+pub use onnx::{Inputs, onnx_properties};
 pub use ppo::{Trained, train};
 pub use real::Real;
 pub use recorded::{RecordedRollout, RecordedUpdate, update_on_recorded};

@@ -26,6 +26,12 @@ const DOUBLE: i32 = 11;
 /// The number of the type of an attribute that is a whole number.
 const INT: i32 = 2;
 
+/// The properties of an ONNX file, by name; empty for other bytes.
+pub fn onnx_properties(bytes: &[u8]) -> BTreeMap<String, String> {
+    let model = Model::decode(bytes).unwrap_or_default();
+    model.metadata.into_iter().map(|entry| (entry.key, entry.value)).collect()
+}
+
 #[derive(Clone, PartialEq, Message)]
 struct Model {
     #[prost(int64, tag = "1")]

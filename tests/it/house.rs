@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
-    ("src/learn", 5_412),
-    ("src/world", 34_070),
+    ("src/learn", 5_418),
+    ("src/world", 34_055),
     ("src/ported", 4_642),
-    ("src/lang", 6_422),
-    ("src/compile", 7_289),
+    ("src/lang", 6_434),
+    ("src/compile", 7_294),
     ("src/process", 859),
     ("src/export", 3_783),
     ("src/results", 26_603),
     ("src/program", 12_052),
-    ("tests", 27_169),
+    ("tests", 27_212),
 ];
 
 /// Crates that only some places may name.

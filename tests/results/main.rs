@@ -9,6 +9,7 @@ mod covers;
 mod estimates;
 mod gates;
 mod hardening;
+mod hunters;
 mod kinds;
 mod searches;
 

@@ -41,28 +41,6 @@ fn the_nearest_vertex_is_found_without_looking_at_all() {
 }
 
 #[test]
-fn the_nearest_of_many_laps_is_found() {
-    // Each lap is a little farther out than the one before.
-    let lap = |tick: u32| {
-        let (angle, radius) = (0.01 * f64::from(tick), 20.0 + 1e-4 * f64::from(tick));
-        Pose::new(radius * libm::cos(angle), radius * libm::sin(angle), angle + FRAC_PI_2)
-    };
-    let poses: Vec<Pose> = (0..30_000).map(lap).collect();
-    let path = DrivenPath::new(poses.clone());
-    for (x, y) in [(21.03, 0.1), (0.2, 22.4), (-19.0, -1.0), (300.0, 20.0), (-16.0, 15.0)] {
-        let point = Point::new(x, y);
-        let distances = poses.iter().map(|pose| (point - pose.position()).norm());
-        let least = distances.fold(f64::INFINITY, f64::min);
-        let place = path.place(point, 0.0);
-        // Vertices are 0.23 m apart.
-        let beside = least * least - place.aside * place.aside;
-        assert!((-1e-3..0.12 * 0.12).contains(&beside), "{point}: {place:?}, {least} m");
-    }
-    let late = path.place(Point::new(21.0, 0.0), 400.0);
-    assert!(late.along >= 400.0 && late.aside.abs() > 0.1, "{late:?}");
-}
-
-#[test]
 fn a_car_that_stood_has_a_straight_path() {
     let path = DrivenPath::new([Pose::new(1.0, 2.0, FRAC_PI_2); 3]);
     assert!((path.pose(5.0, &mut 0).y - 7.0).abs() < 1e-12);

@@ -20,26 +20,6 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenPath {
     vertices: Vec<(f64, Pose)>,
-    /// Boxes around each [`BLOCK`] vertices, around each as many of these, and so on.
-    boxes: Vec<Vec<Bounds>>,
-}
-
-/// The number of vertices of a box.
-const BLOCK: usize = 64;
-
-/// The least and the greatest coordinates of vertices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Bounds(Point, Point);
-
-impl Bounds {
-    fn around(self, other: Self) -> Self {
-        Self(self.0.inf(&other.0), self.1.sup(&other.1))
-    }
-
-    /// The square of the distance to the box, at most that to any vertex in it.
-    fn apart(&self, point: Point) -> f64 {
-        (point - point.sup(&self.0).inf(&self.1)).norm_squared()
-    }
 }
 
 impl DrivenPath {
@@ -61,24 +41,7 @@ impl DrivenPath {
             }
         }
         assert!(!vertices.is_empty(), "a path has a start");
-        let mut level: Vec<Bounds> =
-            vertices.iter().map(|(_, pose)| Bounds(pose.position(), pose.position())).collect();
-        let mut boxes = Vec::new();
-        while level.len() > BLOCK {
-            level = level.chunks(BLOCK).filter_map(|block| block.iter().copied().reduce(Bounds::around)).collect();
-            boxes.push(level.clone());
-        }
-        Self { vertices, boxes }
-    }
-
-    /// The number of vertices from this one on that are farther from a point than a square of a distance; 0 if it is not known.
-    fn farther(&self, vertex: usize, point: Point, least: f64) -> usize {
-        let mut size = 1;
-        let is_far = |boxes: &&Vec<Bounds>| {
-            size *= BLOCK;
-            vertex.is_multiple_of(size) && boxes[vertex / size].apart(point) > least
-        };
-        self.boxes.iter().take_while(is_far).count().checked_sub(1).map_or(0, |level| BLOCK.pow(level as u32 + 1))
+        Self { vertices }
     }
 
     /// The pose of a car at a length along the path (m), which drives on from one call to the next: `passed` is the number of vertices that it has
@@ -108,11 +71,6 @@ impl DrivenPath {
         let mut nearest = (f64::INFINITY, first);
         let mut place = 0;
         while let Some(vertex) = vertices.get(place) {
-            let farther = self.farther(first + place, point, least);
-            if farther > 0 {
-                place += farther;
-                continue;
-            }
             let apart = apart(vertex);
             if apart < nearest.0 {
                 nearest = (apart, first + place);

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::carry_out;
@@ -19,6 +20,9 @@ keys! {
     }
 }
 
+/// The properties that must be those of the scenario.
+const FRAMES: [&str; 3] = ["state", "state_frame", "action_frame"];
+
 /// Why a network cannot control one pedestrian.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnsuitableNetwork {
@@ -36,6 +40,8 @@ pub enum UnsuitableNetwork {
 /// that was trained with `frame_stack`. All numbers are in the units of the adversary.
 pub struct Networked {
     runner: Runner,
+    /// What its file says about its states and actions, as [`Cast::interface`](crate::env::Cast::interface) names it.
+    interface: Arc<BTreeMap<String, String>>,
     stack: FrameStack,
     state: Vec<f64>,
     action: Vec<f64>,
@@ -57,15 +63,25 @@ impl Networked {
         }
     }
 
-    /// Makes one of a network that passes [`Networked::check`]. Where the states of an episode do not fit its input it fails.
-    pub fn new(network: Arc<Network>) -> Self {
+    /// Makes one of a network that passes [`Networked::check`], with the properties of its file. Where the states of an episode do not fit its input,
+    /// or are in other frames than those of its training, it fails.
+    pub fn new(network: Arc<Network>, interface: Arc<BTreeMap<String, String>>) -> Self {
         let stack = FrameStack::new(ObservationSpec::DIM, network.inputs() / ObservationSpec::DIM);
         let action = vec![0.0; network.outputs()];
-        Self::within(Runner::new(network), stack, action)
+        Self::within(Runner::new(network), interface, stack, action)
     }
 
-    fn within(runner: Runner, stack: FrameStack, action: Vec<f64>) -> Self {
-        Self { runner, stack, state: vec![0.0; ObservationSpec::DIM], action, begun: false, fault: None }
+    fn within(runner: Runner, interface: Arc<BTreeMap<String, String>>, stack: FrameStack, action: Vec<f64>) -> Self {
+        Self { runner, interface, stack, state: vec![0.0; ObservationSpec::DIM], action, begun: false, fault: None }
+    }
+
+    /// Whether the scene's states and actions are what its file says they are.
+    fn fits(&self, scene: &Scene<'_>) -> bool {
+        let present = scene.scenario.cast.interface(&scene.scenario.episode);
+        let is_other = |(name, value): &(&str, String)| {
+            FRAMES.contains(name) && self.interface.get(*name).is_some_and(|known| known != value)
+        };
+        !present.iter().any(is_other)
     }
 }
 
@@ -83,6 +99,12 @@ impl WalkPolicy for Networked {
             }
             self.state.resize(numbers, 0.0);
             self.stack = FrameStack::new(numbers, inputs / numbers);
+        }
+        if !self.begun && !self.fits(scene) {
+            self.fault = Some(Fault::Answer(
+                "its network was trained with other frames or units of state and action: give it the adversary of its training",
+            ));
+            return;
         }
         scene.write_state(&mut self.state);
         if std::mem::replace(&mut self.begun, true) {
@@ -103,6 +125,11 @@ impl WalkPolicy for Networked {
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
-        Some(Box::new(Self::within(self.runner.clone(), self.stack.clone(), self.action.clone())))
+        Some(Box::new(Self::within(
+            self.runner.clone(),
+            self.interface.clone(),
+            self.stack.clone(),
+            self.action.clone(),
+        )))
     }
 }
