@@ -78,6 +78,7 @@ class Sumo:
         self.place(message["pedestrians"])
         libsumo.simulationStep()
         libsumo.vehicle.setPreviousSpeed(EGO, ego["speed"], 0.0)
+        self.stop(edges[-1])
         return {**self.now(), "ego": {**self.now()["ego"], "speed": ego["speed"]}}
 
     def step(self, message: Message) -> Message:
@@ -104,6 +105,11 @@ class Sumo:
     def half(self) -> float:
         """Half of the car's length (m)."""
         return float(self.car["length"]) / 2
+
+    def stop(self, edge: str) -> None:
+        """Let the car stand at the end of its route, where SUMO would take it away."""
+        lane = f"{edge}_0"
+        libsumo.vehicle.setStop(EGO, edge, libsumo.lane.getLength(lane) - 0.1, 0, 1e6)
 
     def edges(self, route: list[list[float]]) -> list[str]:
         """The edges along a route, without those inside junctions."""

@@ -83,7 +83,7 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
         }
     }
     let cannot = [
-        ("a car that a driver of ours drives", abilities.controls),
+        ("cars that drivers of ours drive", abilities.controls),
         ("drivers of its own", native.is_some()),
         ("friction of the road", abilities.friction),
         ("traffic lights for its drivers", abilities.lights),

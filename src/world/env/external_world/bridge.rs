@@ -16,6 +16,8 @@ const MOVED: f64 = 0.01;
 const PLACED: f64 = 0.01;
 /// How much farther than by its speeds the car may get in a tick (m): contact and steep turns move its middle. More is a jump.
 const JUMP: f64 = 0.5;
+/// A car that is slower stands (m/s): on springs it is never quite at rest.
+const STANDING: f64 = 0.02;
 /// How far a lane of the world may be from that of the town (m).
 const LANES: f64 = 0.1;
 /// The distance between places on lanes (m), and their maximum number.
@@ -149,6 +151,7 @@ impl Bridge {
         if way > speed.abs().max(state.speed.abs()) * here.dt + JUMP {
             return Err(Fault::Answer("the car is farther away than its speed allows"));
         }
+        let speed = if speed.abs() < STANDING { 0.0 } else { speed };
         Ok(VehicleState { pose: Pose { x, y, yaw: wrap_angle(yaw) }, speed, age: next.age })
     }
 
