@@ -145,6 +145,15 @@ fn each_fault_of_a_world_is_an_error_of_its_own() {
 }
 
 #[test]
+fn a_world_may_say_how_exactly_it_places_pedestrians() {
+    if !has_python() {
+        return;
+    }
+    let tolerant = evaluations(&text("tolerant", "timeout: 60 s", "idm", "other"));
+    assert!(episodes(&tolerant[0], 2).iter().all(|(outcome, _)| outcome.fault().is_none()));
+}
+
+#[test]
 fn what_a_world_cannot_do_is_said_before_a_run() {
     if !has_python() {
         return;

@@ -11,7 +11,7 @@ FAULT = sys.argv[1]
 
 
 class World(my_world.MyWorld):
-    ABOUT = {**my_world.MyWorld.ABOUT, "drivers": ["theirs"], "controls": FAULT != "rails", "seeds": FAULT != "unseeded"}
+    ABOUT = {**my_world.MyWorld.ABOUT, "drivers": ["theirs"], "controls": FAULT != "rails", "tolerance": 0.03 * (FAULT == "tolerant"), "seeds": FAULT != "unseeded"}
 
     def load(self, message):
         super().load(message)
@@ -50,7 +50,7 @@ class World(my_world.MyWorld):
             state["ego"]["speed"] = None
         if FAULT == "infinite":
             state["ego"]["x"] = 1e999
-        if FAULT == "elsewhere":
+        if FAULT in ("elsewhere", "tolerant"):
             state["pedestrians"][0][0] += 0.02
         if FAULT == "ends":
             state["end"] = True

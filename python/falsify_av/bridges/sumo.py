@@ -38,6 +38,8 @@ class Sumo:
             "version": f"libsumo {version('libsumo')}, eclipse-sumo {version('eclipse-sumo')}",
             "drivers": list(MODELS),
             "controls": False,
+            # Persons have a place along a lane and beside it, which in bends is another one.
+            "tolerance": 0.2,
             "friction": False,
             "lights": False,
             "seeds": True,

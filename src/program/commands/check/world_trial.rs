@@ -90,6 +90,9 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
         ("seeds", abilities.seeds),
     ];
     let cannot: Vec<&str> = cannot.iter().filter(|(_, can)| !can).map(|(what, _)| *what).collect();
+    if abilities.tolerance > 0.0 {
+        console::say(&format!("        it puts pedestrians up to {} m from where it is told", abilities.tolerance));
+    }
     if !cannot.is_empty() {
         console::say(&format!("        it has no {}", cannot.join(", no ")));
     }

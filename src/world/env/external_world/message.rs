@@ -18,7 +18,7 @@ pub(super) fn hello() -> Vec<u8> {
 }
 
 /// What a program says that its simulator is and can do: its greeting.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 pub struct Abilities {
     protocol: String,
     /// Name of the simulator.
@@ -31,6 +31,9 @@ pub struct Abilities {
     /// Whether a driver of ours can drive its car.
     #[serde(default = "yes")]
     pub controls: bool,
+    /// How far from where it is told it may place a pedestrian (m), between 1 cm, the default, and half a metre.
+    #[serde(default)]
+    pub tolerance: f64,
     /// Whether the friction of the road can be set.
     #[serde(default)]
     pub friction: bool,
@@ -50,12 +53,13 @@ const TEXT: fn(&Value) -> bool = Value::is_string;
 const BOOLEAN: fn(&Value) -> bool = Value::is_boolean;
 
 /// The keys of a greeting.
-const GREETING: [KeyOf; 8] = [
+const GREETING: [KeyOf; 9] = [
     ("protocol", "a text", TEXT),
     ("name", "a text", TEXT),
     ("version", "a text", TEXT),
     ("drivers", "a list of texts", |value| value.as_array().is_some_and(|list| list.iter().all(TEXT))),
     ("controls", "true or false", BOOLEAN),
+    ("tolerance", "a number", Value::is_number),
     ("friction", "true or false", BOOLEAN),
     ("lights", "true or false", BOOLEAN),
     ("seeds", "true or false", BOOLEAN),
