@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
     ("src/learn", 5_418),
-    ("src/world", 34_055),
+    ("src/world", 34_067),
     ("src/ported", 4_642),
     ("src/lang", 6_434),
     ("src/compile", 7_294),
     ("src/process", 859),
     ("src/export", 3_783),
     ("src/results", 26_603),
-    ("src/program", 12_052),
-    ("tests", 27_212),
+    ("src/program", 12_055),
+    ("tests", 27_228),
 ];
 
 /// Crates that only some places may name.
