@@ -59,15 +59,7 @@ fn episodes(evaluation: &Evaluation, count: u32) -> Vec<(Outcome, Trace)> {
     let seed = Seed::root(5);
     let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
     let go_on = &mut |_| ControlFlow::Continue(());
-    evaluate_observed(
-        &mut Intercept::default(),
-        &evaluation.scenario,
-        0..count,
-        &seed,
-        &seed.child("walker"),
-        note,
-        go_on,
-    )
+    evaluate_observed(&mut Intercept, &evaluation.scenario, 0..count, &seed, &seed.child("walker"), note, go_on)
 }
 
 #[test]

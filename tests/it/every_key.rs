@@ -116,8 +116,7 @@ impl InsideLink {
                     let [x, y, yaw, speed] = ["x", "y", "yaw", "speed"].map(|key| self.car[key].as_f64().unwrap());
                     let ours = message["control"]["acceleration"].as_f64().filter(|_| !self.is_native).unwrap_or(0.0);
                     let (way, slower) = (speed * 0.05, (speed + (ours - self.argument) * 0.05).max(0.0));
-                    self.car =
-                        json!({ "x": x + way * yaw.cos(), "y": y + way * yaw.sin(), "yaw": yaw, "speed": slower });
+                    self.car = json!({ "x": x + way * libm::cos(yaw), "y": y + way * libm::sin(yaw), "yaw": yaw, "speed": slower });
                 }
                 let places = message["pedestrians"].as_array().unwrap().iter();
                 let places: Vec<_> = places.map(|walker| json!([walker["x"], walker["y"]])).collect();
