@@ -102,6 +102,8 @@ fn a_driver_of_another_world_drives_there_from_the_same_start() {
     }
 }
 
+const NOT_FINITE: &str = "JSON has no NaN and no Infinity: give finite numbers (`json.dumps` of Python writes them)";
+
 #[test]
 fn each_fault_of_a_world_is_an_error_of_its_own() {
     if !has_python() {
@@ -112,8 +114,8 @@ fn each_fault_of_a_world_is_an_error_of_its_own() {
         ("hang", Fault::Late { limit_ms: 2000 }),
         ("late_start", Fault::Late { limit_ms: 4000 }),
         ("crash", Fault::Ended(Exit::Code(3))),
-        ("nan", answer("not the JSON of an answer")),
-        ("infinite", answer("not the JSON of an answer")),
+        ("nan", answer(NOT_FINITE)),
+        ("infinite", answer(NOT_FINITE)),
         ("elsewhere", Fault::Moved { millimetres: 20 }),
         ("ends", Fault::EndedEarly),
         ("behind", answer("another tick than it was asked for")),
