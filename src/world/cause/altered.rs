@@ -29,14 +29,14 @@ pub enum Change {
     SwervesFrom(u32, bool),
     /// Nobody is there.
     Unseen,
-    /// Instead of all pedestrians one stands ahead of the bumper by a distance (m) from a tick on, where that then is; the car seems to have a share of
-    /// its speed.
-    StandsAhead { from: u32, ahead: f64, speed: f64 },
+    /// Instead of all pedestrians one stands ahead of the bumper and to the left of the car's axis by these distances (m) from a tick on, where that then
+    /// is, and seems to walk to the left at a speed (m/s); the car seems to have a share of its speed.
+    Appears { from: u32, ahead: f64, left: f64, walks: f64, speed: f64 },
     /// Pedestrians seem to stand.
     Still,
     /// No obstacle hides anybody.
     SeenThrough,
-    /// The driver sees where pedestrians will be this number of ticks later.
+    /// The driver sees where pedestrians will be this number of ticks later, as seen from the car if it keeps its speed.
     Earlier(u32),
     /// Pedestrians seem nearer to the middle of its way by this (m).
     Sideways(f64),
@@ -117,21 +117,26 @@ impl Altered {
         match *change {
             Change::Unseen => {}
             Change::Still => pedestrians.extend(seen.map(|actor| Actor { velocity: Vector::zeros(), ..*actor })),
-            Change::StandsAhead { from, ahead, .. } => {
+            Change::Appears { from, ahead, left, walks, .. } => {
                 if tick >= from && appeared.is_none() {
                     *appeared = seen
                         .map(|actor| Actor {
-                            velocity: Vector::zeros(),
-                            ..moved(actor, ego.half.x + ahead + actor.half.x, 0.0)
+                            velocity: ego.pose.left() * walks,
+                            ..moved(actor, ego.half.x + ahead + actor.half.x, left)
                         })
                         .next();
                 }
                 pedestrians.extend(*appeared);
             }
-            Change::Earlier(ticks) => pedestrians.extend(seen.enumerate().map(|(number, actor)| {
-                let then = story.state(number, (tick + ticks) as usize);
-                then.map_or(*actor, |then| Actor { pose: then.pose, velocity: then.velocity, ..*actor })
-            })),
+            Change::Earlier(ticks) => {
+                let way = ego.velocity * (f64::from(ticks) * story.dt);
+                pedestrians.extend(seen.enumerate().map(|(number, actor)| {
+                    let Some(then) = story.state(number, (tick + ticks) as usize) else { return *actor };
+                    let mut pose = then.pose;
+                    (pose.x, pose.y) = (pose.x - way.x, pose.y - way.y);
+                    Actor { pose, velocity: then.velocity, ..*actor }
+                }));
+            }
             Change::Sideways(way) => pedestrians.extend(seen.map(|actor| {
                 let local = ego.pose.to_local(actor.pose.position());
                 moved(actor, local.x, local.y - local.y.clamp(-way, way))
@@ -220,7 +225,7 @@ impl Altered {
         self.look(perception);
         let obstacles = if self.change == Change::SeenThrough { &self.story.nothing } else { perception.obstacles };
         let mut ego = perception.ego;
-        if let Change::StandsAhead { speed, .. } = self.change {
+        if let Change::Appears { speed, .. } = self.change {
             ego.velocity *= speed;
         }
         of(&mut *self.driver, &Perception { ego, pedestrians: &self.pedestrians, obstacles, ..*perception })

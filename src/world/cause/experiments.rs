@@ -2,11 +2,13 @@ use std::sync::Arc;
 
 use super::altered::{BRAKING, Story};
 use super::{Change, Incident, Rerun, Reruns};
-use crate::env::{Criterion, Pair, PolicyMaker, Scenario};
+use crate::env::{Criterion, Pair, PolicyMaker, Scenario, VehicleFrame};
 use crate::sim::{Control, WalkCommand};
 
-/// A car that is slower (m/s) may let go of the brake.
-const MOVING: f64 = 1.0;
+/// A brake above this is pressed for somebody.
+const PRESSED: f64 = 0.1;
+/// The speed at which somebody seems to walk out of the way (m/s).
+const WALKING: f64 = 2.0;
 /// Time after the touch for which a run that avoids it goes on (s).
 const AFTER: f64 = 5.0;
 
@@ -23,17 +25,15 @@ pub(super) struct Experiments<'a> {
     others: u32,
 }
 
-/// The reaction of a driver to somebody who suddenly stands in its way.
+/// The reaction of a driver to somebody who suddenly stands there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Response {
     /// Until the commands of the driver change (s).
     pub time: f64,
-    /// Distance from the bumper then (m).
-    pub gap: f64,
-    /// The tick then.
-    pub tick: u32,
-    /// The first tick after that in which it has let go of the brake while the car moves.
-    pub released: Option<u32>,
+    /// Distance from the bumper when it brakes (m); `None` if it does not brake before it is there.
+    pub gap: Option<f64>,
+    /// The hardest braking from then on, 0 to 1.
+    pub hardest: f64,
 }
 
 impl<'a> Experiments<'a> {
@@ -151,25 +151,34 @@ impl<'a> Experiments<'a> {
         one.iter().zip(&other).position(|(one, other)| one != other).map(|tick| tick as u32)
     }
 
-    /// What the driver does if somebody stands at this distance (m) before its bumper from a tick on, while it seems to have this share of its speed, and
-    /// nobody else is there. `None` if it does nothing.
-    pub fn respond(&mut self, from: u32, ahead: f64, speed: f64) -> Option<Response> {
+    /// What the driver does if somebody stands there from a tick on, ahead of the bumper and to the left of the axis by these distances (m), while the
+    /// car seems to have this share of its speed and nobody else is there. `None` if it does nothing.
+    pub fn respond(&mut self, from: u32, (ahead, left): (f64, f64), speed: f64) -> Option<Response> {
+        let nobody = self.appears(u32::MAX, (ahead, left), 0.0, speed)?;
+        let somebody = self.appears(from, (ahead, left), 0.0, speed)?;
+        let tick = Self::differs(&nobody, &somebody).filter(|tick| *tick >= from)?;
+        let frames = somebody.trace.vehicle(0);
+        let begun = frames.get(from as usize)?.state.pose.position();
+        let gap = |frame: &VehicleFrame| ahead - (frame.state.pose.position() - begun).norm();
+        let mut after = frames.iter().skip(tick as usize + 1);
+        let brakes =
+            after.clone().take_while(|frame| gap(frame) > 0.0).find(|frame| frame.driven.control.brake > PRESSED);
+        let hardest = after.by_ref().map(|frame| frame.driven.control.brake).fold(0.0, f64::max);
+        Some(Response { time: f64::from(tick - from) * self.dt(), gap: brakes.map(gap), hardest })
+    }
+
+    /// Whether the driver's commands depend on how somebody in its way seems to walk.
+    pub fn uses_velocity(&mut self, from: u32, ahead: f64) -> Option<bool> {
+        let [stands, walks] = [0.0, WALKING].map(|walks| self.appears(from, (ahead, 0.0), walks, 1.0));
+        Some(Self::differs(&stands?, &walks?).is_some())
+    }
+
+    /// The episode in which all pedestrians stand still, and somebody appears.
+    fn appears(&mut self, from: u32, (ahead, left): (f64, f64), walks: f64, speed: f64) -> Option<Rerun> {
         let role = self.scenario.cast.pedestrian();
         let heading = self.pair().walking.first().map_or(0.0, |first| first.pose.yaw);
         let still = vec![WalkCommand { heading, speed: role.action.speed.0 }; self.scenario.cast.pedestrians.len()];
-        let nobody = self.walked(Change::StandsAhead { from: u32::MAX, ahead, speed }, &still)?;
-        let somebody = self.walked(Change::StandsAhead { from, ahead, speed }, &still)?;
-        let tick = Self::differs(&nobody, &somebody).filter(|tick| *tick >= from)?;
-        let frames = somebody.trace.vehicle(0);
-        let place = |tick: u32| frames.get(tick as usize).map(|frame| frame.state.pose.position());
-        let gap = ahead - (place(tick)? - place(from)?).norm();
-        let brakes =
-            |number: usize| frames[number].driven.control.brake > BRAKING && frames[number].state.speed > MOVING;
-        let mut pairs = (tick as usize + 1..frames.len()).skip_while(|number| !brakes(*number));
-        let is_free =
-            |number: &usize| frames[*number].driven.control.brake <= BRAKING && frames[*number].state.speed > MOVING;
-        let released = pairs.find(is_free).map(|number| number as u32 - 1);
-        Some(Response { time: f64::from(tick - from) * self.dt(), gap, tick, released })
+        self.walked(Change::Appears { from, ahead, left, walks, speed }, &still)
     }
 
     /// The first tick in which the car has nearly its greatest speed, and that speed (m/s).

@@ -7,20 +7,31 @@ use crate::av::{DrivingMode, Weakness};
 use crate::env::{DriverParts, Scenario, Setting};
 use crate::hardening::{Traffic, natural_traffic};
 
-/// Distances at which somebody suddenly stands before the bumper (m), the greatest first.
-const AHEAD: [f64; 4] = [40.0, 20.0, 10.0, 5.0];
+/// Distance at which somebody suddenly stands before the bumper and is far away (m).
+const FAR: f64 = 40.0;
+/// The same, so near that every driver must react at once (m).
+const NEAR: f64 = 2.0;
+/// The same beside the axis: within the car's width (m, m).
+const BESIDE: (f64, f64) = (5.0, 0.9);
+/// Ticks by which somebody appears later.
+const SHIFTS: [u32; 5] = [0, 4, 8, 12, 16];
 /// Response times above this (s) count as a delay: two ticks of most drivers are none.
 const PROMPT: f64 = 0.15;
-/// A delay is compensated when pedestrians are seen earlier by up to this multiple of it: the car moves, too.
-const COMPENSATED: f64 = 3.0;
-/// Ticks by which somebody appears later.
-const SHIFTS: [u32; 3] = [0, 3, 6];
+/// A driver that presses its brake no harder than this for somebody near brakes weakly.
+const WEAK: f64 = 0.6;
+/// Multiples of a delay by which pedestrians are seen earlier: the driver's plan is late, too.
+const COMPENSATED: [f64; 4] = [1.0, 1.5, 2.0, 3.0];
+/// A response time above this (s) is a weakness by itself.
+const LATE: f64 = 0.4;
+/// Decelerations that must be enough for somebody far ahead (m/s²): beyond a fixed range, and at a distance that grows with the speed.
+const ENOUGH: (f64, f64) = (3.0, 5.0);
 /// Two distances of reaction are the same below this ratio.
 const SAME: f64 = 1.1;
 /// Distance that is left before somebody who is not hit (m).
 const SPARE: f64 = 1.0;
-/// Widening of a corridor up to which it counts as too narrow (m). A pedestrian farther beside it is not yet in the way.
-const NARROW: f64 = 1.0;
+/// Widening of a corridor up to which it counts as too narrow (m), for a driver that uses velocities and for one that does not. A pedestrian farther
+/// beside it is not yet in the way.
+const NARROW: (f64, f64) = (1.0, 0.5);
 /// Maximum amounts that are tried: how much earlier (s), farther to the middle, and nearer (m).
 const MAX: (f64, f64, f64) = (3.0, 6.0, 30.0);
 /// The time before a touch in which a car that drove off stood (s).
@@ -105,8 +116,10 @@ struct Facts {
     braked: Option<u32>,
     released: bool,
     drove_off: Option<bool>,
-    /// The responses to somebody who suddenly stands at each of [`AHEAD`].
-    responses: [Option<Response>; AHEAD.len()],
+    /// The responses to somebody who suddenly stands near, at different ticks.
+    near: [Option<Response>; SHIFTS.len()],
+    /// That to somebody far ahead.
+    far: Option<Response>,
     /// The car's speed then (m/s).
     speed: f64,
     /// The tick then.
@@ -114,9 +127,10 @@ struct Facts {
 }
 
 impl Facts {
-    /// How long the driver takes to respond to somebody near (s); `None` if it responds to nobody.
-    fn response_time(&self) -> Option<f64> {
-        self.responses.iter().flatten().map(|response| response.time).min_by(f64::total_cmp)
+    /// How long the driver takes to respond to somebody near (s): at least, and at most. `None` if it never responds.
+    fn latency(&self) -> Option<(f64, f64)> {
+        let times = || self.near.iter().flatten().map(|response| response.time);
+        times().min_by(f64::total_cmp).zip(times().max_by(f64::total_cmp))
     }
 }
 
@@ -135,7 +149,8 @@ impl Inquiry<'_> {
         let swerve = [true, false].map(|left| it.last(|from| Change::SwervesFrom(from, left)));
         let last = [full, comfortable, swerve.into_iter().flatten().max()];
         let (fast, speed) = it.fast();
-        let responses = AHEAD.map(|ahead| it.respond(fast, ahead, 1.0));
+        let near = SHIFTS.map(|shift| it.respond(fast + shift, (NEAR, 0.0), 1.0));
+        let far = it.respond(fast, (FAR, 0.0), 1.0);
         let pair = it.pair();
         let hidden = pair.frames().rev().position(|frame| !pair.in_sight(&frame));
         let seen = hidden.unwrap_or(pair.len().saturating_sub(1)) as f64 * it.dt();
@@ -151,7 +166,8 @@ impl Inquiry<'_> {
             braked: braking.map(|(first, ..)| first),
             released: braking.is_some_and(|(.., released)| released),
             drove_off: stood.then_some(red),
-            responses,
+            near,
+            far,
             speed,
             fast,
         })
@@ -166,54 +182,72 @@ impl Inquiry<'_> {
 
     /// The first weakness that explains the failure, with its amount.
     fn weakness(&mut self, parts: &DriverParts, facts: &Facts) -> (Weakness, Option<f64>) {
-        let response = facts.response_time();
         self.tried.push(("nobody there".into(), false));
-        if facts.reaction.is_none() && response.is_none() && self.ignores() {
+        let latency = facts.latency();
+        if facts.reaction.is_none() && latency.is_none() && self.ignores() {
             return (Weakness::Ignores, None);
         }
+        if let Some(found) = self.parts(parts, latency.map(|latency| latency.0)) {
+            return found;
+        }
+        let full_braking = facts.last[0].map_or(0.0, |tick| self.experiments.before(tick));
+        if facts.seen + self.experiments.dt() < full_braking
+            && self.turns("sight through obstacles", Change::SeenThrough)
+        {
+            return (Weakness::Hidden, Some(facts.seen));
+        }
+        if let Some((least, most)) = latency {
+            let flickers = most - least > 1.5 * self.experiments.dt();
+            self.tried.push((format!("somebody {NEAR} m ahead, a little later"), flickers));
+            if flickers {
+                return (Weakness::Dropouts, None);
+            }
+        }
+        if let Some((delay, _)) = latency.filter(|(delay, _)| *delay > PROMPT) {
+            let dt = self.experiments.dt();
+            let earlier = |time: f64| Change::Earlier((time / dt).round() as u32);
+            let turns = COMPENSATED.into_iter().any(|part| self.experiments.turns(earlier(part * delay)));
+            self.tried.push((format!("{delay:.2} s earlier"), turns));
+            if turns {
+                return (Weakness::Delay, Some(delay));
+            }
+        }
+        let near = self.experiments.respond(facts.fast, (BESIDE.0, 0.0), 1.0);
+        let responses = near.iter().chain(facts.near.iter().flatten()).chain(&facts.far);
+        let hardest = responses.map(|response| response.hardest).fold(0.0, f64::max);
+        if latency.is_some() && hardest < WEAK && self.turns("full braking once it brakes", Change::BrakesFully) {
+            return (Weakness::WeakBrake, self.hardest());
+        }
+        if facts.released && self.turns("keeps the brake once it brakes", Change::KeepsBraking) {
+            return (Weakness::LetsGo, None);
+        }
+        if let Some((delay, _)) = latency.filter(|(delay, _)| *delay > LATE) {
+            return (Weakness::Delay, Some(delay));
+        }
+        let found = self.distance(facts).or_else(|| self.one_side(facts)).or_else(|| self.unforeseen(facts));
+        if let Some(found) = found {
+            return found;
+        }
+        if self.turns("full braking once it brakes", Change::BrakesFully) {
+            return (Weakness::WeakBrake, self.hardest());
+        }
+        (Weakness::NotFound, None)
+    }
+
+    /// What the parts of a driver show that can be exchanged. `latency` is its least response time (s).
+    fn parts(&mut self, parts: &DriverParts, latency: Option<f64>) -> Option<(Weakness, Option<f64>)> {
         if let Some(exact) = &parts.exact_sensors {
             let turns = self.experiments.is_turned_by(exact);
             self.tried.push(("exact sensors".into(), turns));
             if turns {
                 let turning = |(_, driver): &&(Weakness, _)| self.experiments.is_turned_by(driver);
                 let first = parts.sensors.iter().find(turning).map(|(weakness, _)| *weakness);
-                return (first.unwrap_or(Weakness::Errors), None);
+                return Some((first.unwrap_or(Weakness::Errors), None));
             }
         }
-        if let Some(prompt) = &parts.prompt {
-            let turns = self.experiments.is_turned_by(prompt);
-            self.tried.push(("no delay".into(), turns));
-            if turns {
-                return (Weakness::Delay, response);
-            }
-        }
-        if facts.seen + self.experiments.dt() < facts.last[0].map_or(0.0, |tick| self.experiments.before(tick))
-            && self.turns("sight through obstacles", Change::SeenThrough)
-        {
-            return (Weakness::Hidden, Some(facts.seen));
-        }
-        if self.flickers(facts) {
-            return (Weakness::Dropouts, None);
-        }
-        if let Some(delay) = response.filter(|time| *time > PROMPT) {
-            let dt = self.experiments.dt();
-            let earlier = |time: f64| Change::Earlier((time / dt).round() as u32);
-            let turns = self.experiments.least(COMPENSATED * delay, earlier).is_some();
-            self.tried.push((format!("up to {:.2} s earlier", COMPENSATED * delay), turns));
-            if turns {
-                return (Weakness::Delay, Some(delay));
-            }
-        }
-        if let Some(short) = self.distance(facts) {
-            return short;
-        }
-        if facts.released && self.turns("keeps the brake once it brakes", Change::KeepsBraking) {
-            return (Weakness::LetsGo, None);
-        }
-        if self.turns("full braking once it brakes", Change::BrakesFully) {
-            return (Weakness::WeakBrake, self.hardest());
-        }
-        self.unforeseen(facts).unwrap_or((Weakness::NotFound, None))
+        let turns = self.experiments.is_turned_by(parts.prompt.as_ref()?);
+        self.tried.push(("no delay".into(), turns));
+        turns.then_some((Weakness::Delay, latency))
     }
 
     /// Whether the driver gives the commands of an empty road wherever the pedestrian seems to be.
@@ -225,71 +259,53 @@ impl Inquiry<'_> {
         changes.map(is_same) == [true; 4]
     }
 
-    /// Whether it loses somebody who stands in its way from time to time: when it begins to react, or when it lets go of the brake, depends on the time
-    /// and not on when somebody appeared.
-    fn flickers(&mut self, facts: &Facts) -> bool {
-        let is_soon = |response: &Option<Response>| response.is_some_and(|it| it.gap > AHEAD[2] - SPARE);
-        let Some(place) = facts.responses.iter().position(is_soon) else { return false };
-        let responses: Vec<Response> =
-            SHIFTS.iter().filter_map(|shift| self.experiments.respond(facts.fast + shift, AHEAD[place], 1.0)).collect();
-        let is_fixed = |ticks: Vec<u32>| {
-            let (Some(first), Some(last)) = (ticks.iter().min(), ticks.iter().max()) else { return false };
-            ticks.len() == SHIFTS.len() && last - first <= 1
-        };
-        let reacts = responses.iter().map(|response| response.tick).collect();
-        let releases = responses.iter().filter_map(|response| response.released).collect();
-        let flickers = is_fixed(reacts) || is_fixed(releases);
-        self.tried.push(("somebody in its way a little later".into(), flickers));
-        flickers
-    }
-
-    /// What a driver lacks that brakes too late or not at all.
+    /// What a driver expects wrongly that sees the pedestrian and brakes too late or not at all.
     fn unforeseen(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
-        let one_side = self.reacts_earlier(facts);
-        self.tried.push(("from the other side".into(), one_side));
-        if one_side {
-            return Some((Weakness::BlindSide, None));
-        }
-        let still = self.experiments.run(Change::Still)?;
-        let uses_velocity = Experiments::differs(&self.experiments.base, &still).is_some();
-        if uses_velocity && self.turns("the velocity that leads to the touch", Change::TrueVelocity) {
-            return Some((Weakness::Anticipation, None));
-        }
+        let uses_velocity = self.experiments.uses_velocity(facts.fast, BESIDE.0)?;
         let aside = self.experiments.least(MAX.1, Change::Sideways);
         self.tried.push((format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some()));
-        if let Some(aside) = aside.filter(|aside| *aside <= NARROW) {
+        if let Some(aside) = aside.filter(|aside| *aside <= if uses_velocity { NARROW.0 } else { NARROW.1 }) {
             return Some((Weakness::Corridor, Some(aside)));
+        }
+        if uses_velocity && self.turns("the velocity that leads to the touch", Change::TrueVelocity) {
+            return Some((Weakness::Anticipation, None));
         }
         if self.turns("somebody who stands at the place of the touch", Change::Foretold) || aside.is_some() {
             return Some((Weakness::Anticipation, aside));
         }
         let nearer = self.experiments.least(MAX.2, Change::Nearer);
         self.tried.push((format!("up to {} m nearer along its way", MAX.2), nearer.is_some()));
-        if let Some(nearer) = nearer {
-            return Some((Weakness::Distance, Some(nearer)));
-        }
-        let dt = self.experiments.dt();
-        let earlier = self.experiments.least(MAX.0, |time| Change::Earlier((time / dt).round() as u32));
-        self.tried.push((format!("up to {} s earlier", MAX.0), earlier.is_some()));
-        earlier.map(|earlier| (Weakness::Delay, Some(earlier)))
+        nearer.map(|nearer| (Weakness::Distance, Some(nearer)))
     }
 
     /// Whether somebody in its way is noticed too late at this speed: beyond a fixed range, or at a distance that grows with the speed but too little.
     fn distance(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
-        let far = facts.responses[0]?;
-        let time = facts.response_time()?;
-        let (speed, brake) = (facts.speed, self.experiments.pair().blueprint.greatest_deceleration());
-        let needed = speed * (time + self.experiments.dt()) + speed * speed / (2.0 * brake) + SPARE;
-        if far.gap >= needed || far.gap >= AHEAD[0] - SPARE {
+        let gap = facts.far?.gap.filter(|gap| *gap < FAR - SPARE)?;
+        let reaction = facts.speed * (facts.latency()?.0 + self.experiments.dt()) + SPARE;
+        let needed = |deceleration: f64| reaction + facts.speed * facts.speed / (2.0 * deceleration);
+        if gap >= needed(ENOUGH.0) {
             return None;
         }
-        let slower = self.experiments.respond(facts.fast, AHEAD[0], 0.5);
-        let is_fixed =
-            slower.is_some_and(|slower| far.gap.max(slower.gap) <= SAME * far.gap.min(slower.gap) + SPARE / 2.0);
-        let weakness = if is_fixed { Weakness::Range } else { Weakness::Distance };
-        self.tried
-            .push((format!("somebody in its way: noticed {:.1} m ahead, {needed:.1} m are needed", far.gap), true));
-        Some((weakness, Some(far.gap)))
+        let slower = self.experiments.respond(facts.fast, (FAR, 0.0), 0.5).and_then(|slower| slower.gap);
+        let is_fixed = slower.is_some_and(|slower| gap.max(slower) <= SAME * gap.min(slower) + SPARE / 2.0);
+        let (weakness, needed) =
+            if is_fixed { (Weakness::Range, needed(ENOUGH.0)) } else { (Weakness::Distance, needed(ENOUGH.1)) };
+        let is_short = gap < needed;
+        self.tried.push((format!("somebody in its way: brakes {gap:.1} m ahead, {needed:.1} m are needed"), is_short));
+        is_short.then_some((weakness, Some(gap)))
+    }
+
+    /// Whether it reacts on one side only.
+    fn one_side(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
+        let (ahead, aside) = BESIDE;
+        let [left, right] = [aside, -aside].map(|left| self.experiments.respond(facts.fast, (ahead, left), 1.0));
+        let late = |one: Option<Response>, other: Option<Response>| match (one, other) {
+            (Some(one), Some(other)) => other.time - one.time > EARLIER,
+            (one, other) => one.is_some() && other.is_none(),
+        };
+        let differs = late(left, right) || late(right, left) || self.reacts_earlier(facts);
+        self.tried.push(("from the other side".into(), differs));
+        differs.then_some((Weakness::BlindSide, None))
     }
 
     /// Whether it reacts earlier to a pedestrian from the other side.
