@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
     ("src/learn", 5_418),
-    ("src/world", 34_068),
+    ("src/world", 34_098),
     ("src/ported", 4_642),
     ("src/lang", 6_434),
     ("src/compile", 7_294),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_783),
     ("src/results", 26_603),
     ("src/program", 12_055),
-    ("tests", 27_221),
+    ("tests", 27_223),
 ];
 
 /// Crates that only some places may name.
