@@ -24,8 +24,6 @@ def serve(choose: Pedestrian) -> None:
 
     What anything prints on the standard output meanwhile goes to the standard error.
     """
-    if hasattr(choose, "begin"):
-        raise TypeError("a pedestrian with memory walks in `falsify_av.evaluate`, or in a scenario as a `controller` of its ONNX file")
     out = answers()
     for line in sys.stdin:
         request = json.loads(line)

@@ -54,6 +54,28 @@ def test_a_pedestrian_of_a_report_walks_in_python(program, tmp_path):
         pedestrian(np.zeros((1, 8), np.float32))
 
 
+def test_the_shipped_pedestrian_walks_in_python_as_in_the_program(program, tmp_path):
+    (tmp_path / "a.scn").write_text(
+        'edition 1\nimport "std/pedestrians.scn"\nimport "std/drivers.scn"\nimport "std/towns.scn"\n'
+        "spawn ahead { bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m }\n"
+        "episode brief { hold: 10 ticks: 240 end_when: ahead < -6 m }\n"
+        "campaign a { vehicle: model3 adversary: pursuer spawn: ahead episode: brief\n"
+        "evaluate { towns: [harbour] policies: [behavior] pedestrians: [hunter] episodes: 60 } }\n"
+    )
+    report = falsify_av.run(tmp_path / "a.scn", out=tmp_path / "out")["a"].folder
+    with open(report / "episodes.csv", encoding="utf-8") as table:
+        recorded = [row["outcome"] for row in csv.DictReader(table)]
+    for worlds in (1, 60):
+        found = falsify_av.evaluate(falsify_av.hunter(), tmp_path / "a.scn", episodes=60, num_envs=worlds)
+        # The two runtimes have other last bits.
+        assert sum(row["outcome"] == outcome for row, outcome in zip(found, recorded)) >= 57
+    assert recorded.count("collision") >= 6
+    with pytest.raises(ValueError, match="no trained pedestrian has the body 'dog'"):
+        falsify_av.hunter("dog")
+    with pytest.raises(ValueError, match="takes several states: call `begin`"):
+        falsify_av.hunter()(np.zeros((1, 4), np.float32))
+
+
 @pytest.mark.parametrize("kind", ["FLOAT", "DOUBLE"])
 def test_a_network_for_one_state_walks_in_many_worlds(scenario, tmp_path, kind):
     single = falsify_av.onnx(network(tmp_path / "single.onnx", {"state": [1, 4]}, 2, kind))
