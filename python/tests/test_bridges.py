@@ -31,12 +31,16 @@ START = {"x": 150.0, "y": -51.75, "yaw": 0.0, "speed": 8.0}
 class Bridge:
     """A bridge as a child process."""
 
+    #: Those of the running test.
+    running: list[subprocess.Popen[str]] = []
+
     def __init__(self, *words: str) -> None:
         missing = BRIDGES[words[0]].missing()
         if missing is not None:
             pytest.skip(missing)
         command = [sys.executable, "-m", "falsify_av.bridges", *words]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.running.append(self.process)
         self.about = self.ask({"type": "hello", "protocol": "falsify-world/1"})
         self.loaded = self.ask({
             "type": "load", "town": "street", "map": MAP, "tick_s": TICK, "vehicle": VEHICLE,
@@ -65,6 +69,15 @@ class Bridge:
             assert state["tick"] == tick
             assert math.dist(state["pedestrians"][0], walker(tick)) < 1e-3
         return states
+
+
+@pytest.fixture(autouse=True)
+def ended() -> Any:
+    """Ends the bridges of a test."""
+    yield
+    for process in Bridge.running:
+        process.communicate(timeout=30)
+    Bridge.running.clear()
 
 
 def crossing(at: float, first: float) -> Any:
