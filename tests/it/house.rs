@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 7_294),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 26_603),
-    ("src/program", 12_055),
-    ("tests", 27_223),
+    ("src/results", 26_604),
+    ("src/program", 12_054),
+    ("tests", 27_236),
 ];
 
 /// Crates that only some places may name.

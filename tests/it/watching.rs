@@ -228,6 +228,19 @@ fn a_training_with_more_steps_continues_a_finished_one_bit_for_bit() {
     assert_eq!(run("grown", &[]), [120, 120]);
     assert_eq!(run("whole", &[]), [0, 0]);
     assert_eq!(timeless("grown"), timeless("whole"));
+    // Each candidate continues its own.
+    let several = |steps: u32| {
+        let text =
+            SCENARIO.replace("steps: 240", &format!("steps: {steps}")).replace("runs: 2", "runs: 2  candidates: 2");
+        assert!(text.contains("candidates"));
+        write(here, &text);
+    };
+    several(120);
+    assert_eq!(run("candidates", &[]), [0, 0]);
+    several(240);
+    assert_eq!(run("candidates", &[]), [240, 240]);
+    assert_eq!(run("anew", &[]), [0, 0]);
+    assert_eq!(timeless("candidates"), timeless("anew"));
     // A shorter training is the one that was stored.
     with(120, "");
     assert_eq!(run("grown", &[]), [120, 120]);

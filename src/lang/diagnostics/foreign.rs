@@ -40,5 +40,5 @@ fn with_comma(text: &str, places: [usize; 3]) -> Option<String> {
     let first = comma - text.as_bytes()[..comma].iter().rev().take_while(|byte| digits(byte)).count();
     let last = comma + 1 + text.as_bytes()[comma + 1..].iter().take_while(|byte| digits(byte)).count();
     let number = &text[first..last];
-    Some(format!("decimals stand behind a point: if `{number}` is one number, write `{}`", number.replace(',', ".")))
+    Some(format!("a decimal needs a point: if `{number}` is one number, write `{}`", number.replace(',', ".")))
 }

@@ -111,13 +111,12 @@ fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> Trai
     let is_it = |job: &Job| job.of().is_some_and(|planned: &Training| planned.key == *key);
     let place = campaign.jobs.iter().position(is_it).expect("it was planned");
     let fingerprint = campaign.jobs[place].origin().fingerprint.to_string();
-    let last = training.result.as_ref().ok().and_then(|trained| trained.learning_curve.last());
     TrainingRecord {
         town: key.town.clone(),
         policy: key.policy.clone(),
         reward: key.reward.clone(),
         run: key.run,
-        decisions: last.map_or(0, |log| log.steps),
+        decisions: training.decisions,
         wall_time_s: times.jobs[place],
         pedestrian: match training.result {
             Ok(_) => pedestrian_file(key, "safetensors"),

@@ -73,7 +73,7 @@ fn in_error(episodes: Range<u32>, error: &str) -> PolarsResult<DataFrame> {
 /// Encodes episodes as Parquet, after those of an earlier encoding if there is one; also returns the number of all of them.
 ///
 /// # Errors
-/// Those of polars; none if `before` is an encoding.
+/// Those of polars, only if `before` is not an encoding.
 pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u8>, u64)> {
     let mut table = outcome_table().frame(rows);
     degrees::add(&mut table, rows)?;

@@ -155,7 +155,7 @@ pub struct TrainingRecord {
     pub policy: String,
     pub reward: String,
     pub run: u32,
-    /// Decisions that were taken.
+    /// Decisions that were taken, demonstrations and those of all candidates included.
     pub decisions: u64,
     /// Wall time (s).
     pub wall_time_s: f64,

@@ -196,6 +196,7 @@ pub fn task_name(campaign: &Campaign, task: Task) -> String {
     let (verb, what) = (job.kind().verb, job.what());
     match job.kind().has_episodes {
         true => format!("{verb} {what}, from episode {}", u64::from(task.part) * u64::from(CHUNK)),
+        false if task.part > 0 => format!("{verb} {what}, part {}", task.part + 1),
         false => format!("{verb} {what}"),
     }
 }
