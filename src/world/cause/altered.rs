@@ -30,10 +30,8 @@ pub enum Change {
     /// Nobody is there.
     Unseen,
     /// Instead of all pedestrians one stands ahead of the bumper and to the left of the car's axis by these distances (m) from a tick on, where that then
-    /// is, and seems to walk to the left at a speed (m/s); the car seems to have a share of its speed.
-    Appears { from: u32, ahead: f64, left: f64, walks: f64, speed: f64 },
-    /// Pedestrians seem to stand.
-    Still,
+    /// is; the car seems to have a share of its speed.
+    Appears { from: u32, ahead: f64, left: f64, speed: f64 },
     /// No obstacle hides anybody.
     SeenThrough,
     /// The driver sees where pedestrians will be this number of ticks later, as seen from the car if it keeps its speed.
@@ -116,12 +114,11 @@ impl Altered {
         };
         match *change {
             Change::Unseen => {}
-            Change::Still => pedestrians.extend(seen.map(|actor| Actor { velocity: Vector::zeros(), ..*actor })),
-            Change::Appears { from, ahead, left, walks, .. } => {
+            Change::Appears { from, ahead, left, .. } => {
                 if tick >= from && appeared.is_none() {
                     *appeared = seen
                         .map(|actor| Actor {
-                            velocity: ego.pose.left() * walks,
+                            velocity: Vector::zeros(),
                             ..moved(actor, ego.half.x + ahead + actor.half.x, left)
                         })
                         .next();

@@ -7,8 +7,8 @@ use crate::sim::{Control, WalkCommand};
 
 /// A brake above this is pressed for somebody.
 const PRESSED: f64 = 0.1;
-/// The speed at which somebody seems to walk out of the way (m/s).
-const WALKING: f64 = 2.0;
+/// A car that is slower (m/s) may let go of the brake.
+const MOVING: f64 = 1.0;
 /// Time after the touch for which a run that avoids it goes on (s).
 const AFTER: f64 = 5.0;
 
@@ -34,6 +34,8 @@ pub(super) struct Response {
     pub gap: Option<f64>,
     /// The hardest braking from then on, 0 to 1.
     pub hardest: f64,
+    /// Whether it lets go of the brake while the car moves and is not there yet.
+    pub releases: bool,
 }
 
 impl<'a> Experiments<'a> {
@@ -154,8 +156,8 @@ impl<'a> Experiments<'a> {
     /// What the driver does if somebody stands there from a tick on, ahead of the bumper and to the left of the axis by these distances (m), while the
     /// car seems to have this share of its speed and nobody else is there. `None` if it does nothing.
     pub fn respond(&mut self, from: u32, (ahead, left): (f64, f64), speed: f64) -> Option<Response> {
-        let nobody = self.appears(u32::MAX, (ahead, left), 0.0, speed)?;
-        let somebody = self.appears(from, (ahead, left), 0.0, speed)?;
+        let nobody = self.appears(u32::MAX, (ahead, left), speed)?;
+        let somebody = self.appears(from, (ahead, left), speed)?;
         let tick = Self::differs(&nobody, &somebody).filter(|tick| *tick >= from)?;
         let frames = somebody.trace.vehicle(0);
         let begun = frames.get(from as usize)?.state.pose.position();
@@ -163,22 +165,19 @@ impl<'a> Experiments<'a> {
         let mut after = frames.iter().skip(tick as usize + 1);
         let brakes =
             after.clone().take_while(|frame| gap(frame) > 0.0).find(|frame| frame.driven.control.brake > PRESSED);
+        let ahead_of_it = after.clone().take_while(|frame| gap(frame) > 0.0 && frame.state.speed > MOVING);
+        let brakes_at = |frame: &VehicleFrame| frame.driven.control.brake > BRAKING;
+        let releases = ahead_of_it.skip_while(|frame| !brakes_at(frame)).any(|frame| !brakes_at(frame));
         let hardest = after.by_ref().map(|frame| frame.driven.control.brake).fold(0.0, f64::max);
-        Some(Response { time: f64::from(tick - from) * self.dt(), gap: brakes.map(gap), hardest })
-    }
-
-    /// Whether the driver's commands depend on how somebody in its way seems to walk.
-    pub fn uses_velocity(&mut self, from: u32, ahead: f64) -> Option<bool> {
-        let [stands, walks] = [0.0, WALKING].map(|walks| self.appears(from, (ahead, 0.0), walks, 1.0));
-        Some(Self::differs(&stands?, &walks?).is_some())
+        Some(Response { time: f64::from(tick - from) * self.dt(), gap: brakes.map(gap), hardest, releases })
     }
 
     /// The episode in which all pedestrians stand still, and somebody appears.
-    fn appears(&mut self, from: u32, (ahead, left): (f64, f64), walks: f64, speed: f64) -> Option<Rerun> {
+    fn appears(&mut self, from: u32, (ahead, left): (f64, f64), speed: f64) -> Option<Rerun> {
         let role = self.scenario.cast.pedestrian();
         let heading = self.pair().walking.first().map_or(0.0, |first| first.pose.yaw);
         let still = vec![WalkCommand { heading, speed: role.action.speed.0 }; self.scenario.cast.pedestrians.len()];
-        self.walked(Change::Appears { from, ahead, left, walks, speed }, &still)
+        self.walked(Change::Appears { from, ahead, left, speed }, &still)
     }
 
     /// The first tick in which the car has nearly its greatest speed, and that speed (m/s).

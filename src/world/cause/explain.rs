@@ -25,13 +25,11 @@ const COMPENSATED: [f64; 4] = [1.0, 1.5, 2.0, 3.0];
 const LATE: f64 = 0.4;
 /// Decelerations that must be enough for somebody far ahead (m/s²): beyond a fixed range, and at a distance that grows with the speed.
 const ENOUGH: (f64, f64) = (3.0, 5.0);
-/// Two distances of reaction are the same below this ratio.
+/// The speed that the car seems to have, and the ratio of distances of reaction below which they do not grow with it.
+const FASTER: f64 = 1.5;
 const SAME: f64 = 1.1;
 /// Distance that is left before somebody who is not hit (m).
 const SPARE: f64 = 1.0;
-/// Widening of a corridor up to which it counts as too narrow (m), for a driver that uses velocities and for one that does not. A pedestrian farther
-/// beside it is not yet in the way.
-const NARROW: (f64, f64) = (1.0, 0.5);
 /// Maximum amounts that are tried: how much earlier (s), farther to the middle, and nearer (m).
 const MAX: (f64, f64, f64) = (3.0, 6.0, 30.0);
 /// The time before a touch in which a car that drove off stood (s).
@@ -213,6 +211,10 @@ impl Inquiry<'_> {
             }
         }
         let near = self.experiments.respond(facts.fast, (BESIDE.0, 0.0), 1.0);
+        let releases = near.iter().chain(&facts.far).any(|response| response.releases);
+        if facts.released && releases && self.turns("keeps the brake once it brakes", Change::KeepsBraking) {
+            return (Weakness::LetsGo, None);
+        }
         let responses = near.iter().chain(facts.near.iter().flatten()).chain(&facts.far);
         let hardest = responses.map(|response| response.hardest).fold(0.0, f64::max);
         if latency.is_some() && hardest < WEAK && self.turns("full braking once it brakes", Change::BrakesFully) {
@@ -224,7 +226,7 @@ impl Inquiry<'_> {
         if let Some((delay, _)) = latency.filter(|(delay, _)| *delay > LATE) {
             return (Weakness::Delay, Some(delay));
         }
-        let found = self.distance(facts).or_else(|| self.one_side(facts)).or_else(|| self.unforeseen(facts));
+        let found = self.one_side(facts).or_else(|| self.distance(facts)).or_else(|| self.unforeseen(facts));
         if let Some(found) = found {
             return found;
         }
@@ -261,16 +263,18 @@ impl Inquiry<'_> {
 
     /// What a driver expects wrongly that sees the pedestrian and brakes too late or not at all.
     fn unforeseen(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
-        let uses_velocity = self.experiments.uses_velocity(facts.fast, BESIDE.0)?;
+        let pair = self.experiments.pair();
+        let edge = pair.blueprint.half_width + pair.body.radius / 2.0;
+        let watches = [edge, -edge].map(|left| self.experiments.respond(facts.fast, (BESIDE.0, left), 1.0).is_some());
+        self.tried.push(("somebody who stands at the edge of its way".into(), watches != [false; 2]));
         let aside = self.experiments.least(MAX.1, Change::Sideways);
         self.tried.push((format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some()));
-        if let Some(aside) = aside.filter(|aside| *aside <= if uses_velocity { NARROW.0 } else { NARROW.1 }) {
-            return Some((Weakness::Corridor, Some(aside)));
+        if aside.is_some() && watches == [false; 2] {
+            return Some((Weakness::Corridor, aside));
         }
-        if uses_velocity && self.turns("the velocity that leads to the touch", Change::TrueVelocity) {
-            return Some((Weakness::Anticipation, None));
-        }
-        if self.turns("somebody who stands at the place of the touch", Change::Foretold) || aside.is_some() {
+        let velocity = self.turns("the velocity that leads to the touch", Change::TrueVelocity);
+        if velocity || self.turns("somebody who stands at the place of the touch", Change::Foretold) || aside.is_some()
+        {
             return Some((Weakness::Anticipation, aside));
         }
         let nearer = self.experiments.least(MAX.2, Change::Nearer);
@@ -286,8 +290,8 @@ impl Inquiry<'_> {
         if gap >= needed(ENOUGH.0) {
             return None;
         }
-        let slower = self.experiments.respond(facts.fast, (FAR, 0.0), 0.5).and_then(|slower| slower.gap);
-        let is_fixed = slower.is_some_and(|slower| gap.max(slower) <= SAME * gap.min(slower) + SPARE / 2.0);
+        let faster = self.experiments.respond(facts.fast, (FAR, 0.0), FASTER).and_then(|faster| faster.gap);
+        let is_fixed = faster.is_some_and(|faster| faster <= SAME * gap + SPARE / 2.0);
         let (weakness, needed) =
             if is_fixed { (Weakness::Range, needed(ENOUGH.0)) } else { (Weakness::Distance, needed(ENOUGH.1)) };
         let is_short = gap < needed;
