@@ -13,7 +13,7 @@ use base::files::MAX_BYTES;
 const MAX_MEMORY: u64 = 2048;
 /// Maximum time of the processor (s) for a small network, of which nearly all is a tick, and for the largest file, which needs 1.5 s. Other work of the machine
 /// does not count.
-const MAX_SECONDS: [u64; 2] = [2, 10];
+const MAX_SECONDS: [u64; 2] = [1, 10];
 /// Maximum time of the clock, for a child that waits, and for systems without the other limits.
 const MAX_WAIT: Duration = Duration::from_secs(30);
 /// Time between two looks at the child.

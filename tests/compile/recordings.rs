@@ -269,6 +269,23 @@ fn a_long_recording_is_judged_at_once() {
     }
 }
 
+/// A car that drives into somebody and has speed 0 in the last rows does not stand.
+#[test]
+fn a_speed_of_0_in_the_last_rows_is_refused() {
+    let scenario = crate::case_book::scenario();
+    for (rate, zeros) in [(10, 2), (20, 2), (20, 3), (50, 3), (50, 5), (100, 6)] {
+        let row = |instant: u32| {
+            let time = f64::from(instant) / f64::from(rate);
+            [time, 8.0 * time, 0.0, 0.0, 8.0, 26.3, -4.2 + 1.4 * time, 90.0, 1.4]
+        };
+        let mut rows: Vec<Row> = (0..=3 * rate).map(row).collect();
+        assert_eq!(class(&scenario, &rows, 9), "fault");
+        rows.iter_mut().rev().take(zeros).for_each(|row| row[4] = 0.0);
+        let found = class(&scenario, &rows, 9);
+        assert!(found.starts_with("line "), "{rate} Hz, {zeros} rows: {found}");
+    }
+}
+
 /// Columns of a car (3 to 4) or of a pedestrian (7 to 8) that contradict the positions in a part of the recording change verdicts, and are refused there.
 #[test]
 fn a_part_that_contradicts_its_positions_is_refused() {

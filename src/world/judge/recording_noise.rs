@@ -20,7 +20,7 @@ const SIGNIFICANT: f64 = 4.0;
 const OF_NUMBER: f64 = 0.674;
 const OF_PAIR: f64 = 1.177;
 /// How far the speed (m/s) and the heading (rad) of a car may be from those before and after: at once, and in each second.
-const SPEED_SPIKE: (f64, f64) = (1.0, 15.0);
+pub(super) const SPEED_SPIKE: (f64, f64) = (1.0, 15.0);
 const HEADING_SPIKE: (f64, f64) = (0.2, 2.0);
 
 /// The standard deviation of the difference of two values by noise, from the median of their second differences: a body changes its velocity

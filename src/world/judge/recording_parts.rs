@@ -1,6 +1,6 @@
 //! Parts of a recording in which the positions contradict the speeds or the headings.
 
-use super::recording_noise::{noise, ways};
+use super::recording_noise::{SPEED_SPIKE, noise, ways};
 use super::recording_units::{MAX_UNSIGNED_REVERSING, MOVING, TrackOf};
 use crate::geometry::{Pose, Vector};
 
@@ -12,6 +12,9 @@ const OF_WAY: f64 = 0.3;
 const BESIDES: f64 = 0.5;
 const DRIFT: f64 = 0.3;
 const OF_NOISE: f64 = 6.0;
+/// The same length (m) beside a change of speed that no car has, and how far (s) that reaches.
+const BESIDE_LEAP: f64 = 0.1;
+const BESIDE: f64 = 0.05;
 /// The directions in which ways are compared: eight, of which the second half is the first, backwards.
 const DIRECTIONS: [(f64, f64); 4] = [
     (1.0, 0.0),
@@ -41,17 +44,17 @@ pub(super) fn contradiction(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Opti
     let noise_of_all = noise(&positions);
     let is_signed = of == TrackOf::Pedestrian || track.iter().any(|(_, speed)| *speed < -MOVING);
     let last = track.len() - 1;
-    let within = |first: usize, steps: usize| {
+    let within = |first: usize, steps: usize, at_least: f64| {
         let (lasts, parts) = (steps as f64 * dt, first..first + steps + 1);
         let moved = positions[first + steps] - positions[first];
         let told = explained[first + steps] - explained[first];
-        if (moved - told).norm() <= BESIDES {
+        if steps == 0 || (moved - told).norm() <= at_least {
             return None;
         }
         let fastest = parts.clone().map(|instant| velocities[instant].norm()).fold(0.0, f64::max);
         // A car whose speed is never negative may reverse.
         let may_reverse = !is_signed && fastest <= MAX_UNSIGNED_REVERSING;
-        let besides = |noise: f64| BESIDES + (DRIFT + OF_WAY * fastest) * lasts + OF_NOISE * noise;
+        let besides = |noise: f64| at_least + (DRIFT + OF_WAY * fastest) * lasts + OF_NOISE * noise;
         let exceeds = |noise: f64| {
             DIRECTIONS.iter().any(|(x, y)| {
                 let direction = Vector::new(*x, *y);
@@ -72,10 +75,20 @@ pub(super) fn contradiction(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Opti
             moved: moved / lasts,
         })
     };
+    let leaps = (1..=last).filter(|instant| {
+        let change = track[*instant].1 - track[*instant - 1].1;
+        of == TrackOf::Car && change.abs() > SPEED_SPIKE.0 + SPEED_SPIKE.1 * dt
+    });
+    let steps = ((BESIDE / dt).round() as usize).max(1);
+    let mut beside =
+        leaps.flat_map(|instant| [(instant.saturating_sub(steps + 1), instant - 1), (instant, (instant + steps).min(last))]);
+    if let Some(part) = beside.find_map(|(first, end)| within(first, end - first, BESIDE_LEAP)) {
+        return Some(part);
+    }
     let windows = WINDOWS.iter().map(|seconds| ((seconds / dt).round() as usize).max(1)).filter(|steps| *steps <= last);
     windows
         .flat_map(|steps| {
             (0..last - steps).step_by((steps / 4).max(1)).chain([last - steps]).map(move |first| (first, steps))
         })
-        .find_map(|(first, steps)| within(first, steps))
+        .find_map(|(first, steps)| within(first, steps, BESIDES))
 }
