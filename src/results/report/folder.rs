@@ -89,6 +89,11 @@ impl ReportFolder {
         Self { formats, ..self }
     }
 
+    /// Whether commands that read reports can read this one.
+    pub const fn has_parquet(&self) -> bool {
+        self.formats.parquet
+    }
+
     /// Adds a file under a path relative to the report.
     ///
     /// # Errors

@@ -31,7 +31,7 @@ impl PlayerCard {
     }
 
     /// The card with the player of this recording, and the command that repeats it, with these options.
-    pub fn to_html(&self, replay: &Replay, options: &str) -> Markup {
+    pub fn to_html(&self, replay: &Replay, options: Option<&str>) -> Markup {
         let id = Players::id(&self.name);
         html! {
             article.card id=(id) aria-labelledby={ (id) "-title" } {
@@ -44,9 +44,9 @@ impl PlayerCard {
                 div.player data-replay={ (id) "-data" } {}
                 (frames(replay, &format!("{id}-ground")))
                 details {
-                    summary { "Other drivers, and the command" }
+                    summary { "Other drivers" @if options.is_some() { ", and the command" } }
                     (reference_drivers(replay))
-                    p.replay { code { "falsify replay " (options) (self.name) } }
+                    @if let Some(options) = options { p.replay { code { "falsify replay " (options) (self.name) } } }
                 }
                 (self.data(replay))
             }

@@ -14,13 +14,13 @@ const MAX_EXPLAINED: usize = 8;
 #[derive(Debug, Default)]
 pub struct Players {
     all: BTreeMap<String, Replay>,
-    /// The options of `falsify replay`, with a blank after each.
-    options: &'static str,
+    /// The options of `falsify replay`, with a blank after each; `None` if the report has nothing that it reads.
+    options: Option<&'static str>,
 }
 
 impl Players {
     /// Converts these failures to the player's format. The options are those that `falsify replay` needs.
-    pub fn new(played: &[PlayedFailure<'_>], options: &'static str) -> Self {
+    pub fn new(played: &[PlayedFailure<'_>], options: Option<&'static str>) -> Self {
         let mut scenery: BTreeMap<&str, Scenery> = BTreeMap::new();
         let mut all = BTreeMap::new();
         let cause = |(.., repeated): &PlayedFailure<'_>| Some(explain(&repeated.incident()?, false)?.sentence());
@@ -36,8 +36,8 @@ impl Players {
         Self { all, options }
     }
 
-    /// The options that `falsify replay` needs, with a blank after each.
-    pub const fn options(&self) -> &'static str {
+    /// The options that `falsify replay` needs, with a blank after each; `None` if it cannot read the report.
+    pub const fn options(&self) -> Option<&'static str> {
         self.options
     }
 

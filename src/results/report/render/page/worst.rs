@@ -130,7 +130,10 @@ fn list(listed: &[&Failure], cards: &[String], players: &Players) -> Markup {
         }
         p.lead {
             "One failure of each driver, then the others: faults first, then preventable ones; in each class the fastest car first; then violations of requirements. "
-            code { "falsify replay NAME" } " describes a failure, " code { "falsify export NAME --as animation" } " draws it. The tables "
+            @if players.options().is_some() {
+                code { "falsify replay NAME" } " describes a failure, " code { "falsify export NAME --as animation" } " draws it. "
+            }
+            "The tables "
             code { "episodes" } " and " code { "search_failures" } " have all failures."
         }
     }

@@ -60,7 +60,7 @@ pub fn write_page(
     for figure in sections.iter().flat_map(|section| &section.figures) {
         folder.file(&format!("{}.svg", figure.name), figure.to_svg().as_bytes())?;
     }
-    let players = Players::new(played, manifest.call.replay_options());
+    let players = Players::new(played, folder.has_parquet().then(|| manifest.call.replay_options()));
     let html = page(found, sections, &players, manifest, &folder.names()?);
     folder.file("report.html", html.as_bytes())
 }

@@ -8,8 +8,8 @@ const READING: [&str; 4] = [
     "Each collision was run again with reference drivers, from the instant at which the danger starts. Until one brakes, its car is the recorded one. The \
      pedestrian is at the same places at the same times, and does not react. *Of all episodes* is the rate \
      of failures that count against the driver under test. The columns after it are shares of the collisions; they add up to 1:",
-    "- **preventable**: a careful human would have avoided it. The driver under test failed, so look at these first. The column `verdict` of `episodes.csv` \
-     finds them, `falsify replay RUN_ID:EPISODE` describes one, `falsify export RUN_ID:EPISODE --as svg` draws it.\n\
+    "- **preventable**: a careful human would have avoided it. The driver under test failed, so look at these first (`verdict` in the table \
+     `episodes`).\n\
      - **contested**: some reference drivers avoid it and some do not.\n\
      - **machine preventable**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
      - **unpreventable**: braking at once with 0.85 g does not avoid it.",

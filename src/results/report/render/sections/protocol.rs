@@ -314,9 +314,8 @@ fn changes(all: &[Layered<'_>]) -> Option<Table> {
         ]
     };
     let rows: Vec<_> = all.iter().filter(|each| each.is_worse()).map(row).collect();
-    let note = "`falsify replay NAME --report FOLDER` shows a collision.";
     let title = "Cells that are worse within the layers".into();
-    (!rows.is_empty()).then(|| Table { title, head, rows, notes: vec![note.into()], ..Table::default() })
+    (!rows.is_empty()).then(|| Table { title, head, rows, ..Table::default() })
 }
 
 /// The result of a cell with its failure.
