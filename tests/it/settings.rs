@@ -79,3 +79,56 @@ fn what_is_no_toml_is_shown_where_it_breaks() {
     assert_eq!(output.status.code(), Some(2));
     assert!(error.contains("error[syntax]: this is not TOML") && error.contains("falsify.toml:1:"), "{error}");
 }
+
+/// A requirement that decides before the end of an episode, and two on whose bound a sample lies.
+const REQUIRED: &str = r#"edition 1
+import "std/pedestrians.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+requirement pulse = always(elapsed < 1 s or elapsed > 1.2 s, [0 s, 3 s])
+requirement tie_3 = always(elapsed <= 0.15 s, [0 s, 0.15 s])
+requirement tie_2 = always(elapsed <= 0.1 s, [0 s, 0.1 s])
+spawn near { bearing: -60 deg .. 60 deg  distance: 60 m .. 90 m  ego_speed: 3 m/s }
+episode short { ticks: 80  hold: 10 }
+campaign c {
+  vehicle: model3  adversary: plausible  spawn: near  episode: short
+  requirements: [pulse, tie_3, tie_2]
+  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random]  episodes: 2 }
+}
+"#;
+
+#[test]
+fn violations_have_the_length_of_their_episode_and_samples_the_times_of_their_ticks() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("c.scn"), REQUIRED).unwrap();
+    assert!(falsify(&["run", "c.scn"], folder.path()).status.success());
+    let list = |name: &str| {
+        let words = ["failures", "reports/c", "--requirement", name, "--format", "csv"];
+        String::from_utf8(falsify(&words, folder.path()).stdout).unwrap()
+    };
+    let found = list("pulse");
+    let mut rows = found.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let place = rows.next().unwrap().iter().position(|name| *name == "episode_length_s").unwrap();
+    let lengths: Vec<_> = rows.map(|row| row[place].to_owned()).collect();
+    assert_eq!(lengths, ["4.0", "4.0"], "{found}");
+    for name in ["tie_3", "tie_2"] {
+        assert!(list(name).lines().count() <= 1, "{}", list(name));
+    }
+}
+
+#[test]
+fn nothing_advises_to_read_a_report_without_parquet() {
+    let folder = folder_with("formats = [\"csv\"]\n");
+    std::fs::write(folder.path().join("c.scn"), CAMPAIGN.replace("episodes: 1", "episodes: 60")).unwrap();
+    let output = falsify(&["run", "c.scn"], folder.path());
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("the tables are CSV only"), "{said}");
+    for name in ["report.html", "summary.md"] {
+        let page = std::fs::read_to_string(folder.path().join("reports/c").join(name)).unwrap();
+        assert!(!page.contains("falsify replay"), "{name}");
+    }
+    let output = falsify(&["failures", "reports/c"], folder.path());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("there is no `reports/c/episodes.parquet`"));
+}
