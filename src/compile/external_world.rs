@@ -11,7 +11,7 @@ use world::av::NativeKeys;
 use world::env::{BridgeKeys, EpisodeRule, ExternalWorld};
 
 /// The word of our own simulator.
-pub(crate) const HERE: &str = "here";
+pub const HERE: &str = "here";
 
 /// The form `world`.
 pub fn form() -> Form {

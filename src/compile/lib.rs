@@ -46,6 +46,7 @@ mod lower;
 mod grid;
 
 pub use catalog::{Catalog, NetworkTrial, TakenKind};
+pub use external_world::HERE;
 pub use falsifier::FalsifierKind;
 pub use fingerprint::Fingerprint;
 pub use jobs::*;

@@ -24,6 +24,7 @@ mod command_line;
 mod comparing;
 mod controllers;
 mod determinism;
+mod dossier;
 mod doubts;
 mod driving;
 mod editor_folders;

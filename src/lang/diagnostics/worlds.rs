@@ -180,6 +180,13 @@ pub fn partial_test(span: Span, episodes: u32, cases: u32) -> Diagnostic {
         .help(format!("leave `episodes` out: one for each case is the default; or give a multiple of {cases}"))
 }
 
+/// A controller cannot walk as this adversary.
+pub fn unfit_controller(span: Span, controller: &str, adversary: &str, reason: &str) -> Diagnostic {
+    let message = format!("`{controller}` cannot walk as the adversary `{adversary}`: {reason}");
+    Diagnostic::error("unfit-controller", span, message)
+        .help("give the campaign, or `adversaries` of this block, the adversary of its training")
+}
+
 /// Something is farther (m) from every street than any actor.
 pub fn far_from_streets(span: Span, far: f64) -> Diagnostic {
     Diagnostic::warning("out-of-reach", span, format!("this is more than {far} m from every street"))

@@ -28,6 +28,9 @@ pub struct RunOptions {
     /// File formats of the tables of a report.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TableFormat::Csv, TableFormat::Parquet], env = "FALSIFY_FORMATS", value_name = "FORMATS", help_heading = "Output")]
     pub formats: Vec<TableFormat>,
+    /// Write a dossier, too: what was tested, how far that reaches, what was found and why, as a page to print. Failures are repeated for it.
+    #[arg(long, help_heading = "Output")]
+    pub dossier: bool,
     /// Run only a quick check of the whole pipeline: one run, two updates, five episodes. Reports go to NAME-smoke.
     #[arg(long, help_heading = "What runs")]
     pub smoke: bool,
@@ -68,6 +71,7 @@ impl Default for RunOptions {
             seed: 1,
             threads: 0,
             formats: vec![TableFormat::Csv, TableFormat::Parquet],
+            dossier: false,
             smoke: false,
             only: Vec::new(),
             fresh: false,

@@ -259,7 +259,7 @@ impl<'a> CampaignRun<'a> {
         let written = || {
             let held = session.hold(draft, self.planned, self.campaign)?;
             let manifest = session.manifest(options, held, found, times);
-            report::write(draft, found, sections, &manifest)?;
+            report::write(draft, found, sections, &manifest, options.dossier)?;
             Ok(manifest)
         };
         written().map_err(|error: WriteError| options.keep(error))

@@ -351,7 +351,7 @@ fn is_ours(name: &str) -> bool {
         "svg" => ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix)),
         _ => {
             let mut folders = KINDS.iter().flat_map(|kind| kind.folders);
-            [MARK, "summary.md", "report.html", SCENARIO, PROGRAMS].contains(&name)
+            [MARK, "summary.md", "report.html", "dossier.html", SCENARIO, PROGRAMS].contains(&name)
                 || folders.any(|folder| *folder == name)
         }
     }

@@ -208,4 +208,24 @@ impl Manifest {
     pub fn from_toml(text: &str) -> Result<Self, String> {
         toml::from_str(text).map_err(|error| error.message().to_string())
     }
+
+    /// The command that makes the report again, for a shell.
+    pub fn command(&self) -> String {
+        let call = &self.call;
+        let mut words = vec!["falsify".to_string(), "run".into()];
+        words.extend(self.smoke.then(|| "--smoke".into()));
+        words.extend(call.allow_external.then(|| "--allow-external".into()));
+        words.push(format!("--seed {}", self.seed));
+        for (option, values) in [("--map", &call.maps), ("--set", &call.set)] {
+            words.extend(values.iter().map(|value| format!("{option} {}", quoted(value))));
+        }
+        words.extend(call.scenarios.iter().map(|file| quoted(file)));
+        words.join(" ")
+    }
+}
+
+/// A word, quoted if a shell would change it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-=:+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }

@@ -28,6 +28,7 @@ mod grouped;
 mod metric_table;
 mod replayed;
 mod held_programs;
+mod dossier;
 mod write;
 
 // What was found: rates, cells, drivers, searches.

@@ -10,7 +10,8 @@ pub fn replayed<'a>(names: &[String], found: &Findings<'a>, seed: &Seed) -> Vec<
     names.iter().filter_map(|name| played_failure(name, found, seed)).collect()
 }
 
-fn played_failure<'a>(name: &str, found: &Findings<'a>, seed: &Seed) -> Option<PlayedFailure<'a>> {
+/// Repeats a failure; `None` if it cannot be repeated.
+pub fn played_failure<'a>(name: &str, found: &Findings<'a>, seed: &Seed) -> Option<PlayedFailure<'a>> {
     let Findings { campaign, finished, .. } = found;
     let (run, number) = name.split_once(':')?;
     if let Some(search) = campaign.all::<compile::Search>().find(|planned| planned.origin.id.to_string() == run) {

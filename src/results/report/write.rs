@@ -1,4 +1,5 @@
 use super::aggregate::{PROTOCOL, RESULTS, RUNS, protocol_table, results, run_table};
+use super::dossier::dossier;
 use super::failure_modes;
 use super::metric_table::{METRICS, metric_table};
 use super::render::{Section, page_examples, summary, write_page};
@@ -17,6 +18,7 @@ pub fn write(
     found: &Findings<'_>,
     sections: &[Section],
     manifest: &Manifest,
+    has_dossier: bool,
 ) -> Result<(), WriteError> {
     let Findings { campaign, gathered, .. } = found;
     let evidence = &gathered.evidence;
@@ -45,6 +47,9 @@ pub fn write(
     }
     folder.file("summary.md", summary(found, sections, manifest).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
+    if has_dossier {
+        folder.file("dossier.html", dossier(found, sections, manifest, &Seed::root(manifest.seed)).as_bytes())?;
+    }
     let played = replayed(&page_examples(found), found, &Seed::root(manifest.seed));
     write_page(folder, found, sections, &played, manifest)
 }

@@ -1,10 +1,19 @@
 use crate::av::Fault;
-use crate::env::Scene;
+use crate::env::{Scenario, Scene};
 use crate::sim::WalkCommand;
 use base::seed::Stream;
 
 /// A policy that chooses the commands of pedestrians.
 pub trait WalkPolicy: Send {
+    /// Checks whether it can walk in a scenario.
+    ///
+    /// # Errors
+    /// Why it cannot, as a part of a sentence.
+    fn fits(&self, scenario: &Scenario) -> Result<(), &'static str> {
+        let _ = scenario;
+        Ok(())
+    }
+
     /// Prepares for an episode that has just started; `stream` holds its random numbers.
     fn begin(&mut self, stream: Stream) {
         let _ = stream;

@@ -80,8 +80,8 @@ pub(super) fn contradiction(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Opti
         of == TrackOf::Car && change.abs() > SPEED_SPIKE.0 + SPEED_SPIKE.1 * dt
     });
     let steps = ((BESIDE / dt).round() as usize).max(1);
-    let mut beside =
-        leaps.flat_map(|instant| [(instant.saturating_sub(steps + 1), instant - 1), (instant, (instant + steps).min(last))]);
+    let mut beside = leaps
+        .flat_map(|instant| [(instant.saturating_sub(steps + 1), instant - 1), (instant, (instant + steps).min(last))]);
     if let Some(part) = beside.find_map(|(first, end)| within(first, end - first, BESIDE_LEAP)) {
         return Some(part);
     }

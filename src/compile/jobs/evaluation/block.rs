@@ -109,6 +109,14 @@ impl Lowering<'_> {
                     scenarios.insert((NO_REWARD, declared), scenario(&RewardRule::default(), &own));
                 }
             }
+            for each in &chosen {
+                let ControllerKind::Untrained(controller) = &each.controller else { continue };
+                let (scenario, _) = scenarios.values().next().expect("there is a scenario");
+                if let Err(reason) = controller.walk_policy().fits(scenario) {
+                    let place = block.place("pedestrians");
+                    self.said.push(diagnostics::unfit_controller(place, controller.name(), &walker.name, reason));
+                }
+            }
             let of = |controller: &ControllerKind, trained: &TrainingKey| {
                 let declared = chosen.iter().find(|each| each.controller == *controller).and_then(|each| each.declared);
                 scenarios[&(trained.reward.as_str(), declared)].clone()

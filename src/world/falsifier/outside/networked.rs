@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::carry_out;
 use crate::av::Fault;
 use crate::av::onnx::{Network, Runner};
-use crate::env::{ObservationSpec, Scene};
+use crate::env::{ObservationSpec, Scenario, Scene};
 use crate::falsifier::WalkPolicy;
 use crate::sim::WalkCommand;
 use base::keys;
@@ -74,37 +74,38 @@ impl Networked {
     fn within(runner: Runner, interface: Arc<BTreeMap<String, String>>, stack: FrameStack, action: Vec<f64>) -> Self {
         Self { runner, interface, stack, state: vec![0.0; ObservationSpec::DIM], action, begun: false, fault: None }
     }
-
-    /// Whether the scene's states and actions are what its file says they are.
-    fn fits(&self, scene: &Scene<'_>) -> bool {
-        let present = scene.scenario.cast.interface(&scene.scenario.episode);
-        let is_other = |(name, value): &(&str, String)| {
-            FRAMES.contains(name) && self.interface.get(*name).is_some_and(|known| known != value)
-        };
-        !present.iter().any(is_other)
-    }
 }
 
 impl WalkPolicy for Networked {
+    fn fits(&self, scenario: &Scenario) -> Result<(), &'static str> {
+        if !self.stack.as_slice().len().is_multiple_of(scenario.cast.obs_dim()) {
+            return Err("its network does not fit the states of the adversary");
+        }
+        let present = scenario.cast.interface(&scenario.episode);
+        let is_other = |(name, value): &(&str, String)| {
+            FRAMES.contains(name) && self.interface.get(*name).is_some_and(|known| known != value)
+        };
+        match present.iter().any(is_other) {
+            true => Err("its network was trained with other frames or units of state and action"),
+            false => Ok(()),
+        }
+    }
+
     fn begin(&mut self, _: Stream) {
         (self.begun, self.fault) = (false, None);
     }
 
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
+        if !self.begun
+            && let Err(reason) = self.fits(scene.scenario)
+        {
+            self.fault = Some(Fault::Answer(reason));
+            return;
+        }
         let (numbers, inputs) = (scene.scenario.cast.obs_dim(), self.stack.as_slice().len());
         if numbers != self.state.len() {
-            if !inputs.is_multiple_of(numbers) {
-                self.fault = Some(Fault::Answer("its network does not fit the states of the adversary"));
-                return;
-            }
             self.state.resize(numbers, 0.0);
             self.stack = FrameStack::new(numbers, inputs / numbers);
-        }
-        if !self.begun && !self.fits(scene) {
-            self.fault = Some(Fault::Answer(
-                "its network was trained with other frames or units of state and action: give it the adversary of its training",
-            ));
-            return;
         }
         scene.write_state(&mut self.state);
         if std::mem::replace(&mut self.begun, true) {

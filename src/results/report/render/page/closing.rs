@@ -64,7 +64,7 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
             @for file in others { li { a href=(file) { (file) } } }
         }
         h3 { "Reproduce this report" }
-        pre { code { (command(manifest)) } }
+        pre { code { (manifest.command()) } }
         p {
             "falsify " (manifest.version) ", vector instructions " (manifest.vector_instructions)
             ". The manifest has the times. The same files, seed and version give the same numbers."
@@ -74,26 +74,6 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
             (read.to_html())
         }
     }
-}
-
-/// The command that makes the report again, for a shell.
-fn command(manifest: &Manifest) -> String {
-    let call = &manifest.call;
-    let mut words = vec!["falsify".to_string(), "run".into()];
-    words.extend(manifest.smoke.then(|| "--smoke".into()));
-    words.extend(call.allow_external.then(|| "--allow-external".into()));
-    words.push(format!("--seed {}", manifest.seed));
-    for (option, values) in [("--map", &call.maps), ("--set", &call.set)] {
-        words.extend(values.iter().map(|value| format!("{option} {}", quoted(value))));
-    }
-    words.extend(call.scenarios.iter().map(|file| quoted(file)));
-    words.join(" ")
-}
-
-/// A word, quoted if a shell would change it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-=:+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
 /// The files of a report that may interest a reader.

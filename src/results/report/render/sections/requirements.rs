@@ -36,6 +36,7 @@ pub fn requirements(all: &Findings<'_>) -> Option<Section> {
         found.map_or_else(
             || Value::from("–"),
             |each| match each.sums(counted) {
+                (_, 0) => "not run".into(),
                 (part, whole) if each.applied() => Value::rate(&each.rate(counted), part, whole),
                 (_, whole) => format!("never applied (0 of {whole})").into(),
             },

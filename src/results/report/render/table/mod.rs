@@ -109,7 +109,8 @@ pub struct Section {
 }
 
 impl Section {
-    fn tables_of_report(&self) -> impl Iterator<Item = &Table> {
+    /// Those that the summary and the page show.
+    pub fn tables_of_report(&self) -> impl Iterator<Item = &Table> {
         self.tables.iter().filter(|table| table.place != Place::Terminal)
     }
 }

@@ -1,0 +1,46 @@
+//! The dossier of a campaign: what was tested, how far that reaches, what was found and why, for a reader who was not there.
+
+mod coverage;
+mod finding;
+mod provenance;
+mod scope;
+mod tick_error;
+
+use maud::html;
+
+use super::render::{Section, document};
+use super::{Findings, Manifest};
+use base::seed::Seed;
+
+/// Said below a heading for which a campaign has nothing.
+const NOT_DONE: &str = "**Not done.**";
+
+/// Makes the dossier: a file of HTML that needs no other and can be printed. Failures are repeated, shrunk and explained, and some episodes are run again
+/// with a shorter tick.
+pub fn dossier(found: &Findings<'_>, made: &[Section], manifest: &Manifest, seed: &Seed) -> String {
+    let shown = finding::shown(found, seed);
+    let sections = [
+        scope::scope(found),
+        finding::findings(found, &shown),
+        scope::requirements(found, made),
+        coverage::coverage(found),
+        coverage::worlds(found),
+        tick_error::tick_error(found, seed),
+        scope::models(),
+        provenance::provenance(manifest),
+    ];
+    let body = html! {
+        main #main {
+            h1 { "Dossier: " (found.campaign.name) }
+            @for (number, section) in sections.iter().enumerate() {
+                section id=(section.id) { h2 { (number + 1) " " (section.title) } (section.to_html(&|_| None)) }
+            }
+        }
+    };
+    document(&format!("Dossier: {}", found.campaign.name), &manifest.version, &body, false)
+}
+
+/// A section whose paragraphs are read before its tables.
+fn section(id: &'static str, title: &'static str, lead: Vec<String>, tables: Vec<super::render::Table>) -> Section {
+    Section { id, name: title, title, lead, tables, ..Section::default() }
+}

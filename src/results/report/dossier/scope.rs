@@ -1,0 +1,82 @@
+use super::{NOT_DONE, section};
+use crate::report::Findings;
+use crate::report::render::{Column, LEFT_OUT, Section, Table, Value};
+
+/// What a fault is, in plain words.
+const FAULT: &str = "A collision is a *fault* if two careful human drivers in place of the driver, one of them 0.4 s faster, both avoid it with 0.1 m to spare from the \
+     instant at which the danger begins, if the pedestrian moved as people do, and if the car drove at 1 m/s or more and was not walked into. The careful human is that of UN Regulation 157, annex 3: \
+     0.4 s to evaluate the risk, 0.75 s to react, 0.6 s to full braking, and no harder than this car can brake.";
+
+/// The question of the campaign, its drivers, and what must be known first.
+pub fn scope(found: &Findings<'_>) -> Section {
+    let campaign = found.campaign;
+    let mut lead = vec![campaign.docs.join("\n")];
+    lead.extend(found.cautions.iter().map(|caution| format!("**{caution}.**")));
+    lead.extend(found.doubts.iter().map(|doubt| format!("**{doubt}.**")));
+    lead.push(FAULT.into());
+    lead.push(LEFT_OUT.into());
+    let row = |driver: &compile::Driver| {
+        let sensors = driver.sensors.clone().unwrap_or_else(|| "none: it perceives exactly and without delay".into());
+        let documented = campaign.words.iter().find(|word| word.form == "policy" && word.name == driver.name);
+        let docs = documented.map_or_else(String::new, |word| word.docs.clone());
+        vec![Value::from(&driver.name), Value::from(driver.kind), sensors.into(), docs.into(), driver.surrogate.into()]
+    };
+    let drivers = Table {
+        title: "Drivers".into(),
+        head: ["driver", "kind", "sensors", "what it is", "as a surrogate"].map(Column::text).into(),
+        rows: campaign.drivers.iter().map(row).collect(),
+        ..Table::default()
+    };
+    section("scope", "Scope and assumptions", lead, vec![drivers])
+}
+
+/// What was required, where, and what came.
+pub fn requirements(found: &Findings<'_>, made: &[Section]) -> Section {
+    let of_campaign = found.campaign.requirements.iter();
+    let row = |named: &world::requirement::NamedRequirement| {
+        let docs = found.campaign.words.iter().find(|word| word.form == "requirement" && *word.name == *named.name);
+        vec![Value::from(&*named.name), docs.map_or_else(String::new, |word| word.docs.clone()).into()]
+    };
+    let named = Table {
+        head: ["requirement", "what it says"].map(Column::text).into(),
+        rows: of_campaign.map(row).collect(),
+        ..Table::default()
+    };
+    match made.iter().find(|section| section.id == "requirements") {
+        Some(results) => {
+            let tables: Vec<Table> = std::iter::once(named).chain(results.tables_of_report().cloned()).collect();
+            section("requirements", "From requirement to scenario to result", results.lead.clone(), tables)
+        }
+        None => {
+            let lead = vec![format!("{NOT_DONE} The campaign names no requirements beside that nobody is hit.")];
+            section("requirements", "From requirement to scenario to result", lead, Vec::new())
+        }
+    }
+}
+
+/// What is modelled, after which source, and how far that was compared.
+const MODELS: [[&str; 3]; 9] = [
+    [
+        "car",
+        "kinematic bicycle; drive and brakes of the engine that CARLA 0.9 uses",
+        "data of CARLA's vehicles and of PhysX 3",
+    ],
+    ["pedestrian's body", "a disc with limits of acceleration and turning", "recorded walking; Euro NCAP's targets"],
+    ["natural pedestrian", "waits for gaps, crosses, hesitates", "recorded crossings; the Highway Capacity Manual"],
+    ["roads", "lanes, junctions, signs, lights of OpenDRIVE, flat", "ASAM OpenDRIVE 1.4 to 1.8"],
+    ["traffic lights", "fixed cycles", "CARLA's controllers"],
+    ["perception", "exact, or with the errors of the named sensors", "the scenario's `sensors`"],
+    ["sight", "lines of sight from the driver's eye past buildings and parked cars", "geometry"],
+    ["careful human", "evaluates, reacts, brakes", "UN R157, annex 3"],
+    ["injury", "risk of severe injury and death by the speed of the car", "Rosén and Sander 2009, GIDAS"],
+];
+
+/// The models and their sources.
+pub fn models() -> Section {
+    let table = Table {
+        head: ["what", "how", "after"].map(Column::text).into(),
+        rows: MODELS.iter().map(|row| row.map(Value::from).into()).collect(),
+        ..Table::default()
+    };
+    section("models", "What is modelled, and from which source", Vec::new(), vec![table])
+}

@@ -1,0 +1,48 @@
+//! The dossier of a run: every heading has its figures or says that it was not done, and threads change nothing.
+
+use crate::program::falsify;
+
+const SCENARIO: &str = r#"edition 1
+import "std/pedestrians.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+import "std/requirements.scn"
+spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }
+episode short { ticks: 240  hold: 10  end_when: ahead < -6 m }
+falsifier meet = intercept()
+campaign c {
+  vehicle: model3  adversary: pursuer  spawn: near  episode: short
+  REQUIRED
+  evaluate { towns: [village]  policies: [behavior]  pedestrians: [hunter]  episodes: 60 }
+  search { towns: [harbour]  policies: [behavior]  falsifiers: [meet]  budget: 8_000  runs: 1  episodes: 0 }
+}
+"#;
+
+fn dossier(required: &str, threads: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("c.scn"), SCENARIO.replace("REQUIRED", required)).unwrap();
+    let output = falsify(&["run", "c.scn", "--dossier", "--threads", threads], folder.path());
+    assert!(output.status.success(), "{output:?}");
+    // A dossier is a file of the report, which a second run may replace.
+    let again = falsify(&["run", "c.scn", "--dossier", "--seed", "2", "--replace"], folder.path());
+    assert!(again.status.success(), "{again:?}");
+    assert!(falsify(&["run", "c.scn", "--dossier", "--replace"], folder.path()).status.success());
+    std::fs::read_to_string(folder.path().join("reports/c/dossier.html")).unwrap()
+}
+
+#[test]
+fn every_heading_has_figures_or_says_that_it_was_not_done() {
+    let page = dossier("requirements: [safe_passing]", "1");
+    assert_eq!(page, dossier("requirements: [safe_passing]", "3"));
+    let sections: Vec<&str> = page.split("<h2>").skip(1).collect();
+    assert_eq!(sections.len(), 8);
+    for section in &sections {
+        let has_figures = section.contains("<td");
+        assert!(has_figures != section.contains("Not done."), "{}", &section[..200.min(section.len())]);
+    }
+    assert!(sections[4].contains("Not done."), "no other simulator ran");
+    assert!(sections[3].contains("`hunter` against `behavior` in harbour") || sections[3].contains("<code>hunter</code> against"));
+    assert!(!page.contains("http-equiv=\"refresh\"") && !page.contains("src=\"http"));
+    let without = dossier("", "2");
+    assert_eq!(without.matches("Not done.").count(), 2, "nor were there requirements");
+}
