@@ -41,7 +41,10 @@ fn every_heading_has_figures_or_says_that_it_was_not_done() {
         assert!(has_figures != section.contains("Not done."), "{}", &section[..200.min(section.len())]);
     }
     assert!(sections[4].contains("Not done."), "no other simulator ran");
-    assert!(sections[3].contains("`hunter` against `behavior` in harbour") || sections[3].contains("<code>hunter</code> against"));
+    assert!(
+        sections[3].contains("`hunter` against `behavior` in harbour")
+            || sections[3].contains("<code>hunter</code> against")
+    );
     assert!(!page.contains("http-equiv=\"refresh\"") && !page.contains("src=\"http"));
     let without = dossier("", "2");
     assert_eq!(without.matches("Not done.").count(), 2, "nor were there requirements");
