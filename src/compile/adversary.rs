@@ -6,8 +6,8 @@ use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{
-    ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling,
-    TargetBox,
+    ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, Placement, ReferenceFrame,
+    Scaling, TargetBox,
 };
 use world::sim::{Gait, PedestrianBody};
 
@@ -124,6 +124,7 @@ pub fn lower(keys: AdversaryKeys) -> PedestrianRole {
         }
     };
     PedestrianRole {
+        name: "pedestrian".into(),
         body: PedestrianBody { gait, ..size },
         observation: ObservationSpec {
             frame: keys.observation_frame,
@@ -139,7 +140,7 @@ pub fn lower(keys: AdversaryKeys) -> PedestrianRole {
         },
         controller: Controller::External,
         first_heading: keys.first_heading,
-        start: None,
+        place: Placement::Spawn,
     }
 }
 

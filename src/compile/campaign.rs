@@ -8,6 +8,9 @@ keys! {
         vehicle: DeclarationId as Reference("vehicle"),
         /// The pedestrian.
         adversary: DeclarationId as Reference("adversary"),
+        /// Further pedestrians and cars, and the first pedestrian with a name; without the key there is the car under test and one pedestrian. A block
+        /// `cast { child: pedestrian(…)  van: vehicle(…) }` declares them in place.
+        cast: Option<Vec<DeclarationId>> as Reference("role"),
         /// Where episodes begin.
         spawn: DeclarationId as Reference("spawn"),
         /// How long they last.

@@ -6,8 +6,8 @@ use super::policy_kind::{PolicyKind, with_common_keys};
 use super::town::{TownKind, with_objects};
 use super::walker::WalkerKind;
 use super::{
-    adversary, campaign, controller, external_world, falsifier, policy, published, requirement, reward, sensors, spawn,
-    town, training, vehicle, walker,
+    adversary, campaign, controller, external_world, falsifier, policy, published, requirement, reward, role, sensors,
+    spawn, town, training, vehicle, walker,
 };
 use base::signature::{Form, Keys, Signature, Type, Vocabulary};
 use world::av::external::Opener;
@@ -56,6 +56,7 @@ impl Catalog {
             training::form(),
             controller::form(),
             falsifier::form(),
+            role::form(),
             external_world::form(),
             published::form(),
             campaign::form(),
@@ -131,8 +132,10 @@ impl Catalog {
             return Err(TakenKind { form: "pedestrian", kind: kind.word() });
         }
         self = self.with_falsifier(kind.falsifier.clone())?;
-        let evaluate = self.form_of("campaign").plain.iter_mut().flat_map(|campaign| &mut campaign.children);
-        for param in evaluate.flat_map(|block| &mut block.params) {
+        let blocks = self.forms.iter_mut().filter(|form| ["campaign", "role"].contains(&form.name)).flat_map(|form| {
+            form.kinds.iter_mut().chain(form.plain.iter_mut().flat_map(|campaign| &mut campaign.children))
+        });
+        for param in blocks.flat_map(|block| &mut block.params) {
             let single = if let Type::List(item) = &mut param.ty { &mut **item } else { &mut param.ty };
             if let Type::WordOrReference(words, "controller") = single {
                 words.push(kind.word());

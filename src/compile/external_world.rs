@@ -77,6 +77,10 @@ impl Lowering<'_> {
     pub fn worlds_fit(&mut self, block: &Block, worlds: &[WorldAxis], ground: &Ground, rule: &EpisodeRule) -> bool {
         let errors = self.said.len();
         for world in worlds.iter().flatten() {
+            if ground.roles.has_cars() {
+                let message = format!("the cast has further cars, and `{}` moves the car under test alone", world.name);
+                self.said.push(diagnostics::contradiction(block.place("worlds"), message));
+            }
             for town in &ground.towns {
                 if let Err(reason) = world.value.map(&town.value.town) {
                     let message = format!("the map of `{}` cannot be given to `{}`: {reason}", town.name, world.name);

@@ -26,6 +26,7 @@ mod reward;
 mod requirement;
 mod training;
 mod walker;
+mod role;
 mod external_world;
 mod falsifier;
 mod published;

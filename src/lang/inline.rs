@@ -118,13 +118,42 @@ impl<'a> Inline<'a> {
                     }
                 }
                 Entry::Child(child) => {
-                    if let Some(inner) = signature.children.iter().find(|inner| inner.name == child.form.text) {
+                    let named = signature.params.iter().find(|param| param.name == child.form.text);
+                    if let Some(list) = named.and_then(|param| self.named(child, &param.ty)) {
+                        *entry = Entry::Property(list);
+                    } else if let Some(inner) = signature.children.iter().find(|inner| inner.name == child.form.text) {
                         self.entries(&mut child.entries, inner);
                     }
                 }
                 Entry::Clause(_) | Entry::Bare(_) | Entry::Unread => {}
             }
         }
+    }
+
+    /// The list of the declarations that a block with the name of a list of names holds, each as `name: kind(…)`; `None` for another block.
+    fn named(&mut self, block: &Declaration, ty: &Type) -> Option<Property> {
+        let Type::List(item) = ty else { return None };
+        let Type::Reference(form) = **item else { return None };
+        let form = self.forms.iter().find(|known| known.name == form)?;
+        let all = block.entries.iter().map(|entry| match entry {
+            Entry::Property(property) if names_kind(form, &property.value.kind) => Some(property),
+            _ => None,
+        });
+        let mut members = Vec::new();
+        for Property { key, value } in all.collect::<Option<Vec<_>>>().filter(|_| block.name.is_none())? {
+            let mut declaration = of_call(form, value)?;
+            declaration.name = Some(key.clone());
+            declaration.head = key.span;
+            self.declaration(&mut declaration);
+            self.made.push(declaration);
+            // A second declaration of a name is reported where it stands.
+            let member = ExpressionKind::Name(key.text.clone());
+            if members.iter().all(|other: &Expression| other.kind != member) {
+                members.push(Expression { kind: member, span: key.span });
+            }
+        }
+        let value = Expression { kind: ExpressionKind::List(members), span: block.head };
+        Some(Property { key: block.form.clone(), value })
     }
 
     fn value(&mut self, value: &mut Expression, ty: &Type) {
@@ -165,27 +194,15 @@ impl<'a> Inline<'a> {
 
     /// The place of the declaration that a call stands for.
     fn declare(&mut self, form: &Form, value: &Expression) -> usize {
-        let ExpressionKind::Call { function, arguments, keys } = &value.kind else {
+        let (Some(mut declaration), ExpressionKind::Call { function, .. }) = (of_call(form, value), &value.kind) else {
             unreachable!("a kind with keys is a call")
         };
         let text = self.text(value.span);
         if let Some(known) = self.known.get(&(form.name, text.clone())) {
             return *known;
         }
-        let entry = |(key, value): (&Option<Name>, &Expression)| match key {
-            Some(key) => Entry::Property(Property { key: key.clone(), value: value.clone() }),
-            None => Entry::Bare(value.clone()),
-        };
-        let mut declaration = Declaration {
-            docs: Vec::new(),
-            form: Name { text: form.name.to_string(), span: function.span },
-            name: Some(Name { text: self.name(form.name, &function.text, &text), span: function.span }),
-            kind: Some(function.clone()),
-            entries: keys.iter().zip(arguments).map(entry).collect(),
-            is_inline: true,
-            head: value.span,
-            span: value.span,
-        };
+        declaration.name = Some(Name { text: self.name(form.name, &function.text, &text), span: function.span });
+        declaration.is_inline = true;
         // A kind may be in place of a name inside, such as `sensors: interfuser_suite()`.
         self.declaration(&mut declaration);
         let place = self.first + self.made.len();
@@ -205,6 +222,25 @@ impl<'a> Inline<'a> {
         self.taken.insert(key(&name));
         name
     }
+}
+
+/// The declaration of a form that a call stands for, without a name; `None` for another value.
+fn of_call(form: &Form, value: &Expression) -> Option<Declaration> {
+    let ExpressionKind::Call { function, arguments, keys } = &value.kind else { return None };
+    let entry = |(key, value): (&Option<Name>, &Expression)| match key {
+        Some(key) => Entry::Property(Property { key: key.clone(), value: value.clone() }),
+        None => Entry::Bare(value.clone()),
+    };
+    Some(Declaration {
+        docs: Vec::new(),
+        form: Name { text: form.name.to_string(), span: function.span },
+        name: None,
+        kind: Some(function.clone()),
+        entries: keys.iter().zip(arguments).map(entry).collect(),
+        is_inline: false,
+        head: value.span,
+        span: value.span,
+    })
 }
 
 /// Whether a call is of a kind of this form, or nearly.

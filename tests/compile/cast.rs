@@ -11,7 +11,7 @@ use learn::Env;
 use world::av::{DrivingMode, PerfectSensors};
 use world::env::{
     ActionSpec, Controller, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianRole,
-    Scenario, Trace, VehicleRole, carry_out,
+    Placement, Scenario, Trace, VehicleRole, carry_out,
 };
 use world::falsifier::{
     BudgetedSimulation, Failure, Intercept, PedestrianEnv, Random, WalkPolicy, evaluate, follow, play,
@@ -74,9 +74,9 @@ pub fn two_and_two(ego: &str, traffic: (&str, ActorStart), second: (ActorStart, 
     scenario.spawn.distance = Distribution::Constant(30.0);
     scenario.spawn.heading = Some(Distribution::Constant(0.0));
     scenario.spawn.constraints.clear();
-    scenario.cast.vehicles.push(VehicleRole { start: Some(traffic.1), ..vehicle(traffic.0) });
-    let (controller, start) = (second.1, Some(second.0));
-    let role = PedestrianRole { controller, start, ..scenario.cast.pedestrian().clone() };
+    scenario.cast.vehicles.push(VehicleRole { place: Placement::Fixed(traffic.1), ..vehicle(traffic.0) });
+    let (controller, place) = (second.1, Placement::Fixed(second.0));
+    let role = PedestrianRole { controller, place, ..scenario.cast.pedestrian().clone() };
     scenario.cast.pedestrians.push(role);
     scenario
 }
@@ -315,4 +315,171 @@ fn policies_and_searches_see_an_environment_by_its_dimensions() {
         assert_eq!(again.map(|(again, _)| again), Some(*outcome));
     }
     assert!(spent.episodes > 0, "{spent:?}");
+}
+
+/// A child that stands at the right edge of the street 30 m ahead of the ego, behind a van that is parked between them.
+fn behind_a_van(is_parked: bool) -> Scenario {
+    let van = ActorStart::standing(Pose::new(85.0, -4.6, 0.0));
+    let mut scenario = two_and_two("follower", ("blind", van), (away(), Controller::Fixed(STANDING)));
+    scenario.cast.pedestrians.truncate(1);
+    scenario.cast.vehicles[1].is_parked = is_parked;
+    scenario.spawn.bearing = Distribution::Constant(-0.1);
+    scenario.spawn.distance = Distribution::Constant(30.0);
+    scenario
+}
+
+#[test]
+fn a_parked_van_hides_and_is_walked_around_and_one_that_may_drive_does_not() {
+    let steps = |scenario: &Arc<Scenario>, command: WalkCommand| {
+        let mut env = scenario.simulation();
+        let mut trace = Trace::new(scenario);
+        env.start(Draw::new(&Seed::root(1), 0));
+        trace.begin(&env.scene());
+        carry_out(&mut *env, &[command], &mut trace);
+        let hidden = env
+            .scene()
+            .world
+            .obstacles
+            .blocks_sight(Pose::new(60.0, LANE, 0.0).position(), trace.pedestrian(0)[0].pose.position());
+        (trace, hidden)
+    };
+    let [van, car] = [true, false].map(|is_parked| Arc::new(behind_a_van(is_parked)));
+    let ((with, hidden), (without, shown)) = (steps(&van, STANDING), steps(&car, STANDING));
+    assert!(hidden && !shown);
+    let [first, other] = [with.main_pair(&van), without.main_pair(&car)];
+    assert!(!first.in_sight(&first.frame(0)) && other.in_sight(&other.frame(0)));
+    // It walks west, at the front of the van, and is pushed aside instead of touching it.
+    let west = WalkCommand { heading: std::f64::consts::PI, speed: 3.0 };
+    let (trace, _) = steps(&van, west);
+    let outline = trace.vehicle(1)[0].state.outline(&van.cast.vehicles[1].blueprint);
+    assert!(trace.contact().is_none());
+    let radius = van.cast.pedestrian().body.radius;
+    assert!(trace.pedestrian(0).iter().all(|state| outline.distance_to(state.pose.position()) > radius - 1e-4));
+}
+
+#[test]
+fn a_follower_appears_behind_the_ego_with_its_speed_and_its_gap() {
+    let mut scenario = two_and_two("follower", ("follower", ahead(0.0)), (away(), Controller::Fixed(STANDING)));
+    scenario.cast.vehicles[1].place = Placement::Behind { gap: Distribution::Uniform(1.0, 2.0) };
+    scenario.spawn.ego_speed = EgoSpeed::Steady;
+    let scenario = Arc::new(scenario);
+    let (_, trace) = run(&scenario, [STANDING; 2]);
+    let (ego, other) = (trace.vehicle(0)[0].state, trace.vehicle(1)[0].state);
+    let apart = ego.pose.x - other.pose.x - 2.0 * scenario.cast.ego().blueprint.half_length;
+    assert_eq!(other.speed, ego.speed);
+    assert!(
+        (1.0..2.0).contains(&(apart / ego.speed)) && (other.pose.y - LANE).abs() < 0.1,
+        "{apart} m at {} m/s",
+        ego.speed
+    );
+    assert_ne!(trace.vehicle(1)[20].state.speed, ego.speed, "its driver drives");
+}
+
+#[test]
+fn placed_pedestrians_keep_their_distances_and_draw_for_themselves() {
+    let scene = |distance| {
+        let mut scenario = two_and_two("follower", ("slow", ahead(40.0)), (away(), Controller::Fixed(STANDING)));
+        let beside = Placement::Beside { anchor: ActorId::Pedestrian(0), distance };
+        scenario.cast.pedestrians[1].place = beside;
+        let ahead = Placement::Ahead {
+            anchor: ActorId::Pedestrian(1),
+            distance: Distribution::Constant(1.0),
+            aside: Distribution::Constant(-2.0),
+        };
+        let role = PedestrianRole { place: ahead, ..scenario.cast.pedestrians[1].clone() };
+        scenario.cast.pedestrians.push(role);
+        Arc::new(scenario)
+    };
+    let starts = |scenario: &Arc<Scenario>, episode| {
+        let mut env = scenario.simulation();
+        env.start(Draw::new(&Seed::root(1), episode));
+        let places: Vec<_> = env.scene().world.pedestrians.iter().map(|each| each.state.pose.position()).collect();
+        places
+    };
+    let (near, far) = (scene(Distribution::Uniform(0.5, 2.0)), scene(Distribution::Uniform(4.0, 6.0)));
+    let half = near.cast.pedestrian().body.half().x;
+    let mut seen = Vec::new();
+    for episode in 0..20 {
+        let [first, second, third] = starts(&near, episode)[..] else { panic!("three pedestrians") };
+        let apart = (second - first).norm();
+        assert!((0.5 + 2.0 * half..2.0 + 2.0 * half * 2_f64.sqrt()).contains(&apart), "{apart}");
+        assert!((third - second).norm() > 2.0);
+        assert_eq!(starts(&far, episode)[0], first, "what is drawn for the others does not move the first");
+        seen.push(apart);
+    }
+    seen.dedup();
+    assert_eq!(seen.len(), 20);
+}
+
+#[test]
+fn a_pedestrian_with_a_controller_of_its_own_walks_by_it_whatever_is_decided() {
+    let place = ActorStart::standing(Pose::new(90.0, -6.0, 0.0));
+    let with = |controller| Arc::new(two_and_two("follower", ("slow", ahead(40.0)), (place, controller)));
+    let own = world::falsifier::Controller::new("intercept", || Box::new(Intercept));
+    let (alone, left) = (with(Controller::Own(own)), with(Controller::External));
+    let (outcome, trace) = run(&alone, [STANDING; 2]);
+    // The same pedestrian, moved from outside; the first one stands.
+    let mut env = left.simulation();
+    env.start(Draw::new(&Seed::root(1), 0));
+    while env.outcome().is_none() {
+        let mut commands = [STANDING; 2];
+        commands[1] = env.scene().intercept(1);
+        env.carry_out(&commands);
+    }
+    assert_eq!((outcome.digest, outcome.ticks), (env.outcome().unwrap().digest, env.outcome().unwrap().ticks));
+    assert!(trace.decisions(1).iter().all(|command| command.speed > 3.0), "{:?}", trace.decisions(1));
+    assert_eq!(alone.cast.obs_dim(), ObservationSpec::DIM, "a search moves the first alone");
+    // A copy goes on as the original does.
+    let mut env = alone.simulation();
+    env.start(Draw::new(&Seed::root(1), 0));
+    env.carry_out(&[STANDING; 2]);
+    let mut copy = env.snapshot().unwrap();
+    while copy.outcome().is_none() {
+        copy.carry_out(&[STANDING; 2]);
+    }
+    assert_eq!(copy.outcome(), Some(&outcome));
+}
+
+/// A campaign whose cast is declared in place.
+const CAST: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+town long {
+  lane_width: 3.5 m
+  traffic_lights: false
+  street long { through: [(0 m, 0 m), (250 m, 0 m), (500 m, 0 m)]  speed_limit: 50 km/h }
+}
+adversary small { body: child }
+campaign cast {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  cast {
+    friend: pedestrian(walker: natural, beside: child, distance: 0.5 m .. 2 m)
+    child: pedestrian(adversary: small)
+    van: vehicle(vehicle: generic(length: 5.5 m, width: 2 m), distance: 12 m .. 20 m, aside: -3.2 m)
+    follower: vehicle(policy: idm(), behind: ego, gap: 1 s .. 2 s)
+    crowd: pedestrian(walker: still, count: 3, ahead_of: van, distance: 3 m .. 9 m, aside: -4 m .. -1 m)
+  }
+  evaluate { towns: [long] policies: [idm()] pedestrians: [intercept] }
+}
+"#;
+
+#[test]
+fn a_campaign_names_its_cast_and_the_block_moves_the_one_that_is_left() {
+    let root = crate::repository().join("scenarios/cast.scn");
+    let read = |path: &Path| if path == root { Ok(CAST.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    let scenario = plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone();
+    let names: Vec<String> = scenario.cast.actors().map(|actor| scenario.cast.name(actor).to_string()).collect();
+    assert_eq!(names, ["ego", "van", "follower", "child", "friend", "crowd", "crowd", "crowd"]);
+    let controlled: Vec<usize> = scenario.cast.controlled().map(|(number, _)| number).collect();
+    assert_eq!(controlled, [0]);
+    assert!(scenario.cast.pedestrian().body.is_child() && !scenario.cast.pedestrians[1].body.is_child());
+    assert!(scenario.cast.vehicles[1].is_parked && !scenario.cast.vehicles[2].is_parked);
+    let outcomes =
+        || evaluate(&mut Intercept, &scenario, 20, &Seed::root(1), &Seed::root(2), &mut |_| ControlFlow::Continue(()));
+    let first = outcomes();
+    assert_eq!(first, outcomes());
+    assert!(first.iter().any(Outcome::is_collision) && first.iter().all(|outcome| outcome.fault().is_none()));
 }

@@ -183,7 +183,7 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
             impact_speed: 10.0,
         };
         actions.contact = (tick == 60).then_some(contact);
-        let scene = Scene { scenario: &scenario, world: &world, actions: &actions };
+        let scene = Scene::new(&scenario, &world, &actions);
         if tick == 0 { trace.begin(&scene) } else { trace.tick(&scene) }
     }
     (scenario, trace)
@@ -266,7 +266,7 @@ fn pass(aside: f64, speed: f64) -> FalseAlarms {
         world.vehicles[0].state.speed = 8.0;
         world.pedestrians[0].state.pose = Pose::new(30.0, aside - speed * time, 0.0);
         world.pedestrians[0].state.velocity = Vector::new(0.0, -speed);
-        let scene = Scene { scenario: &scenario, world: &world, actions: &actions };
+        let scene = Scene::new(&scenario, &world, &actions);
         if tick == 0 { trace.begin(&scene) } else { trace.tick(&scene) }
     }
     FalseAlarms::new(&trace.main_pair(&scenario)).unwrap()

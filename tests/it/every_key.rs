@@ -564,6 +564,7 @@ forms! {
     keys_of_falsifiers_change_outcomes: "falsifier",
     keys_of_worlds_change_outcomes: "world",
     keys_of_requirements_change_outcomes: "requirement",
+    keys_of_roles_change_outcomes: "role",
     keys_of_published_figures_change_tables: "published",
     keys_of_campaigns_change_outcomes: "campaign",
 }

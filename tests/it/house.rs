@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_347),
     ("src/learn", 5_418),
-    ("src/world", 34_121),
+    ("src/world", 34_795),
     ("src/ported", 4_642),
-    ("src/lang", 6_441),
-    ("src/compile", 7_303),
+    ("src/lang", 6_477),
+    ("src/compile", 7_744),
     ("src/process", 859),
     ("src/export", 3_783),
     ("src/results", 27_175),
     ("src/program", 12_058),
-    ("tests", 27_355),
+    ("tests", 27_526),
 ];
 
 /// Crates that only some places may name.

@@ -44,7 +44,7 @@ fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
         let pair = (ActorId::EGO, ActorId::Pedestrian(0));
         let contact = Contact { pair, fraction: 1.0, bearing: 0.0, ahead: touch, aside: 0.0, impact_speed: 10.0 };
         actions.contact = (tick == 60).then_some(contact);
-        let scene = Scene { scenario: &scenario, world: &world, actions: &actions };
+        let scene = Scene::new(&scenario, &world, &actions);
         if tick == 0 {
             trace.begin(&scene);
             assert_eq!(Approach::new(&trace.main_pair(&scenario)), None, "nobody is touched");

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::lowering::{BuiltTown, Lowering, MadeDriver};
+use crate::role::Roles;
 use crate::{adversary, reward, training, vehicle};
 use base::signature::DeclarationId;
 use lang::diagnostics;
@@ -31,6 +32,7 @@ pub(crate) struct Axis<T> {
 pub(crate) struct Usual {
     pub car: Axis<VehicleBlueprint>,
     pub walker: Axis<PedestrianRole>,
+    pub roles: Arc<Roles>,
     pub rule: Axis<EpisodeRule>,
     pub training: Option<Axis<PpoConfig>>,
     pub requirements: Required,

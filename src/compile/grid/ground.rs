@@ -8,14 +8,15 @@ use crate::campaign::{CampaignKeys, PlaceKeys, StartKeys};
 use crate::lowering::{BuiltTown, Lowering, MadeDriver};
 use crate::plan::NamedTown;
 use crate::policy;
+use crate::role::Roles;
 use base::diagnostic::Span;
 use base::seed::Seed;
 use base::signature::{DeclarationId, short};
 use lang::diagnostics;
 use lang::hir::Block;
 use world::env::{
-    Cast, Criterion, EpisodeRule, FirstHeading, PedestrianRole, RewardRule, Scenario, SpawnRule, TargetBox, TestOracle,
-    VehicleRole,
+    CastSurvey, Controller, Criterion, EpisodeRule, FirstHeading, PedestrianRole, Placement, RewardRule, Scenario,
+    SpawnRule, TargetBox, TestOracle, VehicleRole,
 };
 use world::judge::ReferenceOracle;
 use world::requirement::NamedRequirement;
@@ -29,12 +30,13 @@ pub(crate) struct Ground {
     pub towns: Vec<Axis<BuiltTown>>,
     pub policies: Vec<Axis<MadeDriver>>,
     pub spawn: Axis<SpawnRule>,
+    pub roles: Arc<Roles>,
 }
 
 impl Ground {
     /// Every town with every policy.
     pub fn places(&self) -> impl Iterator<Item = Place<'_>> {
-        let place = |town, policy| Place { town, policy, spawn: &self.spawn };
+        let place = |town, policy| Place { town, policy, spawn: &self.spawn, roles: &self.roles };
         self.towns.iter().flat_map(move |town| self.policies.iter().map(move |policy| place(town, policy)))
     }
 }
@@ -45,6 +47,7 @@ pub(crate) struct Place<'a> {
     pub town: &'a Axis<BuiltTown>,
     pub policy: &'a Axis<MadeDriver>,
     pub spawn: &'a Axis<SpawnRule>,
+    pub roles: &'a Roles,
 }
 
 impl Place<'_> {
@@ -65,7 +68,11 @@ impl Place<'_> {
             external_world: None,
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
-            cast: Cast::pair(VehicleRole { blueprint, policy, parts, start: None }, walker.clone()),
+            cast: self.roles.cast(
+                VehicleRole { name: "ego".into(), blueprint, policy, parts, is_parked: false, place: Placement::Spawn },
+                walker,
+                &self.spawn.value,
+            ),
             spawn: for_car(&self.spawn.value, car),
             reward: reward.clone(),
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
@@ -81,8 +88,8 @@ impl Place<'_> {
         car: &Axis<VehicleBlueprint>,
         walker: &Axis<PedestrianRole>,
         rule: &Axis<EpisodeRule>,
-    ) -> [DeclarationId; 6] {
-        [self.town.id, self.policy.id, self.spawn.id, car.id, walker.id, rule.id]
+    ) -> Vec<DeclarationId> {
+        [&[self.town.id, self.policy.id, self.spawn.id, car.id, walker.id, rule.id][..], &self.roles.ids].concat()
     }
 }
 
@@ -99,7 +106,7 @@ impl Usual {
     }
 
     /// The declarations of [`Usual::scenario`].
-    pub fn declarations(&self, place: &Place<'_>, body: &Axis<PedestrianRole>) -> [DeclarationId; 6] {
+    pub fn declarations(&self, place: &Place<'_>, body: &Axis<PedestrianRole>) -> Vec<DeclarationId> {
         place.declarations(&self.car, body, &self.rule)
     }
 }
@@ -118,10 +125,12 @@ impl Lowering<'_> {
         places: &PlaceKeys,
         start: &StartKeys,
         bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
+        usual: &Usual,
     ) -> Option<Ground> {
-        let CampaignKeys { spawn: usual, episode, .. } = campaign.keys();
-        let spawn = self.spawn(start.spawn.unwrap_or(usual))?;
-        let ground = Ground { towns: self.towns(&places.towns), policies: self.policies(&places.policies), spawn };
+        let CampaignKeys { spawn, episode, .. } = campaign.keys();
+        let spawn = self.spawn(start.spawn.unwrap_or(spawn))?;
+        let (towns, policies) = (self.towns(&places.towns), self.policies(&places.policies));
+        let ground = Ground { towns, policies, spawn, roles: usual.roles.clone() };
         self.compare_ticks(episode, block, &places.policies);
         if block.places.iter().all(|(key, _)| *key != "worlds") {
             let rule = self.program.get(episode).block.keys();
@@ -131,6 +140,7 @@ impl Lowering<'_> {
         if self.probe(place, &ground.towns, &ground.spawn.value, bodies) {
             let EpisodeRule { tick, ticks, .. } = self.program.get(episode).block.keys();
             self.warn_of_far_starts(place, &ground, bodies, f64::from(ticks) * tick);
+            self.probe_cast(campaign.place("cast"), &ground, bodies, usual);
         }
         Some(ground)
     }
@@ -146,6 +156,45 @@ impl Lowering<'_> {
                 let span = block.members("policies").get(place).copied().unwrap_or(block.head);
                 let given = episode.block.place("tick");
                 self.said.push(diagnostics::other_tick(span, &policy.name, made_for, tick, given));
+            }
+        }
+    }
+
+    /// Checks that the whole cast can be placed in every town.
+    fn probe_cast(
+        &mut self,
+        span: Span,
+        ground: &Ground,
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
+        usual: &Usual,
+    ) {
+        if ground.roles.is_empty() {
+            return;
+        }
+        if ground.roles.shares_spawn() && ground.spawn.value.scripted().is_some() {
+            let message =
+                format!("`{}` states a walk of one pedestrian, and it is to place several", ground.spawn.name);
+            self.said.push(
+                diagnostics::contradiction(span, message)
+                    .help("give the others a place: `spawn`, `beside` or `ahead_of`"),
+            );
+            return;
+        }
+        // The first place of each town.
+        for place in ground.places().step_by(ground.policies.len().max(1)) {
+            for (car, walker) in bodies {
+                let scenario = place.scenario(car, walker, &usual.rule, &RewardRule::default(), &[].into());
+                for (number, role) in scenario.cast.pedestrians.iter().enumerate() {
+                    let Controller::Own(controller) = &role.controller else { continue };
+                    if let Err(reason) = controller.walk_policy().fits(&scenario.cast.alone(number), &scenario.episode)
+                    {
+                        let unfit = diagnostics::unfit_controller(span, controller.name(), &role.name, reason);
+                        self.said.push(unfit);
+                    }
+                }
+                if let Err(crowded) = CastSurvey::new(&scenario, &Seed::root(0).child("probe")).check() {
+                    self.said.push(diagnostics::unplaceable(span, &place.town.name, &crowded.to_string()));
+                }
             }
         }
     }

@@ -5,6 +5,7 @@ mod axis;
 mod ground;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::campaign::{CampaignKeys, PlaceKeys, StartKeys};
 use super::jobs::{BLOCKS, Origin};
@@ -55,8 +56,9 @@ impl Lowering<'_> {
         let ids = keys.requirements.unwrap_or_default();
         let all = self.requirements(block, "requirements", &ids, &rule.value).into();
         let (car, walker) = (self.vehicle(keys.vehicle), self.adversary(keys.adversary));
-        let training = keys.training.map(|id| self.training(id, walker.value.observation.dim()));
-        let usual = Usual { car, walker, rule, requirements: Required { ids, all }, training };
+        let roles = Arc::new(self.roles(block, keys.cast.as_deref()));
+        let training = keys.training.map(|id| self.training(id, roles.obs_dim(&walker.value)));
+        let usual = Usual { car, walker, roles, rule, requirements: Required { ids, all }, training };
         let campaign = Campaign {
             name: declaration.name.clone(),
             docs: declaration.docs.clone(),
@@ -100,7 +102,7 @@ impl Lowering<'_> {
         grid: &Grid,
     ) -> Option<(Ground, Axis<PedestrianRole>)> {
         let body = adversary.map_or_else(|| grid.usual.walker.clone(), |id| self.adversary(id));
-        let ground = self.ground(at, places, start, &[(&grid.usual.car, &body)])?;
+        let ground = self.ground(at, places, start, &[(&grid.usual.car, &body)], &grid.usual)?;
         Some((ground, body))
     }
 

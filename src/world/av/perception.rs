@@ -147,7 +147,8 @@ impl PerfectSensors {
     /// Perceives a world exactly and at once, as the driver of the vehicle with this number.
     pub fn perceive<'a>(&'a mut self, world: &'a World, vehicle: usize) -> Perception<'a> {
         self.pedestrians.clear();
-        self.pedestrians.extend((0..).zip(&world.pedestrians).map(|(number, pedestrian)| Actor {
+        let present = (0..).zip(&world.pedestrians).filter(|(_, pedestrian)| pedestrian.is_present);
+        self.pedestrians.extend(present.map(|(number, pedestrian)| Actor {
             id: ActorId::Pedestrian(number),
             pose: pedestrian.state.pose,
             velocity: pedestrian.state.velocity,
@@ -156,7 +157,9 @@ impl PerfectSensors {
         }));
         let driven = |number: usize| Actor::of_vehicle(number as u8, &world.vehicles[number]);
         self.vehicles.clear();
-        self.vehicles.extend((0..world.vehicles.len()).filter(|number| *number != vehicle).map(driven));
+        let others =
+            (0..world.vehicles.len()).filter(|number| *number != vehicle && world.vehicles[*number].is_present);
+        self.vehicles.extend(others.map(driven));
         self.lights.clear();
         if let Some(clock) = world.light_clock() {
             let lamps = world.town.traffic_lights.iter();

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::wheel::{ACTION_BOUNDS, ACTION_SCALES, Seat, inputs};
 use super::{DriveReward, DriveRule, Pupil};
 use crate::av::view::View;
-use crate::env::{Draw, MOVING_ABOVE, Phase, Scenario, Simulation, VehicleRole};
+use crate::env::{Draw, MOVING_ABOVE, Phase, Placement, Scenario, Simulation, VehicleRole};
 use crate::falsifier::{Controller, FaultStreak, WalkPolicy, advance};
 use crate::geometry::Pose;
 use crate::sim::{ActorId, ActorStart, Contact, LightColour, WalkCommand, World};
@@ -314,8 +314,8 @@ fn traffic(scenario: &Scenario, rule: &DriveRule, seed: &Seed) -> Vec<VehicleRol
         }
         let pose = scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream).ego;
         if poses.iter().all(|other| (other.position() - pose.position()).norm() > APART) {
-            let (policy, start) = (rule.teacher.clone(), Some(ActorStart::standing(pose)));
-            others.push(VehicleRole { policy, start, ..scenario.cast.ego().clone() });
+            let (policy, place) = (rule.teacher.clone(), Placement::Fixed(ActorStart::standing(pose)));
+            others.push(VehicleRole { policy, place, ..scenario.cast.ego().clone() });
             poses.push(pose);
         }
     }

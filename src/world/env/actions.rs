@@ -9,6 +9,8 @@ use crate::sim::{ActorStart, Contact, Control, Vehicle, VehicleState, WalkComman
 pub struct Actions {
     /// The bounds of a joint action.
     pub(super) bounds: Vec<(f64, f64)>,
+    /// The bounds of the action of each pedestrian, one after another.
+    pub(super) each_bounds: Vec<(f64, f64)>,
     /// Where each pedestrian starts.
     pub starts: Vec<ActorStart>,
     /// The command that each pedestrian carries out.
@@ -29,7 +31,8 @@ impl Actions {
         let (vehicles, pedestrians) = (cast.vehicles.len(), cast.pedestrians.len());
         Self {
             bounds: cast.action_bounds(),
-            starts: cast.pedestrians.iter().map(|role| role.start.unwrap_or_default()).collect(),
+            each_bounds: cast.pedestrians.iter().flat_map(|role| role.action.bounds()).collect(),
+            starts: vec![ActorStart::default(); pedestrians],
             commands: vec![WalkCommand::default(); pedestrians],
             turns: vec![0.0; pedestrians],
             controls: vec![Control::default(); vehicles],
@@ -51,7 +54,7 @@ impl Actions {
         let last = self.commands.iter_mut().zip(&mut self.turns);
         for (((last, turn), command), role) in last.zip(commands).zip(cast.pedestrians.iter()) {
             let command = match role.controller {
-                Controller::External => *command,
+                Controller::External | Controller::Own(_) => *command,
                 Controller::Fixed(fixed) => fixed,
             };
             *turn = wrap_angle(command.heading - last.heading);

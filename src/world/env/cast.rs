@@ -1,8 +1,9 @@
 use std::sync::Arc;
 
-use super::{ActionSpec, DriverParts, ObservationSpec};
+use super::{ActionSpec, DriverParts, ObservationSpec, Placement};
 use crate::av::DrivingPolicy;
-use crate::sim::{ActorStart, PedestrianBody, VehicleBlueprint, WalkCommand};
+use crate::falsifier;
+use crate::sim::{ActorId, PedestrianBody, VehicleBlueprint, WalkCommand};
 use base::choice;
 
 /// Makes a fresh driving policy; every episode's environment owns one for each vehicle.
@@ -19,19 +20,24 @@ pub struct Cast {
 /// A vehicle and its driver.
 #[derive(Clone)]
 pub struct VehicleRole {
+    /// Its name in the scenario.
+    pub name: Arc<str>,
     /// Its model.
     pub blueprint: VehicleBlueprint,
     /// Its driver.
     pub policy: PolicyMaker,
     /// What can be exchanged of the driver.
     pub parts: Arc<DriverParts>,
-    /// Its start in every episode; `None` for the ego, which the scenario's spawn rule places.
-    pub start: Option<ActorStart>,
+    /// Whether it is parked. Then its driver is never asked.
+    pub is_parked: bool,
+    pub place: Placement,
 }
 
 /// A pedestrian: its body, its observation, its action and its controller.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PedestrianRole {
+    /// Its name in the scenario. The members of a group share it.
+    pub name: Arc<str>,
     /// Size and gait.
     pub body: PedestrianBody,
     /// The state that the controller gets.
@@ -42,17 +48,18 @@ pub struct PedestrianRole {
     pub controller: Controller,
     /// The direction that it faces at the start, when the spawn rule places it and states no heading.
     pub first_heading: FirstHeading,
-    /// Its start in every episode; `None` for the first pedestrian, which the scenario's spawn rule places.
-    pub start: Option<ActorStart>,
+    pub place: Placement,
 }
 
 /// The source of a pedestrian's commands.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Controller {
     /// The user of the environment: a walk policy, a search or a learner.
     External,
     /// A fixed command in every tick; the user of the environment has no influence on it.
     Fixed(WalkCommand),
+    /// A controller of its own, which chooses within the simulation; the user of the environment has no influence on it.
+    Own(falsifier::Controller),
 }
 
 choice! {
@@ -71,6 +78,12 @@ impl Cast {
         Self { vehicles: vec![ego], pedestrians: vec![pedestrian] }
     }
 
+    /// The ego and one pedestrian, which is left to the user of the environment.
+    pub fn alone(&self, pedestrian: usize) -> Self {
+        let role = PedestrianRole { controller: Controller::External, ..self.pedestrians[pedestrian].clone() };
+        Self::pair(self.ego().clone(), role)
+    }
+
     /// The car under test.
     pub fn ego(&self) -> &VehicleRole {
         &self.vehicles[0]
@@ -84,6 +97,28 @@ impl Cast {
     /// The pedestrians that the user of an environment controls, with their numbers.
     pub fn controlled(&self) -> impl Iterator<Item = (usize, &PedestrianRole)> {
         self.pedestrians.iter().enumerate().filter(|(_, role)| role.controller == Controller::External)
+    }
+
+    /// The place of an actor's role.
+    pub fn place(&self, actor: ActorId) -> &Placement {
+        match actor {
+            ActorId::Vehicle(number) => &self.vehicles[usize::from(number)].place,
+            ActorId::Pedestrian(number) => &self.pedestrians[usize::from(number)].place,
+        }
+    }
+
+    /// The name of an actor's role.
+    pub fn name(&self, actor: ActorId) -> &Arc<str> {
+        match actor {
+            ActorId::Vehicle(number) => &self.vehicles[usize::from(number)].name,
+            ActorId::Pedestrian(number) => &self.pedestrians[usize::from(number)].name,
+        }
+    }
+
+    /// All actors: the vehicles, then the pedestrians.
+    pub fn actors(&self) -> impl Iterator<Item = ActorId> + use<> {
+        let (vehicles, pedestrians) = (self.vehicles.len() as u8, self.pedestrians.len() as u8);
+        (0..vehicles).map(ActorId::Vehicle).chain((0..pedestrians).map(ActorId::Pedestrian))
     }
 
     /// The numbers of a joint state: those of all controlled pedestrians, one after another.

@@ -47,11 +47,17 @@ impl Drivers {
 
     /// Lets all drivers begin anew.
     pub(super) fn reset(&mut self, world: &World, run_up: &RunUp, actions: &mut Actions) {
-        for (vehicle, policy) in self.policies.iter_mut().enumerate() {
-            let perception = perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle);
-            policy.reset(&perception, of_driver(&self.seed, vehicle).stream());
-            actions.modes[vehicle] = policy.mode();
+        for vehicle in (0..self.policies.len()).filter(|vehicle| world.vehicles[*vehicle].is_driven()) {
+            self.reset_one(vehicle, world, run_up, actions);
         }
+    }
+
+    /// Lets the driver of a vehicle begin anew.
+    pub(super) fn reset_one(&mut self, vehicle: usize, world: &World, run_up: &RunUp, actions: &mut Actions) {
+        let perception = perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle);
+        let policy = &mut self.policies[vehicle];
+        policy.reset(&perception, of_driver(&self.seed, vehicle).stream());
+        actions.modes[vehicle] = policy.mode();
     }
 
     /// Lets all drivers draw from below another seed from now on, each from a stream of its own.
@@ -62,7 +68,9 @@ impl Drivers {
     }
 
     pub(super) fn prepare(&mut self, world: &World, run_up: &RunUp) {
-        for (vehicle, policy) in self.policies.iter_mut().enumerate() {
+        for (vehicle, policy) in
+            self.policies.iter_mut().enumerate().filter(|(own, _)| world.vehicles[*own].is_driven())
+        {
             policy.prepare(&perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle));
         }
     }
@@ -71,7 +79,8 @@ impl Drivers {
     #[inline]
     pub(super) fn drive(&mut self, world: &World, run_up: &RunUp, actions: &mut Actions) -> Option<Fault> {
         let chosen = actions.controls.iter_mut().zip(&mut actions.modes);
-        for (vehicle, (policy, (control, mode))) in self.policies.iter_mut().zip(chosen).enumerate() {
+        let all = self.policies.iter_mut().zip(chosen).enumerate();
+        for (vehicle, (policy, (control, mode))) in all.filter(|(own, _)| world.vehicles[*own].is_driven()) {
             let driven = policy.drive(&perceive(&mut self.sensors, self.held_limit, world, run_up, vehicle));
             *mode = policy.mode();
             if let Some(fault) = policy.fault() {
@@ -102,7 +111,7 @@ impl Drivers {
     }
 }
 
-/// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take; afterwards the stated turns.
+/// What the driver of a vehicle perceives: in the run-up the ego has the way to take, afterwards the stated turns.
 #[inline]
 fn perceive<'a>(
     sensors: &'a mut PerfectSensors,
@@ -114,9 +123,6 @@ fn perceive<'a>(
     let mut perception = sensors.perceive(world, vehicle);
     if let Some(limit) = held_limit.filter(|_| vehicle == 0) {
         (perception.speed_limit, perception.signed_limit) = (limit, None);
-    }
-    if run_up.is_running() {
-        perception.pedestrians = &[];
     }
     perception.route = if vehicle == 0 { run_up.route() } else { &[] };
     perception

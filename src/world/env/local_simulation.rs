@@ -6,9 +6,11 @@ use std::sync::Arc;
 use super::drivers::Drivers;
 use super::external_world::Bridge;
 use super::observers::Observers;
+use super::own_walkers::OwnWalkers;
 use super::run_up::{self, RunUp, Stage};
 use super::script::Script;
-use super::tally::hashed;
+use super::spawn::Placing;
+use super::tally::{hashed, hashed_start};
 use super::{
     Actions, Draw, Ending, FailureCell, Outcome, Phase, RewardRule, Scenario, Scene, Simulation, Spawn, SpawnRule,
     WrapDriver,
@@ -16,7 +18,7 @@ use super::{
 use crate::av::Fault;
 use crate::geometry::Pose;
 use crate::requirement::Degree;
-use crate::sim::{ActorStart, PedestrianState, WalkCommand, World};
+use crate::sim::{PedestrianState, WalkCommand, World};
 use base::seed::Seed;
 use learn::Step;
 
@@ -29,7 +31,8 @@ use learn::Step;
 /// no pedestrians; vehicles and traffic lights run. A driver that does not get there within 60 s (120 s where traffic lights work; at most 20,000 ticks) or touches
 /// another vehicle starts at the drawn pose, at rest and without memory.
 ///
-/// A decision is one command for each pedestrian of the cast, in the order of their numbers.
+/// A decision is one command for each pedestrian of the cast, in the order of their numbers. Those with a controller of their own do not carry
+/// it out.
 ///
 /// Where the scenario names an [`ExternalWorld`](super::ExternalWorld), the car drives there from tick 0 on, and only its run-up is ours. Such an episode
 /// has no snapshot.
@@ -37,13 +40,16 @@ pub struct LocalSimulation {
     scenario: Arc<Scenario>,
     world: World,
     bridge: Option<Bridge>,
-    /// The start of each vehicle of the running episode.
-    vehicles: Vec<ActorStart>,
+    /// Where the actors of the running episode start.
+    placing: Placing,
     /// Time within the cycles of the traffic lights at the start (s).
     light_phase: f64,
     run_up: RunUp,
     drivers: Drivers,
     actions: Actions,
+    walkers: OwnWalkers,
+    /// Why a pedestrian's own controller failed, which the next tick reports.
+    failed_walker: Option<Fault>,
     script: Script,
     episode: Episode,
     observers: Observers,
@@ -71,8 +77,8 @@ struct Episode {
 
 impl Episode {
     /// The record of an episode that has just started.
-    fn new(number: u64, spawn: Spawn) -> Self {
-        let start = hashed(0, &spawn);
+    fn new(number: u64, spawn: Spawn, others: &Placing) -> Self {
+        let start = others.drawn().fold(hashed(0, &spawn), hashed_start);
         Self { number, spawn, start, is_due: true, held: 0, reward: 0.0, is_fault: false, outcome: None }
     }
 }
@@ -88,7 +94,7 @@ impl LocalSimulation {
         let (cast, rule) = (&scenario.cast, &scenario.episode);
         // Prepared here, so that no tick waits for it.
         scenario.town.prepare();
-        let world = World::new(
+        let mut world = World::new(
             scenario.town.clone(),
             scenario.obstacles.clone(),
             cast.vehicles.iter().map(|role| role.blueprint.clone()).collect(),
@@ -96,10 +102,14 @@ impl LocalSimulation {
             rule.traffic_lights.then_some(rule.light_cycle()),
             rule.tick,
         );
-        let actions = Actions::new(cast);
+        for (vehicle, role) in world.vehicles.iter_mut().zip(&cast.vehicles) {
+            vehicle.is_parked = role.is_parked;
+        }
+        let (actions, placing) = (Actions::new(cast), Placing::new(&scenario));
         let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         Self {
-            vehicles: cast.vehicles.iter().map(|role| role.start.unwrap_or_default()).collect(),
+            walkers: OwnWalkers::new(cast),
+            failed_walker: None,
             observers: Observers::new(&scenario, &world),
             scratch: actions.commands.clone(),
             actions,
@@ -110,7 +120,8 @@ impl LocalSimulation {
             run_up: RunUp::new(run_up::LENGTH),
             drivers,
             script: Script::default(),
-            episode: Episode::new(0, nowhere),
+            episode: Episode::new(0, nowhere, &placing),
+            placing,
         }
     }
 
@@ -122,9 +133,10 @@ impl LocalSimulation {
         Some(Self {
             bridge: None,
             drivers: self.drivers.snapshot()?,
+            walkers: self.walkers.snapshot()?,
             scenario: self.scenario.clone(),
             world: self.world.clone(),
-            vehicles: self.vehicles.clone(),
+            placing: self.placing.clone(),
             run_up: self.run_up.clone(),
             actions: self.actions.clone(),
             script: self.script.clone(),
@@ -168,7 +180,7 @@ impl LocalSimulation {
             Ok(contact) => contact,
             Err(fault) => return Some(self.give_up(Ending::WorldError(fault))),
         };
-        observers.tick(&Scene { scenario, world, actions });
+        observers.tick(&Scene::new(scenario, world, actions));
         let rule = &scenario.episode;
         let (ticks, held) = (world.ticks, episode.held);
         let over = actions.contact.is_some() || ticks >= rule.ticks || held >= rule.hold || self.is_test_over();
@@ -192,6 +204,7 @@ impl Simulation for LocalSimulation {
     fn reseed(&mut self, drivers: &Seed) {
         self.drivers.seed = *drivers;
         self.drivers.reseed(drivers);
+        self.walkers.reseed(drivers);
     }
 
     fn phase(&self) -> Phase {
@@ -212,15 +225,21 @@ impl Simulation for LocalSimulation {
             actions.starts[0].pose = start;
             world.pedestrians[0].state = PedestrianState::standing(start);
         }
-        actions.decide(&scenario.cast, commands);
         (self.episode.is_due, self.episode.held) = (false, 0);
-        self.observers.decide(&Scene { scenario, world, actions });
+        match self.walkers.decide(scenario, world, actions, commands) {
+            Ok(commands) => actions.decide(&scenario.cast, commands),
+            Err(fault) => self.failed_walker = Some(fault),
+        }
+        self.observers.decide(&Scene::new(scenario, world, actions));
     }
 
     fn tick(&mut self) -> Option<Step> {
         if self.run_up.is_running() {
             self.tick_run_up();
             return None;
+        }
+        if let Some(fault) = self.failed_walker {
+            return Some(self.give_up(Ending::ControllerError(fault)));
         }
         match self.failed_run_up().or_else(|| self.drivers.drive(&self.world, &self.run_up, &mut self.actions)) {
             Some(fault) => Some(self.give_up(Ending::Error(fault))),
@@ -230,7 +249,7 @@ impl Simulation for LocalSimulation {
 
     #[inline]
     fn scene(&self) -> Scene<'_> {
-        Scene { scenario: &self.scenario, world: &self.world, actions: &self.actions }
+        Scene::new(&self.scenario, &self.world, &self.actions)
     }
 
     fn outcome(&self) -> Option<&Outcome> {

@@ -37,6 +37,7 @@ mod run_up;
 mod pursuit;
 mod scene;
 mod actions;
+mod own_walkers;
 mod simulation;
 mod drivers;
 mod script;
@@ -75,8 +76,9 @@ pub use signal::{
 pub(crate) use simulation::tick;
 pub use simulation::{Draw, Observer, Phase, Simulation, WrapDriver, carry_out};
 pub use spawn::{
-    Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn,
-    SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
+    CastSurvey, Constraint, DrawnParameter, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint,
+    Placement, RoadShape, Spawn, SpawnError, SpawnRule, StartParameter, Survey, TargetBox, TargetSide, TargetWalk,
+    TestCase, TestCriterion, Unplaced,
 };
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};

@@ -31,7 +31,7 @@ impl<'a> OtherDrive<'a> {
         let bodies: Vec<_> = cast.pedestrians.iter().take(count).map(|role| role.body).collect();
         let lights = pair.trace.lights();
         let cycle = lights.is_some().then_some(scenario.episode.light_cycle());
-        let (town, obstacles) = (scenario.town.clone(), scenario.obstacles.clone());
+        let (town, obstacles) = (scenario.town.clone(), pair.obstacles().clone());
         let starts = vec![ActorStart::default(); bodies.len()];
         let mut world = World::new(town, obstacles, vec![pair.blueprint.clone()], bodies, cycle, pair.dt());
         let light_phase = lights.map_or(0.0, |clock| clock.time() + first as f64 * pair.dt());

@@ -1,8 +1,10 @@
+use std::sync::Arc;
+
 use super::pursuit::meeting_heading;
 use super::trace::VehicleFrame;
 use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario, Trace};
 use crate::av::{DrivingMode, EYE};
-use crate::geometry::{OrientedBox, Point, Vector};
+use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
 use crate::requirement::Degree;
 use crate::sim::{
     ActorId, Contact, Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand,
@@ -150,9 +152,14 @@ impl<'a> Pair<'a> {
         frame.ego.pose.to_world(Vector::new(self.blueprint.half_length - EYE, 0.0))
     }
 
+    /// What blocks the pedestrian and sight: the obstacles of the town, and parked vehicles.
+    pub fn obstacles(&self) -> &'a Arc<Obstacles> {
+        self.trace.obstacles(self.scenario)
+    }
+
     /// Whether the middle or an edge of the pedestrian can be seen from the driver's eye. Only obstacles hide it.
     pub fn in_sight(&self, frame: &Frame) -> bool {
-        self.scenario.obstacles.shows(self.eye(frame), frame.pedestrian.pose.position(), self.body.radius)
+        self.obstacles().shows(self.eye(frame), frame.pedestrian.pose.position(), self.body.radius)
     }
 
     /// Whether the episode took place on the scenario's map. A recording from elsewhere did not.

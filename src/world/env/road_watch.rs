@@ -62,7 +62,7 @@ impl RoadWatch {
         let eye = ego.state.pose.to_world(Vector::new(ego.blueprint.half_length - EYE, 0.0));
         let obstacles = &world.obstacles;
         // A driver from outside gets what its middle sees, a verdict asks for its eye: either counts as sight.
-        let is_seen = world.pedestrians.iter().any(|pedestrian| {
+        let is_seen = world.pedestrians.iter().filter(|pedestrian| pedestrian.is_present).any(|pedestrian| {
             let place = pedestrian.state.pose.position();
             !obstacles.blocks_sight(here, place) || obstacles.shows(eye, place, pedestrian.body.radius)
         });

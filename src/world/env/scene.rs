@@ -1,6 +1,10 @@
+use std::borrow::Cow;
+
 use super::pursuit::meeting_heading;
 use super::trace::Driven;
-use super::{Actions, Observation, ObservationSpec, ReferenceFrame, Scenario};
+use super::{
+    ActionSpec, Actions, Cast, Controller, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario,
+};
 use crate::geometry::{Point, Pose, Vector};
 use crate::sim::{Contact, WalkCommand, World, time_of};
 
@@ -10,17 +14,51 @@ pub struct Scene<'a> {
     pub scenario: &'a Scenario,
     pub world: &'a World,
     pub actions: &'a Actions,
+    /// The pedestrian that the policy moves; `None` for all that are left to the user of the environment.
+    pub(super) only: Option<usize>,
 }
 
 impl<'a> Scene<'a> {
+    /// What a policy sees that moves all pedestrians that are left to the user of the environment.
+    pub fn new(scenario: &'a Scenario, world: &'a World, actions: &'a Actions) -> Self {
+        Self { scenario, world, actions, only: None }
+    }
+
+    /// The pedestrians that the policy moves, with their numbers.
+    pub fn controlled(&self) -> impl Iterator<Item = (usize, &'a PedestrianRole)> + use<'a> {
+        let only = self.only;
+        let is_moved = move |number: usize, role: &PedestrianRole| match only {
+            None => role.controller == Controller::External,
+            Some(only) => number == only,
+        };
+        let all = self.scenario.cast.pedestrians.iter().enumerate();
+        all.filter(move |(number, role)| is_moved(*number, role))
+    }
+
+    /// The numbers of the joint state of [`Scene::controlled`].
+    pub fn obs_dim(&self) -> usize {
+        self.controlled().map(|(_, role)| role.observation.dim()).sum()
+    }
+
     /// The command that each pedestrian carries out now.
     pub fn commands(&self) -> &'a [WalkCommand] {
         &self.actions.commands
     }
 
-    /// The bounds of a joint action.
+    /// The cast in which the user of the environment moves the same pedestrians.
+    pub(crate) fn cast(&self) -> Cow<'a, Cast> {
+        match self.only {
+            None => Cow::Borrowed(&self.scenario.cast),
+            Some(only) => Cow::Owned(self.scenario.cast.alone(only)),
+        }
+    }
+
+    /// The bounds of a joint action of [`Scene::controlled`].
     pub fn bounds(&self) -> &'a [(f64, f64)] {
-        &self.actions.bounds
+        match self.only {
+            None => &self.actions.bounds,
+            Some(only) => &self.actions.each_bounds[only * ActionSpec::DIM..(only + 1) * ActionSpec::DIM],
+        }
     }
 
     /// The actors that touched in the last tick, and how; `None` without a touch.
@@ -55,7 +93,7 @@ impl<'a> Scene<'a> {
     /// Writes the joint state: what each controlled pedestrian observes, in the frame and units of its controller.
     pub fn write_state(&self, state: &mut [f64]) {
         let mut rest = state;
-        for (number, role) in self.scenario.cast.controlled() {
+        for (number, role) in self.controlled() {
             let Some(part) = rest.split_off_mut(..role.observation.dim()) else { return };
             let (pedestrian, initial, ego) = self.viewpoint(number);
             let (of_the_ego, rays) = part.split_at_mut(ObservationSpec::DIM);
@@ -67,7 +105,7 @@ impl<'a> Scene<'a> {
     /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.
     pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
         commands.copy_from_slice(self.commands());
-        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
+        for ((number, role), part) in self.controlled().zip(action.as_chunks().0) {
             commands[number] = role.action.command(*part, |speed| self.origin(number, role.action.frame, speed));
         }
     }
@@ -75,7 +113,7 @@ impl<'a> Scene<'a> {
     /// Writes the joint action for commands of all pedestrians: the inverse of [`Scene::write_commands`], up to rounding. In the frame of the
     /// world and in natural units nothing is rounded.
     pub fn write_action(&self, commands: &[WalkCommand], action: &mut [f64]) {
-        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks_mut().0) {
+        for ((number, role), part) in self.controlled().zip(action.as_chunks_mut().0) {
             *part = role.action.action_for(commands[number], |speed| self.origin(number, role.action.frame, speed));
         }
     }

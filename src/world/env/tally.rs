@@ -1,6 +1,6 @@
 use super::{Spawn, StateHashes};
 use crate::geometry::Pose;
-use crate::sim::World;
+use crate::sim::{ActorStart, World};
 
 /// The hash of an episode's states, and how near ego and pedestrians came.
 #[derive(Debug, Clone, Copy)]
@@ -60,6 +60,12 @@ pub(super) fn hashed(digest: u64, spawn: &Spawn) -> u64 {
     let Spawn { ego, ego_speed, pedestrian } = spawn;
     let values = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
     values.iter().fold(digest, |digest, value| mix(digest, value.to_bits()))
+}
+
+/// Adds the start of another actor to a hash.
+pub(super) fn hashed_start(digest: u64, start: &ActorStart) -> u64 {
+    let Pose { x, y, yaw } = start.pose;
+    [x, y, yaw, start.speed].iter().fold(digest, |digest, value| mix(digest, value.to_bits()))
 }
 
 /// One round of a multiply-rotate hash.

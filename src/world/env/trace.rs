@@ -1,5 +1,8 @@
+use std::sync::Arc;
+
 use super::{Observer, Pair, Scenario, Scene};
 use crate::av::DrivingMode;
+use crate::geometry::Obstacles;
 use crate::requirement::Degree;
 use crate::sim::{Contact, Control, LightClock, PedestrianState, VehicleState, WalkCommand, World};
 
@@ -31,6 +34,8 @@ pub struct Trace {
     lights: Option<LightClock>,
     on_map: bool,
     degrees: Vec<Degree>,
+    /// The obstacles with the parked vehicles of the episode; `None` if those of the scenario are all.
+    obstacles: Option<Arc<Obstacles>>,
 }
 
 /// A pedestrian from tick to tick, and its decisions.
@@ -53,6 +58,8 @@ impl Observer for Trace {
         }
         self.degrees.clear();
         self.lights = scene.world.light_clock();
+        let has_parked = scene.world.vehicles.iter().any(|vehicle| vehicle.is_parked);
+        self.obstacles = has_parked.then(|| scene.world.obstacles.clone());
         self.record(scene.world, |_| Driven::default());
         self.contact = None;
     }
@@ -105,6 +112,7 @@ impl Trace {
             lights: None,
             on_map: true,
             degrees: Vec::with_capacity(scenario.requirements.len()),
+            obstacles: None,
         }
     }
 
@@ -123,6 +131,7 @@ impl Trace {
             lights: None,
             on_map: false,
             degrees: Vec::new(),
+            obstacles: None,
         }
     }
 
@@ -139,6 +148,11 @@ impl Trace {
     /// The degree of each requirement of the scenario; empty without requirements, and where the episode is not over or in error.
     pub fn degrees(&self) -> &[Degree] {
         &self.degrees
+    }
+
+    /// What blocks pedestrians and sight in the episode.
+    pub fn obstacles<'a>(&'a self, scenario: &'a Scenario) -> &'a Arc<Obstacles> {
+        self.obstacles.as_ref().unwrap_or(&scenario.obstacles)
     }
 
     pub fn pedestrian_count(&self) -> usize {

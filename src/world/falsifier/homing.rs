@@ -14,8 +14,12 @@ pub struct Homing;
 
 impl WalkPolicy for Homing {
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
-        for (pedestrian, command) in commands.iter_mut().enumerate() {
-            *command = scene.homing(pedestrian);
+        for (pedestrian, _) in scene.controlled() {
+            commands[pedestrian] = scene.homing(pedestrian);
         }
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(Self))
     }
 }

@@ -14,9 +14,13 @@ pub struct Intercept;
 
 impl WalkPolicy for Intercept {
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
-        for (pedestrian, command) in commands.iter_mut().enumerate() {
-            *command = scene.intercept(pedestrian);
+        for (pedestrian, _) in scene.controlled() {
+            commands[pedestrian] = scene.intercept(pedestrian);
         }
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(Self))
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {

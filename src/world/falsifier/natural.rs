@@ -68,7 +68,7 @@ pub struct Natural {
     heed: f64,
     gaps: Gaps,
     stream: Option<Stream>,
-    /// One for each pedestrian of the episode.
+    /// One for each pedestrian that it moves.
     walks: Vec<Walk>,
 }
 
@@ -205,15 +205,19 @@ impl WalkPolicy for Natural {
         self.walks.clear();
     }
 
+    fn reseed(&mut self, stream: Stream) {
+        self.stream = Some(stream);
+    }
+
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         let rule = &scene.scenario.episode;
         let seconds = f64::from(rule.hold) * rule.tick;
-        for (pedestrian, command) in commands.iter_mut().enumerate() {
-            if self.walks.len() <= pedestrian {
+        for (place, (pedestrian, role)) in scene.controlled().enumerate() {
+            if self.walks.len() <= place {
                 let walk = self.first(scene, pedestrian);
                 self.walks.push(walk);
             }
-            let walk = &mut self.walks[pedestrian];
+            let walk = &mut self.walks[place];
             let stream = self.stream.as_mut().expect("an episode has started");
             walk.walking = match walk.walking {
                 None if !walk.may_go(scene, pedestrian) => None,
@@ -223,10 +227,15 @@ impl WalkPolicy for Natural {
                     Some(((speed + faster).max(0.0), turned + turn))
                 }
             };
-            let (low, high) = scene.scenario.cast.pedestrians[pedestrian].action.speed;
+            let (low, high) = role.action.speed;
             let (speed, turned) = walk.walking.unwrap_or((low, 0.0));
-            *command = WalkCommand { heading: wrap_angle(walk.across + turned), speed: speed.clamp(low, high) };
+            commands[pedestrian] =
+                WalkCommand { heading: wrap_angle(walk.across + turned), speed: speed.clamp(low, high) };
         }
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(self.clone()))
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {

@@ -23,11 +23,19 @@ impl WalkPolicy for Random {
         self.stream = Some(stream);
     }
 
+    fn reseed(&mut self, stream: Stream) {
+        self.stream = Some(stream);
+    }
+
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         let stream = self.stream.as_mut().expect("an episode has started");
         self.action.clear();
         self.action.extend(scene.bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>()));
         scene.write_commands(&self.action, commands);
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(self.clone()))
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {

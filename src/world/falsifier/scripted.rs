@@ -16,13 +16,15 @@ pub struct Scripted;
 
 impl WalkPolicy for Scripted {
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
-        let facing = |pedestrian: usize| scene.world.pedestrians[pedestrian].state.pose.yaw;
-        for (pedestrian, command) in commands.iter_mut().enumerate() {
-            *command = WalkCommand { heading: facing(pedestrian), speed: 0.0 };
+        let script = scene.scenario.spawn.scripted();
+        for (pedestrian, _) in scene.controlled() {
+            let stands = WalkCommand { heading: scene.world.pedestrians[pedestrian].state.pose.yaw, speed: 0.0 };
+            commands[pedestrian] = script.filter(|_| pedestrian == 0).unwrap_or(stands);
         }
-        if let (Some(first), Some(script)) = (commands.first_mut(), scene.scenario.spawn.scripted()) {
-            *first = script;
-        }
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(*self))
     }
 
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {

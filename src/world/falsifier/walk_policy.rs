@@ -1,16 +1,16 @@
 use crate::av::Fault;
-use crate::env::{Scenario, Scene};
+use crate::env::{Cast, EpisodeRule, Scene};
 use crate::sim::WalkCommand;
 use base::seed::Stream;
 
 /// A policy that chooses the commands of pedestrians.
 pub trait WalkPolicy: Send {
-    /// Checks whether it can walk in a scenario.
+    /// Checks whether it can move the pedestrians of a cast that are left to the user of the environment.
     ///
     /// # Errors
     /// Why it cannot, as a part of a sentence.
-    fn fits(&self, scenario: &Scenario) -> Result<(), &'static str> {
-        let _ = scenario;
+    fn fits(&self, cast: &Cast, rule: &EpisodeRule) -> Result<(), &'static str> {
+        let _ = (cast, rule);
         Ok(())
     }
 
@@ -19,12 +19,22 @@ pub trait WalkPolicy: Send {
         let _ = stream;
     }
 
-    /// Chooses the next decision: one command for each pedestrian, in the order of their numbers.
+    /// Draws from another stream from now on; nothing for a policy that draws nothing.
+    fn reseed(&mut self, stream: Stream) {
+        let _ = stream;
+    }
+
+    /// Chooses the next decision. There is one command for each pedestrian, in the order of their numbers; those of [`Scene::controlled`] count.
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]);
 
     /// Why the last choice failed; the commands of that choice mean nothing, and the episode is in error. `None` for policies of this crate,
     /// which cannot fail.
     fn fault(&self) -> Option<Fault> {
+        None
+    }
+
+    /// A copy in the present state; `None` if that cannot be copied.
+    fn snapshot(&self) -> Option<Box<dyn WalkPolicy>> {
         None
     }
 

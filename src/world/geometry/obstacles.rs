@@ -1,11 +1,13 @@
-//! Static obstacles, which block pedestrians and lines of sight. The only code that knows parry2d.
+//! Obstacles that do not move, which block pedestrians and lines of sight. The only code that knows parry2d.
 //!
 //! parry2d computes in `f32`. A town is hundreds of metres wide, so every exact query is made in the frame of one box, where an `f32`
 //! resolves micrometres. Only the search for nearby boxes uses world coordinates, with a margin.
 
+use std::sync::Arc;
+
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::Vector as Vec32;
-use parry2d::partitioning::{Bvh, BvhBuildStrategy};
+use parry2d::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry2d::query::{PointQuery, Ray, RayCast};
 use parry2d::shape::Cuboid;
 
@@ -14,9 +16,18 @@ use super::{OrientedBox, Point, Vector};
 /// Slack of the search in world coordinates (m).
 const MARGIN: f64 = 0.05;
 
-/// Static boxes, with an index over them.
+/// The boxes of a town with an index over them, and those of the parked vehicles of an episode. A copy shares the former.
+#[derive(Clone)]
 pub struct Obstacles {
-    boxes: Vec<(OrientedBox, Cuboid)>,
+    fixed: Arc<Fixed>,
+    parked: Vec<Shaped>,
+}
+
+/// A box and its shape.
+type Shaped = (OrientedBox, Cuboid);
+
+struct Fixed {
+    boxes: Vec<Shaped>,
     index: Bvh,
 }
 
@@ -32,11 +43,26 @@ impl Obstacles {
                 bounds(low, high)
             })
             .collect();
-        let with_shape = |each: &OrientedBox| (*each, Cuboid::new(single(each.half)));
-        Self {
-            boxes: boxes.iter().map(with_shape).collect(),
-            index: Bvh::from_leaves(BvhBuildStrategy::Binned, &bounds),
-        }
+        let index = Bvh::from_leaves(BvhBuildStrategy::Binned, &bounds);
+        let fixed = Fixed { boxes: boxes.iter().copied().map(shaped).collect(), index };
+        Self { fixed: Arc::new(fixed), parked: Vec::new() }
+    }
+
+    /// Replaces the parked vehicles by these.
+    pub fn park(&mut self, vehicles: impl Iterator<Item = OrientedBox>) {
+        self.parked.clear();
+        self.parked.extend(vehicles.map(shaped));
+    }
+
+    fn is_empty(&self) -> bool {
+        self.fixed.boxes.is_empty() && self.parked.is_empty()
+    }
+
+    /// The boxes that may reach between two corners, and all parked vehicles.
+    fn between(&self, low: Point, high: Point) -> impl Iterator<Item = &Shaped> {
+        let query = BvhNode::leaf(bounds(low, high), 0);
+        let found = self.fixed.index.leaves(move |node| node.intersects(&query));
+        found.map(|found| &self.fixed.boxes[found as usize]).chain(&self.parked)
     }
 
     /// Moves the centre of a disc out of every box it overlaps, the shortest way; so a pedestrian slides along walls.
@@ -45,11 +71,10 @@ impl Obstacles {
     pub fn push_out(&self, centre: Point, radius: f64) -> Point {
         let reach = Vector::new(radius, radius);
         let mut centre = centre;
-        if self.boxes.is_empty() {
+        if self.is_empty() {
             return centre;
         }
-        for found in self.index.intersect_aabb(&bounds(centre - reach, centre + reach)) {
-            let (obstacle, shape) = &self.boxes[found as usize];
+        for (obstacle, shape) in self.between(centre - reach, centre + reach) {
             let local = obstacle.pose.to_local(centre);
             let projection = shape.project_local_point(single(local), false);
             let surface = Vector::new(f64::from(projection.point.x), f64::from(projection.point.y));
@@ -69,12 +94,10 @@ impl Obstacles {
     /// The distance from a point to the nearest box within `reach` (m); `reach` when there is none.
     pub fn clearance(&self, point: Point, reach: f64) -> f64 {
         let around = Vector::new(reach, reach);
-        if self.boxes.is_empty() {
+        if self.is_empty() {
             return reach;
         }
-        let searched = bounds(point - around, point + around);
-        let near = self.index.intersect_aabb(&searched);
-        near.map(|found| self.boxes[found as usize].0.distance_to(point)).fold(reach, f64::min)
+        self.between(point - around, point + around).map(|(each, _)| each.distance_to(point)).fold(reach, f64::min)
     }
 
     /// Whether the middle or an edge of a disc of this radius (m) can be seen from a point.
@@ -87,13 +110,12 @@ impl Obstacles {
     /// Writes for each ray from a point which share of it is free, from 0 to 1; 0 for all of them within a box.
     pub fn free_shares(&self, from: Point, rays: &[Vector], shares: &mut [f64]) {
         shares.fill(1.0);
-        if self.boxes.is_empty() {
+        if self.is_empty() {
             return;
         }
         let reach = rays.iter().fold(0.0, |reach: f64, ray| reach.max(ray.norm()));
         let around = Vector::new(reach, reach);
-        for found in self.index.intersect_aabb(&bounds(from - around, from + around)) {
-            let (obstacle, shape) = &self.boxes[found as usize];
+        for (obstacle, shape) in self.between(from - around, from + around) {
             let start = single(obstacle.pose.to_local(from));
             for (ray, share) in rays.iter().zip(&mut *shares) {
                 let ray = Ray::new(start, single(obstacle.pose.to_local(from + ray)) - start);
@@ -106,11 +128,10 @@ impl Obstacles {
 
     /// Whether a box stands between two points.
     pub fn blocks_sight(&self, from: Point, to: Point) -> bool {
-        if self.boxes.is_empty() {
+        if self.is_empty() {
             return false;
         }
-        self.index.intersect_aabb(&bounds(from.inf(&to), from.sup(&to))).any(|found| {
-            let (obstacle, shape) = &self.boxes[found as usize];
+        self.between(from.inf(&to), from.sup(&to)).any(|(obstacle, shape)| {
             let (start, end) = (obstacle.pose.to_local(from), obstacle.pose.to_local(to));
             let ray = Ray::new(single(start), single(end - start));
             shape.cast_local_ray(&ray, 1.0, true).is_some()
@@ -120,8 +141,12 @@ impl Obstacles {
 
 impl std::fmt::Debug for Obstacles {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Obstacles({})", self.boxes.len())
+        write!(f, "Obstacles({})", self.fixed.boxes.len() + self.parked.len())
     }
+}
+
+fn shaped(each: OrientedBox) -> Shaped {
+    (each, Cuboid::new(single(each.half)))
 }
 
 fn single(vector: Vector) -> Vec32 {

@@ -138,7 +138,7 @@ impl<'a> Encounter<'a> {
                 state: end.pedestrian,
                 command: pair.decisions.last().copied().unwrap_or_default(),
                 body: pair.body,
-                obstacles: &pair.scenario.obstacles,
+                obstacles: pair.obstacles(),
             });
             encounter.step_count += (AFTERWARDS / encounter.dt) as usize;
         }

@@ -39,6 +39,10 @@ pub struct Vehicle {
     pub state: VehicleState,
     /// The limit of the last sign that it passed (m/s).
     pub speed_limit: f64,
+    /// Whether it is in the world: otherwise it stays where it is, and nobody sees or touches it.
+    pub is_present: bool,
+    /// Whether it is parked: it does not move, blocks sight, and pedestrians walk around it.
+    pub is_parked: bool,
     /// Its state one tick earlier.
     pub(super) before: VehicleState,
 }
@@ -47,7 +51,12 @@ impl Vehicle {
     /// A vehicle that stands at the origin.
     pub(super) fn new(blueprint: VehicleBlueprint) -> Self {
         let state = VehicleState::default();
-        Self { blueprint, state, speed_limit: FIRST_LIMIT, before: state }
+        Self { blueprint, state, speed_limit: FIRST_LIMIT, is_present: true, is_parked: false, before: state }
+    }
+
+    /// Whether a driver moves it.
+    pub fn is_driven(&self) -> bool {
+        self.is_present && !self.is_parked
     }
 
     /// The box that the vehicle fills.
@@ -72,9 +81,12 @@ impl Vehicle {
         self.obey_signs(town);
     }
 
-    /// Simulates one tick.
+    /// Simulates one tick, if a driver moves it.
     #[inline]
     pub(super) fn step(&mut self, control: Control, town: &Town, dt: f64) {
+        if !self.is_driven() {
+            return;
+        }
         self.follow(self.state.step(control, &self.blueprint, dt), town);
     }
 
@@ -104,6 +116,8 @@ pub struct Pedestrian {
     pub body: PedestrianBody,
     /// Its pose and velocity.
     pub state: PedestrianState,
+    /// Whether it is in the world: otherwise it stays where it is, and nobody sees or touches it.
+    pub is_present: bool,
     /// Its state one tick earlier.
     pub(super) before: PedestrianState,
 }
@@ -112,7 +126,7 @@ impl Pedestrian {
     /// A pedestrian that stands at the origin.
     pub(super) fn new(body: PedestrianBody) -> Self {
         let state = PedestrianState::default();
-        Self { body, state, before: state }
+        Self { body, state, is_present: true, before: state }
     }
 
     /// Places the pedestrian at the start of an episode.
@@ -124,6 +138,9 @@ impl Pedestrian {
     #[inline]
     pub(super) fn step(&mut self, command: WalkCommand, obstacles: &Obstacles, dt: f64) {
         self.before = self.state;
+        if !self.is_present {
+            return;
+        }
         self.state = self.before.step(command, &self.body, obstacles, dt);
     }
 }

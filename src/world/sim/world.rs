@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
 use super::{
-    ActorId, Contact, Control, LightClock, LightCycle, Pedestrian, PedestrianBody, Start, Vehicle, VehicleBlueprint,
-    VehicleState, WalkCommand,
+    ActorId, ActorStart, Contact, Control, LightClock, LightCycle, Pedestrian, PedestrianBody, Start, Vehicle,
+    VehicleBlueprint, VehicleState, WalkCommand,
 };
 use crate::geometry::Obstacles;
 use crate::road::Town;
@@ -14,7 +14,7 @@ use crate::road::Town;
 pub struct World {
     /// The roads.
     pub town: Arc<Town>,
-    /// The obstacles that block pedestrians and sight.
+    /// What blocks pedestrians and sight: the obstacles of the town, and parked vehicles.
     pub obstacles: Arc<Obstacles>,
     /// The vehicles, the ego first.
     pub vehicles: Vec<Vehicle>,
@@ -74,8 +74,18 @@ impl World {
         for (pedestrian, start) in self.pedestrians.iter_mut().zip(start.pedestrians) {
             pedestrian.begin(start.pedestrian());
         }
+        if self.vehicles.iter().any(|vehicle| vehicle.is_parked) {
+            let parked = self.vehicles.iter().filter(|vehicle| vehicle.is_parked && vehicle.is_present);
+            Arc::make_mut(&mut self.obstacles).park(parked.map(Vehicle::outline));
+        }
         (self.ticks, self.run_up) = (0, 0);
         self.light_phase = start.light_phase;
+    }
+
+    /// Lets a vehicle appear at a start, in an episode that runs.
+    pub fn appear(&mut self, vehicle: usize, start: &ActorStart) {
+        self.vehicles[vehicle].begin(start.vehicle(), &self.town);
+        self.vehicles[vehicle].is_present = true;
     }
 
     /// The car under test.
@@ -100,16 +110,19 @@ impl World {
         self.vehicles[vehicle].affecting_light(&self.town)
     }
 
-    /// Distance from a pedestrian to a vehicle's box (m); 0 when they touch.
+    /// Distance from a pedestrian to a vehicle's box (m); 0 when they touch, and infinite if one of them is not in the world.
     pub fn gap(&self, vehicle: usize, pedestrian: usize) -> f64 {
         let (vehicle, pedestrian) = (&self.vehicles[vehicle], &self.pedestrians[pedestrian]);
+        if !vehicle.is_present || !pedestrian.is_present {
+            return f64::INFINITY;
+        }
         pedestrian.state.gap_to(&vehicle.outline(), &pedestrian.body)
     }
 
     /// Simulates one tick of all actors and finds their first touch. There is one control for each vehicle and one command for each
     /// pedestrian.
     ///
-    /// Vehicles touch pedestrians and each other. Pedestrians pass through each other. Of two touches at the same time the one with a
+    /// Vehicles touch pedestrians and each other. Pedestrians pass through each other, and slide along parked vehicles. Of two touches at the same time the one with a
     /// pedestrian counts, then the one with the smaller numbers. After a touch the actors are where the tick ends; the [`Contact`] has the
     /// touch itself.
     ///
@@ -169,8 +182,8 @@ impl World {
                 first = Some(found);
             }
         };
-        for (number, vehicle) in self.vehicles.iter().enumerate() {
-            for (other, pedestrian) in self.pedestrians.iter().enumerate() {
+        for (number, vehicle) in self.vehicles.iter().enumerate().filter(|(_, vehicle)| vehicle.is_driven()) {
+            for (other, pedestrian) in self.pedestrians.iter().enumerate().filter(|(_, each)| each.is_present) {
                 if Contact::is_pedestrian_near(vehicle, pedestrian, self.dt) {
                     let pair = (ActorId::Vehicle(number as u8), ActorId::Pedestrian(other as u8));
                     Contact::with_pedestrian(pair, vehicle, pedestrian).into_iter().for_each(&mut note);
@@ -184,8 +197,9 @@ impl World {
     /// Passes on the touches of two vehicles in the last tick.
     #[inline]
     fn vehicle_contacts(&self, mut note: impl FnMut(Contact)) {
-        for (number, vehicle) in self.vehicles.iter().enumerate() {
-            for (other, second) in self.vehicles.iter().enumerate().skip(number + 1) {
+        let present = || self.vehicles.iter().enumerate().filter(|(_, vehicle)| vehicle.is_present);
+        for (number, vehicle) in present() {
+            for (other, second) in present().filter(|(other, _)| *other > number) {
                 if Contact::is_vehicle_near(vehicle, second, self.dt) {
                     let pair = (ActorId::Vehicle(number as u8), ActorId::Vehicle(other as u8));
                     Contact::with_vehicle(pair, vehicle, second).into_iter().for_each(&mut note);

@@ -56,7 +56,7 @@ impl Lowering<'_> {
         let walkers: Vec<_> = walkers.unwrap_or_else(|| vec![grid.usual.walker.clone()]);
         let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
         let all: Vec<_> = bodies().collect();
-        let Some(ground) = self.ground(at, &places, &start, &all) else { return };
+        let Some(ground) = self.ground(at, &places, &start, &all, &grid.usual) else { return };
         let Some(worlds) = self.worlds(&worlds) else { return };
         if !self.worlds_fit(block, &worlds, &ground, &grid.usual.rule.value) {
             return;
@@ -112,7 +112,7 @@ impl Lowering<'_> {
             for each in &chosen {
                 let ControllerKind::Untrained(controller) = &each.controller else { continue };
                 let (scenario, _) = scenarios.values().next().expect("there is a scenario");
-                if let Err(reason) = controller.walk_policy().fits(scenario) {
+                if let Err(reason) = controller.walk_policy().fits(&scenario.cast, &scenario.episode) {
                     let place = block.place("pedestrians");
                     self.said.push(diagnostics::unfit_controller(place, controller.name(), &walker.name, reason));
                 }

@@ -124,18 +124,16 @@ impl Lowering<'_> {
         body: &Axis<PedestrianRole>,
         usual: &Usual,
     ) -> Vec<Rival> {
-        let (walker, usual) = (&body.value, usual.training.as_ref());
+        let (state, usual) = (usual.roles.obs_dim(&body.value), usual.training.as_ref());
         let mut rivals = Vec::new();
         for id in ids {
             let declaration = self.program.get(*id);
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
-                Some(id) => Some(self.training(id, walker.observation.dim())),
+                Some(id) => Some(self.training(id, state)),
                 // Its first networks were checked for the campaign's pedestrian, who may have other states.
                 None => usual.map(|axis| match axis.value.from.as_ref().and_then(|from| from.networks.as_ref()) {
-                    Some(first) if first.obs_dim() != walker.observation.dim() * axis.value.frame_stack => {
-                        self.training(axis.id, walker.observation.dim())
-                    }
+                    Some(first) if first.obs_dim() != state * axis.value.frame_stack => self.training(axis.id, state),
                     _ => axis.clone(),
                 }),
             };

@@ -3,7 +3,8 @@ use rand::RngExt;
 use super::{Episode, LocalSimulation};
 use crate::env::run_up::Stage;
 use crate::env::script::Script;
-use crate::env::{Draw, EgoSpeed, Scene};
+use crate::env::spawn::behind;
+use crate::env::{Draw, EgoSpeed, Placement, Scene};
 use crate::geometry::Pose;
 use crate::sim::{ActorStart, Control, Start};
 use base::seed::Stream;
@@ -14,10 +15,10 @@ impl LocalSimulation {
     pub(super) fn place_drawn(&mut self, Draw { number, start: mut stream, drivers: seed }: Draw) {
         self.drivers.seed = seed;
         let scenario = &self.scenario;
-        let first = scenario.cast.pedestrian().first_heading;
-        let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let (script, stated) = Script::draw(scenario, number, &mut stream);
-        let spawn = stated.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
+        let places = seed.child("place");
+        let spawn = self.placing.sample(scenario, stated, &mut stream, &places).0;
+        let spawn = spawn.expect("checked: the cast can be placed");
         self.script = script;
         if let Some(test_speed) = scenario.spawn.test_speed(number) {
             self.drivers.hold(test_speed);
@@ -26,10 +27,12 @@ impl LocalSimulation {
         let drawn = stream.random_range(0.0..12.0 * scenario.episode.light_cycle().turn());
         let phase = scenario.episode.light_phase.as_ref().map(|phase| phase.quantile(stream.random()));
         self.light_phase = phase.unwrap_or(drawn);
-        self.episode = Episode::new(number, spawn);
+        self.episode = Episode::new(number, spawn, &self.placing);
         self.observers.clear(scenario);
-        self.actions.starts[0] = ActorStart::standing(spawn.pedestrian);
+        self.actions.starts.copy_from_slice(&self.placing.pedestrians);
         self.actions.contact = None;
+        self.failed_walker = None;
+        self.walkers.begin(&seed);
         self.run_up.clear();
         match &scenario.spawn.ego_speed {
             EgoSpeed::Steady => self.place_before(&spawn.ego, seed.child("run_up").stream()),
@@ -59,10 +62,14 @@ impl LocalSimulation {
         self.world.vehicles[0].state.speed = test_speed.unwrap_or(cruising);
     }
 
-    /// Places all actors, with this start of the ego.
+    /// Places all actors, with this start of the ego. Pedestrians, and cars that follow the ego, are not in the world yet.
     fn place_vehicles(&mut self, ego: ActorStart) {
-        self.vehicles[0] = ego;
-        let (vehicles, pedestrians) = (&self.vehicles, &self.actions.starts);
+        self.placing.vehicles[0] = ego;
+        for (vehicle, role) in self.world.vehicles.iter_mut().zip(&self.scenario.cast.vehicles) {
+            vehicle.is_present = !matches!(role.place, Placement::Behind { .. });
+        }
+        self.world.pedestrians.iter_mut().for_each(|pedestrian| pedestrian.is_present = false);
+        let (vehicles, pedestrians) = (&self.placing.vehicles, &self.actions.starts);
         self.world.begin(&Start { vehicles, pedestrians, light_phase: self.light_phase });
         self.actions.controls.fill(Control::default());
     }
@@ -95,11 +102,21 @@ impl LocalSimulation {
         }
     }
 
-    /// The pedestrians appear: tick 0 of the episode.
+    /// The pedestrians appear, and the cars that follow the ego: tick 0 of the episode.
     fn meet(&mut self) {
         self.run_up.stage = Stage::Encounter;
         self.actions.begin();
         let Self { scenario, world, actions, .. } = self;
-        self.observers.begin(&Scene { scenario, world, actions });
+        world.pedestrians.iter_mut().for_each(|pedestrian| pedestrian.is_present = true);
+        for (number, role) in scenario.cast.vehicles.iter().enumerate() {
+            let Placement::Behind { .. } = role.place else { continue };
+            let ego = world.ego();
+            let leader = ActorStart { pose: ego.state.pose, speed: ego.state.speed };
+            let lengths = ego.blueprint.half_length + role.blueprint.half_length;
+            let start = behind(&scenario.town, &leader, lengths, self.placing.vehicles[number].speed);
+            world.appear(number, &start);
+            self.drivers.reset_one(number, world, &self.run_up, actions);
+        }
+        self.observers.begin(&Scene::new(scenario, world, actions));
     }
 }

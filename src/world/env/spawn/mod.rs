@@ -20,6 +20,7 @@ mod given_path;
 mod survey;
 mod reach;
 mod parameter;
+mod placement;
 mod error;
 
 pub use constraint::{Constraint, Ground};
@@ -28,6 +29,8 @@ pub use error::{Rarity, SpawnError};
 pub(super) use given_path::Pacing;
 pub use given_path::{GivenPath, PathPoint};
 pub use parameter::{DrawnParameter, StartParameter};
+pub use placement::{CastSurvey, Placement, Unplaced};
+pub(super) use placement::{Placing, behind};
 pub use rule::{Measure, Spawn, SpawnRule};
 pub use survey::Survey;
 pub(super) use target_walk::Release;

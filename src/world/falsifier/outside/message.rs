@@ -40,8 +40,8 @@ impl<'a> Hello<'a> {
             hold: scenario.episode.hold,
             town: &scenario.town.name,
             vehicle: Car { length: 2.0 * car.half_length, width: 2.0 * car.half_width },
-            pedestrians: scenario.cast.controlled().count(),
-            state: scenario.cast.obs_dim(),
+            pedestrians: scene.controlled().count(),
+            state: scene.obs_dim(),
             action_bounds: scene.bounds(),
         }
     }
@@ -83,9 +83,9 @@ struct Step<'a> {
 
 /// Writes the request for a decision, with its line end; `seed` only at the first decision of an episode.
 pub(super) fn write_request(out: &mut Vec<u8>, id: u32, seed: Option<u64>, state: &[f64], scene: &Scene<'_>) {
-    let (world, cast) = (scene.world, &scene.scenario.cast);
+    let world = scene.world;
     let ego = &world.ego().state;
-    let pedestrians = cast.controlled().map(|(number, _)| {
+    let pedestrians = scene.controlled().map(|(number, _)| {
         let walker = &world.pedestrians[number].state;
         Body::new(&walker.pose, walker.speed())
     });

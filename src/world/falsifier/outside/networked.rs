@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::carry_out;
 use crate::av::Fault;
 use crate::av::onnx::{Network, Runner};
-use crate::env::{ObservationSpec, Scenario, Scene};
+use crate::env::{Cast, EpisodeRule, ObservationSpec, Scene};
 use crate::falsifier::WalkPolicy;
 use crate::sim::WalkCommand;
 use base::keys;
@@ -77,11 +77,11 @@ impl Networked {
 }
 
 impl WalkPolicy for Networked {
-    fn fits(&self, scenario: &Scenario) -> Result<(), &'static str> {
-        if !self.stack.as_slice().len().is_multiple_of(scenario.cast.obs_dim()) {
+    fn fits(&self, cast: &Cast, rule: &EpisodeRule) -> Result<(), &'static str> {
+        if !self.stack.as_slice().len().is_multiple_of(cast.obs_dim()) {
             return Err("its network does not fit the states of the adversary");
         }
-        let present = scenario.cast.interface(&scenario.episode);
+        let present = cast.interface(rule);
         let is_other = |(name, value): &(&str, String)| {
             FRAMES.contains(name) && self.interface.get(*name).is_some_and(|known| known != value)
         };
@@ -97,12 +97,12 @@ impl WalkPolicy for Networked {
 
     fn choose(&mut self, scene: &Scene<'_>, commands: &mut [WalkCommand]) {
         if !self.begun
-            && let Err(reason) = self.fits(scene.scenario)
+            && let Err(reason) = self.fits(&scene.cast(), &scene.scenario.episode)
         {
             self.fault = Some(Fault::Answer(reason));
             return;
         }
-        let (numbers, inputs) = (scene.scenario.cast.obs_dim(), self.stack.as_slice().len());
+        let (numbers, inputs) = (scene.obs_dim(), self.stack.as_slice().len());
         if numbers != self.state.len() {
             self.state.resize(numbers, 0.0);
             self.stack = FrameStack::new(numbers, inputs / numbers);

@@ -62,7 +62,7 @@ impl Programmed {
     }
 
     fn ask(&mut self, scene: &Scene<'_>) -> Result<(), Fault> {
-        self.state.resize(scene.scenario.cast.obs_dim(), 0.0);
+        self.state.resize(scene.obs_dim(), 0.0);
         self.action.resize(scene.bounds().len(), 0.0);
         scene.write_state(&mut self.state);
         let mut session = self.session.lock().unwrap_or_else(PoisonError::into_inner);

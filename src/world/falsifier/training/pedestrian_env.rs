@@ -108,9 +108,9 @@ impl PedestrianEnv {
         self.begin(number);
         for commands in running.decisions.chunks(self.commands.len()) {
             let roles = self.simulation.scenario().cast.pedestrians.iter().zip(commands);
-            let possible = roles.into_iter().all(|(role, command)| match role.controller {
+            let possible = roles.into_iter().all(|(role, command)| match &role.controller {
                 Controller::External => (role.action.speed.0..=role.action.speed.1).contains(&command.speed),
-                Controller::Fixed(_) => true,
+                Controller::Fixed(_) | Controller::Own(_) => true,
             });
             if self.simulation.outcome().is_some() || !possible {
                 return false;
