@@ -216,3 +216,39 @@ fn the_row_of_all_untrained_controllers_leaves_out_trained_ones() {
         assert_eq!(sum(key, |controller| controller == "all untrained"), untrained, "{key}: {object}");
     }
 }
+
+#[test]
+fn seeds_are_pooled_and_stop_at_the_first_report_in_the_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+                spawn near { bearing: -60 deg .. 60 deg  distance: 7 m .. 30 m }\nepisode short { ticks: 240  hold: 10 }\n\
+                campaign c {\n  vehicle: model3  adversary: pursuer  spawn: near  episode: short\n\
+                evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random, intercept]  episodes: 40 }\n}\n";
+    std::fs::write(folder.path().join("c.scn"), text).unwrap();
+    let output = falsify(&["run", "c.scn", "--seeds", "1..4"], folder.path());
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{said}");
+    let overview = std::fs::read_to_string(folder.path().join("reports/overview.csv")).unwrap();
+    assert_eq!(overview.lines().count(), 1 + 4 * 2, "a row for each seed and controller");
+    assert!(overview.lines().next().unwrap().ends_with(",seed"), "{overview}");
+    // The mean of the four seeds stands in the terminal.
+    let column = |name: &str| overview.lines().next().unwrap().split(',').position(|each| each == name).unwrap();
+    let rows = overview.lines().filter(|line| line.contains(",intercept,"));
+    let rates: Vec<f64> = rows.map(|row| row.split(',').nth(column("fault_rate")).unwrap().parse().unwrap()).collect();
+    let mean = format!("{:.3}", rates.iter().sum::<f64>() / 4.0);
+    let shown = said.lines().find(|line| line.contains("blind") && line.contains("intercept   ")).unwrap();
+    assert!(shown.contains(&mean), "{mean} in {shown}");
+    // One seed alone has the same report.
+    let alone = falsify(&["run", "c.scn", "--seed", "3", "--out", "alone"], folder.path());
+    assert!(alone.status.success());
+    let episodes = |place: &str| std::fs::read(folder.path().join(place).join("episodes.csv")).unwrap();
+    assert_eq!(episodes("reports/c-seed-3"), episodes("alone/c"));
+    for wrong in ["3..1", "2", "1..2000000", "a..b"] {
+        assert_eq!(falsify(&["run", "c.scn", "--seeds", wrong], folder.path()).status.code(), Some(2), "{wrong}");
+    }
+    let text = text.replace("episodes: 40", "episodes: 41");
+    std::fs::write(folder.path().join("c.scn"), text).unwrap();
+    let output = falsify(&["run", "c.scn", "--seeds", "4..5"], folder.path());
+    assert_eq!(output.status.code(), Some(2), "seed 4 has a report of another scenario");
+    assert!(!folder.path().join("reports/c-seed-5").exists());
+}

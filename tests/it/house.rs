@@ -14,9 +14,9 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 7_744),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 27_175),
-    ("src/program", 12_058),
-    ("tests", 27_526),
+    ("src/results", 27_329),
+    ("src/program", 12_119),
+    ("tests", 27_562),
 ];
 
 /// Crates that only some places may name.

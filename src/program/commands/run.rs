@@ -3,6 +3,7 @@ mod gate;
 mod list;
 mod summary;
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -22,11 +23,15 @@ use results::campaign::Shard;
 use shard::{NamedShard, ShardOptions};
 use summary::quoted;
 
+/// Maximum number of seeds of a call.
+const MAX_SEEDS: u64 = 1_000;
+
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
   falsify run --smoke my.scn                 see in seconds whether everything works
+  falsify run --seeds 1..4 my.scn            run it at four seeds and pool them
   falsify run --list my.scn                  list what would be run and why, and what is stored
   falsify run --set 'ppo_paper.steps=10000' my.scn
   falsify run --only first_look my.scn       run one campaign of several
@@ -46,6 +51,9 @@ pub struct RunArgs {
     /// What a session does with them.
     #[command(flatten)]
     pub run: session::RunOptions,
+    /// Run it at several seeds, as 1..3, and pool their reports, which are called NAME-seed-N.
+    #[arg(long, value_name = "A..B", value_parser = seeds, conflicts_with_all = ["list", "shard"], help_heading = "What runs", display_order = 6)]
+    pub seeds: Option<RangeInclusive<u64>>,
     /// Form of the output; `json` is one event a line (reports/README.md).
     // The help lists it behind --formats.
     #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT", help_heading = "Output", display_order = 8)]
@@ -94,6 +102,7 @@ impl RunArgs {
         }
         Ok(session::RunOptions {
             input: self.given.input(&self.files),
+            seeds: self.seeds.clone(),
             gates: self.gate.gates()?,
             command: command_line(),
             ..self.run.clone()
@@ -103,6 +112,20 @@ impl RunArgs {
     /// The observer of a run with these options.
     pub fn reporter(&self) -> RunReporter {
         RunReporter { output: self.format, showing: self.progress, progress: Mutex::default() }
+    }
+}
+
+/// Reads the first and the last of some seeds.
+///
+/// # Errors
+/// Another text, as clap shows it to the user.
+fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let ends = text.split_once("..").map(|(first, last)| (first.parse::<u64>(), last.parse::<u64>()));
+    match ends {
+        Some((Ok(first), Ok(last))) if first < last && last <= i64::MAX as u64 && last - first < MAX_SEEDS => {
+            Ok(first..=last)
+        }
+        _ => Err(format!("write the first and the last seed, as 1..3, at most {MAX_SEEDS} of them")),
     }
 }
 

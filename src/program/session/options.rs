@@ -1,3 +1,4 @@
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -53,6 +54,9 @@ pub struct RunOptions {
     /// Stop them after this number of simulator ticks.
     #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..), help_heading = "Work")]
     pub max_ticks: Option<u64>,
+    /// The seeds, one after the other, instead of `seed`; their reports are pooled.
+    #[arg(skip)]
+    pub seeds: Option<RangeInclusive<u64>>,
     /// Conditions under which a campaign fails.
     #[arg(skip)]
     pub gates: Vec<Gate>,
@@ -79,6 +83,7 @@ impl Default for RunOptions {
             checkpoint: 5.0,
             task_time: None,
             max_ticks: None,
+            seeds: None,
             gates: Vec::new(),
             command: String::new(),
         }

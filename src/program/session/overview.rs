@@ -22,11 +22,17 @@ pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Op
         return Ok(None);
     }
     let folder = |report: &CampaignReport| report.folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let settings = reports.iter().map(|report| {
+        let seed = options.seeds.as_ref().map(|_| format!("seed = {}", report.manifest.seed));
+        report.manifest.settings.iter().cloned().chain(seed).collect()
+    });
+    let settings: Vec<Vec<String>> = settings.collect();
     let variants: Vec<Variant<'_>> = reports
         .iter()
-        .map(|report| Variant {
+        .zip(&settings)
+        .map(|(report, settings)| Variant {
             report: folder(report),
-            settings: &report.manifest.settings,
+            settings,
             cells: &report.cells,
             drivers: &report.drivers,
             searches: &report.searches,

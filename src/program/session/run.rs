@@ -33,8 +33,23 @@ impl Session {
     /// Files that cannot be read or have errors, and files or folders that cannot be written. A training, a search or an episode that
     /// fails is not an error; the report has it.
     pub fn run(&self, options: &RunOptions) -> Result<RunReport, Error> {
-        let planned = self.campaigns(options)?;
-        self.run_plan(options, &planned, Work::All)
+        let mut planned = self.campaigns(options)?;
+        let Some(seeds) = options.seeds.clone() else { return self.run_plan(options, &planned, Work::All) };
+        let of_seed = |seed: u64| RunOptions { seed, ..options.clone() };
+        for seed in seeds.clone() {
+            planned.plan.campaigns.iter().try_for_each(|each| check_place(each, &of_seed(seed), &planned.records))?;
+        }
+        let mut run = RunReport { campaigns: Vec::new(), interrupted: false, overview: None };
+        for seed in seeds {
+            planned.plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(seed));
+            run.campaigns.extend(self.run_campaigns(&of_seed(seed), &planned, Work::All)?);
+            run.interrupted = self.stop.is_asked();
+            if run.interrupted {
+                break;
+            }
+        }
+        let overview = write_overview(options, &run)?;
+        Ok(RunReport { overview, ..run })
     }
 
     /// The plan of a run, which has at least one campaign.
@@ -65,6 +80,18 @@ impl Session {
     }
 
     pub(crate) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
+        let campaigns = self.run_campaigns(options, planned, work)?;
+        let run = RunReport { campaigns, interrupted: self.stop.is_asked(), overview: None };
+        let overview = write_overview(options, &run)?;
+        Ok(RunReport { overview, ..run })
+    }
+
+    fn run_campaigns(
+        &self,
+        options: &RunOptions,
+        planned: &Planned,
+        work: Work,
+    ) -> Result<Vec<CampaignOutcome>, Error> {
         for gate in &options.gates {
             gate.check(&planned.plan.campaigns)?;
         }
@@ -94,9 +121,7 @@ impl Session {
                 break;
             }
         }
-        let run = RunReport { campaigns, interrupted: self.stop.is_asked(), overview: None };
-        let overview = write_overview(options, &run)?;
-        Ok(RunReport { overview, ..run })
+        Ok(campaigns)
     }
 }
 
@@ -297,7 +322,9 @@ impl<'a> CampaignRun<'a> {
 impl RunOptions {
     /// The name of a campaign's report. A smoke run never replaces results.
     pub(crate) fn report_name(&self, campaign: &Campaign) -> String {
-        if self.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() }
+        let seed = self.seeds.as_ref().map_or_else(String::new, |_| format!("-seed-{}", self.seed));
+        let smoke = if self.smoke { "-smoke" } else { "" };
+        format!("{}{seed}{smoke}", campaign.name)
     }
 
     /// The error for something that could not be written during a run.

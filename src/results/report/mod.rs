@@ -22,6 +22,7 @@ mod text_forms;
 mod staging;
 mod folder;
 mod overview;
+mod pooled;
 mod off_road;
 mod findings;
 mod grouped;

@@ -6,6 +6,7 @@ use super::page::{document, paragraph};
 use super::sections::{Scale, failed_starts, injury, searcher};
 use super::table::{Column, Table, Value};
 use crate::report::overview::{Found, Overview, OverviewRow};
+use crate::report::pooled::{FIGURES, Pooled, SEED};
 use crate::report::{DriverResult, Variant};
 
 /// How to read the tables.
@@ -24,7 +25,7 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
             section #table {
                 h2 { "What was found" }
                 @for line in doubtful(overview) { (paragraph(&line)) }
-                @for table in tables(overview) { (table.to_html()) }
+                @for table in pooled(overview).into_iter().chain(tables(overview)) { (table.to_html()) }
                 (paragraph(READING))
             }
         }
@@ -33,7 +34,10 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
 }
 
 pub fn overview_for_terminal(overview: &Overview<'_>) -> String {
-    let tables: Vec<String> = tables(overview).iter().map(|table| table.to_terminal(80)).collect();
+    let pooled = pooled(overview);
+    // The reports of the seeds are on the page.
+    let shown = if pooled.is_empty() { tables(overview) } else { pooled };
+    let tables: Vec<String> = shown.iter().map(|table| table.to_terminal(80)).collect();
     let doubts: String = doubtful(overview).iter().map(|line| format!("\n{}", line.replace("**", ""))).collect();
     tables.join("\n") + &doubts
 }
@@ -55,7 +59,7 @@ fn doubtful(overview: &Overview<'_>) -> Vec<String> {
             in_doubt.join(", ")
         ));
     }
-    if reports(overview) > 2 {
+    if reports(overview) > 2 && Pooled::all(overview).is_empty() {
         lines.push(
             "The greatest of many rates is too high by chance: test two reports with `falsify compare` before one is called better.".into(),
         );
@@ -65,6 +69,73 @@ fn doubtful(overview: &Overview<'_>) -> Vec<String> {
 
 fn reports(overview: &Overview<'_>) -> usize {
     overview.variants.len()
+}
+
+/// Figures over the seeds of a call, and their differences to the first controller or falsifier; empty for a single seed.
+fn pooled(overview: &Overview<'_>) -> Vec<Table> {
+    let all = Pooled::all(overview);
+    let parameters: Vec<usize> =
+        (0..overview.parameters.len()).filter(|place| overview.parameters[*place] != SEED).collect();
+    let words = |pooled: &Pooled<'_>| {
+        let row = pooled.rows[0];
+        let values = parameters.iter().map(|place| Value::from(row.values[*place].as_deref().unwrap_or("–")));
+        let mut words: Vec<Value> = values.collect();
+        words.extend([Value::from(row.driver()), Value::from(row.town()), row.who().into()]);
+        words.push(Value::Count(pooled.rows.len() as u64));
+        words
+    };
+    let head = |figures: Vec<Column>| {
+        let names = parameters.iter().map(|place| overview.parameters[*place]).chain([
+            "driver",
+            "town",
+            "pedestrian or search",
+        ]);
+        let mut head: Vec<Column> = names.map(|name| Column::text(name).key()).collect();
+        head.push(Column::number("seeds"));
+        head.extend(figures);
+        head
+    };
+    let row = |pooled: &Pooled<'_>| {
+        let mut row = words(pooled);
+        for figure in &FIGURES {
+            let rate = pooled.figure(figure);
+            row.extend([Value::average(&rate, 3), Value::Number(rate.sd, 3)]);
+        }
+        row
+    };
+    let figures = FIGURES.iter().flat_map(|(name, ..)| [Column::number(*name), Column::number("sd").page_only()]);
+    let mut tables = vec![Table {
+        title: "Over the seeds".into(),
+        head: head(figures.collect()),
+        rows: all.iter().map(row).collect(),
+        notes: vec!["The mean over the seeds with Student's 95 % interval; of fewer than four seeds each. A search's fault is the share of starts with one.".into()],
+        ..Table::default()
+    }];
+    let p = |pooled: &Pooled<'_>| match pooled.p(&FIGURES[0]) {
+        Some(p) if p < 0.001 => "< 0.001".into(),
+        p => Value::Number(p, 3),
+    };
+    let difference = |pooled: &Pooled<'_>| {
+        let beside = pooled.beside.as_ref()?[0].who();
+        let rate = pooled.difference(&FIGURES[0]);
+        let shown = match rate.interval {
+            Some(_) => Value::Difference(rate.value, rate.interval),
+            None => Value::Runs(rate.by_run, 3, true),
+        };
+        Some([words(pooled), vec![beside.into(), shown, p(pooled)]].concat())
+    };
+    let differences = Table {
+        title: "Differences of the fault rate, paired by seed".into(),
+        head: head(vec![Column::text("beside"), Column::number("difference"), Column::number("p")]),
+        rows: all.iter().filter_map(difference).collect(),
+        notes: vec![
+            "p is Student's, two-sided, and corrected for nothing: of twenty rows one is below 0.05 by chance.".into(),
+        ],
+        ..Table::default()
+    };
+    tables.push(differences);
+    tables.retain(|table| !table.rows.is_empty());
+    tables
 }
 
 /// The rates of controllers, those of falsifiers, and the worst failure of each driver; without those that would be empty.

@@ -1,0 +1,82 @@
+//! Reports of one campaign at several seeds, pooled.
+
+use super::overview::{Found, Overview, OverviewRow};
+use super::{Cell, Rate, SearchCell};
+use base::statistics::mean_p;
+
+/// The setting that tells the seeds of a call apart.
+pub const SEED: &str = "seed";
+
+/// A controller or a falsifier in a town against a driver, over the seeds of a call.
+#[derive(Debug, Clone)]
+pub struct Pooled<'a> {
+    /// The rows of the seeds, in the order in which they ran.
+    pub rows: Vec<&'a OverviewRow<'a>>,
+    /// The rows of the first controller, or falsifier, in the same town against the same driver; `None` for itself.
+    pub beside: Option<Vec<&'a OverviewRow<'a>>>,
+}
+
+/// A figure: its heading, and what it is of a controller and of a falsifier.
+type FigureOf = (&'static str, fn(&Cell) -> &Rate, fn(&SearchCell) -> Option<&Rate>);
+
+/// The figures that are pooled.
+pub const FIGURES: [FigureOf; 3] = [
+    ("fault", |cell| &cell.fault, |cell| Some(&cell.fault_start_rate)),
+    ("preventable", |cell| &cell.preventable, |_| None),
+    ("collision", |cell| &cell.collision, |_| None),
+];
+
+impl<'a> Pooled<'a> {
+    /// Pools the rows that differ in the seed alone; empty for a single seed.
+    pub fn all(overview: &'a Overview<'a>) -> Vec<Self> {
+        let Some(seed) = overview.parameters.iter().position(|name| *name == SEED) else { return Vec::new() };
+        let place = |row: &OverviewRow<'a>| {
+            let mut values = row.values.clone();
+            values.remove(seed);
+            (values, row.driver(), row.town(), matches!(row.found, Found::Searched(_)))
+        };
+        let mut groups: Vec<Vec<&OverviewRow<'a>>> = Vec::new();
+        for row in &overview.rows {
+            let is_same = |group: &&mut Vec<&OverviewRow<'a>>| {
+                let first = group[0];
+                place(first) == place(row) && first.who() == row.who()
+            };
+            match groups.iter_mut().find(is_same) {
+                Some(group) => group.push(row),
+                None => groups.push(vec![row]),
+            }
+        }
+        let first =
+            |group: &Vec<&OverviewRow<'a>>| groups.iter().find(|other| place(other[0]) == place(group[0])).cloned();
+        let beside = |group: &Vec<_>| first(group).filter(|first| !std::ptr::eq(first[0], group[0]));
+        groups.iter().map(|rows| Pooled { rows: rows.clone(), beside: beside(rows) }).collect()
+    }
+
+    /// A figure over the seeds, with Student's interval from four on.
+    pub fn figure(&self, figure: &FigureOf) -> Rate {
+        Rate::student(by_seed(&self.rows, figure).into_iter(), 1.0)
+    }
+
+    /// The difference to the first controller or falsifier there, seed by seed.
+    pub fn difference(&self, figure: &FigureOf) -> Rate {
+        let Some(beside) = &self.beside else { return Rate::default() };
+        let pairs = by_seed(&self.rows, figure).into_iter().zip(by_seed(beside, figure));
+        let differences: Vec<f64> = pairs.filter_map(|(own, other)| Some(own? - other?)).collect();
+        let interval = base::statistics::mean_interval(&differences).1;
+        Rate::of_runs(differences).within(interval, super::aggregate::Method::Student)
+    }
+
+    /// The probability of such differences if there is none in truth (Student's, two-sided); `None` for a single seed.
+    pub fn p(&self, figure: &FigureOf) -> Option<f64> {
+        mean_p(&self.difference(figure).by_run)
+    }
+}
+
+/// The figure of each seed.
+fn by_seed(rows: &[&OverviewRow<'_>], (_, of_cell, of_search): &FigureOf) -> Vec<Option<f64>> {
+    let of = |row: &&OverviewRow<'_>| match row.found {
+        Found::Evaluated(cell) => of_cell(cell).value,
+        Found::Searched(cell) => of_search(cell)?.value,
+    };
+    rows.iter().map(of).collect()
+}
