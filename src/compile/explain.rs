@@ -17,9 +17,10 @@ struct Page {
 }
 
 /// Pages about several things, with what they are about.
-const TOPICS: [(&str, &str); 6] = [
+const TOPICS: [(&str, &str); 7] = [
     ("events", "what rewards answer to"),
     ("variables", "what formulas can name"),
+    ("signals", "what requirements can name of a role, as in `child.gap` and `gap(child, van)`"),
     ("functions", "what formulas can call"),
     ("units", "what quantities are written in"),
     ("state", "what the controller of a pedestrian gets"),
@@ -114,6 +115,7 @@ impl Catalog {
             "action" => return interface_pages::action(),
             "events" => self.vocabulary.events.iter().map(reference::event).collect(),
             "variables" => self.vocabulary.variables.iter().map(reference::variable).collect(),
+            "signals" => self.vocabulary.signals.iter().map(reference::variable).collect(),
             "functions" => functions().chain(temporal_operators()).map(reference::function).collect(),
             _ => UNIT_NAMES.iter().map(|(name, unit)| format!("- `{name}`: {}\n", unit.dimension)).collect(),
         };

@@ -20,6 +20,8 @@ impl Catalog {
         page.extend(self.vocabulary.events.iter().filter(|each| each.answered).map(event));
         page.push_str("\n## Variables\n\n");
         page.extend(self.vocabulary.variables.iter().map(variable));
+        page.push_str("\n## Signals of roles\n\nIn a requirement: `child.gap`, towards the car under test; `gap(child, van)`, towards another role.\n\n");
+        page.extend(self.vocabulary.signals.iter().map(variable));
         page
     }
 }

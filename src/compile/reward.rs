@@ -43,19 +43,8 @@ pub fn lower<'a>(block: &Block, find: impl Fn(DeclarationId) -> &'a Declaration)
 
 /// A formula in which the robustness of a requirement is named by its place among those of the reward, and not by its declaration.
 fn placed(formula: &Formula, place: &mut impl FnMut(DeclarationId) -> usize) -> Formula {
-    match formula {
-        Formula::Constant(value) => Formula::Constant(*value),
-        Formula::Variable(id) => Formula::Variable(match robustness_of(*id) {
-            Some(declaration) => robustness(place(DeclarationId(declaration))),
-            None => *id,
-        }),
-        Formula::Negate(inner) => Formula::Negate(placed(inner, place).into()),
-        Formula::Not(inner) => Formula::Not(placed(inner, place).into()),
-        Formula::Binary(operator, left, right) => {
-            Formula::Binary(*operator, placed(left, place).into(), placed(right, place).into())
-        }
-        Formula::Call(function, arguments) => {
-            Formula::Call(*function, arguments.iter().map(|argument| placed(argument, place)).collect())
-        }
-    }
+    formula.substituted(&mut |id| match robustness_of(id) {
+        Some(declaration) => vec![robustness(place(DeclarationId(declaration)))],
+        None => vec![id],
+    })
 }

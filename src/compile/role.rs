@@ -1,14 +1,19 @@
 use std::sync::Arc;
 
 use super::lowering::{Lowering, MadeDriver};
+use super::reached::reached;
+use super::requirement::RequirementKeys;
 use base::diagnostic::Span;
-use base::signature::{DeclarationId, Distribution, Form, Keys, Value};
+use base::signature::{
+    ActorSignal, Comparison, DeclarationId, Distribution, Form, Formula, Function, Keys, Requirement, Value, VariableId,
+};
 use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::{Block, Declaration};
 use world::av::{Cruise, CruiseKeys};
 use world::env::{Cast, Controller, PedestrianRole, Placement, PolicyMaker, SpawnRule, VehicleRole};
 use world::falsifier::{self, Scripted};
+use world::requirement::NamedRequirement;
 use world::sim::{ActorId, VehicleBlueprint};
 
 /// The word of the car under test, and that of a pedestrian that stands.
@@ -81,6 +86,8 @@ pub(crate) struct Roles {
     cars: Vec<Car>,
     /// The first is the one that the spawn rule places.
     pedestrians: Vec<Walking>,
+    /// The actors of each role; more than one of a group.
+    actors: Vec<(DeclarationId, Vec<ActorId>)>,
 }
 
 struct Car {
@@ -138,6 +145,34 @@ impl Roles {
         Cast { vehicles: std::iter::once(ego).chain(cars).collect(), pedestrians }
     }
 
+    /// The actors of a role by its number in signals: 0 for the car under test. `None` if it is not in the cast.
+    fn actors(&self, role: usize) -> Option<&[ActorId]> {
+        let Some(id) = role.checked_sub(1) else { return Some(&[ActorId::EGO]) };
+        self.actors.iter().find(|(own, _)| own.0 == id).map(|(_, actors)| actors.as_slice())
+    }
+
+    /// Requirements whose signals name actors instead of roles.
+    pub fn resolved(&self, requirements: &Arc<[NamedRequirement]>) -> Arc<[NamedRequirement]> {
+        if self.is_empty() {
+            return requirements.clone();
+        }
+        let mut actors = |id: VariableId| {
+            let Some(ActorSignal { of, to, signal }) = id.of_actor() else { return vec![id] };
+            // A role that is not in the cast has been reported.
+            let all = |role| self.actors(role).unwrap_or(&[ActorId::EGO]).iter();
+            let pairs = all(of).flat_map(|of| all(to).map(move |to| (of, to)));
+            pairs.map(|(of, to)| ActorSignal { of: of.code(), to: to.code(), signal }.into()).collect()
+        };
+        let resolved = requirements.iter().map(|each| {
+            let own = &*each.requirement;
+            let parts = own.parts.iter();
+            let parts = parts.map(|part| Comparison { margin: part.margin.substituted(&mut actors), ..part.clone() });
+            let requirement = Requirement { parts: parts.collect(), formula: own.formula.clone() };
+            NamedRequirement { requirement: Arc::new(requirement), ..each.clone() }
+        });
+        resolved.collect()
+    }
+
     /// Whether the spawn rule of a block places more than one pedestrian.
     pub fn shares_spawn(&self) -> bool {
         self.pedestrians.iter().filter(|each| each.place.is_none()).count() > 1
@@ -150,6 +185,20 @@ impl Roles {
             true => usual.observation.dim(),
             false => own.map(|each| each.adversary.as_ref().unwrap_or(usual).observation.dim()).sum(),
         }
+    }
+}
+
+/// Whether a signal of a group stands elsewhere than among the arguments of a function.
+fn stands_alone(formula: &Formula, is_group: &impl Fn(usize) -> bool) -> bool {
+    match formula {
+        Formula::Constant(_) => false,
+        Formula::Variable(id) => id.of_actor().is_some_and(|signal| is_group(signal.of) || is_group(signal.to)),
+        Formula::Negate(inner) | Formula::Not(inner) => stands_alone(inner, is_group),
+        Formula::Binary(_, left, right) => stands_alone(left, is_group) || stands_alone(right, is_group),
+        Formula::Call(Function::Min | Function::Max, arguments) => {
+            arguments.iter().any(|each| !matches!(each, Formula::Variable(_)) && stands_alone(each, is_group))
+        }
+        Formula::Call(_, arguments) => arguments.iter().any(|each| stands_alone(each, is_group)),
     }
 }
 
@@ -222,6 +271,45 @@ impl Lowering<'_> {
             return None;
         }
         self.numbered(ids, &written)
+    }
+
+    /// Reports signals of roles that the campaign does not have, and signals of a group without `min` or `max` around them.
+    pub(crate) fn compare_signals(&mut self, campaign: &Declaration, roles: &Roles) {
+        let program = self.program;
+        let reached = reached(program, campaign.id).into_iter().map(|id| program.get(id));
+        for each in reached.filter(|each| each.form == RequirementKeys::KIND) {
+            let place = each.block.place("formula");
+            let RequirementKeys { formula: requirement, .. } = each.block.keys();
+            let mut missing: Option<DeclarationId> = None;
+            let mut crowds = false;
+            for part in &requirement.parts {
+                part.margin.substituted(&mut |id| {
+                    let signal = id.of_actor().into_iter().flat_map(|signal| [signal.of, signal.to]);
+                    missing = missing.or(signal
+                        .filter(|role| roles.actors(*role).is_none())
+                        .map(|role| DeclarationId(role - 1))
+                        .next());
+                    vec![id]
+                });
+                crowds |= stands_alone(&part.margin, &|role| roles.actors(role).is_some_and(|actors| actors.len() > 1));
+            }
+            if let Some(missing) = missing {
+                let message = format!(
+                    "`{}` names the role `{}`, and the cast of `{}` does not have it",
+                    each.name,
+                    program.get(missing).name,
+                    campaign.name
+                );
+                self.contradict(
+                    place,
+                    message,
+                    "add the role to the `cast` of the campaign, or take another requirement",
+                );
+            } else if crowds {
+                let message = format!("`{}` has a signal of a group, which has a value for each member", each.name);
+                self.contradict(place, message, "write `min(crowd.gap)` or `max(crowd.gap)`");
+            }
+        }
     }
 
     fn contradict(&mut self, span: Span, message: String, help: &str) {
@@ -302,9 +390,12 @@ impl Lowering<'_> {
             return None;
         }
         let mut next = 0;
+        let mut groups: Vec<(DeclarationId, Vec<ActorId>)> = Vec::new();
         let mut numbers: Vec<(DeclarationId, ActorId)> = Vec::new();
         for each in &walking {
             numbers.push((each.declaration.id, ActorId::Pedestrian(next as u8)));
+            let members = next..next + each.count;
+            groups.push((each.declaration.id, members.map(|number| ActorId::Pedestrian(number as u8)).collect()));
             next += each.count;
         }
         numbers.extend(driving.iter().zip(1..).map(|(each, number)| (each.declaration.id, ActorId::Vehicle(number))));
@@ -317,7 +408,8 @@ impl Lowering<'_> {
             distance: distance.clone(),
             aside: aside.clone(),
         };
-        let mut roles = Roles { ids: ids.to_vec(), ..Roles::default() };
+        groups.extend(numbers[walking.len()..].iter().map(|(id, car)| (*id, vec![*car])));
+        let mut roles = Roles { ids: ids.to_vec(), actors: groups, ..Roles::default() };
         for each in walking {
             let (block, name) = (&each.declaration.block, Arc::from(each.declaration.name.as_str()));
             let keys: PedestrianKeys = block.keys();

@@ -5,7 +5,7 @@ use super::diagnostics;
 use super::names::Names;
 use super::requirement::is_temporal;
 use base::diagnostic::{Diagnostic, Span};
-use base::signature::{BinaryOperator, Bounds, DeclarationId, Formula, Function, VariableId, Vocabulary};
+use base::signature::{ActorSignal, BinaryOperator, Bounds, DeclarationId, Formula, Function, VariableId, Vocabulary};
 use base::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
 
 /// The type of a formula's value.
@@ -37,8 +37,8 @@ pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 const FUNCTIONS: &[(&str, Function, &str)] = &[
-    ("min", Function::Min, "The minimum of two or more quantities."),
-    ("max", Function::Max, "The maximum of two or more quantities."),
+    ("min", Function::Min, "The minimum of two or more quantities, or of a signal over a group: min(crowd.gap)."),
+    ("max", Function::Max, "The maximum of two or more quantities, or of a signal over a group."),
     ("abs", Function::Abs, "The size of a quantity, without its sign."),
     ("exp", Function::Exp, "The exponential of a plain number."),
     ("sqrt", Function::Sqrt, "The square root of a number, which must not be below 0; of an area a length."),
@@ -364,6 +364,34 @@ impl Checker<'_> {
         Some(Part { formula, sort: Sort::Quantity(Dimension::RATIO), bounds: ROBUST })
     }
 
+    /// `child.gap`, `gap(child, van)`
+    fn signal(&mut self, name: &Name, signal: usize, arguments: &[Expression], span: Span) -> Option<Part> {
+        if self.scope.event != "tick" {
+            return self.say(diagnostics::role_outside(span));
+        }
+        if !(1..=2).contains(&arguments.len()) {
+            return self.say(diagnostics::wrong_arity(span, &name.text, "one role or two", arguments.len()));
+        }
+        let roles: Vec<Option<usize>> = arguments.iter().map(|argument| self.role(argument)).collect();
+        let roles = roles.into_iter().collect::<Option<Vec<usize>>>()?;
+        let id = ActorSignal { of: roles[0], to: roles.get(1).copied().unwrap_or(0), signal };
+        let variable = &self.scope.vocabulary.signals[signal];
+        let quantity = Sort::Quantity(variable.dimension);
+        let sort = if variable.is_condition { Sort::Truth } else { quantity };
+        Some(Part { formula: Formula::Variable(id.into()), sort, bounds: variable.bounds })
+    }
+
+    /// The number of a role: 0 for the car under test, and otherwise that of its declaration, from 1.
+    fn role(&mut self, expression: &Expression) -> Option<usize> {
+        match &expression.kind {
+            ExpressionKind::Name(word) if word == "ego" => Some(0),
+            ExpressionKind::Name(word) => {
+                named(word, expression.span, "role", self.scope.names, self.diagnostics).map(|id| id.0 + 1)
+            }
+            _ => self.say(diagnostics::not_a(expression.span, "name of a role", "value")),
+        }
+    }
+
     fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<Part> {
         if is_temporal(&name.text) {
             return self.say(diagnostics::temporal_in_formula(name.span, &name.text));
@@ -371,13 +399,22 @@ impl Checker<'_> {
         if name.text == ROBUSTNESS {
             return self.robustness(name, arguments, span);
         }
+        if let Some(signal) = self.scope.vocabulary.signals.iter().position(|signal| signal.name == name.text) {
+            return self.signal(name, signal, arguments, span);
+        }
         let known: Vec<&str> = FUNCTIONS.iter().map(|(name, ..)| *name).chain([ROBUSTNESS]).collect();
         let Some((_, function, _)) = FUNCTIONS.iter().find(|(known, ..)| *known == name.text) else {
             return self.say(diagnostics::unknown_function(name.span, &name.text, &known));
         };
         let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
         let (fits, expected) = match function {
-            Function::Min | Function::Max => (arguments.len() > 1, "two arguments or more"),
+            // One signal of a group has a value for each of its members.
+            Function::Min | Function::Max => {
+                let is_signal =
+                    |each: &Quantity| matches!(each.formula, Formula::Variable(id) if id.of_actor().is_some());
+                let is_group = checked.iter().flatten().any(is_signal);
+                (arguments.len() > 1 || is_group, "two arguments or more, or a signal of a group")
+            }
             Function::LogLikelihood => (arguments.len() == 3, "a value, a mean and a standard deviation"),
             _ => (arguments.len() == 1, "one argument"),
         };

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::ast::{Expression, ExpressionKind, Known, Name, Operator};
 use super::diagnostics;
-use super::formula::{Scope, Sort, formula, functions, is_function};
+use super::formula::{ROBUST, Scope, Sort, formula, functions, is_function};
 use super::value::{Context, describe, quantity};
 use base::diagnostic::Diagnostic;
-use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, Variable, VariableId, Within};
+use base::signature::{BinaryOperator, Comparison, Formula, Requirement, Temporal, VariableId, Within};
 use base::units::Dimension;
 
 /// The operators of requirements, in calls, and what they mean.
@@ -87,7 +87,10 @@ impl Checker<'_> {
             ExpressionKind::Call { function, arguments, .. } if is_temporal(&function.text) => {
                 self.operator(function, arguments, expression)
             }
-            ExpressionKind::Call { function, .. } if !is_function(&function.text) => {
+            ExpressionKind::Call { function, .. }
+                if !is_function(&function.text)
+                    && self.scope.vocabulary.signals.iter().all(|signal| signal.name != function.text) =>
+            {
                 let known: Vec<&str> = temporal_operators().chain(functions()).map(|(name, _)| name).collect();
                 self.say(diagnostics::unknown_function(function.span, &function.text, &known))
             }
@@ -189,8 +192,8 @@ impl Checker<'_> {
         };
         let text = self.context.sources.text(expression.span).split_whitespace().collect::<Vec<_>>().join(" ");
         let part = Comparison { text, margin, strict, dimension, scale };
-        let variables = &self.scope.vocabulary.variables;
-        if let Some(truth) = part.settled(&|id: VariableId| variables[id.0].bounds) {
+        let bounds = |id: VariableId| self.scope.vocabulary.variable(id).map_or(ROBUST, |variable| variable.bounds);
+        if let Some(truth) = part.settled(&bounds) {
             return self.say(diagnostics::foregone(expression.span, truth));
         }
         self.parts.push(part);
@@ -199,10 +202,14 @@ impl Checker<'_> {
 
     /// The maximum scale of the variables with this dimension in a formula; 1 (SI) without such a variable.
     fn usual_scale(&self, margin: &Formula, dimension: Dimension) -> f64 {
-        let named = |index: usize| margin.mentions(&|id| id == VariableId(index));
-        let all = self.scope.vocabulary.variables.iter().enumerate();
-        let scales =
-            all.filter(|(index, variable): &(usize, &Variable)| variable.dimension == dimension && named(*index));
-        scales.map(|(_, variable)| variable.scale).reduce(f64::max).unwrap_or(1.0)
+        let scale = std::cell::Cell::new(None::<f64>);
+        margin.mentions(&|id| {
+            let variable = self.scope.vocabulary.variable(id).filter(|variable| variable.dimension == dimension);
+            scale.set(
+                variable.map_or(scale.get(), |found| Some(scale.get().map_or(found.scale, |s| s.max(found.scale)))),
+            );
+            false
+        });
+        scale.get().unwrap_or(1.0)
     }
 }

@@ -29,7 +29,7 @@ pub enum TokenKind {
     Unit,
     /// One of [`KEYWORDS`].
     Keyword,
-    /// Any other word.
+    /// Any other word, and a signal of a role: `child.gap`.
     Name,
     /// `(`, `[` or `{`
     Open,
@@ -164,9 +164,19 @@ fn next(text: &str, before: Before) -> Option<(TokenKind, usize)> {
     })
 }
 
-/// A keyword or a name.
+/// A keyword, a name, or a signal of a role.
 fn word(text: &str) -> (TokenKind, usize) {
-    let length = count(text.as_bytes(), is_word);
+    let bytes = text.as_bytes();
+    let length = count(bytes, is_word);
+    let (own, after) = (&text[..length], bytes.get(length + 1).copied());
+    let has_signal =
+        bytes.get(length) == Some(&b'.') && after.is_some_and(|byte| is_word(byte) && !byte.is_ascii_digit());
+    if has_signal
+        && !KEYWORDS.contains(&own)
+        && !KEYWORDS.contains(&&text[length + 1..][..count(&bytes[length + 1..], is_word)])
+    {
+        return (TokenKind::Name, length + 1 + count(&bytes[length + 1..], is_word));
+    }
     let kind = if KEYWORDS.contains(&&text[..length]) { TokenKind::Keyword } else { TokenKind::Name };
     (kind, length)
 }

@@ -124,7 +124,7 @@ pub(super) fn plain_number(
     match formula(expression, scope, diagnostics)? {
         (formula, Sort::Quantity(Dimension::RATIO)) => {
             let (low, high) = formula.bounds(&|id| {
-                let Some(variable) = scope.vocabulary.variables.get(id.0) else { return ROBUST };
+                let Some(variable) = scope.vocabulary.variable(id) else { return ROBUST };
                 let (limit, (low, high)) = (everyday(variable.dimension), variable.bounds);
                 (low.max(-limit), high.min(limit))
             });

@@ -483,3 +483,38 @@ fn a_campaign_names_its_cast_and_the_block_moves_the_one_that_is_left() {
     assert_eq!(first, outcomes());
     assert!(first.iter().any(Outcome::is_collision) && first.iter().all(|outcome| outcome.fault().is_none()));
 }
+
+#[test]
+fn requirements_name_roles_and_hold_of_every_member_of_a_group() {
+    let rooms = "requirement room = always(min(crowd.gap) > 0.2 m)\nrequirement shadow = eventually(gap(child, van) < 60 m and van.ahead > 0 m)\ncampaign";
+    let text = CAST
+        .replace("campaign", rooms)
+        .replace("episode: thirty_seconds", "episode: thirty_seconds  requirements: [room, shadow]");
+    let root = crate::repository().join("scenarios/cast.scn");
+    let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    let scenario = plan.campaigns[0].nth::<compile::Evaluation>(0).scenario.clone();
+    let still = WalkCommand { heading: 0.0, speed: 0.0 };
+    let mut env = scenario.simulation();
+    let mut trace = Trace::new(&scenario);
+    env.start(Draw::new(&Seed::root(1), 0));
+    trace.begin(&env.scene());
+    while env.outcome().is_none() {
+        carry_out(&mut *env, &[still; 5], &mut trace);
+    }
+    let blueprint = &scenario.cast.ego().blueprint;
+    let gap = |member: usize, tick: usize| {
+        trace.pedestrian(member)[tick]
+            .gap_to(&trace.vehicle(0)[tick].state.outline(blueprint), &scenario.cast.pedestrians[member].body)
+    };
+    let members = (2..5).flat_map(|member| (0..trace.vehicle(0).len()).map(move |tick| (member, tick)));
+    let least = members.map(|(member, tick)| gap(member, tick)).fold(f64::INFINITY, f64::min);
+    let [room, shadow] = env.degrees() else { panic!("two requirements") };
+    assert!((room.robustness - (least - 0.2)).abs() < 1e-9, "{} and {least}", room.robustness);
+    assert!(!shadow.is_violated());
+    // The samples of a recorded episode have the same values.
+    let pair = trace.main_pair(&scenario);
+    let again = world::env::OtherDrive::recorded(pair, &scenario.requirements[0].requirement);
+    assert!((again.robustness - room.robustness).abs() < 1e-9);
+}

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_347),
+    ("src/base", 3_419),
     ("src/learn", 5_418),
-    ("src/world", 34_795),
+    ("src/world", 34_958),
     ("src/ported", 4_642),
-    ("src/lang", 6_477),
-    ("src/compile", 7_744),
+    ("src/lang", 6_549),
+    ("src/compile", 7_831),
     ("src/process", 859),
     ("src/export", 3_783),
     ("src/results", 27_329),
     ("src/program", 12_119),
-    ("tests", 27_562),
+    ("tests", 27_597),
 ];
 
 /// Crates that only some places may name.

@@ -4,6 +4,40 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VariableId(pub usize);
 
+/// A signal of one actor towards another one, as a variable of formulas. In a checked program the actors are roles; in a scenario they are
+/// numbers of its cast.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ActorSignal {
+    /// The actor, from 0: the car under test is number 0, and others follow.
+    pub of: usize,
+    /// The actor towards which it is measured.
+    pub to: usize,
+    /// Its place among the signals of the [`Vocabulary`](super::Vocabulary).
+    pub signal: usize,
+}
+
+/// The bit that tells a signal of an actor from other variables, the bits of an actor's number and those of a signal.
+const OF_ACTOR: usize = 1 << 62;
+const ACTOR_BITS: usize = 24;
+const SIGNAL_BITS: usize = 8;
+
+impl From<ActorSignal> for VariableId {
+    fn from(ActorSignal { of, to, signal }: ActorSignal) -> Self {
+        Self(OF_ACTOR | (of << ACTOR_BITS | to) << SIGNAL_BITS | signal)
+    }
+}
+
+impl VariableId {
+    /// The signal of an actor that it is; `None` for another variable.
+    pub fn of_actor(self) -> Option<ActorSignal> {
+        let (bits, low) = (self.0 & !OF_ACTOR, |value: usize, bits: usize| value & ((1 << bits) - 1));
+        let actors = bits >> SIGNAL_BITS;
+        let found =
+            ActorSignal { of: actors >> ACTOR_BITS, to: low(actors, ACTOR_BITS), signal: low(bits, SIGNAL_BITS) };
+        (self.0 & OF_ACTOR != 0).then_some(found)
+    }
+}
+
 /// An operator between two formulas; comparisons and logic give 1 or 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BinaryOperator {
@@ -122,6 +156,32 @@ impl Formula {
             Formula::Negate(inner) | Formula::Not(inner) => inner.mentions(wanted),
             Formula::Binary(_, left, right) => left.mentions(wanted) || right.mentions(wanted),
             Formula::Call(_, arguments) => arguments.iter().any(|argument| argument.mentions(wanted)),
+        }
+    }
+}
+
+impl Formula {
+    /// The same with other variables. A variable for which there are several takes their place among the arguments of a function; elsewhere the first
+    /// of them counts.
+    pub fn substituted(&self, with: &mut impl FnMut(VariableId) -> Vec<VariableId>) -> Self {
+        match self {
+            Formula::Constant(value) => Formula::Constant(*value),
+            Formula::Variable(id) => Formula::Variable(with(*id).first().copied().unwrap_or(*id)),
+            Formula::Negate(inner) => Formula::Negate(inner.substituted(with).into()),
+            Formula::Not(inner) => Formula::Not(inner.substituted(with).into()),
+            Formula::Binary(operator, left, right) => {
+                Formula::Binary(*operator, left.substituted(with).into(), right.substituted(with).into())
+            }
+            Formula::Call(function, arguments) => {
+                let mut all = Vec::new();
+                for argument in arguments.iter() {
+                    match argument {
+                        Formula::Variable(id) => all.extend(with(*id).into_iter().map(Formula::Variable)),
+                        other => all.push(other.substituted(with)),
+                    }
+                }
+                Formula::Call(*function, all.into())
+            }
         }
     }
 }

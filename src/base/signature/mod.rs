@@ -14,7 +14,7 @@ mod shape;
 
 pub use arguments::{Arguments, DeclarationId, Value};
 pub use distribution::Distribution;
-pub use formula::{BinaryOperator, Bounds, Formula, Function, VariableId};
+pub use formula::{ActorSignal, BinaryOperator, Bounds, Formula, Function, VariableId};
 pub use keys::{Choice, Field, Held, Keys, Plain};
 pub use param::{MAX_MAGNITUDE, MIN_POSITIVE, Param, Type, bounds, short};
 pub use requirement::{Comparison, Requirement, Temporal, Within};

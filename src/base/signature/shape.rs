@@ -1,4 +1,4 @@
-use super::{Param, bounds};
+use super::{Param, VariableId, bounds};
 use crate::units::Dimension;
 
 /// A kind, or a block: a name, its keys, and the blocks that may stand inside.
@@ -165,10 +165,22 @@ pub struct Event {
     pub doc: &'static str,
 }
 
+impl Vocabulary {
+    /// The variable or the signal of this number; `None` for the robustness of a requirement.
+    pub fn variable(&self, id: VariableId) -> Option<&Variable> {
+        match id.of_actor() {
+            Some(found) => self.signals.get(found.signal),
+            None => self.variables.get(id.0),
+        }
+    }
+}
+
 /// The names that formulas can use.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Vocabulary {
     /// All variables; a formula holds indices into this list.
     pub variables: Vec<Variable>,
+    /// The signals of an actor of a cast, as in `child.gap`.
+    pub signals: Vec<Variable>,
     pub events: Vec<Event>,
 }

@@ -36,8 +36,9 @@ impl Lowering<'_> {
             if without.is_empty() {
                 continue;
             }
-            let variables = &self.catalog.vocabulary.variables;
-            let is_about = |formula: &Formula| formula.mentions(&|id| part.variables.contains(&variables[id.0].name));
+            let vocabulary = &self.catalog.vocabulary;
+            let is_one = |id| vocabulary.variable(id).is_some_and(|variable| part.variables.contains(&variable.name));
+            let is_about = |formula: &Formula| formula.mentions(&is_one);
             let places = block.members("requirements");
             let requirements = grid.usual.requirements.all.iter().enumerate().filter_map(|(index, each)| {
                 let is_named = each.requirement.parts.iter().any(|part| is_about(&part.margin));

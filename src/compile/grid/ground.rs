@@ -74,10 +74,10 @@ impl Place<'_> {
                 &self.spawn.value,
             ),
             spawn: for_car(&self.spawn.value, car),
-            reward: reward.clone(),
+            reward: RewardRule { requirements: self.roles.resolved(&reward.requirements), ..reward.clone() },
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
             episode: rule.clone(),
-            requirements: requirements.clone(),
+            requirements: self.roles.resolved(requirements),
             criterion: Criterion::Collision,
         })
     }

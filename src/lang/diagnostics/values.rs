@@ -235,6 +235,12 @@ pub fn nameless_event<'a>(span: Span, event: &str, form: &str, known: impl Itera
     }
 }
 
+/// A signal of a role is used outside of requirements.
+pub fn role_outside(span: Span) -> Diagnostic {
+    Diagnostic::error("unavailable-variable", span, "a signal of a role belongs in a requirement")
+        .help("declare `requirement name = …` with it; a reward can name `robustness(name)`, and a search can have it as its `goal`")
+}
+
 /// The robustness of a requirement is used outside of rewards.
 pub fn robustness_outside(span: Span) -> Diagnostic {
     Diagnostic::error("wrong-type", span, "`robustness` belongs in a reward")

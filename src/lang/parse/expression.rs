@@ -6,11 +6,12 @@ use pest::iterators::{Pair, Pairs};
 
 use super::rules::Rule;
 use super::{Reader, inner_text, read_number};
-use crate::ast::{Entry, Expression, ExpressionKind, Known, Operator};
+use crate::ast::{Entry, Expression, ExpressionKind, Known, Name, Operator};
 use crate::diagnostics;
 use crate::formula::is_function;
 use crate::requirement::is_temporal;
 use crate::value::distributions;
+use base::diagnostic::Span;
 
 /// Maximum number of terms and operators of one expression; later phases walk it recursively.
 const MAX_TERMS: usize = 500;
@@ -101,6 +102,16 @@ impl Reader {
                 return Expression { kind: ExpressionKind::Number { value, unit }, span };
             }
             Rule::text => ExpressionKind::Text(inner_text(&pair)),
+            Rule::signal => {
+                let (role, signal) = pair.as_str().split_once('.').expect("a signal has a role");
+                let part = |text: &str, start: usize| Name {
+                    text: text.to_string(),
+                    span: Span { start: span.start + start, end: span.start + start + text.len(), ..span },
+                };
+                let (role, function) = (part(role, 0), part(signal, role.len() + 1));
+                let arguments = vec![Expression { kind: ExpressionKind::Name(role.text), span: role.span }];
+                ExpressionKind::Call { function, arguments, keys: vec![None] }
+            }
             Rule::name => {
                 let function = self.name(pair);
                 let Some(list) = pairs.next_if(|pair| pair.as_rule() == Rule::arguments) else {

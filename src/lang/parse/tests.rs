@@ -48,6 +48,7 @@ const LINES: &[&str] = &[
     "param",
     "on",
     "\r",
+    "requirement r = always(a.gap > 1 m or not gap(a, b) < b.c)",
     "reward r { on hit => -a in m/s^2 / 2e-3 + 7..30 }",
     "town t { a: 7m b: 2 kg*m^-2/s c { x: 1_0.5 e: 3e } } // no",
     "requirement r = always(gap > 1 m) implies a < 3 m/s { priority: 1 }\nrequirement { a: 7 m { } }",
@@ -64,7 +65,7 @@ fn leaves(text: &str) -> Option<Vec<(TokenKind, usize, usize)>> {
     for pair in ScenarioParser::parse(Rule::file, text).ok()?.flatten() {
         let kind = match pair.as_rule() {
             Rule::junk_item | Rule::junk_entry => return None,
-            Rule::name | Rule::from_word | Rule::param_word | Rule::requirement_word => TokenKind::Name,
+            Rule::name | Rule::signal | Rule::from_word | Rule::param_word | Rule::requirement_word => TokenKind::Name,
             Rule::number => TokenKind::Number,
             Rule::unit => TokenKind::Unit,
             Rule::text => TokenKind::Text,

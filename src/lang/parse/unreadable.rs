@@ -74,7 +74,7 @@ impl Reader {
 /// The user's name of a rule; `None` for rules that mean nothing to a user. Exhaustive, so that a new rule gets a name.
 fn describe(rule: Rule) -> Option<&'static str> {
     Some(match rule {
-        Rule::name => "a name",
+        Rule::name | Rule::signal => "a name",
         Rule::number | Rule::quantity => "a number",
         Rule::unit => "a unit",
         Rule::text => "a text in quotes",

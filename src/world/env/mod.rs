@@ -25,6 +25,7 @@ mod component;
 mod spawn;
 mod test_oracle;
 mod signal;
+mod actor_signal;
 mod signal_meter;
 mod lane_watch;
 mod reward;

@@ -176,5 +176,6 @@ fn wanted(scenario: &Scenario) -> Option<Wanted> {
         is_measured(id) && formulas().any(|formula| formula.mentions(&|other| other == id))
             || requirements().any(|each| each.requirement.mentions(&|other| other == id))
     });
-    (wanted != Wanted::default()).then_some(wanted)
+    let has_requirements = requirements().next().is_some();
+    (has_requirements || wanted != Wanted::default()).then_some(wanted)
 }

@@ -1,10 +1,10 @@
 use super::signal::{Wanted, is_measured};
 use super::signal_meter::SignalMeter;
-use super::{Pair, Situation};
+use super::{Pair, Situation, actor_signal};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::requirement::{Degree, Trace as Margins};
 use crate::sim::{ActorId, ActorStart, Contact, PedestrianState, Start, World, time_of};
-use base::signature::Requirement;
+use base::signature::{Requirement, VariableId};
 
 /// The samples of a requirement in an episode in which the ego drives otherwise from a tick on, while all others do what they did.
 ///
@@ -33,9 +33,12 @@ impl<'a> OtherDrive<'a> {
         let cycle = lights.is_some().then_some(scenario.episode.light_cycle());
         let (town, obstacles) = (scenario.town.clone(), pair.obstacles().clone());
         let starts = vec![ActorStart::default(); bodies.len()];
-        let mut world = World::new(town, obstacles, vec![pair.blueprint.clone()], bodies, cycle, pair.dt());
+        let cars = cast.vehicles.iter().take(pair.trace.vehicle_count()).skip(1).map(|role| role.blueprint.clone());
+        let cars: Vec<_> = std::iter::once(pair.blueprint.clone()).chain(cars).collect();
+        let places = vec![ActorStart::default(); cars.len()];
+        let mut world = World::new(town, obstacles, cars, bodies, cycle, pair.dt());
         let light_phase = lights.map_or(0.0, |clock| clock.time() + first as f64 * pair.dt());
-        world.begin(&Start { vehicles: &[ActorStart::default()], pedestrians: &starts, light_phase });
+        world.begin(&Start { vehicles: &places, pedestrians: &starts, light_phase });
         let wanted = Wanted::new(|id| is_measured(id) && requirement.mentions(&|other| other == id));
         let room = pair.len() - first;
         Self {
@@ -72,6 +75,12 @@ impl<'a> OtherDrive<'a> {
                 pedestrian.state = *state;
             }
         }
+        for (other, vehicle) in self.world.vehicles.iter_mut().enumerate().skip(1) {
+            let states = self.pair.trace.vehicle(other);
+            if let Some(frame) = states.get(tick).or(states.last()) {
+                vehicle.state = frame.state;
+            }
+        }
         let state = &mut self.world.pedestrians[number].state;
         (state.pose.x, state.pose.y) = (walker.x, walker.y);
         self.world.vehicles[0].state.pose = ego;
@@ -82,7 +91,11 @@ impl<'a> OtherDrive<'a> {
             _ => self.meter.tick(&self.world, touch),
         }
         let situation = self.situation(tick, touch);
-        self.margins.push(self.requirement, &|id| situation.value(id));
+        let value = |id: VariableId| match id.of_actor() {
+            Some(signal) => actor_signal::value(&self.world, signal, touch),
+            None => situation.value(id),
+        };
+        self.margins.push(self.requirement, &value);
         self.samples += 1;
     }
 

@@ -1,7 +1,8 @@
-use super::{Scenario, Scene, Situation};
+use super::{Scenario, Scene, Situation, actor_signal};
 use crate::av::DrivingMode;
 use crate::geometry::Vector;
 use crate::requirement::{Degree, Monitor, NamedRequirement};
+use base::signature::VariableId;
 use std::sync::Arc;
 
 /// Evaluates requirements over the samples of an episode: one at its start, and one after each tick.
@@ -65,7 +66,11 @@ impl RequirementWatch {
     /// Takes a sample, which is about this pedestrian.
     pub(super) fn push(&mut self, scene: &Scene<'_>, pedestrian: usize, situation: &Situation) {
         let values = situation.values();
-        self.monitors().for_each(|monitor| monitor.push(&|id| values[id.0]));
+        let value = |id: VariableId| match id.of_actor() {
+            Some(signal) => actor_signal::value(scene.world, signal, scene.contact()),
+            None => values[id.0],
+        };
+        self.monitors().for_each(|monitor| monitor.push(&value));
         if self.goal.is_some() {
             let (ego, walker) = (scene.world.ego(), &scene.world.pedestrians[pedestrian].state);
             self.moments.push(Moment {

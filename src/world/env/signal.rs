@@ -160,12 +160,12 @@ pub(super) const HORIZON: f64 = 10.0;
 /// The greatest distance of a light or a crosswalk ahead (m).
 pub(super) const AHEAD: f64 = 100.0;
 /// No car reaches this speed, and no pedestrian this one (m/s).
-const FASTEST: f64 = 1000.0;
+pub(super) const FASTEST: f64 = 1000.0;
 const WALKING: f64 = 41.0;
 /// The longest episode: a million ticks of 0.1 s, and the shortest tick (s).
 const MAX_TIME: f64 = 1e5;
 const SHORTEST: f64 = 1e-3;
-const FARTHEST: f64 = FASTEST * MAX_TIME;
+pub(super) const FARTHEST: f64 = FASTEST * MAX_TIME;
 /// The centre of a pedestrian that touches a car is not at the car's centre (m).
 const TOUCHING: f64 = 0.1;
 
@@ -177,6 +177,7 @@ pub fn vocabulary() -> Vocabulary {
         |name, doc| Event { name, words: &[], declared: None, variables: until(Since::Motion), answered: true, doc };
     Vocabulary {
         variables: VARIABLES.iter().map(|(variable, _)| variable.clone()).collect(),
+        signals: super::actor_signal::signals(),
         events: vec![
             Event {
                 name: "hit",
@@ -242,7 +243,7 @@ impl Situation {
 
 /// The place of a requirement among those of a reward whose robustness a formula of that reward names: the variables after all others.
 pub fn robustness_of(id: VariableId) -> Option<usize> {
-    id.0.checked_sub(VARIABLES.len())
+    id.0.checked_sub(VARIABLES.len()).filter(|_| id.of_actor().is_none())
 }
 
 /// The variable for the robustness of the requirement in this place.
@@ -284,19 +285,24 @@ const OF_THE_MAP: &[&str] = &[
     "crosswalk_waiting",
 ];
 
+/// Whether a variable is one of these; no signal of an actor is.
+fn is_one_of(names: &[&str], id: VariableId) -> bool {
+    id.of_actor().is_none() && names.contains(&VARIABLES[id.0].0.name)
+}
+
 /// Whether a variable needs the map.
 pub fn is_about_map(id: VariableId) -> bool {
-    OF_THE_MAP.contains(&VARIABLES[id.0].0.name)
+    is_one_of(OF_THE_MAP, id)
 }
 
 /// Whether a variable says something of a pedestrian.
 pub fn is_about_pedestrian(id: VariableId) -> bool {
-    !OF_THE_EGO.contains(&VARIABLES[id.0].0.name)
+    !is_one_of(OF_THE_EGO, id)
 }
 
 /// Whether a variable says how hard the ego brakes.
 pub fn is_about_braking(id: VariableId) -> bool {
-    OF_ITS_BRAKE.contains(&VARIABLES[id.0].0.name)
+    is_one_of(OF_ITS_BRAKE, id)
 }
 
 /// Whether a variable is about the motion in all ticks of a decision.

@@ -155,6 +155,10 @@ impl Trace {
         self.obstacles.as_ref().unwrap_or(&scenario.obstacles)
     }
 
+    pub fn vehicle_count(&self) -> usize {
+        self.vehicles.len()
+    }
+
     pub fn pedestrian_count(&self) -> usize {
         self.pedestrians.len()
     }

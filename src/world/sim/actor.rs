@@ -22,6 +22,22 @@ impl ActorId {
     /// Maximum number of vehicles, and of pedestrians, in a world.
     pub const MAX_COUNT: usize = 255;
 
+    /// A number that tells it from all other actors: 0 for the ego.
+    pub fn code(self) -> usize {
+        match self {
+            Self::Vehicle(number) => number.into(),
+            Self::Pedestrian(number) => usize::from(number) + Self::MAX_COUNT + 1,
+        }
+    }
+
+    /// The actor of a number that [`ActorId::code`] gave.
+    pub fn of_code(code: usize) -> Self {
+        match code.checked_sub(Self::MAX_COUNT + 1) {
+            None => Self::Vehicle(code as u8),
+            Some(number) => Self::Pedestrian(number as u8),
+        }
+    }
+
     /// The number among the actors of its kind.
     pub fn number(self) -> usize {
         match self {
