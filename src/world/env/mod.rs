@@ -50,6 +50,7 @@ mod external_world;
 mod local_simulation;
 mod trace;
 mod pair;
+mod other_actor;
 mod other_drive;
 
 pub use action::ActionSpec;
@@ -63,6 +64,7 @@ pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use local_simulation::LocalSimulation;
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
+pub use other_actor::RecordedActor;
 pub use other_drive::OtherDrive;
 pub use outcome::{Ending, Impact, LeftOut, Outcome};
 pub use pair::{Frame, Pair};

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::pursuit::meeting_heading;
 use super::trace::VehicleFrame;
-use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario, Trace};
+use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, RecordedActor, ReferenceFrame, Scenario, Trace};
 use crate::av::{DrivingMode, EYE};
 use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
 use crate::requirement::Degree;
@@ -81,6 +81,14 @@ impl<'a> Pair<'a> {
         };
         let nearest = (0..self.trace.pedestrian_count()).min_by(|a, b| gap(a).total_cmp(&gap(b)));
         self.trace.pair(self.scenario, 0, nearest.unwrap_or(0))
+    }
+
+    /// The other actors of the episode.
+    pub fn others(&self) -> impl Iterator<Item = RecordedActor<'a>> + use<'a> {
+        let (scenario, trace, pair) = (self.scenario, self.trace, self.actors);
+        let (vehicles, pedestrians) = (trace.vehicle_count() as u8, trace.pedestrian_count() as u8);
+        let all = (0..vehicles).map(ActorId::Vehicle).chain((0..pedestrians).map(ActorId::Pedestrian));
+        all.filter(move |id| *id != pair.0 && *id != pair.1).map(move |id| RecordedActor::new(scenario, trace, id))
     }
 
     /// The pedestrian's number.

@@ -27,6 +27,7 @@ pub fn animation(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, 
             (view.draw_ground())
             (view.draw_ways(last, 0.35))
             (clock.sight())
+            (clock.others())
             (clock.car())
             (clock.person())
             (view.draw_scale())
@@ -125,6 +126,28 @@ impl<'a> Clock<'a> {
         };
         html! { @let radius = self.view.person_radius();
         circle.person r=(fine(radius)) stroke-width=(fine(radius * 0.25)) { (self.transform("translate", moved)) } }
+    }
+
+    /// The other actors; those that do not move are drawn once.
+    fn others(&self) -> Markup {
+        let (first, last) = self.view.span();
+        html! {
+            @for other in self.view.pair().others() {
+                @let places = (first..=last).map(|tick| other.state(tick).0).map(|pose| format!("{} {}", fine(pose.x), fine(-pose.y)));
+                @let places: Vec<String> = places.collect();
+                @let turned = px(-other.state(last).0.yaw.to_degrees()).to_string();
+                @let drawn = html! { g transform={ "rotate(" (turned) ")" } { (self.view.draw_other(&other)) } };
+                @if places.windows(2).all(|pair| pair[0] == pair[1]) {
+                    g transform={ "translate(" (places[0]) ")" } { (drawn) }
+                } @else {
+                    g {
+                        animateTransform attributeName="transform" type="translate" values={ (places.join(";")) ";" (places[places.len() - 1]) }
+                            keyTimes=(self.key_times) dur=(self.duration()) repeatCount="indefinite" {}
+                        (drawn)
+                    }
+                }
+            }
+        }
     }
 
     fn sight(&self) -> Markup {

@@ -4,7 +4,7 @@ use super::EpisodeView;
 use super::narrative::BRAKING;
 use crate::report::render::svg::{fine, line, px};
 use crate::report::render::town::Scenery;
-use world::env::Frame;
+use world::env::{Frame, RecordedActor};
 use world::geometry::Point;
 
 /// The scene of an episode from above, in metres, y down.
@@ -65,12 +65,36 @@ impl EpisodeView<'_> {
         html! { path class=(class) d=(self.line_of_sight(frame)) {} }
     }
 
-    /// Both at their positions.
-    pub fn draw_actors(&self, frame: &Frame) -> Markup {
+    /// The other actors after a tick, pale, with the names of their roles.
+    pub fn draw_others(&self, tick: usize) -> Markup {
+        html! {
+            @for other in self.pair().others() {
+                @let (pose, _) = other.state(tick);
+                @let at = format!("translate({} {}) rotate({})", fine(pose.x), fine(-pose.y), px(-pose.yaw.to_degrees()));
+                g transform=(at) { (self.draw_other(&other)) }
+            }
+        }
+    }
+
+    /// Another actor at the origin, facing along x.
+    pub fn draw_other(&self, other: &RecordedActor<'_>) -> Markup {
+        let (length, width) = (other.half.x, other.half.y);
+        html! {
+            @if other.is_pedestrian() { circle.person r=(fine(self.person_radius() * 0.8)) fill-opacity=".55" {} } @else {
+                rect.car x=(fine(-length)) y=(fine(-width)) width=(fine(2.0 * length)) height=(fine(2.0 * width)) rx=".3" fill-opacity=".45" {}
+            }
+            title { (other.name) }
+        }
+    }
+
+    /// Both at their positions, and the others.
+    pub fn draw_actors(&self, tick: usize) -> Markup {
+        let frame = self.frame(tick);
         let (pose, place) = (&frame.ego.pose, frame.pedestrian.pose.position());
         let lamps = if frame.control.brake > BRAKING { "1" } else { "0" };
         let turned = px(-pose.yaw.to_degrees());
         html! {
+            (self.draw_others(tick))
             g transform={ "translate(" (fine(pose.x)) " " (fine(-pose.y)) ") rotate(" (turned) ")" } {
                 (self.draw_car(lamps, &html! {}))
             }

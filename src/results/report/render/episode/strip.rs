@@ -43,7 +43,7 @@ pub fn strip(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, titl
                 use href="#ground" {}
                 (view.draw_ways(tick, 0.75))
                 (view.draw_sight(view.frame(tick)))
-                (view.draw_actors(view.frame(tick)))
+                (view.draw_actors(tick))
                 @if frame == 0 { (view.draw_scale()) }
             }
             rect.frame x=(px(x)) y=(px(y)) width=(WIDE) height=(px(tall)) {}

@@ -86,6 +86,14 @@ fn actors(replay: &Replay, first: usize, tick: usize) -> Markup {
     let (length, width) = (replay.car[0] as f64 / 100.0, replay.car[1] as f64 / 100.0);
     let turned = Digits((ego[2] as f64 / 1000.0).to_degrees(), 1);
     html! {
+        @for other in &replay.others {
+            @let (state, [length, width]) = (other.at(tick), other.half.map(|half| half as f64 / 100.0));
+            @let (x, y) = metres(state);
+            @let turned = Digits((state[2] as f64 / 1000.0).to_degrees(), 1);
+            @if other.is_pedestrian { circle.person cx=(fine(x)) cy=(fine(y)) r=".45" fill-opacity=".55" {} } @else {
+                rect.car transform={ "translate(" (fine(x)) " " (fine(y)) ") rotate(" (turned) ")" } x=(fine(-length)) y=(fine(-width)) width=(fine(2.0 * length)) height=(fine(2.0 * width)) rx=".3" fill-opacity=".45" {}
+            }
+        }
         path.way stroke-width=".35" d=(way(&replay.ego)) {}
         path.trail stroke-width=".35" d=(way(&replay.person)) {}
         g transform={ "translate(" (fine(x)) " " (fine(y)) ") rotate(" (turned) ")" } {

@@ -121,7 +121,8 @@ class Player {
   // A state between two ticks; an angle is interpolated the short way round.
   between(states, exact) {
     const from = Math.max(0, Math.min(this.end, Math.floor(exact))), share = Math.max(0, Math.min(this.end, exact)) - from;
-    const a = states[from], b = states[Math.min(this.end, from + 1)];
+    // A parked car has one state.
+    const at = (tick) => states[Math.min(states.length - 1, tick)], a = at(from), b = at(Math.min(this.end, from + 1));
     const turn = ((b[2] - a[2] + 9425) % 6283 + 6283) % 6283 - 3142;
     return { x: (a[0] + (b[0] - a[0]) * share) / 100, y: (a[1] + (b[1] - a[1]) * share) / 100, yaw: (a[2] + turn * share) / 1000, speed: (a[3] + (b[3] - a[3]) * share) / 100 };
   }
@@ -144,7 +145,7 @@ class Player {
 
   draw(exact = this.tick) {
     const ego = this.between(this.data.ego, exact), person = this.between(this.data.person, exact);
-    this.drawScene(ego, person);
+    this.drawScene(ego, person, exact);
     this.drawTrace();
     this.tell(ego, person);
     this.bar.value = this.tick;
@@ -160,7 +161,7 @@ class Player {
     return { x: (left + right) / 2, y: (low + high) / 2, scale: Math.min(width / (right - left + 14), height / (high - low + 14)) * this.zoom };
   }
 
-  drawScene(ego, person) {
+  drawScene(ego, person, exact) {
     const paper = this.paper(this.scene);
     if (!paper) return;
     const { context: c, width, height } = paper, { data, colour } = this;
@@ -198,6 +199,7 @@ class Player {
     c.lineWidth = 1.4 / view.scale;
     c.stroke();
     c.setLineDash([]);
+    for (const other of data.others ?? []) this.drawOther(c, other, this.between(other.states, exact), view.scale);
     this.drawCar(c, ego);
     this.drawPerson(c, person, view.scale);
     if (data.touch && this.tick === this.end) {
@@ -238,6 +240,33 @@ class Player {
     box(-length * 0.72, -side * 0.75, length * 0.22, side * 1.5, 0.2, this.colour.ground);
     c.globalAlpha = 1;
     if (braking) for (const y of [-side, side - 0.5]) box(-length - 0.22, y, 0.34, 0.5, 0.1, this.colour.brake);
+    c.restore();
+  }
+
+  // Another actor, pale, with the name of its role.
+  drawOther(c, other, state, scale) {
+    const [length, side] = [other.half[0] / 100, other.half[1] / 100];
+    c.save();
+    c.translate(state.x, state.y);
+    c.globalAlpha = 0.55;
+    c.beginPath();
+    if (other.is_pedestrian) {
+      c.fillStyle = this.colour.person;
+      c.arc(0, 0, Math.max(length, 4 / scale), 0, 7);
+      c.fill();
+    } else {
+      c.save();
+      c.rotate(state.yaw);
+      c.fillStyle = this.colour.car;
+      c.roundRect(-length, -side, 2 * length, 2 * side, 0.3);
+      c.fill();
+      c.restore();
+    }
+    c.globalAlpha = 1;
+    c.scale(1 / scale, -1 / scale);
+    c.font = "11px system-ui, sans-serif";
+    c.fillStyle = this.colour.muted;
+    c.fillText(other.name, 8, -8);
     c.restore();
   }
 

@@ -32,6 +32,9 @@ pub struct Replay {
     pub ego: Vec<[i64; 4]>,
     /// The pedestrian at each tick: x, y, yaw, speed.
     pub person: Vec<[i64; 4]>,
+    /// The other actors.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<OtherTrack>,
     /// The driver's actions: first tick, and name.
     pub modes: Vec<(usize, &'static str)>,
     /// Brake of each tick.
@@ -55,6 +58,24 @@ pub struct Replay {
     /// The episode in a sentence or two, which the card has.
     #[serde(skip)]
     pub short: String,
+}
+
+/// Another actor of an episode in that format.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OtherTrack {
+    pub name: String,
+    pub is_pedestrian: bool,
+    /// Half length and half width (cm).
+    pub half: [i64; 2],
+    /// It at each tick: x, y, yaw, speed; a parked car once.
+    pub states: Vec<[i64; 4]>,
+}
+
+impl OtherTrack {
+    /// Its state at a tick.
+    pub fn at(&self, tick: usize) -> &[i64; 4] {
+        &self.states[tick.min(self.states.len() - 1)]
+    }
 }
 
 impl Replay {
@@ -109,6 +130,18 @@ impl Replay {
             radius: whole(pair.body.radius, 0.01),
             scenery: scenery.within(low - margin, high + margin).polygons.iter().map(polygon).collect(),
             ego: frames.iter().map(|frame| state(&frame.ego.pose, frame.ego.speed)).collect(),
+            others: pair
+                .others()
+                .map(|other| OtherTrack {
+                    name: other.name.to_string(),
+                    is_pedestrian: other.is_pedestrian(),
+                    half: [whole(other.half.x, 0.01), whole(other.half.y, 0.01)],
+                    states: (0..if other.is_parked { 1 } else { frames.len() })
+                        .map(|tick| other.state(tick))
+                        .map(|(pose, speed)| state(&pose, speed))
+                        .collect(),
+                })
+                .collect(),
             person: frames.iter().map(|m| state(&m.pedestrian.pose, m.pedestrian.speed())).collect(),
             modes,
             brake: frames.iter().map(|frame| whole(frame.control.brake, 0.01)).collect(),
