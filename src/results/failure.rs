@@ -2,7 +2,6 @@
 
 use std::cmp::Ordering;
 
-use crate::analysis::Approach;
 use crate::jobs::Find;
 use crate::record::{CellKey, EpisodeTable, RunKey};
 use base::choice;
@@ -102,8 +101,6 @@ pub struct Failure {
     pub episode_length: Option<f64>,
     /// The requirement that is violated; `None` of a collision or a bump.
     pub violation: Option<Violation>,
-    /// The approach before the touch, once it was repeated.
-    pub approach: Option<Approach>,
 }
 
 /// A violation of a requirement.

@@ -1,10 +1,9 @@
-//! What a campaign leaves behind: tasks, rows of episodes, stored results, analyses, reports and their pages.
+//! What a campaign leaves behind: tasks, rows of episodes, stored results, reports and their pages.
 
 pub mod record;
 pub mod campaign;
 pub mod jobs;
 pub mod parallel;
 pub mod failure;
-pub mod analysis;
 pub mod report;
 pub mod store;

@@ -39,7 +39,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("polars_parquet_format", &["results/record"]),
     ("maud", &["results/report", "results/jobs"]),
     ("comfy_table", &["results/report"]),
-    ("smartcore", &["results/analysis"]),
+    ("smartcore", &["world/classification_tree"]),
     ("toml", &["results/report", "program/cli", "program/commands"]),
     ("lsp_server", &["program/lsp"]),
     ("lsp_types", &["program/lsp"]),

@@ -3,14 +3,12 @@
 #[path = "../common/repository.rs"]
 mod repository;
 
-mod approach;
 mod candidates;
 mod covers;
 mod estimates;
 mod gates;
 mod hardening;
 mod hunters;
-mod kinds;
 mod searches;
 
 use repository::repository;

@@ -13,7 +13,7 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, Error, Notice, RepeatOptions, Session};
 use results::failure::{Failure, FailureOrder};
 use results::report::{self, ListedFailure, StoredReport};
-use world::cause::FailureKind;
+use world::cause::Shrunk;
 use world::judge::Label;
 
 /// Number of failures that a table shows by default.
@@ -273,26 +273,16 @@ impl Session {
         let name = |each: &FoundFailure| Ok((each.report.clone(), EpisodeName::of_table(each.failure.name())?));
         let names: Vec<_> = found.iter().map(name).collect::<Result<_, Error>>()?;
         let shrunk = self.shrink(&names, options, MAX_RUNS)?;
-        let mut classes: Vec<(PathBuf, String, (FailureKind, usize))> = Vec::new();
-        let mut merged: Vec<FoundFailure> = Vec::new();
-        let mut places: Vec<usize> = Vec::new();
-        let mut unrepeated = 0;
-        for (each, shrunk) in found.into_iter().zip(shrunk) {
-            let Ok(shrunk) = shrunk else {
-                unrepeated += 1;
-                merged.push(each);
-                continue;
-            };
-            let class = (each.report.clone(), each.failure.key.cell.policy.clone(), shrunk.class());
-            match classes.iter().position(|other| *other == class) {
-                Some(same) => merged[places[same]].merged += 1,
-                None => {
-                    places.push(merged.len());
-                    classes.push(class);
-                    merged.push(each);
-                }
-            }
-        }
+        let unrepeated = shrunk.iter().filter(|shrunk| shrunk.is_err()).count();
+        let class = |each: &FoundFailure, shrunk: Result<Shrunk, Error>| {
+            Some((each.report.clone(), each.failure.key.cell.policy.clone(), shrunk.ok()?.class()))
+        };
+        let classed = found.into_iter().zip(shrunk).map(|(each, shrunk)| {
+            let class = class(&each, shrunk);
+            (each, class)
+        });
+        let firsts = report::first_of_each(classed).into_iter();
+        let merged = firsts.map(|(first, merged)| FoundFailure { merged, ..first }).collect();
         if unrepeated > 0 {
             self.notice(&Notice::Warning(format!(
                 "{unrepeated} failures could not be repeated, so they are not merged"

@@ -11,10 +11,8 @@ use super::{
 use base::seed::Seed;
 use compile::{Campaign, ExternalProgram};
 use results::campaign::{self, Finished, Task};
-use results::jobs::{SearchResult, TrainingResult};
-use results::report::{
-    self, Episodes, FailureModes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Section, WriteError,
-};
+use results::jobs::SearchResult;
+use results::report::{self, Episodes, Findings, Gate, Gathered, Judged, Manifest, ReportFolder, Section, WriteError};
 use results::store::{CampaignStore, Ids, Index, Note, Store, StoreError};
 
 /// Which tasks are run.
@@ -251,16 +249,15 @@ impl<'a> CampaignRun<'a> {
     {
         let campaign = self.campaign;
         let seed = Seed::root(self.options.seed);
-        let mut modes = FailureModes::new(campaign, finished.all::<TrainingResult>(), &seed);
         let episodes = Episodes::new(campaign, results);
-        let gathered = report::gather(draft, &episodes, &mut modes, finished.all::<SearchResult>());
+        let gathered = report::gather(draft, &episodes, finished.all::<SearchResult>());
         let gathered = gathered.map_err(|error| self.options.keep(error))?;
         self.check(results)?;
         if gathered.episodes == 0 && finished.is_empty {
             return Ok(None);
         }
         self.notice_errors(&gathered);
-        let found = Findings::new(campaign, finished, gathered, modes, self.options.smoke);
+        let found = Findings::new(campaign, finished, gathered, &seed, self.options.smoke);
         for caution in &found.cautions {
             let caution = Box::new(caution.clone());
             self.session.notice(&Notice::Caution { campaign: self.name.clone(), caution });

@@ -20,7 +20,6 @@ pub use cover::FoundInBox;
 pub(crate) use cover::percent_above;
 pub use episodes::watch;
 pub use measurement::{Measured, Measurement};
-pub(crate) use repeat::repeat_episodes;
 pub use repeat::{Repeatable, Repeated};
 pub use search::{Find, SearchResult};
 pub use training::{TrainingResult, learning_curve_lines, networks, pedestrian_file};

@@ -53,9 +53,14 @@ impl Repeatable<'_> {
     pub fn repeat(&self, seed: &Seed) -> Option<Repeated> {
         let (scenario, start, (outcome, trace)) = match *self {
             Self::Episode { evaluation, networks, number } => {
+                if evaluation.origin.needs.is_some() && networks.is_none() {
+                    return None;
+                }
                 let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
+                let go_on = &mut |_| ControlFlow::Continue(());
                 let start = (episodes_seed(seed, &evaluation.town), number.into());
-                (&evaluation.scenario, start, repeat_episodes(evaluation, networks, &[number], seed, note).pop()?.1)
+                let seen = watch(evaluation, networks, number..number + 1, seed, note, go_on).pop()?;
+                (&evaluation.scenario, start, seen)
             }
             Self::Find { search, start, commands } => {
                 let starts = search.starts(seed);
@@ -65,26 +70,4 @@ impl Repeatable<'_> {
         let judged = Judged::new(&outcome, &trace.main_pair(scenario));
         Some(Repeated { scenario: scenario.clone(), trace, judged, start })
     }
-}
-
-/// Repeats episodes of an evaluation, by their numbers in ascending order, and gives what `note` makes of each with its number. It gives
-/// nothing if the pedestrian was to be trained and there are no networks. Consecutive episodes run together, which is faster for drivers
-/// with batches.
-pub fn repeat_episodes<T>(
-    evaluation: &Evaluation,
-    networks: Option<&ActorCritic>,
-    numbers: &[u32],
-    seed: &Seed,
-    note: &mut dyn FnMut(&Outcome, &Trace) -> T,
-) -> Vec<(u32, T)> {
-    let mut noted = Vec::with_capacity(numbers.len());
-    if evaluation.origin.needs.is_some() && networks.is_none() {
-        return noted;
-    }
-    for row in numbers.chunk_by(|one, next| one + 1 == *next) {
-        let (Some(first), Some(last)) = (row.first(), row.last()) else { continue };
-        let go_on = &mut |_| ControlFlow::Continue(());
-        noted.extend((*first..).zip(watch(evaluation, networks, *first..*last + 1, seed, note, go_on)));
-    }
-    noted
 }

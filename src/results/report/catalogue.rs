@@ -1,7 +1,7 @@
 //! All tables of a report with their columns.
 
 use super::metric_table::metric_table_reference;
-use super::{aggregate, failure_modes, infer};
+use super::{aggregate, infer};
 use crate::jobs::KINDS;
 use crate::record::{TableReference, episode_references, metrics, reference_driver_columns};
 
@@ -17,7 +17,6 @@ pub fn catalogue() -> Vec<TableReference> {
         infer::comparison_table().reference(),
         aggregate::published_table().reference(),
     ];
-    all.extend(failure_modes::references());
     all.extend(KINDS.iter().flat_map(|kind| (kind.references)()));
     all.extend([aggregate::protocol_table().reference(), aggregate::tick_table().reference()]);
     all

@@ -1,12 +1,13 @@
 use super::aggregate::cells;
 use super::caution::{Caution, cautions};
-use super::failure_modes::CellModes;
+use super::distinct::listed_findings;
 use super::{
-    Cell, Doubt, DriverResult, FailureModes, Gathered, ProtocolCell, PublishedComparison, SearchCell, SearchComparison,
-    beside, doubts, driver_results, layer_cells, search_cells, search_comparisons,
+    Cell, DistinctFailure, Doubt, DriverResult, Gathered, ProtocolCell, PublishedComparison, SearchCell,
+    SearchComparison, beside, doubts, driver_results, layer_cells, search_cells, search_comparisons,
 };
 use crate::campaign::Finished;
 use crate::jobs::SearchResult;
+use base::seed::Seed;
 use compile::Campaign;
 
 /// What a campaign found. Files, page, summary and gates read it and compute nothing of it again.
@@ -19,8 +20,8 @@ pub struct Findings<'a> {
     pub cells: Vec<Cell>,
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
-    /// The kinds of collisions of each cell.
-    pub modes: Vec<CellModes>,
+    /// The distinct ones among the worst failures.
+    pub distinct: Vec<DistinctFailure>,
     /// Published figures beside ours.
     pub published: Vec<PublishedComparison<'a>>,
     /// The results in the tests of a protocol within its layers.
@@ -37,21 +38,16 @@ pub struct Findings<'a> {
 
 impl<'a> Findings<'a> {
     /// Works them out.
-    pub fn new(
-        campaign: &'a Campaign,
-        finished: &'a Finished,
-        gathered: Gathered,
-        modes: FailureModes<'_>,
-        smoke: bool,
-    ) -> Self {
+    pub fn new(campaign: &'a Campaign, finished: &'a Finished, gathered: Gathered, seed: &Seed, smoke: bool) -> Self {
         let cells = cells(&gathered.runs);
         let evidence = &gathered.evidence.cells;
         let keys = evidence.iter().map(|found| &found.key);
         assert!(cells.iter().map(|cell| &cell.key).eq(keys), "a bug: cells and their evidence are in one order");
         let searches = search_cells(finished.all::<SearchResult>());
-        Self {
-            drivers: driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>()),
-            modes: modes.finish(),
+        let drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>());
+        let mut found = Self {
+            distinct: Vec::new(),
+            drivers,
             published: beside(&campaign.published, &cells, evidence),
             layers: layer_cells(campaign, finished.all::<SearchResult>()),
             cautions: cautions(&cells, finished.all::<SearchResult>(), &searches),
@@ -62,6 +58,8 @@ impl<'a> Findings<'a> {
             finished,
             cells,
             gathered,
-        }
+        };
+        found.distinct = listed_findings(&found, seed);
+        found
     }
 }

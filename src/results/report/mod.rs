@@ -1,14 +1,14 @@
 //! Rows in, files out: tables, figures, summary, page, manifest.
 //!
 //! Four jobs, a folder each: `aggregate` makes runs and cells of episodes, `infer` their evidence for further trainings, `render`
-//! text and pictures, and `read` reads a report back. `failure_modes` finds kinds of collisions. The rest writes files.
+//! text and pictures, and `read` reads a report back. The rest writes files.
 
 mod aggregate;
 mod infer;
 mod failure_change;
 mod compare;
 mod recheck;
-mod failure_modes;
+mod distinct;
 mod render;
 mod read;
 mod catalogue;
@@ -40,8 +40,8 @@ pub use aggregate::{
 pub(crate) use aggregate::{SEARCH_COMPARISONS, search_comparison_table, search_table};
 pub use catalogue::catalogue;
 pub use caution::Caution;
+pub use distinct::{DistinctFailure, MAX_SHRUNK, first_of_each};
 pub use failure_change::{FailureChange, SideCollision, SideEnd};
-pub use failure_modes::{FailureModes, failure_modes};
 pub use findings::Findings;
 pub use infer::{Doubt, Figure, Learning, Learnt, Reason, Untrained, doubts};
 pub use metric_table::{METRICS, metric_references};

@@ -1,6 +1,5 @@
 use super::aggregate::{PROTOCOL, RESULTS, RUNS, protocol_table, results, run_table};
 use super::dossier::dossier;
-use super::failure_modes;
 use super::metric_table::{METRICS, metric_table};
 use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
@@ -26,8 +25,6 @@ pub fn write(
     folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
     folder.table(METRICS, &metric_table(&found.cells, &evidence.cells, &gathered.requirements))?;
     folder.table("comparisons", &infer::comparison_table().frame(&evidence.comparisons))?;
-    folder.table("failure_modes", &failure_modes::failure_modes(&found.modes))?;
-    folder.table("explanations", &failure_modes::explanations(&found.modes))?;
     for (name, table) in KINDS.iter().filter_map(|kind| (kind.tables)(found)).flatten() {
         folder.table(name, &table)?;
     }

@@ -8,7 +8,7 @@ use super::run_totals::{RunRow, RunTotals};
 use super::{Episodes, Failures, Run, search_references};
 use crate::jobs::SearchResult;
 use crate::record::{self, EPISODES, EpisodeTable, REFERENCE_DRIVERS};
-use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
+use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
 use compile::{ControllerKind, Evaluation};
 
 /// The results of one pass over all episodes: small tables, counts, and a bounded sample.
@@ -54,7 +54,6 @@ pub struct Gathered {
 pub fn gather(
     folder: &ReportFolder,
     episodes: &Episodes<'_>,
-    kinds: &mut FailureModes<'_>,
     searches: &[SearchResult],
 ) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
@@ -115,7 +114,6 @@ pub fn gather(
                 violations[index % named.len()].add(row);
             }
             gathered.failures.add_violations(&run.key.cell, &degrees);
-            kinds.add(&run.key, &episodes);
             if part.height() > 0 {
                 evidence.add(&run.key, &episodes);
             }

@@ -22,7 +22,7 @@ pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit};
 pub use overview::{overview_for_terminal, overview_page};
 pub(super) use page::document;
-pub use page::{Replay, Tally, page_examples, write_page};
+pub use page::{Replay, Tally, listed, page_examples, write_page};
 pub use recheck_sections::recheck_report;
 pub(crate) use sections::search_section;
 pub use sections::{Group, SectionMaker, failures_for_terminal, sections};

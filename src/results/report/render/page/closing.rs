@@ -77,16 +77,14 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
 }
 
 /// The files of a report that may interest a reader.
-const WHAT: [(&str, &str); 12] = [
+const WHAT: [(&str, &str); 10] = [
     ("summary.md", "the tables of this page as text"),
     ("results.csv", "one row for each pedestrian, town and driver; open it first"),
     ("metrics.csv", "all metrics of these, one a row"),
     ("runs.csv", "one row for each run of a cell"),
     ("episodes.csv", "one row for each episode"),
     ("episodes.parquet", "the same, smaller"),
-    ("failure_modes.csv", "the kinds of collisions"),
     ("comparisons.csv", "paired comparisons"),
-    ("explanations.csv", "rules that separate failures from passes"),
     ("learning_curve.csv", "one row for each update of each training"),
     ("search_cells.csv", "falsifiers compared"),
     ("manifest.toml", "version, seed, files and times"),

@@ -32,4 +32,5 @@ pub use results::results as results_picture;
 pub use spawns::spawns;
 pub use tally::Tally;
 pub use verdicts::verdicts;
+pub use worst::listed;
 pub use write::{page_examples, write_page};

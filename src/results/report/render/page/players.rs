@@ -3,12 +3,7 @@ use std::collections::BTreeMap;
 use super::super::town::Scenery;
 use super::Replay;
 use crate::jobs::Repeated;
-use crate::parallel;
-use crate::report::PlayedFailure;
-use world::cause::explain;
-
-/// Maximum number of failures whose cause is found.
-const MAX_EXPLAINED: usize = 8;
+use crate::report::{DistinctFailure, PlayedFailure};
 
 /// The failures that can be played on a page.
 #[derive(Debug, Default)]
@@ -19,16 +14,15 @@ pub struct Players {
 }
 
 impl Players {
-    /// Converts these failures to the player's format. The options are those that `falsify replay` needs.
-    pub fn new(played: &[PlayedFailure<'_>], options: Option<&'static str>) -> Self {
+    /// Converts these failures to the player's format, with the causes of the distinct ones. The options are those that `falsify replay` needs.
+    pub fn new(played: &[PlayedFailure<'_>], distinct: &[DistinctFailure], options: Option<&'static str>) -> Self {
         let mut scenery: BTreeMap<&str, Scenery> = BTreeMap::new();
         let mut all = BTreeMap::new();
-        let cause = |(.., repeated): &PlayedFailure<'_>| Some(explain(&repeated.incident()?, false)?.sentence());
-        let mut causes = parallel::map(&played[..played.len().min(MAX_EXPLAINED)], cause).into_iter();
+        let cause = |name: &str| distinct.iter().find(|each| each.failure.name() == name)?.cause.as_ref();
         for (name, town, Repeated { scenario, trace, judged, .. }) in played {
             let scenery = scenery.entry(town).or_insert_with(|| Scenery::new(&scenario.town));
             let mut replay = Replay::new(scenario, scenery, trace, judged);
-            if let Some(cause) = causes.next().flatten() {
+            if let Some(cause) = cause(name) {
                 replay.short = format!("{cause} {}", replay.short);
             }
             all.insert(name.clone(), replay);

@@ -12,7 +12,7 @@ const MAX_PLAYED: usize = 44;
 /// Maximum number of violations of evaluations that can be played.
 const MAX_VIOLATIONS: usize = 12;
 
-/// The names of the failures that the page plays, each once, the most important first: the worst, the examples of kinds, then the first of the list. A program of
+/// The names of the failures that the page plays, each once, the most important first: the worst, the distinct ones, then the first of the list. A program of
 /// the user may take long to start, so of its failures only the first are played.
 pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
@@ -22,7 +22,7 @@ pub fn page_examples(found: &Findings<'_>) -> Vec<String> {
         }
     };
     let worst = worst_failure(&found.drivers).into_iter().chain(worst(&found.drivers)).map(Failure::name);
-    let examples = found.modes.iter().flat_map(|cell| &cell.modes).map(|mode| mode.example.name());
+    let examples = found.distinct.iter().map(|each| each.failure.name());
     worst.chain(examples).for_each(|name| add(&mut names, name, MAX_FIRST));
     let is_external =
         |name: &str| found.drivers.iter().any(|each| each.driver.name == name && each.driver.is_external());
@@ -60,7 +60,8 @@ pub fn write_page(
     for figure in sections.iter().flat_map(|section| &section.figures) {
         folder.file(&format!("{}.svg", figure.name), figure.to_svg().as_bytes())?;
     }
-    let players = Players::new(played, folder.has_parquet().then(|| manifest.call.replay_options()));
+    let options = folder.has_parquet().then(|| manifest.call.replay_options());
+    let players = Players::new(played, &found.distinct, options);
     let html = page(found, sections, &players, manifest, &folder.names()?);
     folder.file("report.html", html.as_bytes())
 }

@@ -8,7 +8,7 @@ mod results;
 mod published;
 mod requirements;
 mod avoidable;
-mod kinds;
+mod distinct_failures;
 mod searches;
 mod search_pairs;
 mod learnt;
@@ -51,7 +51,7 @@ const GROUPS: [(Group, &[SectionMaker]); 4] = [
         Group::Rates,
         &[drivers::drivers, protocol::protocol, results::results, published::published, requirements::requirements],
     ),
-    (Group::Failures, &[avoidable::avoidable, kinds::kinds]),
+    (Group::Failures, &[avoidable::avoidable, distinct_failures::distinct_failures]),
     (Group::Comparisons, &[learnt::learnt, comparisons::comparisons, reference_drivers::reference_drivers]),
     (Group::Starts, &[starts::starts]),
 ];

@@ -1,0 +1,96 @@
+use super::Findings;
+use super::render::listed;
+use super::replayed::played_failure;
+use crate::failure::Failure;
+use crate::parallel;
+use base::seed::Seed;
+use world::cause::{Shrunk, explain, shrink};
+
+/// Maximum number of failures of a page that are shrunk, the first of its list.
+pub const MAX_SHRUNK: usize = 24;
+/// Maximum number of failures of a page whose cause is found.
+const MAX_EXPLAINED: usize = 8;
+/// Maximum number of runs in which a failure is shrunk.
+const MAX_RUNS: u32 = 600;
+
+/// A failure for all that shrink to the same.
+#[derive(Debug, Clone)]
+pub struct DistinctFailure {
+    pub failure: Failure,
+    /// The number of failures that shrink to it, itself included.
+    pub merged: usize,
+    /// The number of commands before and after it was shrunk; `None` if it was not repeated.
+    pub commands: Option<[usize; 2]>,
+    /// Why it happened, in a sentence; `None` if that is not known.
+    pub cause: Option<String>,
+}
+
+/// The first of the items of each class, with how many there are. An item without a class is alone.
+pub fn first_of_each<T, C: PartialEq>(items: impl IntoIterator<Item = (T, Option<C>)>) -> Vec<(T, usize)> {
+    let mut firsts: Vec<(T, usize)> = Vec::new();
+    let mut classes: Vec<Option<C>> = Vec::new();
+    for (item, class) in items {
+        match classes.iter().position(|known| class.is_some() && *known == class) {
+            Some(place) => firsts[place].1 += 1,
+            None => {
+                firsts.push((item, 1));
+                classes.push(class);
+            }
+        }
+    }
+    firsts
+}
+
+/// The distinct ones among the first failures of the list of a page. Those of a program of the user are left out, which may take long to start.
+pub fn listed_findings(found: &Findings<'_>, seed: &Seed) -> Vec<DistinctFailure> {
+    let listed = listed(&found.drivers, &found.gathered.failures).into_iter();
+    let first: Vec<&Failure> = listed.filter(|failure| !is_of_program(found, failure)).take(MAX_SHRUNK).collect();
+    distinct_failures(found, &first, MAX_EXPLAINED, seed)
+}
+
+/// The distinct ones among some failures, with the causes of the first. Those of a program of the user are not repeated.
+pub fn distinct_failures(
+    found: &Findings<'_>,
+    failures: &[&Failure],
+    max_explained: usize,
+    seed: &Seed,
+) -> Vec<DistinctFailure> {
+    let shrunk = parallel::map(failures, |failure| {
+        let (.., repeated) =
+            (!is_of_program(found, failure)).then(|| played_failure(&failure.name(), found, seed))??;
+        shrink(&repeated.incident()?, MAX_RUNS)
+    });
+    let class = |failure: &Failure, shrunk: &Shrunk| (failure.key.cell.policy.clone(), shrunk.class());
+    let classed = failures.iter().zip(shrunk).map(|(failure, shrunk)| {
+        let class = shrunk.as_ref().map(|shrunk| class(failure, shrunk));
+        ((*failure, shrunk), class)
+    });
+    let firsts = first_of_each(classed);
+    let explained = &firsts[..firsts.len().min(max_explained)];
+    let mut causes =
+        parallel::map(explained, |((_, shrunk), _)| Some(explain(&shrunk.as_ref()?.incident, false)?.sentence()))
+            .into_iter();
+    let distinct = |((failure, shrunk), merged): ((&Failure, Option<Shrunk>), usize)| DistinctFailure {
+        failure: failure.clone(),
+        merged,
+        commands: shrunk.map(|shrunk| shrunk.counts),
+        cause: causes.next().flatten(),
+    };
+    firsts.into_iter().map(distinct).collect()
+}
+
+/// Whether the driver of a failure is a program of the user.
+fn is_of_program(found: &Findings<'_>, failure: &Failure) -> bool {
+    found.drivers.iter().any(|each| each.driver.name == failure.key.cell.policy && each.driver.is_external())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_of_each_class_is_kept_and_counts_the_others() {
+        let items = [("a", Some(1)), ("b", None), ("c", Some(2)), ("d", Some(1)), ("e", None), ("f", Some(1))];
+        assert_eq!(first_of_each(items), [("a", 3), ("b", 1), ("c", 1), ("e", 1)]);
+    }
+}

@@ -1,0 +1,31 @@
+use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::{DistinctFailure, Findings, MAX_SHRUNK};
+
+/// Each distinct failure once, with its cause; `None` without a failure.
+pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {
+    let row = |DistinctFailure { failure, merged, cause, .. }: &DistinctFailure| {
+        vec![
+            Value::Text(failure.key.cell.policy.clone()),
+            failure.word().into(),
+            failure.kind().into(),
+            Value::Count(*merged as u64),
+            Value::Failure(failure.name()),
+            cause.as_deref().unwrap_or("–").into(),
+        ]
+    };
+    let mut head = ["driver", "verdict", "kind"].map(Column::text).to_vec();
+    head.push(Column::number("failures"));
+    head.extend(["the first", "cause"].map(Column::text));
+    let shown = found.distinct.iter().map(row).collect();
+    (!found.distinct.is_empty()).then(|| Section {
+        id: "distinct",
+        name: "Distinct failures",
+        title: "Distinct failures",
+        tables: vec![Table { head, rows: shown, ..Table::default() }],
+        notes: vec![format!(
+            "The first {MAX_SHRUNK} failures of the list were shrunk to the fewest commands of the pedestrian. Those of a driver that shrink to the same kind \
+             with the same number of commands are one row. `falsify failures REPORT --distinct --why` does so with all failures, and finds the cause of each."
+        )],
+        ..Section::default()
+    })
+}
