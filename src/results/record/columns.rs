@@ -227,20 +227,3 @@ pub const FALSE_BRAKE: Family<bool> = Family::new(
     "whether that reference driver would have braked needlessly: in an approach in which a car that keeps its pace does not touch the \
      pedestrian either; missing with a collision and in error",
 );
-pub const FALSE_STOP: Family<bool> =
-    Family::new("_false_stop", "", "whether it would have braked to a stop needlessly");
-pub const MOVED: Family<bool> = Family::new(
-    "_moved",
-    "",
-    "whether that reference driver's car was ever faster than 0.1 m/s; one that never drives off hits nothing",
-);
-pub const MARGIN: Family<f64> = Family::new(
-    "_margin_m",
-    "m",
-    "least gap until the reference driver's car stood or had passed, if it avoids the collision",
-);
-pub const SPEED_REDUCTION: Family<f64> = Family::new(
-    "_impact_speed_reduction_mps",
-    "m/s",
-    "recorded impact speed less that of the reference driver; all of it if it avoids the collision, negative if it hits harder",
-);

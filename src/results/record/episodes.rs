@@ -1,16 +1,15 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEFT_LANE, LEFT_OUT, LEFT_ROAD,
-    MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW,
-    PET, PLACED, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN,
-    VEHICLE, VELOCITY_CHANGE, WORLD,
+    ADVERSARY, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEFT_LANE, LEFT_OUT,
+    LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y,
+    PEDESTRIAN_YAW, PET, PLACED, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY,
+    TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, WORLD,
 };
-use super::reference_drivers::{is_of_reference_driver, reference_columns};
 use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
 use world::env::{Ending, LeftOut, Outcome};
-use world::judge::{LaneDeparture, NearMiss, PedestrianMotion};
+use world::judge::{LaneDeparture, NearMiss, PedestrianMotion, Reference};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -53,10 +52,11 @@ pub fn episode_table() -> Table<'static, EpisodeRow> {
     table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
 }
 
-/// The columns of the files of episodes: those of the table but for the reference drivers', which have a table of their own.
+/// The columns of the files of episodes: those of the table but for the reference drivers', which `metrics` sums up.
 pub fn episode_references() -> TableReference {
     let mut table = episode_table().reference();
-    table.columns.retain(|column| !is_of_reference_driver(&column.name));
+    let of_drivers = reference_drivers();
+    table.columns.retain(|column| !of_drivers.iter().any(|entry| *entry.reference() == *column));
     table
 }
 
@@ -112,8 +112,19 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
 
 /// The results of the reference drivers: the verdict on a touch, and the false alarms in an episode without one.
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
-    let of_drivers = reference_columns(|row: &EpisodeRow| row.judged.verdict, |row: &EpisodeRow| row.false_alarms);
-    verdict_columns(|row: &EpisodeRow| row.judged.verdict).into_iter().chain(of_drivers).collect()
+    verdict_columns(|row: &EpisodeRow| row.judged.verdict).into_iter().chain(reference_drivers()).collect()
+}
+
+/// What the reference drivers did.
+fn reference_drivers() -> Vec<Entry<'static, EpisodeRow>> {
+    let of = |reference: Reference| {
+        let name = reference.name();
+        [
+            AVOIDS.of(name, move |row: &EpisodeRow| Some(row.judged.verdict?.trial(reference).is_avoided())),
+            FALSE_BRAKE.of(name, move |row: &EpisodeRow| Some(row.false_alarms?.braked(reference))),
+        ]
+    };
+    Reference::ALL.into_iter().flat_map(of).collect()
 }
 
 /// Whether the driver did not arrive at its start; `None` without a run-up.

@@ -10,7 +10,6 @@ mod column;
 pub mod columns;
 pub mod metric;
 mod verdicts;
-mod reference_drivers;
 pub(crate) mod episodes;
 mod read;
 mod stored;
@@ -26,9 +25,6 @@ pub use key::{CellKey, RunKey};
 pub use metric::{Metric, metrics};
 pub use parquet_reader::read_parquet;
 pub use read::EpisodeTable;
-pub use reference_drivers::{
-    REFERENCE_DRIVERS, reference_columns, reference_drivers, references as reference_driver_columns,
-};
 pub use row::EpisodeRow;
 pub use stored::{Chunk, Chunks, decode, encode};
 pub use verdicts::verdict_columns;

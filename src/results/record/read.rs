@@ -4,12 +4,12 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FAULT, FORESEEABLE, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEFT_OUT,
-    OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN, TRAIN_POLICY,
-    TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FAULT, FORESEEABLE, FRONT, IMPACT_BEARING, IMPACT_SPEED,
+    IN_SIGHT, LEFT_OUT, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN,
+    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WORLD,
 };
 use super::episodes::named;
-use super::{CellKey, RunKey};
+use super::{CellKey, Family, RunKey};
 use world::av::DrivingMode;
 use world::env::{LeftOut, Spawn};
 use world::geometry::Pose;
@@ -192,12 +192,22 @@ impl<'a> EpisodeTable<'a> {
         self.in_sight.get(row)
     }
 
-    /// The rows of collisions that a reference driver avoids; none in the file of a report, where another table has them.
+    /// The rows of collisions that a reference driver avoids; none in the file of a report, which does not have them.
     pub fn avoided(&self, reference: Reference) -> impl Iterator<Item = usize> {
-        let avoids = AVOIDS.read(reference.name(), self.table).ok();
         let table = *self;
-        let avoided = move |row: &usize| avoids.and_then(|avoids| avoids.get(*row)) == Some(true);
-        self.rows().filter(move |row| table.counts(*row) && table.is_collision(*row) && avoided(row))
+        self.holding(AVOIDS, reference).filter(move |row| table.is_collision(*row))
+    }
+
+    /// The rows without a collision in which a reference driver would have braked needlessly; none in the file of a report.
+    pub fn needless(&self, reference: Reference) -> impl Iterator<Item = usize> {
+        self.holding(FALSE_BRAKE, reference)
+    }
+
+    /// The rows that count and for which a column of a reference driver is true.
+    fn holding(&self, family: Family<bool>, reference: Reference) -> impl Iterator<Item = usize> {
+        let values = family.read(reference.name(), self.table).ok();
+        let table = *self;
+        self.rows().filter(move |row| table.counts(*row) && values.and_then(|values| values.get(*row)) == Some(true))
     }
 
     /// The start.

@@ -3,7 +3,7 @@
 use super::metric_table::metric_table_reference;
 use super::{aggregate, infer};
 use crate::jobs::KINDS;
-use crate::record::{TableReference, episode_references, metrics, reference_driver_columns};
+use crate::record::{TableReference, episode_references, metrics};
 
 /// The tables of a report with their columns, in the order of `reports/README.md`.
 pub fn catalogue() -> Vec<TableReference> {
@@ -11,7 +11,6 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::results_table().reference(),
         metric_table_reference(),
         episode_references(),
-        reference_driver_columns(),
         aggregate::requirement_table().reference(),
         aggregate::run_table(&metrics()).reference(),
         infer::comparison_table().reference(),

@@ -1,10 +1,10 @@
 //! What gates know of a cell: its metrics, the evidence on them, and its violations.
 
 use super::aggregate::{Cell, CellRequirement, GATED, Rate};
-use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, LEARNT, remaining_rate};
+use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, LEARNT, reference_rates};
 use super::metric_table::TRAININGS_DISAGREE;
 use crate::record::metric::{IMPACT_SPEED, MEAN, RUNS};
-use crate::record::{Column, Entry, Metric, Role, Table, cell_key, metrics};
+use crate::record::{Column, ColumnReference, Entry, Metric, Role, Table, cell_key, metrics};
 use base::statistics::wilson;
 use world::judge::Reference;
 
@@ -47,11 +47,12 @@ pub fn cell_table<'a>(requirements: &[&str]) -> Table<'a, KnownCell<'a>> {
     let p90 = IMPACT_SPEED_P90.of(|row: &Row<'a>| row.evidence.impact_speed_p90.0);
     table = table.column(p90.of_figure(IMPACT_SPEED.name, Role::Plain));
     for reference in Reference::ALL {
-        let name = remaining_rate(reference).name;
-        let rest = move |row: &Row<'a>| (row.evidence.remaining(reference), row.evidence.episodes);
-        let rate = move |row: &Row<'a>| rest(row).0.share_of(&rest(row).1);
-        let ends = move |row: &Row<'a>| (!row.cell.is_of_cases).then(|| wilson(rest(row).0, rest(row).1));
-        table = table.column(share(&name, rate)).columns(interval(&name, "wilson", ends));
+        for (place, ColumnReference { name, .. }) in reference_rates(reference).into_iter().enumerate() {
+            let part = move |row: &Row<'a>| row.evidence.rates_of(reference)[place].1;
+            let rate = move |row: &Row<'a>| part(row).share_of(&row.evidence.episodes);
+            let ends = move |row: &Row<'a>| (!row.cell.is_of_cases).then(|| wilson(part(row), row.evidence.episodes));
+            table = table.column(share(&name, rate)).columns(interval(&name, "wilson", ends));
+        }
     }
     let learning = |row: &Row<'a>| row.evidence.learning.clone();
     let disagree = move |row: &Row<'a>| Some(if learning(row)?.disagree()? { "yes" } else { "no" });

@@ -1,7 +1,7 @@
 use polars::prelude::DataFrame;
 
 use super::aggregate::{Cell, CellRequirement, Counted, Measured};
-use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, remaining_rate};
+use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, reference_rates};
 use crate::record::metric::RUNS;
 use crate::record::{
     CellKey, Column, ColumnReference, Interval, Metric, Role, Table, TableReference, cell_key, metrics,
@@ -187,12 +187,10 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
     rows.extend(
         disagree.map(|disagree| row(TRAININGS_DISAGREE.reference(), trainings, Some(f64::from(u8::from(disagree))))),
     );
-    for reference in Reference::ALL {
-        let rest = found.remaining(reference);
+    for (metric, part) in Reference::ALL.into_iter().flat_map(|reference| found.rates_of(reference)) {
         let of = Size("episodes", found.episodes.count());
-        let ends = (!cell.is_of_cases).then(|| wilson(rest, found.episodes));
-        let rate = row(remaining_rate(reference), of, rest.share_of(&found.episodes));
-        rows.push(Row { ends, interval: wilson_of(ends), ..rate });
+        let ends = (!cell.is_of_cases).then(|| wilson(part, found.episodes));
+        rows.push(Row { ends, interval: wilson_of(ends), ..row(metric, of, part.share_of(&found.episodes)) });
     }
 }
 
@@ -238,7 +236,7 @@ pub fn metric_references() -> Vec<ColumnReference> {
     let mut all: Vec<ColumnReference> = metrics().iter().map(Metric::reference).collect();
     all.push(IMPACT_SPEED_P90.reference());
     all.push(TRAININGS_DISAGREE.reference());
-    all.extend(Reference::ALL.into_iter().map(remaining_rate));
+    all.extend(Reference::ALL.into_iter().flat_map(reference_rates));
     all.push(applied_metric("REQUIREMENT"));
     all.extend(OF_VIOLATIONS.into_iter().flat_map(|(words, _, _)| violation_metrics(words, "REQUIREMENT")));
     all

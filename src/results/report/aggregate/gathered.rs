@@ -5,9 +5,9 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
 use super::run_totals::{RunRow, RunTotals};
-use super::{Episodes, Failures, Run, search_references};
+use super::{Episodes, Failures, Run};
 use crate::jobs::SearchResult;
-use crate::record::{self, EPISODES, EpisodeTable, REFERENCE_DRIVERS};
+use crate::record::{self, EPISODES, EpisodeTable};
 use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
 use compile::{ControllerKind, Evaluation};
 
@@ -47,7 +47,7 @@ pub struct Gathered {
     pub requirements: Vec<CellRequirement>,
 }
 
-/// Reads all episodes once: writes the tables `episodes` and `reference_drivers`, and gathers the data of all other outputs.
+/// Reads all episodes once: writes the table `episodes` and gathers the data of all other outputs.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
@@ -64,8 +64,6 @@ pub fn gather(
     let columns: Vec<_> = record::episode_references().columns.into_iter().map(|column| column.name).collect();
     let own = |part: &DataFrame| part.select(columns.iter().map(AsRef::as_ref));
     let mut file = folder.stream(EPISODES, own(&none).map_err(failed)?.schema())?;
-    let mut references =
-        folder.stream(REFERENCE_DRIVERS, record::reference_drivers(&none).map_err(failed)?.schema())?;
     let required = |evaluation: &Evaluation| !evaluation.scenario.requirements.is_empty();
     let table = requirement_table();
     let mut requirements = match episodes.runs().any(|run| required(run.evaluation)) {
@@ -84,7 +82,6 @@ pub fn gather(
             let mut part = part.map_err(failed)?;
             tried += part.height();
             file.add(&own(&part).map_err(failed)?)?;
-            references.add(&record::reference_drivers(&part).map_err(failed)?)?;
             let all = EpisodeTable::new(&part).map_err(failed)?;
             let drives = gathered.count(&run, &all);
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
@@ -137,8 +134,6 @@ pub fn gather(
     if let Some(file) = requirements {
         file.finish()?;
     }
-    references.add(&record::reference_drivers(&search_references(searches)).map_err(failed)?)?;
-    references.finish()?;
     gathered.failures.add_searches(searches);
     gathered.evidence = evidence.finish();
     Ok(gathered)

@@ -42,6 +42,6 @@ pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
 pub use searches::{
     BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
     GOAL_PREVENTABLE, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, STARTS, TRIED, failure_table, search_failures,
-    search_key, search_references, search_table, searches,
+    search_key, search_table, searches,
 };
 pub use ticks::{tick_table, ticks};

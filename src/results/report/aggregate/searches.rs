@@ -9,10 +9,10 @@ use crate::failure::{Failure, Violation};
 use crate::jobs::Find;
 use crate::jobs::SearchResult;
 use crate::record::columns::{
-    BLOCK, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN,
-    RUN_ID, STATE_HASHES, TOWN,
+    BLOCK, DIGEST, DRIVING_MODE, EPISODE_LENGTH, EPISODE_REWARD, IMPACT, IMPACT_SPEED, POLICY, REWARD, RUN, RUN_ID,
+    STATE_HASHES, TOWN,
 };
-use crate::record::{Column, Entry, Signed, Table, reference_columns, verdict_columns};
+use crate::record::{Column, Entry, Signed, Table, verdict_columns};
 use compile::SearchKey;
 use world::env::Impact;
 use world::falsifier;
@@ -225,16 +225,6 @@ fn violation_table() -> Table<'static, Failure> {
         .column(GOAL_FORESEEABLE.of(judged(|row| row.foreseeable)))
         .column(GOAL_FAULT.of(judged(|row| row.fault)))
         .column(NO_VERDICT.of(of(|found| found.no_verdict.clone())))
-}
-
-/// What the reference drivers did in these failures, as [`reference_drivers`](crate::record::reference_drivers) reads it.
-pub fn search_references(results: &[SearchResult]) -> DataFrame {
-    let finds: Vec<Find<'_>> = results.iter().flat_map(SearchResult::finds).collect();
-    Table::new("", "")
-        .column(RUN_ID.of(|row: &Find<'_>| row.id.to_string()))
-        .column(EPISODE.of(|row: &Find<'_>| row.number as u32))
-        .columns(reference_columns(|row: &Find<'_>| row.verdict(), |_| None))
-        .frame(&finds)
 }
 
 /// The columns of [`search_failures`] that all failures have.

@@ -1,7 +1,7 @@
 use super::evaluated_run::EvaluatedRun;
 use super::place::{Measured, Place};
-use super::{Figure, Learning};
-use crate::record::CellKey;
+use super::{Figure, Learning, reference_rates};
+use crate::record::{CellKey, ColumnReference};
 use crate::report::aggregate::{Method, Rate};
 use base::statistics::{ClusteredCount, MIN_RUNS, Sample, Uncertainty, bounded_interval, quantile};
 use world::judge::Reference;
@@ -22,6 +22,8 @@ pub struct CellEvidence {
     pub impact_speed_p90: (Option<f64>, u64),
     /// The number of collisions that each reference driver avoids, in the order of [`Reference::ALL`].
     pub avoided: [ClusteredCount; Reference::COUNT],
+    /// The number of episodes in which each would have braked needlessly.
+    pub needless: [ClusteredCount; Reference::COUNT],
     /// Whether its trainings learnt; `None` for an untrained controller.
     pub learning: Option<Learning>,
 }
@@ -45,6 +47,7 @@ impl CellEvidence {
             uncertainties: Default::default(),
             impact_speed_p90: (quantile(&speeds, 0.9), speeds.len() as u64),
             avoided: std::array::from_fn(|driver| sum(&|run| run.avoided[driver])),
+            needless: std::array::from_fn(|driver| sum(&|run| run.needless[driver])),
             learning: None,
         }
     }
@@ -81,5 +84,12 @@ impl CellEvidence {
     /// The number of collisions that a reference driver would not have avoided.
     pub fn remaining(&self, reference: Reference) -> ClusteredCount {
         self.collisions - self.avoided[reference as usize]
+    }
+
+    /// The metrics of a reference driver, with the number of episodes that each is a rate of.
+    pub fn rates_of(&self, reference: Reference) -> [(ColumnReference, ClusteredCount); 2] {
+        let counts = [self.remaining(reference), self.needless[reference as usize]];
+        let [remaining, needless] = reference_rates(reference);
+        [(remaining, counts[0]), (needless, counts[1])]
     }
 }

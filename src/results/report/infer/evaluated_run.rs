@@ -36,6 +36,8 @@ pub struct EvaluatedRun {
     pub impact_speeds: Vec<f64>,
     /// The collisions that each reference driver avoids.
     pub avoided: [ClusteredCount; Reference::COUNT],
+    /// The episodes in which each would have braked needlessly.
+    pub needless: [ClusteredCount; Reference::COUNT],
     /// The greatest number of episodes that are kept one by one.
     most: usize,
     /// The number of episodes, errors included.
@@ -56,6 +58,7 @@ impl EvaluatedRun {
             run: key.run,
             impact_speeds: Vec::new(),
             avoided: Default::default(),
+            needless: Default::default(),
             most: kept,
             size: 0,
             counts: Default::default(),
@@ -101,9 +104,10 @@ impl EvaluatedRun {
                 run.impact_speeds.extend(impact_speed);
             }
         }
-        for (avoided, reference) in run.avoided.iter_mut().zip(Reference::ALL) {
-            let own = table.avoided(reference).filter(|row| rows.binary_search(row).is_ok());
-            *avoided += (own.count() as u64).into();
+        let is_own = |row: &usize| rows.binary_search(row).is_ok();
+        for (place, reference) in Reference::ALL.into_iter().enumerate() {
+            run.avoided[place] += (table.avoided(reference).filter(is_own).count() as u64).into();
+            run.needless[place] += (table.needless(reference).filter(is_own).count() as u64).into();
         }
     }
 

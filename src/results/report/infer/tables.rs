@@ -37,6 +37,13 @@ const REST: Family<f64> = Family::new(
      are not run again, so it never is above `collision_rate`",
 );
 
+const NEEDLESS: Family<f64> = Family::new(
+    "_false_brake_rate",
+    "",
+    "episodes without a collision in which the reference driver would have braked needlessly, of all episodes: in an approach in which a car that keeps \
+     its pace does not touch the pedestrian either",
+);
+
 pub const IMPACT_SPEED_P90: Column<f64> = Column::new(
     "impact_speed_mps_p90",
     "m/s",
@@ -51,9 +58,9 @@ pub const LEARNT: Column<String> = Column::new(
      these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for \
      untrained controllers",
 );
-/// The metric of a reference driver: the rate of the collisions that it does not avoid.
-pub fn remaining_rate(reference: Reference) -> ColumnReference {
-    REST.reference(reference.name())
+/// The metrics of a reference driver: the rate of the collisions that it does not avoid, and that of needless braking.
+pub fn reference_rates(reference: Reference) -> [ColumnReference; 2] {
+    [REST, NEEDLESS].map(|rate| rate.reference(reference.name()))
 }
 
 /// Comparisons as a table, one row each.
