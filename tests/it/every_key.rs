@@ -463,7 +463,9 @@ fn tables(text: &str) -> String {
     let report = session.run(&options).unwrap();
     let place = report.reports().next().expect("a report was written").folder.clone();
     let read = |name: &str| std::fs::read_to_string(place.join(name)).unwrap_or_default();
-    ["published.csv", "protocol.csv", "requirements.csv"].map(read).concat()
+    let summary = read("summary.md");
+    let published = summary.split("\n## ").find(|section| section.starts_with("Compared with published figures"));
+    format!("{}{}{}", published.unwrap_or_default(), read("protocol.csv"), read("requirements.csv"))
 }
 
 /// What comes of a scenario: the tables of its report, or its episodes.

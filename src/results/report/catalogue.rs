@@ -14,7 +14,6 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::requirement_table().reference(),
         aggregate::run_table(&metrics()).reference(),
         infer::comparison_table().reference(),
-        aggregate::published_table().reference(),
     ];
     all.extend(KINDS.iter().flat_map(|kind| (kind.references)()));
     all.extend([aggregate::protocol_table().reference(), aggregate::tick_table().reference()]);

@@ -33,11 +33,11 @@ mod dossier;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
+pub(crate) use aggregate::search_table;
 pub use aggregate::{
     Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results,
-    failure_table, gather, published, search_cell_table, search_cells, search_failures, searches, ticks, worst_failure,
+    failure_table, gather, search_cell_table, search_cells, search_failures, searches, ticks, worst_failure,
 };
-pub(crate) use aggregate::{SEARCH_COMPARISONS, search_comparison_table, search_table};
 pub use catalogue::catalogue;
 pub use caution::Caution;
 pub use distinct::{DistinctFailure, MAX_SHRUNK, first_of_each};

@@ -1,9 +1,10 @@
 use super::aggregate::{PROTOCOL, RESULTS, RUNS, protocol_table, results, run_table};
 use super::dossier::dossier;
+use super::infer::ComparedRow;
 use super::metric_table::{METRICS, metric_table};
 use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
-use super::{Findings, Manifest, ReportFolder, WriteError, infer, published, town_map};
+use super::{Findings, Manifest, ReportFolder, WriteError, infer, town_map};
 use crate::jobs::KINDS;
 use crate::record::metrics;
 use base::seed::Seed;
@@ -24,7 +25,9 @@ pub fn write(
     folder.table(RUNS, &run_table(&metrics()).frame(&gathered.runs))?;
     folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
     folder.table(METRICS, &metric_table(&found.cells, &evidence.cells, &gathered.requirements))?;
-    folder.table("comparisons", &infer::comparison_table().frame(&evidence.comparisons))?;
+    let cells = evidence.comparisons.iter().map(ComparedRow::from);
+    let compared: Vec<ComparedRow> = cells.chain(found.search_comparisons.iter().map(ComparedRow::from)).collect();
+    folder.table("comparisons", &infer::comparison_table().frame(&compared))?;
     for (name, table) in KINDS.iter().filter_map(|kind| (kind.tables)(found)).flatten() {
         folder.table(name, &table)?;
     }
@@ -34,9 +37,6 @@ pub fn write(
     }
     for (name, contents) in KINDS.iter().flat_map(|kind| (kind.files)(found, manifest)) {
         folder.file(&name, &contents)?;
-    }
-    if !campaign.published.is_empty() {
-        folder.table("published", &published(&found.published))?;
     }
     if !gathered.protocol.is_empty() || !found.layers.is_empty() {
         let all: Vec<_> = gathered.protocol.iter().chain(&found.layers).cloned().collect();

@@ -27,7 +27,7 @@ pub use failures::Failures;
 pub use gathered::{Gathered, gather};
 pub use metrics::{Cell, Measured, RUNS, cells};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_table};
-pub use published::{PublishedComparison, beside, published, published_table};
+pub use published::{PublishedComparison, beside};
 pub use rate::{Method, Rate};
 pub use requirements::{
     APPLIES, AT_COLLISION, COUNTS, CellRequirement, Counted, GATED, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY,
@@ -37,7 +37,7 @@ pub use requirements::{
 pub use results::{RESULTS, results, results_table};
 pub use run_totals::run_table;
 pub use search_cells::{SearchCell, search_cell_table, search_cells};
-pub use search_comparisons::{SEARCH_COMPARISONS, SearchComparison, search_comparison_table, search_comparisons};
+pub use search_comparisons::{SearchComparison, search_comparisons};
 pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};
 pub use searches::{
     BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,

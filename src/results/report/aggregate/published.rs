@@ -1,7 +1,5 @@
-use polars::prelude::DataFrame;
-
 use super::{Cell, Rate};
-use crate::record::{CellKey, Column, Interval, Table, cell_key};
+use crate::record::CellKey;
 use crate::report::{CellEvidence, Figure};
 use base::statistics::{MIN_RUNS, Uncertainty};
 use compile::{Published, PublishedCell, PublishedFigure};
@@ -102,57 +100,9 @@ fn figure(column: &str) -> Option<Figure> {
     Figure::ALL.into_iter().find(|figure| figure.name() == column)
 }
 
-/// Published figures compared with ours as a table, one row for each figure.
-pub fn published(all: &[PublishedComparison<'_>]) -> DataFrame {
-    published_table().frame(&all.iter().collect::<Vec<_>>())
-}
-
-/// The columns of [`published`].
-pub fn published_table<'a>() -> Table<'a, &'a PublishedComparison<'a>> {
-    type Row<'a> = &'a PublishedComparison<'a>;
-    Table::<Row<'a>>::new(
-        "published",
-        "One row for each figure that others have published and the campaign names with `beside`, with ours and the difference.",
-    )
-    .text("source", "where the published figure is from", |row| no_formula(row.source))
-    .columns(cell_key(|row: &Row<'_>| &row.key))
-    .text("figure", "our column for the figure, without `_mean`", |row| row.published.column)
-    .measure("published_mean", "as the figure", "published mean", |row| row.published.mean)
-    .measure("published_sd", "as the figure", "published standard deviation", |row| row.published.sd)
-    .column(
-        Column::<u32>::new("published_runs", "", "number of trainings of the published figure")
-            .of(|row: &Row<'_>| row.published_runs),
-    )
-    .measure("mean", "as the figure", "our mean", |row| row.ours.value)
-    .measure("sd", "as the figure", "our standard deviation", |row| row.ours.sd)
-    .column(Column::<u32>::new("runs", "", "number of our trainings").of(|row: &Row<'_>| row.runs))
-    .measure("difference", "as the figure", "ours less theirs", |row| row.difference)
-    .columns(
-        Interval::new(
-            "difference",
-            "as the figure",
-            "Student's 95 % interval of the difference with Welch's degrees of freedom. Its variance is that between trainings here and there, plus \
-             that of our starts; what the starts there add is not published, so the interval is rather too narrow. A published spread of 0.00 counts \
-             as 0.004. Missing where either side has fewer than four trainings",
-        )
-        .of(|row: &Row<'_>| row.interval),
-    )
-}
-
-/// A text that spreadsheets do not take for a formula.
-fn no_formula(text: &str) -> String {
-    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{text}") } else { text.to_owned() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_source_is_no_formula() {
-        assert_eq!(no_formula("=HYPERLINK(1)"), "'=HYPERLINK(1)");
-        assert_eq!(no_formula("Table 2, a = b"), "Table 2, a = b");
-    }
 
     #[test]
     fn every_figure_that_can_be_published_is_one_of_a_cell() {

@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 use super::search_figures::FAILED_STARTS;
 use super::search_figures::{FAULT_START_RATE, Figures};
 use crate::jobs::SearchResult;
-use crate::record::columns::TOWN;
-use crate::record::{Column, Interval, Table};
 use crate::report::grouped::grouped;
 use base::statistics::{holm, mean_interval_at, mean_p};
 use compile::SearchKey;
@@ -18,13 +16,13 @@ pub struct SearchComparison {
     pub one: (String, String),
     pub other: (String, String),
     /// The number of the block in the campaign.
-    block: u32,
+    pub block: u32,
     /// The column of `searches` that is compared.
     pub figure: &'static str,
     /// Runs with the figure on both sides.
     pub runs: u64,
     /// Means over these.
-    values: [f64; 2],
+    pub values: [f64; 2],
     /// First less second, of each run.
     pub differences: Vec<f64>,
     pub difference: f64,
@@ -66,9 +64,6 @@ impl SearchComparison {
         pair(self) == pair(other)
     }
 }
-
-/// The stem of the files of the table.
-pub const SEARCH_COMPARISONS: &str = "search_comparisons";
 
 /// All comparisons of the searches of a campaign, in the order of their first side.
 ///
@@ -151,45 +146,6 @@ fn compare(one: &[(&SearchKey, Named)], other: &[(&SearchKey, Named)]) -> Vec<Se
 /// Cuts the interval of a difference of shares at -1 and 1.
 fn cut((low, high): (f64, f64), figure: &str) -> (f64, f64) {
     if figure == FAULT_START_RATE { (low.max(-1.0), high.min(1.0)) } else { (low, high) }
-}
-
-/// The comparisons as a table, one row each.
-pub fn search_comparison_table() -> Table<'static, SearchComparison> {
-    Table::new(
-        SEARCH_COMPARISONS,
-        "One row for each figure, town, and two falsifiers against one driver or one falsifier against two drivers. Equal runs have equal \
-         starts, so runs are pairs.",
-    )
-    .column(TOWN.of(|row: &SearchComparison| row.town.clone()))
-    .text("falsifier", "name of the falsifier", |row| row.one.0.clone())
-    .text("policy", "driving policy", |row| row.one.1.clone())
-    .text("other_falsifier", "falsifier that is subtracted", |row| row.other.0.clone())
-    .text("other_policy", "its driving policy", |row| row.other.1.clone())
-    .column(
-        Column::<u64>::new("block", "", "number of the `search` block in its campaign, from 0")
-            .of(|row: &SearchComparison| u64::from(row.block)),
-    )
-    .text("figure", "column of `searches` that is compared", |row| row.figure.to_string())
-    .column(Column::<u64>::new("runs", "", "runs on both sides").of(|row: &SearchComparison| row.runs))
-    .number("value", "mean over these runs", |row| row.values[0])
-    .number("other_value", "mean of the other side", |row| row.values[1])
-    .number("difference", "`value` less `other_value`", |row| row.difference)
-    .columns(
-        Interval::new(
-            "difference",
-            "",
-            "Student's, over the pairs of runs and about further runs in this town: in 95 % of campaigns those of all rows of the figure that compare \
-             falsifiers, or of all that compare drivers, hold the truth (Bonferroni); missing for fewer than four runs",
-        )
-        .of(|row: &SearchComparison| row.interval),
-    )
-    .number(
-        "p_holm",
-        "two-sided p-value of Student's paired test, adjusted by Holm's method for the same rows: in 95 % of \
-         campaigns none of them below 0.05 is a false finding. Missing for a single run and where all pairs are \
-         equal; where all differences are one number, from the sign test",
-        |row| row.p_holm,
-    )
 }
 
 #[cfg(test)]

@@ -22,4 +22,4 @@ pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
 pub use learning::{Doubt, Learning, Learnt, Reason, Untrained, doubts};
 pub use pair::compare_pair;
-pub use tables::{IMPACT_SPEED_P90, LEARNT, comparison_table, reference_rates};
+pub use tables::{ComparedRow, IMPACT_SPEED_P90, LEARNT, comparison_table, reference_rates};

@@ -1,5 +1,6 @@
-use super::Comparison;
-use crate::record::{Column, ColumnReference, Family, Interval, Table, cell_key};
+use super::{Comparison, Test};
+use crate::record::{CellKey, Column, ColumnReference, Family, Interval, Table, cell_key};
+use crate::report::SearchComparison;
 use world::judge::Reference;
 
 const OTHER_CONTROLLER: Column<String> =
@@ -10,8 +11,11 @@ const OTHER_POLICY: Column<String> = Column::new(
     "driving policy of that cell: another one than `policy` where drivers are compared",
 );
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
-const FIGURE: Column<String> =
-    Column::new("figure", "", "`collision_rate`, `preventable_rate` or `fault_rate`: what is compared");
+const FIGURE: Column<String> = Column::new(
+    "figure",
+    "",
+    "`collision_rate`, `preventable_rate` or `fault_rate`, or of searches a column of `searches`: what is compared",
+);
 const VALUE: Column<f64> = Column::new("value", "", "mean over the runs of the cell");
 const OTHER_VALUE: Column<f64> = Column::new("other_value", "", "mean over the runs of the other cell");
 const DIFFERENCE: Column<f64> = Column::new("difference", "", "`value` less `other_value`");
@@ -63,35 +67,95 @@ pub fn reference_rates(reference: Reference) -> [ColumnReference; 2] {
     [REST, NEEDLESS].map(|rate| rate.reference(reference.name()))
 }
 
+/// A row of the table of comparisons: two cells, or two searches.
+pub struct ComparedRow {
+    first: CellKey,
+    second: CellKey,
+    figure: &'static str,
+    runs: [u64; 2],
+    /// The episodes of the shortest of these runs; `None` of searches.
+    episodes: Option<u64>,
+    values: [f64; 2],
+    difference: f64,
+    interval: Option<(f64, f64)>,
+    test: Test,
+    holm: Option<f64>,
+}
+
+impl From<&Comparison> for ComparedRow {
+    fn from(found: &Comparison) -> Self {
+        let Comparison { first, second, figure, runs, episodes, values, difference, interval, test, holm, .. } = found;
+        let (first, second, figure, episodes) = (first.clone(), second.clone(), figure.name(), Some(*episodes));
+        let (runs, values, difference) = (*runs, *values, *difference);
+        Self {
+            first,
+            second,
+            figure,
+            runs,
+            episodes,
+            values,
+            difference,
+            interval: *interval,
+            test: *test,
+            holm: *holm,
+        }
+    }
+}
+
+impl From<&SearchComparison> for ComparedRow {
+    fn from(found: &SearchComparison) -> Self {
+        let key = |(falsifier, policy): &(String, String)| CellKey {
+            controller: falsifier.clone(),
+            policy: policy.clone(),
+            town: found.town.clone(),
+            block: found.block,
+            ..CellKey::default()
+        };
+        Self {
+            first: key(&found.one),
+            second: key(&found.other),
+            figure: found.figure,
+            runs: [found.runs; 2],
+            episodes: None,
+            values: found.values,
+            difference: found.difference,
+            interval: found.interval,
+            test: if found.p_holm.is_some() { Test::Student } else { Test::None },
+            holm: found.p_holm,
+        }
+    }
+}
+
 /// Comparisons as a table, one row each.
-pub fn comparison_table() -> Table<'static, Comparison> {
+pub fn comparison_table() -> Table<'static, ComparedRow> {
     Table::new(
         "comparisons",
         "One row for each pair of cells with common starts, and figure; both have the same town, vehicle, adversary, world and block. Where `other_policy` is \
          `policy`, a trained controller less another one: an untrained one (`random`, `homing`, `intercept`) with the same reward, or the same one \
          trained for an earlier reward. Otherwise a driver less an earlier one, met by the same controller: run by run, so trainings are paired, too. \
-         The two kinds are adjusted separately.",
+         The two kinds are adjusted separately. Rows of searches follow, which have no `vehicle`: two falsifiers against one driver, or one falsifier against two drivers. \
+         Their runs are pairs, and are about further runs in this town; all rows of a figure that compare falsifiers, or drivers, are adjusted together.",
     )
-    .columns(cell_key(|row: &Comparison| &row.first))
-    .column(OTHER_CONTROLLER.of(|row: &Comparison| row.second.controller.clone()))
-    .column(OTHER_POLICY.of(|row: &Comparison| row.second.policy.clone()))
-    .column(OTHER_REWARD.of(|row: &Comparison| row.second.reward.clone()))
-    .column(FIGURE.of(|row: &Comparison| row.figure.name()))
+    .columns(cell_key(|row: &ComparedRow| &row.first))
+    .column(OTHER_CONTROLLER.of(|row: &ComparedRow| row.second.controller.clone()))
+    .column(OTHER_POLICY.of(|row: &ComparedRow| row.second.policy.clone()))
+    .column(OTHER_REWARD.of(|row: &ComparedRow| row.second.reward.clone()))
+    .column(FIGURE.of(|row: &ComparedRow| row.figure))
     .count("runs", "number of runs of the cell", |row| row.runs[0])
     .count("other_runs", "number of runs of the other cell", |row| row.runs[1])
-    .count("paired_episodes", "episodes of the shortest of these runs", |row| row.episodes)
-    .column(VALUE.of(|row: &Comparison| row.values[0]))
-    .column(OTHER_VALUE.of(|row: &Comparison| row.values[1]))
-    .column(DIFFERENCE.of(|row: &Comparison| row.difference))
-    .columns(DIFFERENCE_INTERVAL.of(|row: &Comparison| row.interval))
+    .count("paired_episodes", "episodes of the shortest of these runs; missing of searches", |row| row.episodes)
+    .column(VALUE.of(|row: &ComparedRow| row.values[0]))
+    .column(OTHER_VALUE.of(|row: &ComparedRow| row.values[1]))
+    .column(DIFFERENCE.of(|row: &ComparedRow| row.difference))
+    .columns(DIFFERENCE_INTERVAL.of(|row: &ComparedRow| row.interval))
     .column(
         Column::<String>::new(
             "test",
             "",
-            "`student` (that one: about further trainings), `mcnemar` (exact, one run on each side: about these two and further episodes; on \
+            "`student` (that one: about further trainings; of searches paired), `mcnemar` (exact, one run on each side: about these two and further episodes; on \
              the first 100,000), or empty",
         )
-        .of(|row: &Comparison| row.test.name()),
+        .of(|row: &ComparedRow| row.test.name()),
     )
-    .column(P_HOLM.of(|row: &Comparison| row.holm))
+    .column(P_HOLM.of(|row: &ComparedRow| row.holm))
 }

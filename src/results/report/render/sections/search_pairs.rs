@@ -49,8 +49,8 @@ fn table(title: &str, found: &[&SearchComparison]) -> Table {
         }));
         row
     };
-    let left = (pairs.len() > MOST)
-        .then(|| format!("The first {MOST} of {} pairs; `search_comparisons.csv` has all.", pairs.len()));
+    let left =
+        (pairs.len() > MOST).then(|| format!("The first {MOST} of {} pairs; `comparisons.csv` has all.", pairs.len()));
     let rows = pairs.iter().take(MOST).map(row).collect();
     Table { title: title.into(), head, rows, notes: left.into_iter().collect(), ..Table::default() }
 }
@@ -85,7 +85,7 @@ pub fn findings_of_pairs(compared: &[SearchComparison]) -> Option<String> {
         format!("In pairs, no falsifier finds more than another one beyond chance ({runs} runs): call it a tie.")
     } else {
         format!(
-            "In pairs, beyond chance (p < 0.05, {runs} runs): {}. All else may be chance; the table `search_comparisons` has each pair.",
+            "In pairs, beyond chance (p < 0.05, {runs} runs): {}. All else may be chance; the table `comparisons` has each pair.",
             told.join("; ")
         )
     })
