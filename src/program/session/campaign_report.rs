@@ -50,7 +50,7 @@ pub struct CampaignReport {
     pub cells: Vec<Cell>,
     /// What was found about each driver, the worst first.
     pub drivers: Vec<DriverResult>,
-    /// Means of the searches, in the order of the table `search_cells`.
+    /// Means of the searches, in the order of their rows in `metrics`.
     pub searches: Vec<SearchCell>,
     /// The sections of the report.
     pub sections: Vec<Section>,

@@ -1,12 +1,14 @@
 use polars::prelude::DataFrame;
 
-use super::aggregate::{Cell, CellRequirement, Counted, Measured};
+use super::Findings;
+use super::aggregate::{Cell, CellRequirement, Counted, Measured, SearchCell, search_cell_table};
 use super::infer::{CellEvidence, Figure, IMPACT_SPEED_P90, Learning, reference_rates};
-use crate::record::metric::RUNS;
+use crate::record::metric::{MEAN, RUNS};
 use crate::record::{
     CellKey, Column, ColumnReference, Interval, Metric, Role, Table, TableReference, cell_key, metrics,
 };
 use base::statistics::wilson;
+use compile::SearchKey;
 use world::judge::Reference;
 
 /// The stem of the files of the table of metrics.
@@ -43,8 +45,11 @@ impl<'a> Row<'a> {
     }
 }
 
-/// All that is known of each cell in one long table: a row for each metric, and one more where it has a second interval.
-pub fn metric_table(cells: &[Cell], evidence: &[CellEvidence], requirements: &[CellRequirement]) -> DataFrame {
+/// All that is known of each cell in one long table: a row for each metric, and one more where it has a second interval. Those of searches follow.
+pub fn metric_table(found: &Findings<'_>) -> DataFrame {
+    let Findings { cells, gathered, searches, .. } = found;
+    let (evidence, requirements) = (&gathered.evidence.cells, &gathered.requirements);
+    let keys: Vec<CellKey> = searches.iter().map(|cell| cell_of(&cell.key)).collect();
     let mut rows = Vec::new();
     for (cell, found) in cells.iter().zip(evidence) {
         for (metric, measured) in &cell.metrics {
@@ -53,7 +58,42 @@ pub fn metric_table(cells: &[Cell], evidence: &[CellEvidence], requirements: &[C
         of_evidence(cell, found, &mut rows);
         requirements.iter().filter(|each| each.key == cell.key).for_each(|each| of_requirement(cell, each, &mut rows));
     }
+    of_searches(searches, &keys, &mut rows);
     columns().frame(&rows)
+}
+
+/// A search as a cell: the falsifier is the controller.
+fn cell_of(key: &SearchKey) -> CellKey {
+    let SearchKey { falsifier, reward, town, policy, block, .. } = key.clone();
+    CellKey { controller: falsifier, reward, town, policy, block, ..CellKey::default() }
+}
+
+/// The metrics of searches, each with its column in the table that gates judge.
+fn search_metrics() -> Vec<(ColumnReference, String)> {
+    let columns = search_cell_table().reference().columns.into_iter().skip_while(|column| column.name != RUNS.name);
+    let is_end = |column: &ColumnReference| matches!(column.role, Role::LowerBound | Role::UpperBound);
+    let values = columns.skip(1).filter(|column| !is_end(column));
+    let metric = |column: ColumnReference| {
+        let mean = column.name.strip_suffix(&MEAN.name(""));
+        let is_figure = mean.is_some_and(|mean| mean == column.figure);
+        let name = if is_figure { column.figure.clone() } else { column.name.clone() };
+        (ColumnReference { name, ..column.clone() }, column.name.into_owned())
+    };
+    values.map(metric).collect()
+}
+
+/// Adds the rows of searches over their runs.
+fn of_searches<'a>(searches: &[SearchCell], keys: &'a [CellKey], rows: &mut Vec<Row<'a>>) {
+    let table = search_cell_table().frame(searches);
+    for (place, (cell, key)) in searches.iter().zip(keys).enumerate() {
+        let number = |column: &str| table.column(column).ok()?.get(place).ok()?.extract::<f64>();
+        for (metric, column) in search_metrics() {
+            let ends = number(&format!("{}_low", metric.name)).zip(number(&format!("{}_high", metric.name)));
+            let interval = if ends.is_some() { "student" } else { "" };
+            let row = Row::new(key, metric, Size("runs", cell.runs as u64), number(&column));
+            rows.push(Row { ends, interval, ..row });
+        }
+    }
 }
 
 /// Adds the rows of a metric of episodes.
@@ -197,7 +237,8 @@ fn of_evidence<'a>(cell: &'a Cell, found: &CellEvidence, rows: &mut Vec<Row<'a>>
 fn columns<'a>() -> Table<'a, Row<'a>> {
     Table::new(
         METRICS,
-        "One row for each metric of each cell: a pedestrian, a town and a driver, over all runs. `results` has the few that lead the page.",
+        "One row for each metric of each cell: a pedestrian, a town and a driver, over all runs. `results` has the few that lead the page. Rows of searches \
+         follow: a falsifier, a town and a driver, over all runs, which have different seeds *and* starts.",
     )
     .columns(cell_key(|row: &Row<'a>| row.key))
     .text("metric", "its name, see below", |row| row.metric.name.to_string())
@@ -238,6 +279,7 @@ pub fn metric_references() -> Vec<ColumnReference> {
     all.push(TRAININGS_DISAGREE.reference());
     all.extend(Reference::ALL.into_iter().flat_map(reference_rates));
     all.push(applied_metric("REQUIREMENT"));
+    all.extend(search_metrics().into_iter().map(|(metric, _)| metric));
     all.extend(OF_VIOLATIONS.into_iter().flat_map(|(words, _, _)| violation_metrics(words, "REQUIREMENT")));
     all
 }

@@ -24,7 +24,7 @@ pub fn write(
     let evidence = &gathered.evidence;
     folder.table(RUNS, &run_table(&metrics()).frame(&gathered.runs))?;
     folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
-    folder.table(METRICS, &metric_table(&found.cells, &evidence.cells, &gathered.requirements))?;
+    folder.table(METRICS, &metric_table(found))?;
     let cells = evidence.comparisons.iter().map(ComparedRow::from);
     let compared: Vec<ComparedRow> = cells.chain(found.search_comparisons.iter().map(ComparedRow::from)).collect();
     folder.table("comparisons", &infer::comparison_table().frame(&compared))?;

@@ -126,43 +126,35 @@ fn median_time(times: &[(f64, bool)]) -> Option<f64> {
     None
 }
 
-/// Cells of searches as a table, one row each.
+/// Cells of searches as a table, one row each, for gates and for the metrics of searches.
 pub fn search_cell_table() -> Table<'static, SearchCell> {
     let number = Column::<f64>::new;
     let median = |name: &'static str, of: fn(&SearchCell) -> Option<f64>| {
         let doc = format!("Kaplan and Meier's median of `{name}`; missing if fewer than half of the runs found one");
         Entry::new::<f64, _>(format!("{name}_median").into(), "".into(), doc.into(), of).of_figure(name, Role::Plain)
     };
-    Table::new(
-        "search_cells",
-        "One row for each falsifier, town and policy, over all runs. Runs have different seeds *and* starts. A row says nothing about other towns: \
-         between towns the figures of one driver may differ several times.",
-    )
-    .columns(search_key(|cell: &SearchCell| &cell.key))
-    .count("runs", "number of runs", |cell| cell.runs as u64)
-    .column(BUDGET.of(|cell: &SearchCell| cell.budget))
-    .column(
-        number("falsified_share", "", "share of the runs that found a failure, as ARCH-COMP counts it")
-            .with_role(Role::RunShare)
-            .of(|cell: &SearchCell| cell.falsified()),
-    )
-    .number(
-        "simulations_to_first_mean",
-        "mean of `first_failure_simulations` over these runs",
-        |cell| cell.simulations_to_first().map(|(mean, _)| mean),
-    )
-    .number(
-        "simulations_to_first_median",
-        "their median",
-        |cell| cell.simulations_to_first().map(|(_, median)| median),
-    )
-    .column(median(FIRST_FAILURE, |cell| cell.first_failure))
-    .columns(averaged(STARTS.name, Role::Plain, |cell| &cell.starts))
-    .columns(averaged(FAILED_STARTS, Role::Plain, |cell| &cell.failed_starts))
-    .columns(averaged(FAULT, Role::Plain, |cell| &cell.faults))
-    .columns(averaged(FAULT_START_RATE, Role::Share, |cell| &cell.fault_start_rate))
-    .columns(averaged(INJURY, Role::Plain, |cell| &cell.injury))
-    .column(median(FIRST_FAULT, |cell| cell.first_fault))
+    Table::new("search_cells", "One row for each falsifier, town and policy, over all runs.")
+        .columns(search_key(|cell: &SearchCell| &cell.key))
+        .count("runs", "number of runs", |cell| cell.runs as u64)
+        .column(BUDGET.of(|cell: &SearchCell| cell.budget))
+        .column(
+            number("falsified_share", "", "share of the runs that found a failure, as ARCH-COMP counts it")
+                .with_role(Role::RunShare)
+                .of(|cell: &SearchCell| cell.falsified()),
+        )
+        .number("simulations_to_first_mean", "mean of `first_failure_simulations` over these runs", |cell| {
+            cell.simulations_to_first().map(|(mean, _)| mean)
+        })
+        .number("simulations_to_first_median", "their median", |cell| {
+            cell.simulations_to_first().map(|(_, median)| median)
+        })
+        .column(median(FIRST_FAILURE, |cell| cell.first_failure))
+        .columns(averaged(STARTS.name, Role::Plain, |cell| &cell.starts))
+        .columns(averaged(FAILED_STARTS, Role::Plain, |cell| &cell.failed_starts))
+        .columns(averaged(FAULT, Role::Plain, |cell| &cell.faults))
+        .columns(averaged(FAULT_START_RATE, Role::Share, |cell| &cell.fault_start_rate))
+        .columns(averaged(INJURY, Role::Plain, |cell| &cell.injury))
+        .column(median(FIRST_FAULT, |cell| cell.first_fault))
 }
 
 /// The mean of a column over runs with its interval.

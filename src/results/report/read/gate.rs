@@ -13,8 +13,8 @@ use crate::report::compare::{ALL_UNTRAINED, COMMON_STARTS, TRIED_STARTS};
 use base::statistics::{MIN_RUNS, mcnemar};
 use compile::{Campaign, Evaluation, Search, SearchKey};
 
-/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about `search_cells`
-/// when it names a column that only that table has.
+/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about metrics of cells, or about those of
+/// searches when it names one that only searches have.
 ///
 /// Conditions on words of a cell's key choose the cells. All others must be true for the gate to be broken. With `max over controllers` or
 /// `min over controllers` before a column, a gate judges one cell of each place: that of the controller with the greatest or least value.
@@ -217,7 +217,7 @@ impl Gate {
         &self.text
     }
 
-    /// Whether it is about the table `search_cells`.
+    /// Whether it is about searches.
     pub fn is_about_searches(&self) -> bool {
         self.about_searches
     }

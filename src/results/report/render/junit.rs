@@ -109,7 +109,7 @@ fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
     of_gates(suite, false, row)
 }
 
-/// The elements that the gates on a cell or on a row of `search_cells` make.
+/// The elements that the gates on a cell or on the searches of a falsifier make.
 fn of_gates(suite: &Suite, searches: bool, row: usize) -> Vec<Finding> {
     let about = suite.gates.iter().filter(move |(gate, _)| gate.is_about_searches() == searches);
     let judged = || about.clone().filter_map(|(gate, rows)| Some((gate.text(), rows.get(row)?)));

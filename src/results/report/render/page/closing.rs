@@ -77,7 +77,7 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
 }
 
 /// The files of a report that may interest a reader.
-const WHAT: [(&str, &str); 10] = [
+const WHAT: [(&str, &str); 9] = [
     ("summary.md", "the tables of this page as text"),
     ("results.csv", "one row for each pedestrian, town and driver; open it first"),
     ("metrics.csv", "all metrics of these, one a row"),
@@ -86,6 +86,5 @@ const WHAT: [(&str, &str); 10] = [
     ("episodes.parquet", "the same, smaller"),
     ("comparisons.csv", "paired comparisons"),
     ("learning_curve.csv", "one row for each update of each training"),
-    ("search_cells.csv", "falsifiers compared"),
     ("manifest.toml", "version, seed, files and times"),
 ];
