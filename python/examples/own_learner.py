@@ -70,8 +70,9 @@ def built_in(decisions, runs):
     """The collision rates of the built-in learner's runs."""
     with tempfile.TemporaryDirectory() as folder:
         report = falsify_av.program.run(SCENARIO, out=folder, settings={"decisions": decisions}, show=True)
-        table = next(iter(report.values())).table("runs").to_pylist()
-    return [row["collision_rate"] for row in table][:runs]
+        table = next(iter(report.values())).table("metrics").to_pylist()
+    trained = next(row for row in table if row["metric"] == "collision_rate" and row["controller"] == "trained")
+    return [float(rate) for rate in trained["by_run"].split()][:runs]
 
 
 def interval(one, other):

@@ -326,7 +326,7 @@ fn verify_sees_every_file_of_a_report_and_survives_damaged_tables() {
     let report = place.path().join("out/cut");
     let verify = || program::falsify(&["replay", "--all", "out/cut"], place.path());
     assert_eq!(verify().status.code(), Some(0), "{:?}", verify());
-    for name in ["metrics.csv", "runs.parquet", "summary.md", "report.html"] {
+    for name in ["metrics.csv", "results.parquet", "summary.md", "report.html"] {
         let whole = fs::read(report.join(name)).unwrap();
         let mut damaged = whole.clone();
         let middle = damaged.len() / 2;

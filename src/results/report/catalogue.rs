@@ -3,7 +3,7 @@
 use super::metric_table::metric_table_reference;
 use super::{aggregate, infer};
 use crate::jobs::KINDS;
-use crate::record::{TableReference, episode_references, metrics};
+use crate::record::{TableReference, episode_references};
 
 /// The tables of a report with their columns, in the order of `reports/README.md`.
 pub fn catalogue() -> Vec<TableReference> {
@@ -12,7 +12,6 @@ pub fn catalogue() -> Vec<TableReference> {
         metric_table_reference(),
         episode_references(),
         aggregate::requirement_table().reference(),
-        aggregate::run_table(&metrics()).reference(),
         infer::comparison_table().reference(),
     ];
     all.extend(KINDS.iter().flat_map(|kind| (kind.references)()));

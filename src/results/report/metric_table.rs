@@ -33,6 +33,8 @@ struct Row<'a> {
     of: Size,
     value: Option<f64>,
     sd: Option<f64>,
+    /// The values of the runs that have one, in their order.
+    by_run: Vec<f64>,
     ends: Option<(f64, f64)>,
     /// The name of the interval; empty without one.
     interval: &'static str,
@@ -41,7 +43,7 @@ struct Row<'a> {
 impl<'a> Row<'a> {
     /// A value without an interval.
     fn new(key: &'a CellKey, metric: ColumnReference, of: Size, value: Option<f64>) -> Self {
-        Self { key, metric, of, value, sd: None, ends: None, interval: "" }
+        Self { key, metric, of, value, sd: None, by_run: Vec::new(), ends: None, interval: "" }
     }
 }
 
@@ -116,7 +118,7 @@ fn of_metric<'a>(
     let across =
         Figure::ALL.into_iter().find(|figure| figure.name() == metric.name()).map(|figure| found.between(figure));
     let student = across.and_then(|across| across.interval).filter(|_| !cell.is_of_cases);
-    let of_runs = Row { sd: average.sd, ..row(runs, average.value) };
+    let of_runs = Row { sd: average.sd, by_run: average.by_run.clone(), ..row(runs, average.value) };
     if let Metric::Rate(rate) = *metric {
         let of = if rate.whole.name == "collisions" { "collisions" } else { "episodes" };
         let of = Size(of, u64::from(cell.count(rate.whole)));
@@ -152,6 +154,7 @@ fn of_requirement<'a>(cell: &'a Cell, found: &CellRequirement, rows: &mut Vec<Ro
             metric: rate,
             value: rate_of_runs.value,
             sd: rate_of_runs.sd,
+            by_run: rate_of_runs.by_run,
             ends: rate_of_runs.interval,
             interval: wilson_of(rate_of_runs.interval),
             ..row
@@ -252,6 +255,9 @@ fn columns<'a>() -> Table<'a, Row<'a>> {
         |row| row.value,
     )
     .measure("sd", "as the metric", "sample standard deviation over runs; missing for a single one", |row| row.sd)
+    .text("by_run", "values of the runs of a rate or a mean, in their order, with a blank between two; those without a value are left out", |row| {
+        row.by_run.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+    })
     .columns(
         Interval::new("", "as the metric", "its 95 % interval, see [above](#which-interval-answers-which-question)")
             .of(|row: &Row<'a>| row.ends)

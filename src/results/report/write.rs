@@ -1,4 +1,4 @@
-use super::aggregate::{PROTOCOL, RESULTS, RUNS, protocol_table, results, run_table};
+use super::aggregate::{PROTOCOL, RESULTS, protocol_table, results};
 use super::dossier::dossier;
 use super::infer::ComparedRow;
 use super::metric_table::{METRICS, metric_table};
@@ -6,7 +6,6 @@ use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
 use super::{Findings, Manifest, ReportFolder, WriteError, infer, town_map};
 use crate::jobs::KINDS;
-use crate::record::metrics;
 use base::seed::Seed;
 
 /// Fills a report's folder with all files of a campaign, except the table of episodes, which [`gather`](super::gather) has written.
@@ -22,7 +21,6 @@ pub fn write(
 ) -> Result<(), WriteError> {
     let Findings { campaign, gathered, .. } = found;
     let evidence = &gathered.evidence;
-    folder.table(RUNS, &run_table(&metrics()).frame(&gathered.runs))?;
     folder.table(RESULTS, &results(&found.cells, &evidence.cells, &gathered.failures))?;
     folder.table(METRICS, &metric_table(found))?;
     let cells = evidence.comparisons.iter().map(ComparedRow::from);

@@ -25,7 +25,7 @@ pub use drivers::{DriverResult, SearchFailures, driver_results, worst_failure};
 pub use episodes::{Episodes, Run};
 pub use failures::Failures;
 pub use gathered::{Gathered, gather};
-pub use metrics::{Cell, Measured, RUNS, cells};
+pub use metrics::{Cell, Measured, cells};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_table};
 pub use published::{PublishedComparison, beside};
 pub use rate::{Method, Rate};
@@ -35,7 +35,6 @@ pub use requirements::{
     requirement_table,
 };
 pub use results::{RESULTS, results, results_table};
-pub use run_totals::run_table;
 pub use search_cells::{SearchCell, search_cell_table, search_cells};
 pub use search_comparisons::{SearchComparison, search_comparisons};
 pub use search_figures::{FIRST_FAILURE, FIRST_FAULT};

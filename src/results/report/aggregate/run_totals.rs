@@ -1,10 +1,8 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::RUNS;
-use crate::record::columns::{RUN, RUN_ID};
 use crate::record::episodes::named;
 use crate::record::metric::{Count, Over, Which};
-use crate::record::{self, Metric, RunKey, Table, cell_key, columns};
+use crate::record::{self, Metric, RunKey, columns};
 use base::statistics::RunningMean;
 
 /// A run: a controller of one training in one town against one policy.
@@ -22,20 +20,6 @@ impl RunRow {
     pub fn value(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|(metric, _)| metric.name() == name)?.1
     }
-}
-
-/// The table of runs: the counts and means, then the rates.
-pub fn run_table(metrics: &[Metric]) -> Table<'static, RunRow> {
-    let table = Table::new(RUNS, "One row for each run: a controller of one training in one town against one policy.")
-        .column(RUN_ID.of(|row: &RunRow| row.key.id.to_string()))
-        .columns(cell_key(|row: &RunRow| &row.key.cell))
-        .column(RUN.of(|row: &RunRow| row.key.run));
-    let is_rate = |metric: &&Metric| matches!(metric, Metric::Rate(_));
-    let ordered = metrics.iter().filter(|metric| !is_rate(metric)).chain(metrics.iter().filter(is_rate));
-    ordered.fold(table, |table, metric| {
-        let name = metric.name();
-        table.column(metric.entry(move |row: &RunRow| row.value(name)))
-    })
 }
 
 /// The metrics of one run, from its episodes part by part, in memory that does not grow with their number.

@@ -11,7 +11,7 @@ use polars_io::csv::write::CsvWriter;
 use crate::jobs::pedestrian_file;
 use crate::record::columns::{EPISODE, RUN_ID};
 use crate::record::{EPISODES, RunKey, read_parquet};
-use crate::report::aggregate::{FAILURE, FAILURES, RUNS, SEARCHES};
+use crate::report::aggregate::{FAILURE, FAILURES, SEARCHES};
 use crate::report::folder::{MARK, digest, is_sealed, report_files};
 use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
@@ -169,7 +169,7 @@ impl StoredReport {
     /// # Errors
     /// A table was changed or removed, or cannot be read.
     pub fn check_tables(&self) -> Result<(), ReadError> {
-        [RUNS, EPISODES, SEARCHES, FAILURES]
+        [EPISODES, SEARCHES, FAILURES]
             .into_iter()
             .filter_map(|table| self.written(table))
             .try_for_each(|file| self.check(file))
@@ -209,16 +209,10 @@ impl StoredReport {
     /// Whether it has a run or a search of this name.
     ///
     /// # Errors
-    /// A table that is damaged, or that the report has as CSV only.
+    /// The report has its tables as CSV only.
     pub fn holds(&self, run: RunId) -> Result<bool, ReadError> {
-        for table in [RUNS, FAILURES] {
-            self.parquet(table)?;
-            let Some(ids) = self.read(table, Some(&[RUN_ID.name]), None)? else { continue };
-            if self.ids(table, &ids)?.contains(&run) {
-                return Ok(true);
-            }
-        }
-        Ok(false)
+        [EPISODES, FAILURES].into_iter().try_for_each(|table| self.parquet(table).map(|_| ()))?;
+        Ok(self.manifest.runs.iter().any(|record| record.id == run.to_string()))
     }
 
     /// The row of an episode; `None` if the report has no such episode. `guess` is its probable index.

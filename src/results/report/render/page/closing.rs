@@ -77,11 +77,10 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
 }
 
 /// The files of a report that may interest a reader.
-const WHAT: [(&str, &str); 9] = [
+const WHAT: [(&str, &str); 8] = [
     ("summary.md", "the tables of this page as text"),
     ("results.csv", "one row for each pedestrian, town and driver; open it first"),
     ("metrics.csv", "all metrics of these, one a row"),
-    ("runs.csv", "one row for each run of a cell"),
     ("episodes.csv", "one row for each episode"),
     ("episodes.parquet", "the same, smaller"),
     ("comparisons.csv", "paired comparisons"),
