@@ -343,7 +343,7 @@ pub fn no_verdict(named: &NamedRequirement) -> &'static str {
 
 /// Whether a pedestrian that was in sight for this time before the touch (s) came into sight too late for a careful human.
 pub fn is_occluded(in_sight: Option<f64>) -> bool {
-    in_sight.is_some_and(|seen| Sight { hidden: 0.0, seen }.is_occluded())
+    in_sight.is_some_and(|seen| Sight { seen }.is_occluded())
 }
 
 #[cfg(test)]

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::stored::Source;
@@ -100,7 +101,7 @@ impl Source {
     fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
         let stored = self.report.search_failure(name.run, name.number)?;
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
-        let followed = report::searched(&stored).ok().and_then(|mut found| found.pop()).and_then(|failure| {
+        let followed = report::searched(&stored, &BTreeMap::new()).ok().and_then(|mut found| found.pop()).and_then(|failure| {
             let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
             Some((repeatable.repeat(&self.seed)?, failure))
         });

@@ -154,28 +154,10 @@ pub const COUNTS_AS: Column<String> = Column::new(
 pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "avoidable_injury",
     "",
-    "of a fault its `severe_injury_risk`, which a careful human would have spared the pedestrian; otherwise 0",
+    "of a fault the risk of an injury of AIS 4 or more or of death at its speed, which a careful human would have spared the pedestrian; otherwise 0",
 )
 .with_role(Role::Risk);
-pub const PEAK_SPEED: Column<f64> =
-    Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian in the last 3 s, mean over 0.5 s");
-pub const PEAK_ACCELERATION: Column<f64> = Column::new(
-    "peak_acceleration_mps2",
-    "m/s²",
-    "greatest change of the pedestrian's velocity within 0.5 s, divided by that time, in the last 3 s; turns count",
-);
-pub const VELOCITY_CHANGE: Column<f64> = Column::new(
-    "velocity_change_1s_mps",
-    "m/s",
-    "greatest difference of two velocities of the pedestrian that are at most a second apart, in the last 3 s; turns count",
-);
 pub const WARNING: Column<f64> = Column::new("warning_s", "s", "time from the start of the danger to the touch");
-pub const HIDDEN_SHARE: Column<f64> = Column::new(
-    "hidden_share",
-    "",
-    "share of the last 3 s before the touch in which obstacles hid the middle and both edges of the pedestrian from the driver's eye, \
-     whatever the driver's sensors are",
-);
 pub const IN_SIGHT: Column<f64> = Column::new(
     "in_sight_s",
     "s",
@@ -191,20 +173,6 @@ pub const WALKED_INTO: Column<bool> = Column::new(
     "walked_into_car",
     "",
     "whether the pedestrian walked into the flank at more than 0.1 m/s, or ran into the rear, after the front had passed it",
-);
-pub const DANGER_SPEED: Column<f64> =
-    Column::new("danger_speed_mps", "m/s", "speed of the car when the danger started; up to 0.1 m/s it stood");
-pub const HARD: Column<bool> = Column::new("hard", "", "whether the car was at least 2 m/s fast at the touch");
-pub const FATALITY_RISK: Column<f64> = Column::new(
-    "fatality_risk",
-    "",
-    "probability that a grown-up pedestrian dies who is struck by the front of a car at that speed: 1/(1 + exp(6.9 − 0.090 v)), v in km/h \
-     (Rosén and Sander 2009)",
-);
-pub const SEVERE_INJURY_RISK: Column<f64> = Column::new(
-    "severe_injury_risk",
-    "",
-    "probability of an injury of AIS 4 or more or of death: 1/(1 + exp(4.68 − 0.0881 v)), v in km/h, through the figures of Tefft 2013",
 );
 pub const LATEST_REACTION: Column<f64> = Column::new(
     "latest_reaction_s",

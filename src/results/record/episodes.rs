@@ -3,13 +3,13 @@ use polars::prelude::{Column as Values, DataFrame};
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FRONT, IMPACT_BEARING, IMPACT_SPEED, LEFT_LANE, LEFT_OUT,
-    LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y,
+    LEFT_ROAD, MIN_GAP, MIN_TTC, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y,
     PEDESTRIAN_YAW, PET, PLACED, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY,
-    TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, WORLD,
+    TRAIN_TOWN, VEHICLE, WORLD,
 };
 use super::{CellKey, Entry, EpisodeRow, RunKey, Table, TableReference, verdict_columns};
 use world::env::{Ending, LeftOut, Outcome};
-use world::judge::{LaneDeparture, NearMiss, PedestrianMotion, Reference};
+use world::judge::{LaneDeparture, NearMiss, Reference};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -87,9 +87,6 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
             .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.judged.outcome.on_crosswalk)))
             .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
             .column(PET.of(|row| near_miss(row).pet))
-            .column(PEAK_SPEED.of(|row| motion(row).map(|motion| motion.peak_speed)))
-            .column(PEAK_ACCELERATION.of(|row| motion(row).map(|motion| motion.peak_acceleration)))
-            .column(VELOCITY_CHANGE.of(|row| motion(row).map(|motion| motion.velocity_change)))
             .column(DRIVING_MODE.of(|row: &EpisodeRow| row.judged.outcome.last_mode.name()))
             .column(EGO_X.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.x))
             .column(EGO_Y.of(|row: &EpisodeRow| row.judged.outcome.spawn.ego.y))
@@ -154,11 +151,6 @@ fn near_miss(row: &EpisodeRow) -> NearMiss {
 /// Whether the car stayed in its lane; `None` for an episode in error.
 fn lane(row: &EpisodeRow) -> Option<LaneDeparture> {
     row.lane.filter(|_| row.judged.outcome.fault().is_none())
-}
-
-/// What the pedestrian did with its body; `None` for an episode in error.
-fn motion(row: &EpisodeRow) -> Option<PedestrianMotion> {
-    row.judged.outcome.fault().is_none().then_some(row.motion)
 }
 
 /// The value of `outcome` for an episode in error.

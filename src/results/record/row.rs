@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::RunKey;
 use world::env::Pair;
-use world::judge::{FalseAlarms, Judged, LaneDeparture, NearMiss, PedestrianMotion};
+use world::judge::{FalseAlarms, Judged, LaneDeparture, NearMiss};
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,8 +19,6 @@ pub struct EpisodeRow {
     pub near_miss: NearMiss,
     /// Whether the car stayed in its lane; none off the map.
     pub lane: Option<LaneDeparture>,
-    /// What the pedestrian did with its body.
-    pub motion: PedestrianMotion,
 }
 
 impl EpisodeRow {
@@ -33,7 +31,6 @@ impl EpisodeRow {
             judged,
             near_miss: NearMiss::new(pair),
             lane: LaneDeparture::new(pair),
-            motion: PedestrianMotion::new(pair),
         }
     }
 }

@@ -53,12 +53,11 @@ pub(crate) fn row(episode: u32, ending: Ending) -> EpisodeRow {
                 label: Label::Contested,
                 side: ContactSide::Side,
                 walked_into: true,
-                danger_speed: 3.0,
                 latest_reaction: Some(0.9),
                 warning: 2.0,
                 foreseeable: true,
                 fast: false,
-                sight: Sight { hidden: 0.5, seen: 1.0 },
+                sight: Sight { seen: 1.0 },
                 impact_speed: 4.0,
                 trials: [trial; Reference::COUNT],
             }),
@@ -67,7 +66,6 @@ pub(crate) fn row(episode: u32, ending: Ending) -> EpisodeRow {
         false_alarms: (!hit).then(FalseAlarms::default),
         near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
         lane: None,
-        motion: Default::default(),
     }
 }
 

@@ -1,9 +1,9 @@
 use super::Entry;
 use super::columns::{
-    AVOIDABLE_INJURY, CONTACT_SIDE, COUNTS_AS, DANGER_SPEED, FATALITY_RISK, FAULT, FORESEEABLE, HARD, HIDDEN_SHARE,
-    IN_SIGHT, LATEST_REACTION, PREVENTABLE_PROBABILITY, SEVERE_INJURY_RISK, VERDICT, WALKED_INTO, WARNING,
+    AVOIDABLE_INJURY, CONTACT_SIDE, COUNTS_AS, FAULT, FORESEEABLE, IN_SIGHT, LATEST_REACTION, PREVENTABLE_PROBABILITY,
+    VERDICT, WALKED_INTO, WARNING,
 };
-use world::judge::{Verdict, fatality_risk, severe_injury_risk};
+use world::judge::Verdict;
 
 /// The columns of the verdict on a collision, for a table whose rows may have one: the same in evaluations and in searches.
 pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + 't) -> Vec<Entry<'t, R>> {
@@ -18,12 +18,7 @@ pub fn verdict_columns<'t, R>(verdict: impl Fn(&R) -> Option<Verdict> + Copy + '
         PREVENTABLE_PROBABILITY.of(move |row| struck(row).map(|verdict| verdict.preventable_probability())),
         CONTACT_SIDE.of(move |row| verdict(row).map(|verdict| verdict.side.name())),
         WALKED_INTO.of(move |row| struck(row).map(|verdict| verdict.walked_into)),
-        HARD.of(move |row| struck(row).map(|verdict| verdict.is_hard())),
-        FATALITY_RISK.of(move |row| struck(row).map(|verdict| fatality_risk(verdict.impact_speed))),
-        SEVERE_INJURY_RISK.of(move |row| struck(row).map(|verdict| severe_injury_risk(verdict.impact_speed))),
-        DANGER_SPEED.of(move |row| verdict(row).map(|verdict| verdict.danger_speed)),
         WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
-        HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
         IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
     ]
 }

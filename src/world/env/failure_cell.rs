@@ -1,5 +1,3 @@
-use std::fmt;
-
 use super::requirement_watch::Moment;
 use super::{Frame, Outcome, Pair, Scene};
 use crate::av::DrivingMode;
@@ -175,18 +173,6 @@ impl Course {
     }
 }
 
-impl fmt::Display for FailureCell {
-    /// For instance `front_left/right/4-6/1.0-1.5/yield`: zone, course, impact speed, walking speed, driving mode.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let span = |class: u8, width: f64, digits: usize| {
-            let low = f64::from(class) * width;
-            if class == LAST { format!("{low:.digits$}+") } else { format!("{low:.digits$}-{:.digits$}", low + width) }
-        };
-        let (impact, pace) = (span(self.impact, IMPACT, 0), span(self.pace, PACE, 1));
-        write!(f, "{}/{}/{impact}/{pace}/{}", self.zone.name(), self.course.name(), self.mode.name())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,12 +193,5 @@ mod tests {
             assert_eq!(Course::new(1.0, degrees * PI / 180.0), wanted, "{degrees}");
         }
         assert_eq!(Course::new(0.05, 1.0), Course::Standing);
-    }
-
-    #[test]
-    fn a_cell_has_a_name() {
-        let cell =
-            FailureCell { zone: Zone::FrontLeft, course: Course::Right, impact: 2, pace: 7, mode: DrivingMode::Yield };
-        assert_eq!(cell.to_string(), "front_left/right/4-6/3.5+/yield");
     }
 }

@@ -186,7 +186,6 @@ impl<'a> Inquiry<'a> {
             side,
             walked_into,
             warning: self.encounter.warning,
-            danger_speed: self.encounter.speeds[0],
             foreseeable: motion.is_foreseeable(),
             fast: motion.is_fast(),
             sight: Sight::new(&self.pair),

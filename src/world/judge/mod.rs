@@ -72,7 +72,7 @@ pub use reaction::share_of_drivers;
 pub use recording::{Encountered, InstantFault, RecordedRequirement, Recording, RecordingError, Sizes};
 pub use recording_file::RecordingFileError;
 pub use reference::Reference;
-pub use severity::{HARD, fatality_risk, severe_injury_risk};
+pub use severity::severe_injury_risk;
 pub use sight::Sight;
 pub use trial::Trial;
 pub use verdict::{CLEAR, Label, Verdict, judge};

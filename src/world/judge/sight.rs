@@ -4,8 +4,6 @@ use crate::env::Pair;
 /// not matter; only obstacles hide it, not the car itself.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Sight {
-    /// Share of that time in which it was hidden. In a shorter episode it is the share of the episode.
-    pub hidden: f64,
     /// Time before the touch in which it was in sight without a break (s), at most [`Sight::WINDOW`]. In a shorter episode the pedestrian
     /// counts as in sight before its start.
     pub seen: f64,
@@ -22,17 +20,8 @@ impl Sight {
         let dt = pair.dt();
         let before = pair.len().saturating_sub(1);
         let ticks = ((Self::WINDOW / dt).round() as usize).min(before);
-        let (mut hidden, mut last) = (0, None);
-        for (back, frame) in pair.frames().take(before).rev().take(ticks).enumerate() {
-            if !pair.in_sight(&frame) {
-                hidden += 1;
-                last.get_or_insert(back);
-            }
-        }
-        Self {
-            hidden: f64::from(hidden) / ticks.max(1) as f64,
-            seen: last.map_or(Self::WINDOW, |back| back as f64 * dt),
-        }
+        let last = pair.frames().take(before).rev().take(ticks).position(|frame| !pair.in_sight(&frame));
+        Self { seen: last.map_or(Self::WINDOW, |back| back as f64 * dt) }
     }
 
     /// Whether it was hidden until shortly before the touch.

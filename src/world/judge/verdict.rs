@@ -78,8 +78,6 @@ pub struct Verdict {
     pub walked_into: bool,
     /// Time from the start of the danger to the touch (s).
     pub warning: f64,
-    /// The car's speed when the danger started (m/s).
-    pub danger_speed: f64,
     /// Whether the pedestrian moved as people do in the last three seconds before the touch: [`PedestrianMotion::is_foreseeable`](super::PedestrianMotion::is_foreseeable).
     pub foreseeable: bool,
     /// Whether it was faster than 8 km/h: [`PedestrianMotion::is_fast`](super::PedestrianMotion::is_fast).
@@ -137,11 +135,6 @@ impl Verdict {
     /// Whether the car was at most 0.1 m/s fast when it was touched.
     pub fn is_bump(&self) -> bool {
         self.label == Label::Bump
-    }
-
-    /// Whether the car was at least 2 m/s fast.
-    pub fn is_hard(&self) -> bool {
-        self.impact_speed >= severity::HARD
     }
 
     /// The reduction of the impact speed by a driver (m/s): all of it when it avoids the failure, negative when it hits harder.

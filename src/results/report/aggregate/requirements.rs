@@ -3,9 +3,9 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::{Method, Rate};
 use crate::failure::{Failure, FoundBy, Violation};
 use crate::record::columns::{EPISODE, EPISODE_LENGTH, OUTCOME, TICKS};
-use crate::record::columns::{RUN, RUN_ID};
+use crate::record::columns::RUN_ID;
 use crate::record::episodes::named;
-use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Table, cell_key, parse_degrees};
+use crate::record::{CellKey, Column, DEGREES, EpisodeTable, RunKey, Signed, Table, parse_degrees};
 use base::statistics::{ClusteredCount, wilson};
 use world::judge::{JudgedDegree, NoVerdict, ViolationVerdict};
 use world::requirement::{Degree, NamedRequirement};
@@ -102,11 +102,10 @@ impl RequirementRow {
 pub fn requirement_table<'a>() -> Table<'a, RequirementRow> {
     Table::new(
         REQUIREMENTS,
-        "One row for each episode without error and each requirement of the campaign. Campaigns without requirements do not have it.",
+        "One row for each episode without error and each requirement of the campaign; `episodes` has the episode of `run_id` and `episode`. Campaigns without requirements \
+         do not have it.",
     )
     .column(RUN_ID.of(|row: &RequirementRow| row.key.id.to_string()))
-    .columns(cell_key(|row: &RequirementRow| &row.key.cell))
-    .column(RUN.of(|row: &RequirementRow| row.key.run))
     .column(EPISODE.of(|row: &RequirementRow| row.episode))
     .column(REQUIREMENT.of(|row: &RequirementRow| row.violation.requirement.clone()))
     .column(PRIORITY.of(|row: &RequirementRow| row.violation.priority))

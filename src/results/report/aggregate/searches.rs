@@ -27,12 +27,6 @@ pub const COMMANDS: Column<String> = Column::new(
     "",
     "`heading@speed` in rad and m/s, one for each decision, in the world frame; equal seeds, starts and commands give equal digests",
 );
-const CELL: Column<String> = Column::new(
-    "cell",
-    "",
-    "how the two met: place on the car, direction of the walk relative to the car, impact speed in m/s, walking speed in m/s, the driver's \
-     mode; failures in one cell count as one finding",
-);
 /// The name of a table of searches.
 pub const SEARCHES: &str = "searches";
 pub const STARTS: Column<u64> = Column::new(
@@ -71,10 +65,6 @@ pub fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'
     ]
 }
 
-fn run<'t, R>(key: impl Fn(&R) -> &SearchKey + 't) -> Entry<'t, R> {
-    SEARCH_RUN.of(move |row: &R| u64::from(key(row).run))
-}
-
 pub type Searched<'a> = (&'a SearchResult, Figures);
 
 /// Searches as a table, one row each, in the order given.
@@ -93,7 +83,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     )
     .column(RUN_ID.of(|row: &Row<'_>| row.0.id.to_string()))
     .columns(search_key(|row: &Row<'_>| &row.0.key))
-    .column(run(|row: &Row<'_>| &row.0.key))
+    .column(SEARCH_RUN.of(|row: &Row<'_>| u64::from(row.0.key.run)))
     .column(BUDGET.of(|row: &Row<'_>| row.0.budget))
     .count(
         "used_ticks",
@@ -230,20 +220,19 @@ fn violation_table() -> Table<'static, Failure> {
 /// The columns of [`search_failures`] that all failures have.
 pub fn failure_table<'a>() -> Table<'a, Find<'a>> {
     type Row<'a> = Find<'a>;
-    let doc = "One row for each failure that a search found, with the commands that lead to it. Where a search has a goal, `requirement`, \
+    let doc = "One row for each failure that a search found, with the commands that lead to it; `searches` has the search of `run_id`. Where a search has a goal, `requirement`, \
                `priority`, `robustness`, `unit`, `instant_s` and `part` follow, as in `requirements`, and `goal_preventable`, `goal_foreseeable`, \
                `goal_fault` and `no_verdict`.";
     Table::new(FAILURES, doc)
         .column(RUN_ID.of(|row: &Row<'_>| row.id.to_string()))
-        .columns(search_key(|row: &Row<'_>| row.key))
-        .column(run(|row: &Row<'_>| row.key))
+        .column(TOWN.of(|row: &Row<'_>| row.key.town.clone()))
+        .column(POLICY.of(|row: &Row<'_>| row.key.policy.clone()))
         .column(FAILURE.of(|row: &Row<'_>| row.number as u64))
         .column(START.of(|row: &Row<'_>| row.failure.start))
         .column(FOUND_AFTER.of(|row: &Row<'_>| row.failure.ticks))
         .column(IMPACT.of(|row: &Row<'_>| Impact::of(&row.failure.outcome).map(Impact::name)))
         .column(DRIVING_MODE.of(|row: &Row<'_>| row.failure.outcome.last_mode.name()))
         .column(IMPACT_SPEED.of(|row: &Row<'_>| row.failure.outcome.impact_speed()))
-        .column(CELL.of(|row: &Row<'_>| row.failure.cell.to_string()))
         .column(EPISODE_REWARD.of(|row: &Row<'_>| row.failure.outcome.reward))
         .column(EPISODE_LENGTH.of(|row: &Row<'_>| row.failure.outcome.duration))
         .column(COMMANDS.of(|row: &Row<'_>| commands(row.failure)))

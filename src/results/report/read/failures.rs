@@ -15,8 +15,9 @@ use crate::record::{CellKey, Column, EPISODES, EpisodeTable, RunKey, Signed, Tab
 use crate::report::aggregate::{
     APPLIES, AT_COLLISION, COMMANDS, COUNTS, FAILURE, FAILURES, FALSIFIER, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
     GOAL_PREVENTABLE, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY, REQUIREMENT, REQUIREMENTS, ROBUSTNESS,
-    ROBUSTNESS_UNIT, SEARCH_BLOCK, SEARCH_RUN, START, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
+    ROBUSTNESS_UNIT, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, START, VIOLATED, VIOLATION_FAULT, VIOLATION_FORESEEABLE,
 };
+use compile::{NoRunId, RunId};
 use world::av::DrivingMode;
 use world::cause::Cause;
 use world::env::Impact;
@@ -69,8 +70,12 @@ impl StoredReport {
             }
             Ok(())
         })?;
+        let mut keys = BTreeMap::new();
+        self.each_part(SEARCHES, ROWS, |rows| {
+            (0..rows.height()).try_for_each(|row| search_key_of(Row(rows, row)).map(|key| drop(keys.insert(key.id, key))))
+        })?;
         self.each_part(FAILURES, ROWS, |rows| {
-            found.extend(searched(rows)?);
+            found.extend(searched(rows, &keys)?);
             Ok(())
         })?;
         let mut violated = Vec::new();
@@ -79,6 +84,11 @@ impl StoredReport {
             Ok(())
         })?;
         if !violated.is_empty() {
+            let runs: BTreeMap<RunId, RunKey> =
+                self.run_rows()?.into_iter().map(|run| (run.key.id, run.key)).collect();
+            for found in &mut violated {
+                found.key = runs.get(&found.key.id).unwrap_or(&found.key).clone();
+            }
             self.add_lengths(&mut violated)?;
         }
         found.extend(violated);
@@ -143,24 +153,35 @@ impl Row<'_> {
     }
 }
 
-/// The failures of a part of the table of failures of searches.
+/// The name of the run of a row.
+fn run_id(row: Row<'_>) -> PolarsResult<RunId> {
+    let no_run = |error: NoRunId| PolarsError::ComputeError(error.to_string().into());
+    row.text(&RUN_ID)?.parse().map_err(no_run)
+}
+
+/// The key of a search, whose falsifier is the controller, in the table of searches.
+fn search_key_of(row: Row<'_>) -> PolarsResult<RunKey> {
+    let cell = CellKey {
+        controller: row.text(&FALSIFIER)?,
+        reward: row.text(&REWARD)?,
+        town: row.text(&TOWN)?,
+        policy: row.text(&POLICY)?,
+        block: row.count(&SEARCH_BLOCK)? as u32,
+        ..CellKey::default()
+    };
+    Ok(RunKey { id: run_id(row)?, cell, run: row.count(&SEARCH_RUN)? as u32 })
+}
+
+/// The failures of a part of the table of failures of searches, with the keys of the searches; a search without one has its name alone.
 ///
 /// # Errors
 /// A column is missing or holds something else.
-pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
+pub fn searched(rows: &DataFrame, keys: &BTreeMap<RunId, RunKey>) -> PolarsResult<Vec<Failure>> {
     let has_goals = rows.get_column_index(REQUIREMENT.name).is_some();
     let failure = |number: usize| {
         let row = Row(rows, number);
-        let cell = CellKey {
-            controller: row.text(&FALSIFIER)?,
-            reward: row.text(&REWARD)?,
-            town: row.text(&TOWN)?,
-            policy: row.text(&POLICY)?,
-            block: row.count(&SEARCH_BLOCK)? as u32,
-            ..CellKey::default()
-        };
-        let no_run = |error: compile::NoRunId| PolarsError::ComputeError(error.to_string().into());
-        let id = row.text(&RUN_ID)?.parse().map_err(no_run)?;
+        let id = run_id(row)?;
+        let key = keys.get(&id).cloned().unwrap_or_else(|| RunKey { id, ..RunKey::default() });
         let found = Failure {
             start: row.count(&START)?,
             commands: commands(&row.text(&COMMANDS)?).unwrap_or_default(),
@@ -175,11 +196,7 @@ pub fn searched(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
             impact_speed: row.number(&IMPACT_SPEED)?,
             length: row.number(&EPISODE_LENGTH)?,
             episode_length: EPISODE_LENGTH.value(rows, number)?,
-            ..Failure::new(
-                RunKey { id, cell, run: row.count(&SEARCH_RUN)? as u32 },
-                FoundBy::Search,
-                row.count(&FAILURE)?,
-            )
+            ..Failure::new(key, FoundBy::Search, row.count(&FAILURE)?)
         };
         if !has_goals || REQUIREMENT.value(rows, number)?.is_none() {
             return Ok(found);
@@ -205,7 +222,7 @@ fn commands(text: &str) -> Option<Vec<WalkCommand>> {
     text.split_whitespace().map(command).collect()
 }
 
-/// The violations in a part of the table of requirements that count.
+/// The violations in a part of the table of requirements that count; of their runs the names alone are there.
 ///
 /// # Errors
 /// A column is missing or holds something else.
@@ -220,7 +237,7 @@ fn violations(rows: &DataFrame) -> PolarsResult<Vec<Failure>> {
             fault: row.holds(&VIOLATION_FAULT)?,
             length: row.number(&INSTANT)?,
             violation: Some(Violation { at_collision, ..row.violation(&PREVENTABLE)? }),
-            ..Failure::new(RunKey::read(rows, number)?, FoundBy::Evaluation, episode.into())
+            ..Failure::new(RunKey { id: run_id(row)?, ..RunKey::default() }, FoundBy::Evaluation, episode.into())
         })
     };
     let wanted = |row: &usize| violated.get(*row) == Some(true) && counts.get(*row) == Some(true);
