@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_419),
     ("src/learn", 5_418),
-    ("src/world", 35_015),
+    ("src/world", 35_069),
     ("src/ported", 4_642),
     ("src/lang", 6_549),
     ("src/compile", 7_831),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 27_417),
-    ("src/program", 12_119),
-    ("tests", 27_597),
+    ("src/results", 25_614),
+    ("src/program", 12_108),
+    ("tests", 27_390),
 ];
 
 /// Crates that only some places may name.

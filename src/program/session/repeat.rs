@@ -101,10 +101,11 @@ impl Source {
     fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
         let stored = self.report.search_failure(name.run, name.number)?;
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
-        let followed = report::searched(&stored, &BTreeMap::new()).ok().and_then(|mut found| found.pop()).and_then(|failure| {
-            let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
-            Some((repeatable.repeat(&self.seed)?, failure))
-        });
+        let followed =
+            report::searched(&stored, &BTreeMap::new()).ok().and_then(|mut found| found.pop()).and_then(|failure| {
+                let repeatable = Repeatable::Find { search, start: failure.start, commands: &failure.commands };
+                Some((repeatable.repeat(&self.seed)?, failure))
+            });
         let Some((seen, failure)) = followed else {
             return Err(Error::Differs(format!(
                 "the commands of {name} do not lead to the end of an episode any more"

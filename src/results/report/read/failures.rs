@@ -72,7 +72,8 @@ impl StoredReport {
         })?;
         let mut keys = BTreeMap::new();
         self.each_part(SEARCHES, ROWS, |rows| {
-            (0..rows.height()).try_for_each(|row| search_key_of(Row(rows, row)).map(|key| drop(keys.insert(key.id, key))))
+            (0..rows.height())
+                .try_for_each(|row| search_key_of(Row(rows, row)).map(|key| drop(keys.insert(key.id, key))))
         })?;
         self.each_part(FAILURES, ROWS, |rows| {
             found.extend(searched(rows, &keys)?);
@@ -84,8 +85,7 @@ impl StoredReport {
             Ok(())
         })?;
         if !violated.is_empty() {
-            let runs: BTreeMap<RunId, RunKey> =
-                self.run_rows()?.into_iter().map(|run| (run.key.id, run.key)).collect();
+            let runs: BTreeMap<RunId, RunKey> = self.run_rows()?.into_iter().map(|run| (run.key.id, run.key)).collect();
             for found in &mut violated {
                 found.key = runs.get(&found.key.id).unwrap_or(&found.key).clone();
             }
