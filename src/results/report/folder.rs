@@ -18,6 +18,8 @@ use base::files;
 
 /// The file whose presence marks a folder as a finished report.
 pub(super) const MARK: &str = "manifest.toml";
+/// The folder of the figures, as SVG.
+pub const FIGURES: &str = "figures";
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
@@ -348,10 +350,9 @@ fn is_ours(name: &str) -> bool {
     let (stem, extension) = name.split_once('.').unwrap_or((name, ""));
     match extension {
         "csv" | "parquet" => catalogue().iter().any(|table| table.name == stem),
-        "svg" => ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix)),
         _ => {
             let mut folders = KINDS.iter().flat_map(|kind| kind.folders);
-            [MARK, "summary.md", "report.html", "dossier.html", SCENARIO, PROGRAMS].contains(&name)
+            [MARK, "summary.md", "report.html", "dossier.html", SCENARIO, PROGRAMS, FIGURES].contains(&name)
                 || folders.any(|folder| *folder == name)
         }
     }

@@ -4,7 +4,7 @@ use super::infer::ComparedRow;
 use super::metric_table::{METRICS, metric_table};
 use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
-use super::{Findings, Manifest, ReportFolder, WriteError, infer, town_map};
+use super::{FIGURES, Findings, Manifest, ReportFolder, WriteError, infer, town_map};
 use crate::jobs::KINDS;
 use base::seed::Seed;
 
@@ -31,7 +31,7 @@ pub fn write(
     }
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
-        folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
+        folder.file(&format!("{FIGURES}/town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
     }
     for (name, contents) in KINDS.iter().flat_map(|kind| (kind.files)(found, manifest)) {
         folder.file(&name, &contents)?;

@@ -22,7 +22,7 @@ pub fn pictures(rows: &[Row<'_>]) -> Option<Figure> {
     let panels: Vec<Panel> = rows.iter().filter_map(panel).collect();
     let steps = ["passes", "up to 20 %", "up to 40 %", "up to 60 %", "up to 80 %", "more fail"];
     (!panels.is_empty()).then(|| Figure {
-        name: "figure-covers".into(),
+        name: "covers".into(),
         title: "Share of starts that fail, over two parameters of the box.".into(),
         notes: vec![
             "Axes have equal parts of the draws.".into(),

@@ -40,12 +40,8 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .count("worse", "of these failed where the picture says that they pass", move |row| look(row, |look| look.worse))
     .count("better", "of these passed where the picture says that they fail", move |row| look(row, |look| look.better))
-    .number("alpha", "share of the 5 % that this check may use", |row| row.1.coverage.best().map(|look| look.alpha))
-    .count("learnt", "first episodes, from which that picture was learnt", move |row| look(row, |look| look.learnt))
     .number("shown", "share of the box that the picture shows as failing", |row| row.1.shown)
-    .count("checks", "number of checks", |row| row.1.coverage.looks.len() as u64)
     .count("episodes", "episodes in all", |row| row.1.coverage.points.len() as u64)
-    .count("budget", "episodes that it might use", |row| u64::from(row.0.budget))
     .count("failures", "episodes that failed", |row| row.1.coverage.failures())
     .count(
         "unplaced",
@@ -54,7 +50,6 @@ pub fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .count("left_out_episodes", "episodes that are left out; they count as passed", |row| row.1.left_out)
     .count("errors", "episodes in which a program failed; they count as passed", |row| row.1.errors)
-    .count("ticks", "simulator ticks in all", |row| row.1.ticks)
 }
 
 /// An episode of a cover, with its number.

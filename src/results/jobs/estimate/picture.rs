@@ -24,7 +24,7 @@ pub fn likelihoods(ended: &[Ended<'_>]) -> Figure {
     }
     let panels = towns.into_iter().map(|town| panel(town, ended));
     Figure {
-        name: "figure-likelihood".into(),
+        name: "likelihood".into(),
         title: "How likely a fault is in an encounter, with the 95 % interval.".into(),
         notes: vec![
             "The axis says 1 in how many. An arrow to the left is the 95 % bound where no fault was seen. The hollow mark is any failure.".into(),

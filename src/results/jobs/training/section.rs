@@ -65,7 +65,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
         notes: vec![
             "Means of the last episodes of each training, while the controller still explored. \"±\" is the standard deviation over trainings. \
-             Of several candidates the one with the greatest mean reward on 1,000 validation starts is kept and shown. `learning_*.svg` draw the whole course, `learning_curve.csv` has every update, \
+             Of several candidates the one with the greatest mean reward on 1,000 validation starts is kept and shown. `figures/learning_*.svg` draw the whole course, `learning_curve.csv` has every update, \
              `pedestrians/` has the networks."
                 .into(),
         ],

@@ -47,7 +47,7 @@ pub fn spawns(tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
         .collect();
     let reach = Reach::new(&groups);
     let around = Figure {
-        name: "figure-spawns-around".into(),
+        name: "spawns-around".into(),
         title: format!(
             "Where pedestrians started as the car sees it (it drives upwards), and how often they hit it while it moved.{cut}"
         ),

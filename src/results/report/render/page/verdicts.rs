@@ -20,7 +20,7 @@ pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
     let legend = labels().map(|(number, label)| (format!("v{number}"), label.word(false).into()));
     let panels = places(&hit).into_iter().map(|(place, members)| panel(place, &members));
     Some(Figure {
-        name: "figure-verdicts".into(),
+        name: "verdicts".into(),
         title: "Collisions by what reference drivers would have made of them, as shares of all collisions.".into(),
         legend: legend.collect(),
         panels: panels.collect(),

@@ -58,7 +58,7 @@ pub fn write_page(
     manifest: &Manifest,
 ) -> Result<(), WriteError> {
     for figure in sections.iter().flat_map(|section| &section.figures) {
-        folder.file(&format!("{}.svg", figure.name), figure.to_svg().as_bytes())?;
+        folder.file(&figure.file(), figure.to_svg().as_bytes())?;
     }
     let options = folder.has_parquet().then(|| manifest.call.replay_options());
     let players = Players::new(played, &found.distinct, options);

@@ -1,6 +1,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::{Digits, Document, px};
+use crate::report::FIGURES;
 
 /// A picture of panels side by side.
 #[derive(Debug, Clone, Default)]
@@ -73,10 +74,15 @@ impl Figure {
                 figcaption {
                     (self.title) " "
                     @for note in &self.notes { (note) " " }
-                    @if !self.name.is_empty() { a href={ (self.name) ".svg" } { "SVG" } }
+                    @if !self.name.is_empty() { a href=(self.file()) { "SVG" } }
                 }
             }
         }
+    }
+
+    /// The path of its own file in a report.
+    pub fn file(&self) -> String {
+        format!("{FIGURES}/{}.svg", self.name)
     }
 
     /// The figure in its own file.
