@@ -43,9 +43,18 @@ enum Defect {
     LetsGo,
     /// An exception is swallowed: it sees nobody.
     Ignores,
+    /// Held out: once the car has lost a third of its speed it lets go of the brake, and brakes no more for 1.5 s.
+    Hysteresis,
+    /// Held out: its tracker loses people for half a second, again and again, at times that differ from start to start.
+    Tracker,
+    /// Held out: an exception in the planner is swallowed if somebody is within 20 m, and the pedals stay as they were.
+    Stale,
 }
 
 impl Defect {
+    /// Defects that were planted after the rules were frozen.
+    const HELD_OUT: [Self; 3] = [Self::Hysteresis, Self::Tracker, Self::Stale];
+
     const ALL: [Self; 10] = [
         Self::Delay,
         Self::BlindSide,
@@ -65,13 +74,13 @@ impl Defect {
             Self::Delay => Weakness::Delay,
             Self::BlindSide => Weakness::BlindSide,
             Self::Range => Weakness::Range,
-            Self::Dropouts => Weakness::Dropouts,
+            Self::Dropouts | Self::Tracker => Weakness::Dropouts,
             Self::Corridor => Weakness::Corridor,
             Self::NoAnticipation => Weakness::Anticipation,
             Self::StoppingDistance => Weakness::Distance,
             Self::WeakBrake => Weakness::WeakBrake,
-            Self::LetsGo => Weakness::LetsGo,
-            Self::Ignores => Weakness::Ignores,
+            Self::LetsGo | Self::Hysteresis => Weakness::LetsGo,
+            Self::Ignores | Self::Stale => Weakness::Ignores,
         }
     }
 }
@@ -84,11 +93,15 @@ struct Defective {
     braked: u32,
     waiting: Vec<Control>,
     seen: Vec<Actor>,
+    /// Speed when it began to brake (m/s).
+    before: f64,
+    /// A number of its start.
+    phase: u32,
 }
 
 impl Defective {
     fn look(&mut self, perception: &Perception<'_>) -> Vector {
-        let (defect, tick, ego) = (self.defect, self.tick, &perception.ego);
+        let (defect, tick, phase, ego) = (self.defect, self.tick, self.phase, &perception.ego);
         let mut slower = ego.velocity;
         if defect == Defect::StoppingDistance {
             slower /= 2.0;
@@ -100,6 +113,7 @@ impl Defective {
                 Defect::BlindSide => local.y > -0.5,
                 Defect::Range => local.norm() < 9.0,
                 Defect::Dropouts => (tick / 10).is_multiple_of(2),
+                Defect::Tracker => (tick + phase) % (17 + phase % 7) < 7 + phase % 5,
                 Defect::Corridor => local.y.abs() < ego.half.y,
                 _ => true,
             }
@@ -115,7 +129,8 @@ impl Defective {
 
 impl DrivingPolicy for Defective {
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
-        (self.tick, self.braked) = (0, 0);
+        (self.tick, self.braked, self.before) = (0, 0, 0.0);
+        self.phase = (perception.ego.pose.x.abs() * 100.0) as u32 % 1000;
         self.waiting = vec![Control::default(); if self.defect == Defect::Delay { 12 } else { 0 }];
         let velocity = self.look(perception);
         let ego = Actor { velocity, ..perception.ego };
@@ -141,6 +156,20 @@ impl DrivingPolicy for Defective {
                 if self.braked > 30 {
                     self.braked = 0;
                 }
+            }
+            Defect::Hysteresis => {
+                let speed = perception.ego.speed();
+                self.before = if control.brake > 0.1 { self.before.max(speed) } else { 0.0 };
+                self.braked = if speed < self.before * 2.0 / 3.0 { 30 } else { self.braked.saturating_sub(1) };
+                if self.braked > 0 && speed > 1.0 {
+                    (control.brake, self.before) = (0.0, 0.0);
+                }
+            }
+            Defect::Stale => {
+                let near = |actor: &Actor| (actor.pose.position() - perception.ego.pose.position()).norm() < 20.0;
+                let last = self.waiting.pop().filter(|_| perception.pedestrians.iter().any(near));
+                control = last.map_or(control, |last| Control { steer: control.steer, ..last });
+                self.waiting.push(control);
             }
             _ => {}
         }
@@ -183,11 +212,13 @@ fn incidents(evaluation: &compile::Evaluation, defect: Defect, episodes: u32) ->
     let make = sound.cast.ego().policy.clone();
     planted.cast.vehicles[0].parts = Arc::new(DriverParts::default());
     planted.cast.vehicles[0].policy = Arc::new(move || {
-        Box::new(Defective { driver: make(), defect, tick: 0, braked: 0, waiting: Vec::new(), seen: Vec::new() })
+        let (waiting, seen) = (Vec::new(), Vec::new());
+        Box::new(Defective { driver: make(), defect, tick: 0, braked: 0, waiting, seen, before: 0.0, phase: 0 })
     });
     let planted = Arc::new(planted);
     let ControllerKind::Untrained(controller) = &evaluation.controller else { panic!("it is not trained") };
-    let seed = Seed::root(8);
+    // Rules were chosen on seed 8.
+    let seed = Seed::root(samples(8, 9) as u64);
     let mut found = Vec::new();
     let mut note = |start: u32, outcome: &Outcome, trace: &Trace| {
         let judged = Judged::by(Criterion::Collision, outcome, &trace.main_pair(&planted));
@@ -222,6 +253,10 @@ fn confusion(defects: &[Defect], drivers: usize, episodes: u32) -> Confusion {
             let mut named: BTreeMap<Weakness, u32> = BTreeMap::new();
             for incident in incidents(evaluation, *defect, episodes) {
                 let cause = explain(&incident, true).expect("it fails again");
+                if cause.weakness != defect.weakness() && std::env::var_os("FALSIFY_PRINT_CAUSES").is_some() {
+                    let (driver, start) = (&evaluation.policy, incident.start);
+                    loud!("{driver} {defect:?}, start {start}: {} {:?}", cause.weakness.name(), cause);
+                }
                 *table.entry(*defect).or_default().entry(cause.weakness).or_default() += 1;
                 *named.entry(cause.weakness).or_default() += 1u32;
             }
@@ -247,8 +282,19 @@ fn named(table: &Confusion) -> (f64, u32) {
 
 #[test]
 fn planted_defects_are_named() {
-    let table = confusion(&Defect::ALL, samples(2, DRIVERS.len()), samples(8, 300) as u32);
+    assert_named(&Defect::ALL, 1900, 0.9);
+}
+
+#[test]
+fn defects_that_were_planted_later_are_named() {
+    assert_named(&Defect::HELD_OUT, 600, 0.5);
+}
+
+fn assert_named(defects: &[Defect], episodes: usize, least: f64) {
+    let table = confusion(defects, samples(2, DRIVERS.len()), samples(8, episodes) as u32);
     let (share, all) = named(&table);
-    loud!("{:.1} % of {all} named", 100.0 * share);
-    assert!(share >= 0.5, "{share}");
+    let right = (share * f64::from(all)).round() as u64;
+    let (low, high) = base::statistics::wilson(right, u64::from(all));
+    loud!("{:.1} % ({:.1} to {:.1} %) of {all} named", 100.0 * share, 100.0 * low, 100.0 * high);
+    assert!(share >= least, "{share}");
 }

@@ -168,7 +168,7 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, is_shrunk
     if let Some(cause) = cause {
         paragraph(&cause.sentence());
         let cost = cause.setting.as_ref().map(|setting| format!(" {}", setting.cost())).unwrap_or_default();
-        paragraph(&format!("{}{cost}", cause.last_chances()));
+        paragraph(&format!("{} {}{cost}", cause.last_chances(), cause.perfected()));
     }
     paragraph(&narrative.short);
     for (time, text) in &narrative.events {
@@ -270,6 +270,7 @@ fn cause_json(cause: &Cause) -> serde_json::Value {
         "reacts_s": cause.reacted,
         "brakes_s": cause.braked,
         "setting": setting,
+        "perfected": cause.faculties.iter().map(|(what, turns)| json!({ "what": what, "turns": turns })).collect::<Vec<_>>(),
         "tried": cause.tried.iter().map(|(what, turns)| json!({ "change": what, "turns": turns })).collect::<Vec<_>>(),
         "runs": cause.runs,
     })

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use crate::av::{Actor, DrivingMode, DrivingPolicy, Fault, Perception};
 use crate::env::{Scenario, Trace};
-use crate::geometry::{Obstacles, Vector, wrap_angle};
+use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::sim::{Control, PedestrianState};
 use base::seed::Stream;
 
@@ -29,9 +29,8 @@ pub enum Change {
     SwervesFrom(u32, bool),
     /// Nobody is there.
     Unseen,
-    /// Instead of all pedestrians one stands ahead of the bumper and to the left of the car's axis by these distances (m) from a tick on, where that then
-    /// is; the car seems to have a share of its speed.
-    Appears { from: u32, ahead: f64, left: f64, speed: f64 },
+    /// Instead of all pedestrians one stands at this place from a tick on, or nobody does; the car then seems to have a share of its speed.
+    Appears { from: u32, somebody: Option<Point>, speed: f64 },
     /// No obstacle hides anybody.
     SeenThrough,
     /// The driver sees where pedestrians will be this number of ticks later, as seen from the car if it keeps its speed.
@@ -59,8 +58,6 @@ struct Altered {
     story: Arc<Story>,
     /// The tick of the episode; `None` before it.
     tick: Option<u32>,
-    /// Where somebody stands who appeared.
-    appeared: Option<Actor>,
     /// The hardest braking up to now.
     held: f64,
     pedestrians: Vec<Actor>,
@@ -94,14 +91,14 @@ impl Story {
     /// A driver with one thing changed.
     pub fn alter(self: &Arc<Self>, driver: Box<dyn DrivingPolicy>, change: Change) -> Box<dyn DrivingPolicy> {
         let story = self.clone();
-        Box::new(Altered { driver, change, story, tick: None, appeared: None, held: 0.0, pedestrians: Vec::new() })
+        Box::new(Altered { driver, change, story, tick: None, held: 0.0, pedestrians: Vec::new() })
     }
 }
 
 impl Altered {
     /// Sets what the driver sees.
     fn look(&mut self, perception: &Perception<'_>) {
-        let Self { change, story, tick, pedestrians, appeared, .. } = self;
+        let Self { change, story, tick, pedestrians, .. } = self;
         pedestrians.clear();
         let Some(tick) = *tick else { return };
         let ego = &perception.ego;
@@ -114,16 +111,12 @@ impl Altered {
         };
         match *change {
             Change::Unseen => {}
-            Change::Appears { from, ahead, left, .. } => {
-                if tick >= from && appeared.is_none() {
-                    *appeared = seen
-                        .map(|actor| Actor {
-                            velocity: Vector::zeros(),
-                            ..moved(actor, ego.half.x + ahead + actor.half.x, left)
-                        })
-                        .next();
-                }
-                pedestrians.extend(*appeared);
+            Change::Appears { from, somebody, .. } => {
+                let there = perception.pedestrians.first().zip(somebody).filter(|_| tick >= from);
+                pedestrians.extend(there.map(|(like, place)| {
+                    let pose = Pose { x: place.x, y: place.y, ..like.pose };
+                    Actor { pose, velocity: Vector::zeros(), ..*like }
+                }));
             }
             Change::Earlier(ticks) => {
                 let way = ego.velocity * (f64::from(ticks) * story.dt);
@@ -222,7 +215,9 @@ impl Altered {
         self.look(perception);
         let obstacles = if self.change == Change::SeenThrough { &self.story.nothing } else { perception.obstacles };
         let mut ego = perception.ego;
-        if let Change::Appears { speed, .. } = self.change {
+        if let Change::Appears { from, speed, .. } = self.change
+            && self.tick.is_some_and(|tick| tick >= from)
+        {
             ego.velocity *= speed;
         }
         of(&mut *self.driver, &Perception { ego, pedestrians: &self.pedestrians, obstacles, ..*perception })
@@ -233,7 +228,7 @@ impl DrivingPolicy for Altered {
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         // In a run-up there is nobody; otherwise the episode begins now.
         self.tick = (!perception.pedestrians.is_empty()).then_some(0);
-        (self.appeared, self.held) = (None, 0.0);
+        self.held = 0.0;
         self.ask(perception, |driver, seen| driver.reset(seen, stream));
         self.tick = None;
     }

@@ -2,13 +2,10 @@ use std::sync::Arc;
 
 use super::altered::{BRAKING, Story};
 use super::{Change, Incident, Rerun, Reruns};
-use crate::env::{Criterion, Pair, PolicyMaker, Scenario, VehicleFrame};
+use crate::env::{Criterion, Pair, PolicyMaker, Scenario};
+use crate::geometry::Point;
 use crate::sim::{Control, WalkCommand};
 
-/// A brake above this is pressed for somebody.
-const PRESSED: f64 = 0.1;
-/// A car that is slower (m/s) may let go of the brake.
-const MOVING: f64 = 1.0;
 /// Time after the touch for which a run that avoids it goes on (s).
 const AFTER: f64 = 5.0;
 
@@ -21,21 +18,10 @@ pub(super) struct Experiments<'a> {
     scenario: Arc<Scenario>,
     story: Arc<Story>,
     reruns: Reruns,
+    /// The same start, in an episode that only its length ends.
+    probes: Reruns,
     /// Runs with other drivers.
     others: u32,
-}
-
-/// The reaction of a driver to somebody who suddenly stands there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Response {
-    /// Until the commands of the driver change (s).
-    pub time: f64,
-    /// Distance from the bumper when it brakes (m); `None` if it does not brake before it is there.
-    pub gap: Option<f64>,
-    /// The hardest braking from then on, 0 to 1.
-    pub hardest: f64,
-    /// Whether it lets go of the brake while the car moves and is not there yet.
-    pub releases: bool,
 }
 
 impl<'a> Experiments<'a> {
@@ -57,12 +43,16 @@ impl<'a> Experiments<'a> {
         }
         let story = Arc::new(Story::new(&base.trace, &scenario));
         let reruns = Reruns::with(incident, scenario.clone());
-        Some(Self { incident, base, scenario, story, reruns, others: 1 })
+        let mut endless = Scenario::clone(&scenario);
+        endless.episode.end_when = None;
+        endless.episode.ticks = base.outcome.ticks + (AFTER / endless.episode.tick) as u32;
+        let probes = Reruns::with(incident, Arc::new(endless));
+        Some(Self { incident, base, scenario, story, reruns, probes, others: 1 })
     }
 
     /// The number of episodes up to now.
     pub fn runs(&self) -> u32 {
-        self.reruns.runs + self.others
+        self.reruns.runs + self.probes.runs + self.others
     }
 
     /// Length of a tick (s).
@@ -82,12 +72,8 @@ impl<'a> Experiments<'a> {
 
     /// The episode with one thing changed.
     pub fn run(&mut self, change: Change) -> Option<Rerun> {
-        self.walked(change, &self.incident.commands.clone())
-    }
-
-    fn walked(&mut self, change: Change, commands: &[WalkCommand]) -> Option<Rerun> {
         let story = self.story.clone();
-        self.reruns.run_with(commands, &(Arc::new(move |driver| story.alter(driver, change)) as _))
+        self.reruns.run_with(&self.incident.commands, &(Arc::new(move |driver| story.alter(driver, change)) as _))
     }
 
     /// Whether a run avoids the failure.
@@ -153,39 +139,13 @@ impl<'a> Experiments<'a> {
         one.iter().zip(&other).position(|(one, other)| one != other).map(|tick| tick as u32)
     }
 
-    /// What the driver does if somebody stands there from a tick on, ahead of the bumper and to the left of the axis by these distances (m), while the
-    /// car seems to have this share of its speed and nobody else is there. `None` if it does nothing.
-    pub fn respond(&mut self, from: u32, (ahead, left): (f64, f64), speed: f64) -> Option<Response> {
-        let nobody = self.appears(u32::MAX, (ahead, left), speed)?;
-        let somebody = self.appears(from, (ahead, left), speed)?;
-        let tick = Self::differs(&nobody, &somebody).filter(|tick| *tick >= from)?;
-        let frames = somebody.trace.vehicle(0);
-        let begun = frames.get(from as usize)?.state.pose.position();
-        let gap = |frame: &VehicleFrame| ahead - (frame.state.pose.position() - begun).norm();
-        let mut after = frames.iter().skip(tick as usize + 1);
-        let brakes =
-            after.clone().take_while(|frame| gap(frame) > 0.0).find(|frame| frame.driven.control.brake > PRESSED);
-        let ahead_of_it = after.clone().take_while(|frame| gap(frame) > 0.0 && frame.state.speed > MOVING);
-        let brakes_at = |frame: &VehicleFrame| frame.driven.control.brake > BRAKING;
-        let releases = ahead_of_it.skip_while(|frame| !brakes_at(frame)).any(|frame| !brakes_at(frame));
-        let hardest = after.by_ref().map(|frame| frame.driven.control.brake).fold(0.0, f64::max);
-        Some(Response { time: f64::from(tick - from) * self.dt(), gap: brakes.map(gap), hardest, releases })
-    }
-
-    /// The episode in which all pedestrians stand still, and somebody appears.
-    fn appears(&mut self, from: u32, (ahead, left): (f64, f64), speed: f64) -> Option<Rerun> {
+    /// The episode in which all pedestrians stand still, and somebody appears: [`Change::Appears`].
+    pub fn appears(&mut self, from: u32, somebody: Option<Point>, speed: f64) -> Option<Rerun> {
         let role = self.scenario.cast.pedestrian();
         let heading = self.pair().walking.first().map_or(0.0, |first| first.pose.yaw);
         let still = vec![WalkCommand { heading, speed: role.action.speed.0 }; self.scenario.cast.pedestrians.len()];
-        self.walked(Change::Appears { from, ahead, left, speed }, &still)
-    }
-
-    /// The first tick in which the car has nearly its greatest speed, and that speed (m/s).
-    pub fn fast(&self) -> (u32, f64) {
-        let speeds: Vec<f64> = self.base.trace.vehicle(0).iter().map(|frame| frame.state.speed).collect();
-        let greatest = speeds.iter().copied().fold(0.0, f64::max);
-        let tick = speeds.iter().position(|speed| *speed >= 0.8 * greatest).unwrap_or(0);
-        (tick as u32, speeds.get(tick).copied().unwrap_or(0.0))
+        let (story, change) = (self.story.clone(), Change::Appears { from, somebody, speed });
+        self.probes.run_with(&still, &(Arc::new(move |driver| story.alter(driver, change)) as _))
     }
 
     /// The ticks in which the driver brakes: the first, the last, and whether it has let go before the end while the car moved. `None` if it does not

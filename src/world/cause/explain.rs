@@ -1,33 +1,33 @@
 use std::sync::Arc;
 
 use super::altered::BRAKING;
-use super::experiments::{Experiments, Response};
+use super::experiments::Experiments;
+use super::profile::Profile;
 use super::{Change, Incident};
 use crate::av::{DrivingMode, Weakness};
-use crate::env::{DriverParts, Scenario, Setting};
+use crate::env::{DriverParts, PolicyMaker, Scenario, Setting};
 use crate::hardening::{Traffic, natural_traffic};
 
-/// Distance at which somebody suddenly stands before the bumper and is far away (m).
-const FAR: f64 = 40.0;
-/// The same, so near that every driver must react at once (m).
-const NEAR: f64 = 2.0;
-/// The same beside the axis: within the car's width (m, m).
-const BESIDE: (f64, f64) = (5.0, 0.9);
-/// Ticks by which somebody appears later.
-const SHIFTS: [u32; 5] = [0, 4, 8, 12, 16];
 /// Response times above this (s) count as a delay: two ticks of most drivers are none.
 const PROMPT: f64 = 0.15;
-/// A driver that presses its brake no harder than this for somebody near brakes weakly.
-const WEAK: f64 = 0.6;
+/// A driver that brakes less hard than this (m/s²) for somebody near brakes weakly: what UN Regulation 152 demands, and what the careful human of UN
+/// Regulation 157 does.
+const WEAK: (f64, f64) = (5.0, 7.59);
+/// A driver that slows down by no more than this (m/s²) for somebody near does not brake.
+const COASTING: f64 = 0.5;
+/// Response times that differ by more than this (s) show that the driver loses somebody.
+const FLICKER: f64 = 0.2;
 /// Multiples of a delay by which pedestrians are seen earlier: the driver's plan is late, too.
 const COMPENSATED: [f64; 4] = [1.0, 1.5, 2.0, 3.0];
 /// A response time above this (s) is a weakness by itself.
 const LATE: f64 = 0.4;
-/// Decelerations that must be enough for somebody far ahead (m/s²): beyond a fixed range, and at a distance that grows with the speed.
-const ENOUGH: (f64, f64) = (3.0, 5.0);
-/// The speed that the car seems to have, and the ratio of distances of reaction below which they do not grow with it.
-const FASTER: f64 = 1.5;
+/// Decelerations that must be enough for somebody far ahead (m/s²): beyond a fixed range (that of AASHTO's stopping sight distance), and at a distance that
+/// grows with the speed.
+const ENOUGH: (f64, f64) = (3.4, 5.0);
+/// The ratio of distances of reaction, at one and a half times the speed, below which they do not grow with it.
 const SAME: f64 = 1.1;
+/// A driver that sees less than this share of its half width on one side does not see that side.
+const BLIND: f64 = 0.75;
 /// Distance that is left before somebody who is not hit (m).
 const SPARE: f64 = 1.0;
 /// Maximum amounts that are tried: how much earlier (s), farther to the middle, and nearer (m).
@@ -41,6 +41,8 @@ const FROM_ZERO: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 const EARLIER: f64 = 0.5;
 /// Steps of a bisection.
 const HALVINGS: u32 = 6;
+/// Maximum number of settings whose cost is compared.
+const MAX_COSTED: usize = 3;
 /// Natural crossings that show what a setting costs.
 const NATURAL: u32 = 40;
 
@@ -60,7 +62,9 @@ pub struct Cause {
     pub braked: Option<f64>,
     /// Whether it stood shortly before, and at a red light.
     pub drove_off: Option<bool>,
-    /// The smallest change of a setting that turns it.
+    /// What of a driver was made perfect, one at a time, and whether that turns it.
+    pub faculties: [(&'static str, bool); 4],
+    /// The smallest change of a setting that turns it; one that costs no faults in natural crossings comes first.
     pub setting: Option<TurnedBy>,
     /// What was tried, each with whether it turns the failure.
     pub tried: Vec<(String, bool)>,
@@ -87,6 +91,7 @@ pub fn explain(incident: &Incident, patient: bool) -> Option<Cause> {
     let mut inquiry = Inquiry { experiments, tried: Vec::new() };
     let facts = inquiry.facts()?;
     let (weakness, amount) = inquiry.weakness(parts, &facts);
+    let faculties = inquiry.faculties(parts, &facts);
     let setting = inquiry.setting(&parts.settings);
     let Inquiry { experiments, tried } = inquiry;
     let Facts { last, seen, reaction, braked, drove_off, .. } = facts;
@@ -99,6 +104,7 @@ pub fn explain(incident: &Incident, patient: bool) -> Option<Cause> {
         reacted: reaction.map(before),
         braked: braked.map(before),
         drove_off,
+        faculties,
         setting,
         tried,
         runs: experiments.runs(),
@@ -114,22 +120,7 @@ struct Facts {
     braked: Option<u32>,
     released: bool,
     drove_off: Option<bool>,
-    /// The responses to somebody who suddenly stands near, at different ticks.
-    near: [Option<Response>; SHIFTS.len()],
-    /// That to somebody far ahead.
-    far: Option<Response>,
-    /// The car's speed then (m/s).
-    speed: f64,
-    /// The tick then.
-    fast: u32,
-}
-
-impl Facts {
-    /// How long the driver takes to respond to somebody near (s): at least, and at most. `None` if it never responds.
-    fn latency(&self) -> Option<(f64, f64)> {
-        let times = || self.near.iter().flatten().map(|response| response.time);
-        times().min_by(f64::total_cmp).zip(times().max_by(f64::total_cmp))
-    }
+    profile: Profile,
 }
 
 struct Inquiry<'a> {
@@ -146,9 +137,7 @@ impl Inquiry<'_> {
         let comfortable = it.last(Change::SlowsFrom);
         let swerve = [true, false].map(|left| it.last(|from| Change::SwervesFrom(from, left)));
         let last = [full, comfortable, swerve.into_iter().flatten().max()];
-        let (fast, speed) = it.fast();
-        let near = SHIFTS.map(|shift| it.respond(fast + shift, (NEAR, 0.0), 1.0));
-        let far = it.respond(fast, (FAR, 0.0), 1.0);
+        let profile = Profile::new(it)?;
         let pair = it.pair();
         let hidden = pair.frames().rev().position(|frame| !pair.in_sight(&frame));
         let seen = hidden.unwrap_or(pair.len().saturating_sub(1)) as f64 * it.dt();
@@ -164,10 +153,7 @@ impl Inquiry<'_> {
             braked: braking.map(|(first, ..)| first),
             released: braking.is_some_and(|(.., released)| released),
             drove_off: stood.then_some(red),
-            near,
-            far,
-            speed,
-            fast,
+            profile,
         })
     }
 
@@ -181,7 +167,8 @@ impl Inquiry<'_> {
     /// The first weakness that explains the failure, with its amount.
     fn weakness(&mut self, parts: &DriverParts, facts: &Facts) -> (Weakness, Option<f64>) {
         self.tried.push(("nobody there".into(), false));
-        let latency = facts.latency();
+        let Profile { latency, deceleration, releases, loses, .. } = facts.profile;
+        let dt = self.experiments.dt();
         if facts.reaction.is_none() && latency.is_none() && self.ignores() {
             return (Weakness::Ignores, None);
         }
@@ -189,49 +176,51 @@ impl Inquiry<'_> {
             return found;
         }
         let full_braking = facts.last[0].map_or(0.0, |tick| self.experiments.before(tick));
-        if facts.seen + self.experiments.dt() < full_braking
-            && self.turns("sight through obstacles", Change::SeenThrough)
-        {
+        if facts.seen + dt < full_braking && self.turns("sight through obstacles", Change::SeenThrough) {
             return (Weakness::Hidden, Some(facts.seen));
         }
         if let Some((least, most)) = latency {
-            let flickers = most - least > 1.5 * self.experiments.dt();
-            self.tried.push((format!("somebody {NEAR} m ahead, a little later"), flickers));
+            let flickers = least <= PROMPT && (loses || most - least > FLICKER);
+            self.tried.push((format!("somebody near, a little later: reacts in {least:.2} to {most:.2} s"), flickers));
             if flickers {
                 return (Weakness::Dropouts, None);
             }
         }
         if let Some((delay, _)) = latency.filter(|(delay, _)| *delay > PROMPT) {
-            let dt = self.experiments.dt();
             let earlier = |time: f64| Change::Earlier((time / dt).round() as u32);
             let turns = COMPENSATED.into_iter().any(|part| self.experiments.turns(earlier(part * delay)));
             self.tried.push((format!("{delay:.2} s earlier"), turns));
-            if turns {
+            if turns || delay > LATE {
                 return (Weakness::Delay, Some(delay));
             }
         }
-        let near = self.experiments.respond(facts.fast, (BESIDE.0, 0.0), 1.0);
-        let releases = near.iter().chain(&facts.far).any(|response| response.releases);
-        if facts.released && releases && self.turns("keeps the brake once it brakes", Change::KeepsBraking) {
+        self.tried.push((format!("somebody near: brakes with {deceleration:.1} m/s²"), deceleration < WEAK.1));
+        if latency.is_some() && deceleration < COASTING {
+            return (Weakness::Ignores, Some(deceleration));
+        }
+        if let Some(found) = self.beside(facts) {
+            return found;
+        }
+        if (facts.released || facts.reaction.is_none())
+            && releases
+            && self.turns("keeps the brake once it brakes", Change::KeepsBraking)
+        {
             return (Weakness::LetsGo, None);
         }
-        let responses = near.iter().chain(facts.near.iter().flatten()).chain(&facts.far);
-        let hardest = responses.map(|response| response.hardest).fold(0.0, f64::max);
-        if latency.is_some() && hardest < WEAK && self.turns("full braking once it brakes", Change::BrakesFully) {
+        let brake = (WEAK.0 / deceleration.max(0.1), WEAK.1 / deceleration.max(0.1));
+        let (distance, missing) = self.distance(facts);
+        let is_weak = if missing > 1.0 { brake.0 > missing } else { brake.1 > 1.0 };
+        if latency.is_some() && is_weak && self.turns("full braking once it brakes", Change::BrakesFully) {
             return (Weakness::WeakBrake, self.hardest());
         }
-        if facts.released && self.turns("keeps the brake once it brakes", Change::KeepsBraking) {
-            return (Weakness::LetsGo, None);
-        }
-        if let Some((delay, _)) = latency.filter(|(delay, _)| *delay > LATE) {
-            return (Weakness::Delay, Some(delay));
-        }
-        let found = self.one_side(facts).or_else(|| self.distance(facts)).or_else(|| self.unforeseen(facts));
-        if let Some(found) = found {
+        if let Some(found) = distance.or_else(|| self.unforeseen()) {
             return found;
         }
         if self.turns("full braking once it brakes", Change::BrakesFully) {
             return (Weakness::WeakBrake, self.hardest());
+        }
+        if self.reacts_earlier(facts) {
+            return (Weakness::BlindSide, None);
         }
         (Weakness::NotFound, None)
     }
@@ -252,6 +241,24 @@ impl Inquiry<'_> {
         turns.then_some((Weakness::Delay, latency))
     }
 
+    /// Whether perfect perception, perfect prediction, a perfect brake, and no delay turn the failure.
+    fn faculties(&mut self, parts: &DriverParts, facts: &Facts) -> [(&'static str, bool); 4] {
+        let it = &mut self.experiments;
+        let sees = parts.exact_sensors.as_ref().is_some_and(|exact| it.is_turned_by(exact));
+        let perception = sees || it.turns(Change::SeenThrough);
+        let prediction = [Change::TrueVelocity, Change::Foretold].into_iter().any(|change| it.turns(change));
+        let brake = [Change::BrakesFully, Change::KeepsBraking].into_iter().any(|change| it.turns(change));
+        let late = facts.profile.latency.map_or(0, |(least, _)| (least / it.dt()).round() as u32);
+        let at_once = parts.prompt.as_ref().is_some_and(|prompt| it.is_turned_by(prompt));
+        let prompt = at_once || late > 0 && it.turns(Change::Earlier(late));
+        [
+            ("perfect perception", perception),
+            ("perfect prediction", prediction),
+            ("a perfect brake", brake),
+            ("no delay", prompt),
+        ]
+    }
+
     /// Whether the driver gives the commands of an empty road wherever the pedestrian seems to be.
     fn ignores(&mut self) -> bool {
         let changes = [Change::Foretold, Change::Sideways(MAX.1), Change::Nearer(MAX.2), Change::Mirrored];
@@ -261,20 +268,36 @@ impl Inquiry<'_> {
         changes.map(is_same) == [true; 4]
     }
 
-    /// What a driver expects wrongly that sees the pedestrian and brakes too late or not at all.
-    fn unforeseen(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
+    /// Whether it does not watch one side, or too little of both.
+    fn beside(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
         let pair = self.experiments.pair();
-        let edge = pair.blueprint.half_width + pair.body.radius / 2.0;
-        let watches = [edge, -edge].map(|left| self.experiments.respond(facts.fast, (BESIDE.0, left), 1.0).is_some());
-        self.tried.push(("somebody who stands at the edge of its way".into(), watches != [false; 2]));
+        let (width, edge) = (pair.blueprint.half_width, pair.blueprint.half_width + pair.body.radius / 2.0);
+        let [left, right] = facts.profile.stands;
+        let watches = |side: f64, other: f64| side >= BLIND * width || other < width;
+        self.tried.push((
+            format!("somebody beside its axis: reacts up to {left:.1} m to the left and {right:.1} m to the right"),
+            left.min(right) < edge,
+        ));
+        if !watches(left, right) || !watches(right, left) {
+            return Some((Weakness::BlindSide, None));
+        }
+        if left.max(right) >= edge {
+            return None;
+        }
         let aside = self.experiments.least(MAX.1, Change::Sideways);
         self.tried.push((format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some()));
-        if aside.is_some() && watches == [false; 2] {
-            return Some((Weakness::Corridor, aside));
-        }
+        aside.map(|aside| (Weakness::Corridor, Some(aside)))
+    }
+
+    /// What a driver expects wrongly that sees the pedestrian and brakes too late or not at all.
+    fn unforeseen(&mut self) -> Option<(Weakness, Option<f64>)> {
         let velocity = self.turns("the velocity that leads to the touch", Change::TrueVelocity);
-        if velocity || self.turns("somebody who stands at the place of the touch", Change::Foretold) || aside.is_some()
-        {
+        if velocity || self.turns("somebody who stands at the place of the touch", Change::Foretold) {
+            return Some((Weakness::Anticipation, None));
+        }
+        let aside = self.experiments.least(MAX.1, Change::Sideways);
+        self.tried.push((format!("up to {} m nearer to the middle of its way", MAX.1), aside.is_some()));
+        if aside.is_some() {
             return Some((Weakness::Anticipation, aside));
         }
         let nearer = self.experiments.least(MAX.2, Change::Nearer);
@@ -283,33 +306,25 @@ impl Inquiry<'_> {
     }
 
     /// Whether somebody in its way is noticed too late at this speed: beyond a fixed range, or at a distance that grows with the speed but too little.
-    fn distance(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
-        let gap = facts.far?.gap.filter(|gap| *gap < FAR - SPARE)?;
-        let reaction = facts.speed * (facts.latency()?.0 + self.experiments.dt()) + SPARE;
-        let needed = |deceleration: f64| reaction + facts.speed * facts.speed / (2.0 * deceleration);
-        if gap >= needed(ENOUGH.0) {
-            return None;
+    /// With the ratio of the distance that is needed to that at which it notices somebody.
+    fn distance(&mut self, facts: &Facts) -> (Option<(Weakness, Option<f64>)>, f64) {
+        let Profile { speed, reach: [reach, faster], gap, latency, .. } = facts.profile;
+        let reaction = speed * (latency.map_or(0.0, |latency| latency.0) + self.experiments.dt()) + SPARE;
+        let needed = |deceleration: f64| reaction + speed * speed / (2.0 * deceleration);
+        let is_fixed = faster <= SAME * reach + SPARE / 2.0;
+        let ratio = needed(ENOUGH.0) / reach.max(0.1);
+        self.tried.push((
+            format!("somebody in its way: notices {reach:.1} m ahead, {:.1} m are needed", needed(ENOUGH.0)),
+            is_fixed && ratio > 1.0,
+        ));
+        if is_fixed && ratio > 1.0 {
+            return (Some((Weakness::Range, Some(reach))), ratio);
         }
-        let faster = self.experiments.respond(facts.fast, (FAR, 0.0), FASTER).and_then(|faster| faster.gap);
-        let is_fixed = faster.is_some_and(|faster| faster <= SAME * gap + SPARE / 2.0);
-        let (weakness, needed) =
-            if is_fixed { (Weakness::Range, needed(ENOUGH.0)) } else { (Weakness::Distance, needed(ENOUGH.1)) };
-        let is_short = gap < needed;
-        self.tried.push((format!("somebody in its way: brakes {gap:.1} m ahead, {needed:.1} m are needed"), is_short));
-        is_short.then_some((weakness, Some(gap)))
-    }
-
-    /// Whether it reacts on one side only.
-    fn one_side(&mut self, facts: &Facts) -> Option<(Weakness, Option<f64>)> {
-        let (ahead, aside) = BESIDE;
-        let [left, right] = [aside, -aside].map(|left| self.experiments.respond(facts.fast, (ahead, left), 1.0));
-        let late = |one: Option<Response>, other: Option<Response>| match (one, other) {
-            (Some(one), Some(other)) => other.time - one.time > EARLIER,
-            (one, other) => one.is_some() && other.is_none(),
-        };
-        let differs = late(left, right) || late(right, left) || self.reacts_earlier(facts);
-        self.tried.push(("from the other side".into(), differs));
-        differs.then_some((Weakness::BlindSide, None))
+        let Some(gap) = gap else { return (None, 0.0) };
+        let needed = needed(ENOUGH.1);
+        self.tried
+            .push((format!("somebody in its way: brakes {gap:.1} m ahead, {needed:.1} m are needed"), gap < needed));
+        ((gap < needed).then_some((Weakness::Distance, Some(gap))), 0.0)
     }
 
     /// Whether it reacts earlier to a pedestrian from the other side.
@@ -329,16 +344,13 @@ impl Inquiry<'_> {
         slower.max_by(f64::total_cmp).filter(|_| frames.iter().any(|frame| frame.driven.control.brake > BRAKING))
     }
 
-    /// The setting whose value must change least to turn the failure; those of the world come last.
+    /// The setting whose value must change least to turn the failure, among those that cost no faults in natural crossings, or else among all.
     fn setting(&mut self, settings: &[Setting]) -> Option<TurnedBy> {
-        let mut best: Option<(f64, &Setting, f64)> = None;
+        let mut found: Vec<(f64, &Setting, f64)> = Vec::new();
         for setting in settings {
-            let found = self.least_change(setting);
-            self.tried.push((format!("other values of `{}`", setting.name), found.is_some()));
-            let Some((size, value)) = found else { continue };
-            if best.is_none_or(|(least, ..)| size < least) {
-                best = Some((size, setting, value));
-            }
+            let least = self.least_change(setting);
+            self.tried.push((format!("other values of `{}`", setting.name), least.is_some()));
+            found.extend(least.map(|(size, value)| (size, setting, value)));
         }
         let scenario = self.experiments.incident.scenario.clone();
         if scenario.episode.friction.is_some() {
@@ -347,14 +359,24 @@ impl Inquiry<'_> {
             let turns = self.experiments.is_turned_in(Arc::new(dry));
             self.tried.push(("a dry road".into(), turns));
         }
-        let (_, setting, value) = best?;
+        found.sort_by(|one, other| one.0.total_cmp(&other.0));
+        found.truncate(MAX_COSTED);
         let seed = self.experiments.incident.seed.child("natural");
-        let natural = [setting.value, value].map(|value| {
+        let traffic = |policy: PolicyMaker| {
             let mut scenario = Scenario::clone(&scenario);
-            scenario.cast.vehicles[0].policy = (setting.make)(value);
+            scenario.cast.vehicles[0].policy = policy;
             natural_traffic(&Arc::new(scenario), NATURAL, &seed)
-        });
-        Some(TurnedBy { name: setting.name.clone(), unit: setting.unit, from: setting.value, to: value, natural })
+        };
+        let (_, first, _) = *found.first()?;
+        let before = traffic((first.make)(first.value));
+        let turned = |(_, setting, value): (f64, &Setting, f64)| TurnedBy {
+            name: setting.name.clone(),
+            unit: setting.unit,
+            from: setting.value,
+            to: value,
+            natural: [before.clone(), traffic((setting.make)(value))],
+        };
+        found.into_iter().map(turned).min_by_key(|turned| turned.natural[1].faults.saturating_sub(before.faults))
     }
 
     /// The least change of a setting that turns the failure: its size, as a logarithm of the ratio, and the value.

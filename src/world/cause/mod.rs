@@ -13,6 +13,7 @@ mod explain;
 mod failure_kind;
 mod incident;
 mod plan;
+mod profile;
 mod sentence;
 mod shrink;
 

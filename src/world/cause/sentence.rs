@@ -24,7 +24,10 @@ impl Cause {
         let amount = self.amount;
         let by = |unit: &str| amount.map_or(String::new(), |amount| format!(" {amount:.1} {unit}"));
         match self.weakness {
-            Weakness::Ignores => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
+            Weakness::Ignores => match amount {
+                None => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
+                Some(_) => "it does not brake for pedestrians in its way, though its commands change".into(),
+            },
             Weakness::Hidden => {
                 "an obstacle hides the pedestrian for too long, with sight through it the driver avoids it".into()
             }
@@ -68,6 +71,18 @@ impl Cause {
         };
         let all = ["Full braking", "comfortable braking", "swerving"].into_iter().zip(self.last).map(text);
         all.collect::<Vec<_>>().join(", ") + "."
+    }
+
+    /// What of the driver must be perfect: `Perfect prediction or a perfect brake avoids it; no delay does not avoid it.`
+    pub fn perfected(&self) -> String {
+        let list = |turns: bool| {
+            let words = self.faculties.iter().filter(|(_, does)| *does == turns).map(|(what, _)| *what);
+            Some(words.collect::<Vec<_>>().join(" or ")).filter(|words| !words.is_empty())
+        };
+        let does = list(true).map(|words| format!("{words} avoids it"));
+        let not = list(false).map(|words| format!("{words} does not avoid it"));
+        let text = does.into_iter().chain(not).collect::<Vec<_>>().join("; ") + ".";
+        text[..1].to_uppercase() + &text[1..]
     }
 }
 
