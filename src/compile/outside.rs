@@ -54,7 +54,7 @@ impl Lowering<'_> {
             }
         };
         let Some(opener) = self.catalog.opener.clone() else {
-            self.said.push(diagnostics::external_not_allowed(place, command));
+            diagnostics::external_not_allowed(self.said, place, command);
             return None;
         };
         if let Err(reason) = opener.find(&program) {

@@ -66,6 +66,29 @@ fn the_worked_traces_of_the_book_are_true() {
     assert!(lines > 12, "{lines}");
 }
 
+/// What stands before an `implies` inside another must hold together with that; a part without `implies` always says something.
+#[test]
+fn a_requirement_applies_where_one_of_its_parts_says_something() {
+    let variables = Catalog::builtin().vocabulary.variables;
+    let x = VariableId(variables.iter().position(|variable| variable.name == "ahead").unwrap());
+    for (formula, samples, applies) in [
+        ("always(ahead > 5 m implies ahead < 9 m)", [6.0, 1.0], true),
+        ("always(ahead > 5 m implies ahead < 9 m)", [1.0, 2.0], false),
+        ("always(ahead > 5 m implies ahead > 7 m implies ahead < 9 m)", [6.0, 1.0], false),
+        ("always(ahead > 5 m implies ahead > 7 m implies ahead < 9 m)", [6.0, 8.0], true),
+        ("always(ahead > 5 m implies ahead < 9 m) and always(ahead < 99 m)", [1.0, 2.0], true),
+        ("always(ahead > 5 m implies ahead < 9 m) and always(ahead > 7 m implies ahead < 99 m)", [1.0, 2.0], false),
+    ] {
+        let plan = plan(&format!("requirement asked = {formula}"), "asked", "idm");
+        let requirement = &plan.campaigns[0].requirements[0].requirement;
+        let mut trace = Trace::new(requirement, 8);
+        for sample in samples {
+            trace.push(requirement, &|id| if id == x { sample } else { f64::NAN });
+        }
+        assert_eq!(trace.degree(requirement, 1.0).applies, applies, "{formula} {samples:?}");
+    }
+}
+
 #[test]
 fn signals_agree_with_what_is_known_of_an_episode() {
     let declared = "
@@ -551,4 +574,33 @@ fn a_reward_pays_for_violations_and_robustness() {
     let apart = compiled(&text.replace("requirements: [slow_pass, other]\n", "")).plan.unwrap();
     let other = compiled(&text.replace("requirements: [slow_pass, other]\n", "").replace("gap < 1.5 m", "gap < 1.6 m"));
     assert_ne!(fingerprint(&apart), fingerprint(&other.plan.unwrap()), "the reward alone names it");
+}
+
+/// Cases of a test and a fixed start are no sample: an equal episode counts once, and one of a driver that draws each time.
+#[test]
+fn repeated_starts_are_no_sample_and_draws_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\nimport \"std/pedestrians.scn\"\nimport \"std/sensors.scn\"\n\
+                policy noisy = idm(sensors: poor)\n\
+                town road { street r { through: [(-200 m, 0 m), (200 m, 0 m)] } }\n\
+                spawn here { ego_poses: [(-60 m, -1.75 m, 0 deg)]  bearing: 0 deg  distance: 40 m  ego_speed: 8 m/s }\n\
+                episode brief { ticks: 100  hold: 10 }\n\
+                campaign fixed {\n  vehicle: model3  adversary: plausible  spawn: here  episode: brief\n\
+                evaluate { towns: [road]  policies: [blind, noisy]  pedestrians: [homing]  episodes: 50 }\n}\n\
+                campaign cases {\n  vehicle: model3  adversary: adult_target  spawn: cpna  episode: protocol_test\n\
+                evaluate { towns: [test_track]  policies: [blind]  pedestrians: [intercept]  episodes: 180 }\n}\n";
+    std::fs::write(folder.path().join("c.scn"), text).unwrap();
+    assert!(crate::program::falsify(&["run", "c.scn"], folder.path()).status.success());
+    let rows = |name: &str| {
+        let text = std::fs::read_to_string(folder.path().join("reports").join(name).join("results.csv")).unwrap();
+        let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
+        let head = lines.next().unwrap();
+        let place = |name: &str| head.iter().position(|each| each == name).unwrap();
+        let places = ["policy", "episodes", "fault_rate_low"].map(place);
+        lines.map(|row| places.map(|place| row[place].clone())).collect::<Vec<_>>()
+    };
+    let fixed = rows("fixed");
+    assert_eq!(fixed[0], ["blind", "1", ""], "one start, one end");
+    assert_eq!(fixed[1], ["noisy", "50", ""], "one start, each time other noise");
+    assert_eq!(rows("cases"), [["blind", "18", ""]], "the cases of the test, ten times each");
 }

@@ -128,7 +128,9 @@ fn nothing_advises_to_read_a_report_without_parquet() {
         let page = std::fs::read_to_string(folder.path().join("reports/c").join(name)).unwrap();
         assert!(!page.contains("falsify replay"), "{name}");
     }
-    let output = falsify(&["failures", "reports/c"], folder.path());
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8(output.stderr).unwrap().contains("there is no `reports/c/episodes.parquet`"));
+    for words in [["failures", "reports/c", "--top=1"], ["replay", "--all", "reports/c"]] {
+        let output = falsify(&words, folder.path());
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        assert!(String::from_utf8(output.stderr).unwrap().contains("there is no `reports/c/episodes.parquet`"));
+    }
 }

@@ -83,15 +83,20 @@ impl Requirement {
 
 impl Temporal {
     /// What must hold for the formula to say anything: what stands before each `implies`, which is its negation or the rest. Empty of a formula that
-    /// always says something.
-    pub fn conditions(&self) -> Vec<&Self> {
+    /// always says something, as one does that has a part without any. What stands before an `implies` within another must hold together with that.
+    pub fn conditions(&self) -> Vec<Self> {
         match self {
             Self::Constant(_) | Self::Part(_) => Vec::new(),
-            Self::Or(first, second) if let Self::Not(condition) = &**first => {
-                std::iter::once(&**condition).chain(second.conditions()).collect()
-            }
+            Self::Or(first, second) if let Self::Not(condition) = &**first => match second.conditions() {
+                none if none.is_empty() => vec![Self::clone(condition)],
+                inner => inner.into_iter().map(|inner| Self::And(condition.clone(), inner.into())).collect(),
+            },
             Self::Not(inner) | Self::Always(_, inner) | Self::Eventually(_, inner) => inner.conditions(),
-            Self::And(a, b) | Self::Or(a, b) | Self::Until(_, a, b) => [a.conditions(), b.conditions()].concat(),
+            Self::And(a, b) => match [a.conditions(), b.conditions()] {
+                both if both.iter().any(Vec::is_empty) => Vec::new(),
+                both => both.concat(),
+            },
+            Self::Or(a, b) | Self::Until(_, a, b) => [a.conditions(), b.conditions()].concat(),
         }
     }
 

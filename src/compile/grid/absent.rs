@@ -1,10 +1,14 @@
 //! What the towns of a campaign do not have, and something in it is about.
 
+use std::collections::BTreeMap;
+
 use super::Grid;
+use crate::jobs::Search;
 use crate::lowering::Lowering;
 use base::signature::{Formula, Value};
 use lang::diagnostics;
 use lang::hir::Block;
+use world::env::RewardRule;
 use world::road::Town;
 
 /// A part of a town: its name, the variables about it, and whether a town has it.
@@ -44,18 +48,22 @@ impl Lowering<'_> {
                 let is_named = each.requirement.parts.iter().any(|part| is_about(&part.margin));
                 is_named.then(|| (places.get(index).copied().unwrap_or(block.head), each.name.to_string()))
             });
-            let rewards = grid.rewards.iter().filter_map(|(name, reward)| {
-                let rule = &reward.value;
+            let trained = grid.rewards.iter().map(|(name, reward)| (name, &reward.value));
+            let searched = grid.campaign.all::<Search>().map(|search| (&search.key.reward, &search.scenario.reward));
+            let rewards: BTreeMap<&String, &RewardRule> = trained.chain(searched).collect();
+            let rewards = rewards.into_iter().filter_map(|(name, rule)| {
                 let clauses = rule.hit.iter().chain([&rule.step, &rule.lost, &rule.timeout, &rule.potential]);
                 clauses.flatten().any(is_about).then(|| (block.head, name.clone()))
             });
+            let end = grid.usual.rule.value.end_when.iter().filter(|formula| is_about(formula));
+            let end = end.map(|_| (block.head, "end_when".to_string()));
             let yields = |settings: &base::signature::Arguments| {
                 let mut values = settings.iter();
                 values.any(|(key, value)| key == part.name && *value == Value::Choice("yield"))
             };
             let drivers = grid.campaign.drivers.iter().filter(|driver| yields(&driver.settings));
             let drivers = drivers.map(|driver| (block.head, driver.name.clone()));
-            let found: Vec<_> = requirements.chain(rewards).chain(drivers).collect();
+            let found: Vec<_> = requirements.chain(rewards).chain(end).chain(drivers).collect();
             for (place, name) in found {
                 self.said.push(diagnostics::never_applies(place, &name, part.name, &without));
             }

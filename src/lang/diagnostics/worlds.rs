@@ -205,10 +205,16 @@ pub fn is_unplaceable(diagnostic: &Diagnostic) -> bool {
     diagnostic.code == "unplaceable"
 }
 
-/// A scenario names a program to be started, and the user has not allowed that.
-pub fn external_not_allowed(span: Span, command: &str) -> Diagnostic {
-    Diagnostic::error("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))
-        .help("`--allow-external` (in Python `allow_external=True`) lets scenarios start programs; give it only with files that you trust")
+/// A scenario names a program to be started, and the user has not allowed that: one error for all programs.
+pub fn external_not_allowed(said: &mut Vec<Diagnostic>, span: Span, command: &str) {
+    const CODE: &str = "external-not-allowed";
+    if let Some(known) = said.iter_mut().find(|each| each.code == CODE) {
+        *known = known.clone().label(span, "and this one");
+        return;
+    }
+    let first = Diagnostic::error(CODE, span, format!("this scenario wants to start the program `{command}`"))
+        .help("`--allow-external` (in Python `allow_external=True`) lets scenarios start programs; give it only with files that you trust");
+    said.push(first);
 }
 
 /// A command cannot be split into a program and its arguments.

@@ -27,6 +27,7 @@ mod off_road;
 mod findings;
 mod grouped;
 mod metric_table;
+mod repeats;
 mod replayed;
 mod held_programs;
 mod dossier;

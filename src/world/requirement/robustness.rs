@@ -24,7 +24,7 @@ impl Trace {
     pub fn new(requirement: &Requirement, samples: usize) -> Self {
         let parts = requirement.parts.len();
         let (margins, window) = (Vec::with_capacity(parts * samples), VecDeque::with_capacity(samples));
-        let conditions = requirement.formula.conditions().into_iter().cloned().collect();
+        let conditions = requirement.formula.conditions();
         Self { parts, margins, window, reserved: samples, conditions, ..Self::default() }
     }
 

@@ -78,6 +78,7 @@ impl Session {
         options: &ReplayAllOptions,
         repeat: &RepeatOptions,
     ) -> Result<ReplayedReport, Error> {
+        report.check_readable()?;
         let source = self.reopen(report, repeat)?;
         let changed_files = source.report.changed_files()?;
         let names = chosen(&source, options.sample)?;

@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::DataFrame;
 
 use super::protocol::{ProtocolCell, ProtocolRun};
 use super::requirements::{CellRequirement, REQUIREMENTS, Violations, add_run, requirement_rows, requirement_table};
@@ -8,6 +8,7 @@ use super::run_totals::{RunRow, RunTotals};
 use super::{Episodes, Failures, Run};
 use crate::jobs::SearchResult;
 use crate::record::{self, EPISODES, EpisodeTable};
+use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{Evidence, Gathering, ReportFolder, Starts, Tally, WriteError};
 use compile::{ControllerKind, Evaluation};
 
@@ -75,9 +76,9 @@ pub fn gather(
         let named = &*evaluation.scenario.requirements;
         let mut violations = vec![Violations::default(); named.len()];
         let mut protocol = ProtocolRun::new(evaluation);
-        let is_of_cases = protocol.is_some();
+        let mut repeats = Repeats::of(run.parts()).map_err(failed)?;
+        let is_of_cases = protocol.is_some() || repeats.is_grid();
         let (mut totals, mut tried) = (RunTotals::new(record::metrics()).of_cases(is_of_cases), 0);
-        let mut digests = BTreeSet::new();
         for part in run.parts() {
             let mut part = part.map_err(failed)?;
             tried += part.height();
@@ -85,8 +86,10 @@ pub fn gather(
             let all = EpisodeTable::new(&part).map_err(failed)?;
             let drives = gathered.count(&run, &all);
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
+            let is_new = |row: usize| !(all.counts(row) && repeats.repeats(start_bits(all.spawn(row))));
+            let new: Vec<bool> = all.rows().map(is_new).collect();
             if let Some(protocol) = &mut protocol {
-                protocol.add(&all);
+                protocol.add(&all, &new);
             }
             let mut degrees = Vec::new();
             if let Some(file) = &mut requirements {
@@ -94,7 +97,7 @@ pub fn gather(
                 file.add(&table.frame(&degrees))?;
             }
             if is_of_cases {
-                part = different(&part, &mut digests).map_err(failed)?;
+                part = part.filter(&new.into_iter().collect()).map_err(failed)?;
             }
             let episodes = EpisodeTable::new(&part).map_err(failed)?;
             if is_of_cases {
@@ -137,13 +140,6 @@ pub fn gather(
     gathered.failures.add_searches(searches);
     gathered.evidence = evidence.finish();
     Ok(gathered)
-}
-
-/// The rows of a part whose episodes differ, to the bit, from all before them; repeating one says nothing more.
-fn different(part: &DataFrame, digests: &mut BTreeSet<String>) -> PolarsResult<DataFrame> {
-    let table = EpisodeTable::new(part)?;
-    let is_new = |row: usize| !table.counts(row) || digests.insert(table.digest(row).to_owned());
-    part.filter(&table.rows().map(is_new).collect())
 }
 
 impl Gathered {

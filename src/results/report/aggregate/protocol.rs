@@ -1,5 +1,3 @@
-use std::collections::BTreeSet;
-
 use crate::jobs::SearchResult;
 use crate::record::columns::{POLICY, RUN_ID, TOWN};
 use crate::record::{Column, EpisodeTable, Table};
@@ -98,6 +96,11 @@ impl ProtocolCell {
         self.driven_speed.map(|driven| (driven - self.test_speed).abs() <= HELD)
     }
 
+    /// Whether it has a result at the test speed, which counts.
+    pub fn is_tested(&self) -> bool {
+        self.is_run() && self.is_held() != Some(false)
+    }
+
     /// The greatest impact speed that passes (m/s).
     pub fn limit(&self) -> f64 {
         self.criterion.limit(self.test_speed)
@@ -179,8 +182,6 @@ pub(super) struct ProtocolRun<'a> {
     id: String,
     walk: &'a TargetWalk,
     cells: Vec<ProtocolCell>,
-    /// The digests of the episodes of each case.
-    digests: BTreeSet<(usize, String)>,
 }
 
 impl<'a> ProtocolRun<'a> {
@@ -191,11 +192,11 @@ impl<'a> ProtocolRun<'a> {
         let id = evaluation.origin.id.to_string();
         let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
         let cells = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
-        Some(Self { id, walk, cells, digests: BTreeSet::new() })
+        Some(Self { id, walk, cells })
     }
 
-    /// Adds episodes: a part of the table of the run.
-    pub fn add(&mut self, table: &EpisodeTable<'_>) {
+    /// Adds episodes: a part of the table of the run, and which of its rows repeat none before.
+    pub fn add(&mut self, table: &EpisodeTable<'_>, new: &[bool]) {
         for row in table.rows() {
             let episode = table.episode(row);
             let case = episode as usize % self.cells.len();
@@ -203,7 +204,7 @@ impl<'a> ProtocolRun<'a> {
                 self.cells[case].failed = true;
                 continue;
             }
-            if !self.digests.insert((case, table.digest(row).to_owned())) {
+            if !new[row] {
                 self.cells[case].repeated += 1;
                 continue;
             }
@@ -315,8 +316,8 @@ pub fn protocol_table() -> Table<'static, ProtocolCell> {
             .of(|row: &Row| row.worst.clone().unwrap_or_default()),
         )
         .column(
-            Column::<bool>::new("passes", "", "whether the protocol passes it; for Euro NCAP, whether it has points")
-                .of(|row: &Row| row.passes()),
+            Column::<bool>::new("passes", "", "whether the protocol passes it; for Euro NCAP, whether it has points; missing if the car did not hold the test speed")
+                .of(|row: &Row| row.passes().filter(|_| row.is_tested())),
         )
 }
 

@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use polars::prelude::{DataFrame, PolarsResult};
@@ -12,6 +12,7 @@ use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
 use crate::report::grouped::grouped;
 use crate::report::infer::{EvaluatedRun, Figure, MAX_KEPT, compare_pair};
+use crate::report::repeats::{Repeats, start_bits};
 use crate::report::{FailureChange, ReadError, SideCollision, SideEnd};
 use world::judge::Label;
 
@@ -127,11 +128,13 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
             let mut rows = common(&tables, [&a, &b]).map_err(broken(&before))?;
             all += (a.height() + b.height()) as u64;
             unpaired += (a.height() + b.height() - 2 * rows.len()) as u64;
-            // Repeating an episode to the bit says nothing more.
-            let mut seen = BTreeSet::new();
-            rows.retain(|(row, other)| {
-                seen.insert([(0, row), (1, other)].map(|(side, row)| tables[side].digest(*row)))
-            });
+            // Repeating a pair to the bit says nothing more, unless a driver draws.
+            let start = |row: usize| start_bits(tables[0].spawn(row));
+            let mut repeats = Repeats::default();
+            for (row, other) in &rows {
+                repeats.add(start(*row), &[tables[0].digest(*row), tables[1].digest(*other)].concat());
+            }
+            rows.retain(|(row, _)| !repeats.repeats(start(*row)));
             found.starts += rows.len() as u64;
             let keys = [&first.key, &second.key];
             let mut runs: Vec<[EvaluatedRun; 2]> =

@@ -185,6 +185,14 @@ impl StoredReport {
         pedestrians.try_for_each(|file| self.check(file))
     }
 
+    /// Checks that its episodes and the failures of its searches can be read.
+    ///
+    /// # Errors
+    /// The report has them as CSV only.
+    pub fn check_readable(&self) -> Result<(), ReadError> {
+        [EPISODES, FAILURES].into_iter().try_for_each(|table| self.parquet(table).map(drop))
+    }
+
     fn check(&self, file: &FileRecord) -> Result<(), ReadError> {
         let path = self.folder.join(&file.path);
         match digest(&path) {

@@ -90,7 +90,7 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
             let cell = of.iter().find(|cell| cell.test_speed == *speed);
             cell.map_or_else(|| "–".into(), |cell| played(cell))
         }));
-        let passed = of.iter().filter(|cell| cell.passes() == Some(true)).count();
+        let passed = of.iter().filter(|cell| cell.is_tested() && cell.passes() == Some(true)).count();
         row.extend(coloured.then(|| Value::Number(score(of.iter().map(|cell| **cell)), 2)));
         row.push(passes(passed, &of));
         row
@@ -100,10 +100,12 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
 
 /// How many cells of a row were passed, of those that were run, and in how many of these the target was hit: `3 of 3, 1 with contact, 3 not run`.
 fn passes(passed: usize, of: &[&&ProtocolCell]) -> Value {
+    let tested = || of.iter().filter(|cell| cell.is_tested());
+    let hit = tested().filter(|cell| cell.passes() == Some(true) && cell.impact_speed > Some(0.0)).count();
     let run = of.iter().filter(|cell| cell.is_run()).count();
-    let hit = of.iter().filter(|cell| cell.passes() == Some(true) && cell.impact_speed > Some(0.0)).count();
-    let mut text = format!("{passed} of {run}");
-    for (count, what) in [(hit, "with contact"), (of.len() - run, "not run")] {
+    let other = run - tested().count();
+    let mut text = format!("{passed} of {}", tested().count());
+    for (count, what) in [(hit, "with contact"), (other, "not at the test speed"), (of.len() - run, "not run")] {
         if count > 0 {
             text += &format!(", {count} {what}");
         }
@@ -346,8 +348,9 @@ fn shown(cell: &ProtocolCell) -> Value {
     Value::Toned(format!("{speed} {word}{mark}"), tone.name())
 }
 
-/// The mean of the scores of cells; `None` if one of them was not run.
+/// The mean of the scores of cells; `None` if one of them was not run at the test speed.
 fn score<'a>(cells: impl Iterator<Item = &'a ProtocolCell>) -> Option<f64> {
-    let scores: Vec<f64> = cells.map(|cell| cell.colour().map(Colour::score)).collect::<Option<_>>()?;
+    let score = |cell: &ProtocolCell| cell.colour().filter(|_| cell.is_tested()).map(Colour::score);
+    let scores: Vec<f64> = cells.map(score).collect::<Option<_>>()?;
     (!scores.is_empty()).then(|| scores.iter().sum::<f64>() / scores.len() as f64)
 }
