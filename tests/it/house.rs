@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 /// The maximum number of lines of Rust of each package, inline tests included. A package grows only in a commit whose message names what is new
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
-    ("src/base", 3_419),
+    ("src/base", 3_424),
     ("src/learn", 5_418),
     ("src/world", 35_069),
     ("src/ported", 4_642),
-    ("src/lang", 6_549),
-    ("src/compile", 7_831),
+    ("src/lang", 6_555),
+    ("src/compile", 7_839),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_617),
-    ("src/program", 12_108),
-    ("tests", 27_390),
+    ("src/results", 25_719),
+    ("src/program", 12_109),
+    ("tests", 27_444),
 ];
 
 /// Crates that only some places may name.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use compile::{Campaign, Catalog, Job, compile};
+use falsify::session::Disk;
 use results::campaign::{self, Shard, Task, tasks};
 
 use crate::program::{error, falsify, report, said};
@@ -117,8 +118,7 @@ fn a_shard_that_there_is_none_of_is_refused() {
 
 fn planned(path: &str) -> Campaign {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    let read = |path: &Path| std::fs::read_to_string(path);
-    let compiled = compile(&[path], &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    let compiled = compile(&[path], &Catalog::builtin(), &Disk, &mut Default::default()).unwrap();
     compiled.plan.unwrap().campaigns.into_iter().next().unwrap()
 }
 
