@@ -13,8 +13,6 @@ const PROMPT: f64 = 0.15;
 /// A driver that brakes less hard than this (m/s²) for somebody near brakes weakly: what UN Regulation 152 demands, and what the careful human of UN
 /// Regulation 157 does.
 const WEAK: (f64, f64) = (5.0, 7.59);
-/// A driver that slows down by no more than this (m/s²) for somebody near does not brake.
-const COASTING: f64 = 0.5;
 /// Response times that differ by more than this (s) show that the driver loses somebody.
 const FLICKER: f64 = 0.2;
 /// Multiples of a delay by which pedestrians are seen earlier: the driver's plan is late, too.
@@ -195,9 +193,6 @@ impl Inquiry<'_> {
             }
         }
         self.tried.push((format!("somebody near: brakes with {deceleration:.1} m/s²"), deceleration < WEAK.1));
-        if latency.is_some() && deceleration < COASTING {
-            return (Weakness::Ignores, Some(deceleration));
-        }
         if let Some(found) = self.beside(facts) {
             return found;
         }

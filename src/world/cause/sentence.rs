@@ -24,10 +24,7 @@ impl Cause {
         let amount = self.amount;
         let by = |unit: &str| amount.map_or(String::new(), |amount| format!(" {amount:.1} {unit}"));
         match self.weakness {
-            Weakness::Ignores => match amount {
-                None => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
-                Some(_) => "it does not brake for pedestrians in its way, though its commands change".into(),
-            },
+            Weakness::Ignores => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
             Weakness::Hidden => {
                 "an obstacle hides the pedestrian for too long, with sight through it the driver avoids it".into()
             }
