@@ -14,7 +14,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 7_839),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_719),
+    ("src/results", 25_737),
     ("src/program", 12_110),
     ("tests", 27_490),
 ];

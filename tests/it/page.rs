@@ -131,7 +131,7 @@ fn stands_alone(html: &str, folder: &Path) {
         let replay: Value = serde_json::from_str(text).unwrap();
         assert_eq!(replay["ego"].as_array().unwrap().len(), replay["person"].as_array().unwrap().len());
     }
-    for entry in std::fs::read_dir(folder).unwrap() {
+    for entry in std::fs::read_dir(folder.join("figures")).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "svg") {
             let svg = std::fs::read_to_string(&path).unwrap();

@@ -301,14 +301,14 @@ fn a_report_has_rates_failures_and_replays_of_requirements() {
     let violations: f64 = metrics
         .lines()
         .filter(|line| line.contains(",violations(slow_pass),"))
-        .map(|line| line.split(',').nth(14).unwrap().parse::<f64>().unwrap())
+        .map(|line| line.split(',').nth(13).unwrap().parse::<f64>().unwrap())
         .sum();
     assert_eq!(violations as usize, evaluated.len());
     assert_eq!(metrics.matches("violation_rate(sees),").count(), 2);
     let faults: f64 = metrics
         .lines()
         .filter(|line| line.contains(",fault_violations(slow_pass),"))
-        .map(|line| line.split(',').nth(14).unwrap().parse::<f64>().unwrap())
+        .map(|line| line.split(',').nth(13).unwrap().parse::<f64>().unwrap())
         .sum();
     let listed = |verdict: &str| {
         let options = FailuresArgs {

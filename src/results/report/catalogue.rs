@@ -32,12 +32,29 @@ mod tests {
     /// The part of `reports/README.md` that is generated here.
     const MARKS: (&str, &str) = ("<!-- columns: written by a test -->\n", "<!-- end of columns -->\n");
 
-    /// The reference of all columns as Markdown: a heading and a table for each table.
+    /// The reference of all columns as Markdown: those that several tables have, once, then a heading and a table for each table.
     fn column_reference() -> String {
-        let mut text = String::new();
-        for table in catalogue() {
+        let tables = catalogue();
+        let is_shared = |column: &ColumnReference| {
+            let is_same = |other: &ColumnReference| (&other.name, &other.doc) == (&column.name, &column.doc);
+            tables.iter().filter(|table| table.columns.iter().any(is_same)).count() > 1
+        };
+        let mut shared: Vec<ColumnReference> = Vec::new();
+        for column in tables.iter().flat_map(|table| &table.columns).filter(|column| is_shared(column)) {
+            if shared.iter().all(|known| known.name != column.name || known.doc != column.doc) {
+                shared.push(column.clone());
+            }
+        }
+        let mut text = "### Columns of several tables\n\n".to_owned();
+        list(&mut text, "column", &shared);
+        for table in &tables {
             let _ = write!(text, "### `{}`\n\n{}\n\n", table.name, table.doc);
-            list(&mut text, "column", &table.columns);
+            let (common, own): (Vec<_>, Vec<_>) = table.columns.iter().cloned().partition(|column| is_shared(column));
+            if !common.is_empty() {
+                let names: Vec<String> = common.iter().map(|column| format!("`{}`", column.name)).collect();
+                let _ = write!(text, "Of several tables: {}.\n\n", names.join(", "));
+            }
+            list(&mut text, "column", &own);
             if table.name == METRICS {
                 list(&mut text, "metric", &metric_references());
             }

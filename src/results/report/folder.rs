@@ -166,16 +166,19 @@ impl ReportFolder {
         self.file(MARK, sealed(&manifest.to_toml()).as_bytes())
     }
 
-    /// The names of the files that are there, in order.
+    /// The names of the files that are there, and of the figures in their folder, in order.
     ///
     /// # Errors
     /// The folder cannot be read.
     pub fn names(&self) -> Result<Vec<String>, WriteError> {
-        let failed = |source| WriteError::Folder { path: self.draft.path().to_path_buf(), source };
-        let entries =
-            fs::read_dir(self.draft.path()).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
-        let mut names: Vec<String> =
-            entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        let draft = self.draft.path();
+        let failed = |source| WriteError::Folder { path: draft.to_path_buf(), source };
+        let mut names = Vec::new();
+        for inner in [Path::new(""), Path::new(FIGURES)].into_iter().filter(|inner| draft.join(inner).exists()) {
+            for entry in fs::read_dir(draft.join(inner)).map_err(failed)? {
+                names.push(with_slashes(&inner.join(entry.map_err(failed)?.file_name())));
+            }
+        }
         names.sort();
         Ok(names)
     }

@@ -245,7 +245,6 @@ fn columns<'a>() -> Table<'a, Row<'a>> {
     )
     .columns(cell_key(|row: &Row<'a>| row.key))
     .text("metric", "its name, see below", |row| row.metric.name.to_string())
-    .text("unit", "its unit; empty without one", |row| row.metric.unit.to_string())
     .text("of", "what `n` counts: `episodes`, `collisions` or `runs`", |row| row.of.0.to_string())
     .column(Column::<u64>::new("n", "", "how many of these the value is made of").of(|row: &Row<'a>| row.of.1))
     .measure(

@@ -1,26 +1,20 @@
 """A classification tree by scikit-learn.
 
     pip install scikit-learn==1.9.1
-    python record.py > values.json
+    python record.py > new.json && mv new.json values.json
 
-A table with a class for each row, and the splits that a tree of depth 3 makes: feature and value, depth first, "at most" first.
+Fits the rows of `values.json`, which were drawn at random, each with a class: the splits that a tree of depth 3 makes, feature and value, depth first,
+"at most" first.
 """
 
 import json
-import random
+from pathlib import Path
 
 import sklearn
 from sklearn.tree import DecisionTreeClassifier
 
-draw = random.Random(5)
-rows = [[round(draw.uniform(0, 30), 2), round(draw.uniform(-60, 60), 1), float(draw.random() < 0.4)] for _ in range(400)]
-
-
-def rate(distance, bearing, hidden):
-    return 0.95 if distance <= 12 and hidden else 0.6 if distance <= 12 else 0.4 if bearing > 20 else 0.05
-
-
-hits = [int(draw.random() < rate(*row)) for row in rows]
+known = json.loads(Path(__file__).with_name("values.json").read_text())
+rows, hits = known["rows"], known["hits"]
 found = DecisionTreeClassifier(max_depth=3, random_state=0).fit(rows, hits).tree_
 splits = []
 

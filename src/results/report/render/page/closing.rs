@@ -46,7 +46,7 @@ pub fn meaning(campaign: &Campaign) -> Markup {
 pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
     let there = WHAT.iter().filter(|(name, _)| files.iter().any(|file| file == name));
     let known = |file: &str| WHAT.iter().any(|(name, _)| *name == file);
-    let others = files.iter().filter(|file| !known(file) && file.ends_with(".csv"));
+    let others = files.iter().filter(|file| !known(file) && [".csv", ".svg"].iter().any(|end| file.ends_with(end)));
     let read = Table {
         head: vec![Column::text("file"), Column::text("BLAKE3")],
         rows: manifest
@@ -77,7 +77,7 @@ pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
 }
 
 /// The files of a report that may interest a reader.
-const WHAT: [(&str, &str); 9] = [
+const WHAT: [(&str, &str); 8] = [
     ("summary.md", "the tables of this page as text"),
     ("results.csv", "one row for each pedestrian, town and driver; open it first"),
     ("metrics.csv", "all metrics of these, one a row"),
@@ -85,6 +85,5 @@ const WHAT: [(&str, &str); 9] = [
     ("episodes.parquet", "the same, smaller"),
     ("comparisons.csv", "paired comparisons"),
     ("learning_curve.csv", "one row for each update of each training"),
-    ("figures", "the figures of this page and the towns with the starts of trained pedestrians, as SVG"),
     ("manifest.toml", "version, seed, files and times"),
 ];
