@@ -369,7 +369,7 @@ impl Inquiry<'_> {
             unit: setting.unit,
             from: setting.value,
             to: value,
-            natural: [before.clone(), traffic((setting.make)(value))],
+            natural: [before, traffic((setting.make)(value))],
         };
         found.into_iter().map(turned).min_by_key(|turned| turned.natural[1].faults.saturating_sub(before.faults))
     }
