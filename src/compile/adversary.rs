@@ -140,6 +140,7 @@ pub fn lower(keys: AdversaryKeys) -> PedestrianRole {
         },
         controller: Controller::External,
         first_heading: keys.first_heading,
+        is_absent: false,
         place: Placement::Spawn,
     }
 }

@@ -130,6 +130,7 @@ impl Roles {
                 policy: made.policy,
                 parts: made.parts,
                 is_parked: car.driver.is_none(),
+                is_absent: false,
                 place: car.place.clone(),
             }
         });

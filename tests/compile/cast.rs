@@ -9,9 +9,10 @@ use base::signature::Distribution;
 use compile::{Catalog, Plan, compile};
 use learn::Env;
 use world::av::{DrivingMode, PerfectSensors};
+use world::cause::{Incident, Reruns, needs};
 use world::env::{
-    ActionSpec, Controller, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome, PedestrianRole,
-    Placement, Scenario, Trace, VehicleRole, carry_out,
+    ActionSpec, Controller, Criterion, Draw, EgoSpeed, EgoStart, Ending, ObservationSpec, Observer, Outcome,
+    PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out,
 };
 use world::falsifier::{
     BudgetedSimulation, Failure, Intercept, PedestrianEnv, Random, WalkPolicy, evaluate, follow, play,
@@ -517,4 +518,45 @@ fn requirements_name_roles_and_hold_of_every_member_of_a_group() {
     let pair = trace.main_pair(&scenario);
     let again = world::env::OtherDrive::recorded(pair, &scenario.requirements[0].requirement);
     assert!((again.robustness - room.robustness).abs() < 1e-9);
+}
+
+/// A child runs into the street from behind a parked van, after it has stood for some decisions of 0.2 s; somebody stands far away.
+fn out_of_the_shadow(wait: usize) -> Incident {
+    let mut scenario = behind_a_van(true);
+    scenario.cast.vehicles[0] = vehicle("blind");
+    let far = Placement::Fixed(away());
+    let role =
+        PedestrianRole { controller: Controller::Fixed(STANDING), place: far, ..scenario.cast.pedestrian().clone() };
+    scenario.cast.pedestrians.push(role);
+    scenario.episode.hold = 4;
+    let runs = WalkCommand { heading: std::f64::consts::FRAC_PI_2, speed: 3.5 };
+    let commands = (0..60).flat_map(|number| [if number < wait { STANDING } else { runs }, STANDING]).collect();
+    Incident { scenario: Arc::new(scenario), seed: Seed::root(1), start: 0, commands, criterion: Criterion::Collision }
+}
+
+#[test]
+fn removal_names_the_child_and_neither_the_van_nor_the_one_who_stands_far_away() {
+    let mut failures = 0;
+    for incident in (0..25).map(out_of_the_shadow) {
+        let fails = Reruns::new(&incident).run(&incident.commands).is_some_and(|rerun| rerun.outcome.is_collision());
+        if fails {
+            let found: Vec<_> = needs(&incident).iter().map(|need| (need.actor, need.is_needed)).collect();
+            let wanted =
+                [(ActorId::Vehicle(1), false), (ActorId::Pedestrian(0), true), (ActorId::Pedestrian(1), false)];
+            assert_eq!(found, wanted, "the driver is blind");
+            failures += 1;
+        }
+    }
+    assert!(failures > 0);
+}
+
+#[test]
+fn a_driver_sees_a_parked_car_in_its_lane_and_stops_behind_it() {
+    let parked = ActorStart::standing(Pose::new(120.0, LANE, 0.0));
+    let mut scenario = two_and_two("follower", ("blind", parked), (away(), Controller::Fixed(STANDING)));
+    scenario.cast.vehicles[1].is_parked = true;
+    let (outcome, trace) = run(&Arc::new(scenario), [STANDING; 2]);
+    assert_eq!((outcome.ending, trace.contact()), (Ending::Timeout, None));
+    let last = trace.vehicle(0)[600].state;
+    assert!(last.speed < 0.1 && last.pose.x > 100.0, "{last:?}");
 }

@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_418),
-    ("src/world", 35_234),
+    ("src/world", 35_308),
     ("src/ported", 4_642),
     ("src/lang", 6_555),
-    ("src/compile", 7_839),
+    ("src/compile", 7_857),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_737),
-    ("src/program", 12_110),
-    ("tests", 27_490),
+    ("src/results", 25_758),
+    ("src/program", 12_137),
+    ("tests", 27_576),
 ];
 
 /// Crates that only some places may name.

@@ -20,6 +20,7 @@ mod straight_road;
 mod beside_files;
 mod book;
 mod caches;
+mod casts;
 mod command_line;
 mod comparing;
 mod controllers;

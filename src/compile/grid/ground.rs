@@ -69,7 +69,15 @@ impl Place<'_> {
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
             cast: self.roles.cast(
-                VehicleRole { name: "ego".into(), blueprint, policy, parts, is_parked: false, place: Placement::Spawn },
+                VehicleRole {
+                    name: "ego".into(),
+                    blueprint,
+                    policy,
+                    parts,
+                    is_parked: false,
+                    is_absent: false,
+                    place: Placement::Spawn,
+                },
                 walker,
                 &self.spawn.value,
             ),

@@ -15,7 +15,7 @@ use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOpti
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
-use world::cause::Cause;
+use world::cause::{Cause, Need};
 use world::judge::JudgedDegree;
 use world::sim::time_of;
 
@@ -149,16 +149,17 @@ fn replay_one(session: &Session, which: &ReplayOptions, options: &ReplayArgs) ->
     }
     let narrative = report::narrative(&episode.scenario, &episode.trace, &episode.judged);
     let cause = episode.cause(options.why);
+    let needs = episode.incident.as_ref().map_or_else(Vec::new, world::cause::needs);
     if options.json {
-        console::say(&as_json(&replay, &narrative, cause.as_ref()).to_string());
+        console::say(&as_json(&replay, &narrative, cause.as_ref(), &needs).to_string());
     } else {
-        tell(&replay, &narrative, cause.as_ref(), options.shrunk);
+        tell(&replay, &narrative, cause.as_ref(), &needs, options.shrunk);
     }
     if episode.differences.is_empty() { Ok(ExitCode::Done) } else { Err(ExitCode::Differs) }
 }
 
 /// Prints the result for people.
-fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, is_shrunk: bool) {
+fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[Need], is_shrunk: bool) {
     let Replay { report, episode: repeated, programs } = replay;
     let manifest = report.manifest();
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
@@ -169,6 +170,9 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, is_shrunk
         paragraph(&cause.sentence());
         let cost = cause.setting.as_ref().map(|setting| format!(" {}", setting.cost())).unwrap_or_default();
         paragraph(&format!("{} {}{cost}", cause.last_chances(), cause.perfected()));
+    }
+    if !needs.is_empty() {
+        paragraph(&needed(needs));
     }
     paragraph(&narrative.short);
     for (time, text) in &narrative.events {
@@ -199,8 +203,26 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, is_shrunk
     reasons(report, programs, &edited).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
 }
 
+/// Which actors a failure needs, as a sentence.
+fn needed(needs: &[Need]) -> String {
+    let named = |wanted: bool| {
+        let mut names: Vec<String> = Vec::new();
+        for need in needs.iter().filter(|need| need.is_needed == wanted) {
+            let name = format!("`{}`", need.name);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names.join(", ")
+    };
+    match needs.iter().any(|need| need.is_needed) {
+        true => format!("It needs {}: without any one of them it does not happen.", named(true)),
+        false => format!("It needs none of {}: without any one of them it happens as well.", named(false)),
+    }
+}
+
 /// Makes an object of the result, for programs.
-fn as_json(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>) -> serde_json::Value {
+fn as_json(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[Need]) -> serde_json::Value {
     let Replay { report, episode: repeated, .. } = replay;
     let (outcome, verdict) = (&repeated.judged.outcome, repeated.judged.verdict);
     let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
@@ -229,7 +251,7 @@ fn as_json(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>) -> ser
         .collect();
     let commands = repeated.trace.decisions(0).iter();
     let commands = commands.map(|command| json!({ "heading_rad": command.heading, "speed_mps": command.speed }));
-    json!({
+    let mut object = json!({
         "name": repeated.name.to_string(),
         "what": repeated.title,
         "cause": cause.map(cause_json),
@@ -251,7 +273,12 @@ fn as_json(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>) -> ser
         "digest": format!("{:016x}", outcome.digest),
         "events": events.collect::<Vec<_>>(),
         "commands": commands.collect::<Vec<_>>(),
-    })
+    });
+    if !needs.is_empty() {
+        let actors = needs.iter().map(|need| json!({ "role": &*need.name, "needed": need.is_needed }));
+        object["actors"] = actors.collect();
+    }
+    object
 }
 
 /// A cause as an object, for programs. Times are before the end of the failure.

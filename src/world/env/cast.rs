@@ -30,6 +30,8 @@ pub struct VehicleRole {
     pub parts: Arc<DriverParts>,
     /// Whether it is parked. Then its driver is never asked.
     pub is_parked: bool,
+    /// Whether it is left out of all episodes, though it is drawn as if it were in them: the counterfactual of the same scenario with it.
+    pub is_absent: bool,
     pub place: Placement,
 }
 
@@ -48,6 +50,8 @@ pub struct PedestrianRole {
     pub controller: Controller,
     /// The direction that it faces at the start, when the spawn rule places it and states no heading.
     pub first_heading: FirstHeading,
+    /// Whether it is left out of all episodes, though it is drawn as if it were in them.
+    pub is_absent: bool,
     pub place: Placement,
 }
 
@@ -76,6 +80,16 @@ impl Cast {
     /// One car and one pedestrian.
     pub fn pair(ego: VehicleRole, pedestrian: PedestrianRole) -> Self {
         Self { vehicles: vec![ego], pedestrians: vec![pedestrian] }
+    }
+
+    /// The same without an actor, from which no other one is drawn otherwise.
+    pub fn without(&self, actor: ActorId) -> Self {
+        let mut cast = self.clone();
+        match actor {
+            ActorId::Vehicle(number) => cast.vehicles[usize::from(number)].is_absent = true,
+            ActorId::Pedestrian(number) => cast.pedestrians[usize::from(number)].is_absent = true,
+        }
+        cast
     }
 
     /// The ego and one pedestrian, which is left to the user of the environment.

@@ -83,6 +83,17 @@ impl<'a> Pair<'a> {
         self.trace.pair(self.scenario, 0, nearest.unwrap_or(0))
     }
 
+    /// The name of the pedestrian's role.
+    pub fn pedestrian_name(&self) -> &'a str {
+        &self.role.name
+    }
+
+    /// The names of the actors that touched in the last tick, whichever they are; `None` without a touch.
+    pub fn last_touch(&self) -> Option<[&'a str; 2]> {
+        let (first, second) = self.trace.contact()?.pair;
+        Some([first, second].map(|actor| &**self.scenario.cast.name(actor)))
+    }
+
     /// The other actors of the episode.
     pub fn others(&self) -> impl Iterator<Item = RecordedActor<'a>> + use<'a> {
         let (scenario, trace, pair) = (self.scenario, self.trace, self.actors);

@@ -60,9 +60,14 @@ impl Obstacles {
 
     /// The boxes that may reach between two corners, and all parked vehicles.
     fn between(&self, low: Point, high: Point) -> impl Iterator<Item = &Shaped> {
+        self.fixed_between(low, high).chain(&self.parked)
+    }
+
+    /// The boxes of the town that may reach between two corners.
+    fn fixed_between(&self, low: Point, high: Point) -> impl Iterator<Item = &Shaped> {
         let query = BvhNode::leaf(bounds(low, high), 0);
         let found = self.fixed.index.leaves(move |node| node.intersects(&query));
-        found.map(|found| &self.fixed.boxes[found as usize]).chain(&self.parked)
+        found.map(|found| &self.fixed.boxes[found as usize])
     }
 
     /// Moves the centre of a disc out of every box it overlaps, the shortest way; so a pedestrian slides along walls.
@@ -126,16 +131,18 @@ impl Obstacles {
         }
     }
 
-    /// Whether a box stands between two points.
+    /// Whether a box stands between two points. A parked vehicle does not hide what is within it: itself.
     pub fn blocks_sight(&self, from: Point, to: Point) -> bool {
         if self.is_empty() {
             return false;
         }
-        self.between(from.inf(&to), from.sup(&to)).any(|(obstacle, shape)| {
+        let hides = |(obstacle, shape): &Shaped| {
             let (start, end) = (obstacle.pose.to_local(from), obstacle.pose.to_local(to));
             let ray = Ray::new(single(start), single(end - start));
             shape.cast_local_ray(&ray, 1.0, true).is_some()
-        })
+        };
+        let mut others = self.parked.iter().filter(|(parked, _)| parked.distance_to(to) > 0.0);
+        self.fixed_between(from.inf(&to), from.sup(&to)).any(hides) || others.any(hides)
     }
 }
 

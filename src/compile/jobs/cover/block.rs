@@ -60,6 +60,14 @@ impl Lowering<'_> {
     fn cover(&mut self, at: Nested<'_>, grid: &mut Grid) {
         let keys: CoverKeys = at.block.keys();
         let Some((ground, body)) = self.setting(at, &keys.places, &keys.start, keys.adversary, grid) else { return };
+        if !ground.roles.is_empty() {
+            let message =
+                "a cover goes through the starts of one car and one pedestrian, and the campaign has a `cast`"
+                    .to_string();
+            return self
+                .said
+                .push(diagnostics::contradiction(at.block.head, message).help("give the cover a campaign of its own"));
+        }
         let has_script = ground.spawn.value.scripted().is_some();
         let Some((walker, controller)) = self.untrained(at.block, "pedestrian", &keys.pedestrian, has_script) else {
             return;

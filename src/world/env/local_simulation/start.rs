@@ -66,7 +66,7 @@ impl LocalSimulation {
     fn place_vehicles(&mut self, ego: ActorStart) {
         self.placing.vehicles[0] = ego;
         for (vehicle, role) in self.world.vehicles.iter_mut().zip(&self.scenario.cast.vehicles) {
-            vehicle.is_present = !matches!(role.place, Placement::Behind { .. });
+            vehicle.is_present = !role.is_absent && !matches!(role.place, Placement::Behind { .. });
         }
         self.world.pedestrians.iter_mut().for_each(|pedestrian| pedestrian.is_present = false);
         let (vehicles, pedestrians) = (&self.placing.vehicles, &self.actions.starts);
@@ -107,8 +107,10 @@ impl LocalSimulation {
         self.run_up.stage = Stage::Encounter;
         self.actions.begin();
         let Self { scenario, world, actions, .. } = self;
-        world.pedestrians.iter_mut().for_each(|pedestrian| pedestrian.is_present = true);
-        for (number, role) in scenario.cast.vehicles.iter().enumerate() {
+        for (pedestrian, role) in world.pedestrians.iter_mut().zip(&scenario.cast.pedestrians) {
+            pedestrian.is_present = !role.is_absent;
+        }
+        for (number, role) in scenario.cast.vehicles.iter().enumerate().filter(|(_, role)| !role.is_absent) {
             let Placement::Behind { .. } = role.place else { continue };
             let ego = world.ego();
             let leader = ActorStart { pose: ego.state.pose, speed: ego.state.speed };

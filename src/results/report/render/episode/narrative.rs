@@ -29,6 +29,7 @@ pub fn narrative(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Narrati
     let frames: Vec<Frame> = pair.frames().collect();
     let time = |tick: usize| tick as f64 * dt;
     let mut events = vec![(0.0, start(&frames[0], &pair))];
+    events.extend(cast(&pair).map(|text| (0.0, text)));
     let in_sight: Vec<bool> = frames.iter().map(|frame| pair.in_sight(frame)).collect();
     for (tick, seen) in in_sight.windows(2).enumerate() {
         if seen[0] != seen[1] {
@@ -50,7 +51,7 @@ pub fn narrative(scenario: &Scenario, trace: &Trace, judged: &Judged) -> Narrati
         let at = events[MOST / 2 - 1].0;
         events.insert(MOST / 2, (at, format!("… {left_out} more")));
     }
-    events.push((outcome.duration, ending(outcome, &frames)));
+    events.push((outcome.duration, ending(outcome, &pair, &frames)));
     if let Some(reason) = outcome.left_out {
         let why = match reason {
             LeftOut::RunUp => "the driver did not reach its start in the run-up",
@@ -93,7 +94,9 @@ fn how_it_ended(scenario: &Scenario, trace: &Trace, Judged { outcome, verdict, .
     let pair = trace.main_pair(scenario);
     let dt = scenario.episode.tick;
     let frames: Vec<Frame> = pair.frames().collect();
-    let Ending::Touch { moving, impact_speed, .. } = outcome.ending else { return ending(outcome, &frames) + "." };
+    let Ending::Touch { moving, impact_speed, .. } = outcome.ending else {
+        return ending(outcome, &pair, &frames) + ".";
+    };
     if !moving {
         return "A bump: the car stood, and the pedestrian walked into it.".into();
     }
@@ -225,7 +228,7 @@ fn actions(frames: &[Frame]) -> Vec<(usize, String)> {
     actions
 }
 
-fn ending(outcome: &Outcome, frames: &[Frame]) -> String {
+fn ending(outcome: &Outcome, pair: &Pair<'_>, frames: &[Frame]) -> String {
     match outcome.ending {
         Ending::Touch { front, moving, impact_speed, bearing: at } => {
             let side = if front { "the front sector" } else { "a side or the rear" };
@@ -233,11 +236,29 @@ fn ending(outcome: &Outcome, frames: &[Frame]) -> String {
             let walking = frames.last().map_or(0.0, |last| last.pedestrian.speed());
             format!("contact in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
         }
-        Ending::OtherContact => "actors touch that are not the car and a pedestrian".to_string(),
+        Ending::OtherContact => match pair.last_touch() {
+            Some([first, second]) => format!("`{first}` and `{second}` touch"),
+            None => "actors touch that are not the car and a pedestrian".to_string(),
+        },
         Ending::Lost => "the episode ends early, as the scenario says".to_string(),
         Ending::Timeout => format!("the time limit is reached; the least gap was {:.2} m", outcome.least_gap),
         Ending::Error(_) | Ending::ControllerError(_) | Ending::WorldError(_) => outcome.error().unwrap_or_default(),
     }
+}
+
+/// The names of the pedestrian and of the other actors; `None` if there are no others.
+fn cast(pair: &Pair<'_>) -> Option<String> {
+    let mut others: Vec<(String, u32)> = Vec::new();
+    for other in pair.others() {
+        let name = if other.is_parked { format!("`{}` (parked)", other.name) } else { format!("`{}`", other.name) };
+        match others.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, count)) => *count += 1,
+            None => others.push((name, 1)),
+        }
+    }
+    let named = others.iter().map(|(name, count)| if *count > 1 { format!("{count} of {name}") } else { name.clone() });
+    let named: Vec<String> = named.collect();
+    (!named.is_empty()).then(|| format!("the pedestrian is `{}`; others: {}", pair.pedestrian_name(), named.join(", ")))
 }
 
 /// The verdict and its reasons.
