@@ -20,7 +20,7 @@ fn a_cast_runs_to_a_page_and_a_failure_names_the_actors_that_it_needs() {
     let run = falsify(&["run", "family.scn"], here);
     assert_eq!(run.status.code(), Some(0), "{run:?}");
     let report = here.join("reports/family");
-    let page = std::fs::read_to_string(report.join("index.html")).unwrap();
+    let page = std::fs::read_to_string(report.join("report.html")).unwrap();
     for name in ["\"friend\"", "\"van\"", "\"follower\"", "\"crowd\""] {
         assert!(page.contains(name), "the page shows {name}");
     }
