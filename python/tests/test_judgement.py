@@ -53,7 +53,9 @@ def test_an_episode_of_ours_has_its_own_verdict(scenario, town, policy):
                 assert found[name] == pytest.approx(info[name], abs=1e-9), name
             assert found["touch_s"] == pytest.approx(info["episode_length_s"], abs=1e-9)
         else:
-            assert found["least_gap_m"] >= info["least_gap_m"] - 1e-9
+            # Between two ticks they come nearer by half the way of both at most.
+            between = DT / 2 * (ego[:, 3].max() + walked[:, 3].max())
+            assert found["least_gap_m"] >= info["least_gap_m"] - between - 1e-9
         verdicts.add(info["verdict"])
         # Without its velocities the pedestrian does not stand at the start, which matters to few short encounters.
         positions = falsify_av.judge(ego, walked[:, :2], DT, scenario=scenario, task="train", **choice)

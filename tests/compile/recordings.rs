@@ -28,6 +28,9 @@ const STANDING: Encounter = Encounter { speed: 13.0, brakes: 0.0, walks: 0.0, fr
 /// A person who stands in the lane, before a car that brakes too late.
 const LATE: Encounter = Encounter { speed: 14.0, brakes: 0.8, walks: 0.0, from: 20.0, at: -0.3 };
 
+/// A jogger who crosses in full view.
+const JOGGING: Encounter = Encounter { walks: 2.8, ..CROSSING };
+
 const ALL: [(Encounter, &str); 4] =
     [(CROSSING, "fault"), (STEP_OUT, "not_preventable"), (STANDING, "fault"), (LATE, "fault")];
 
@@ -345,5 +348,138 @@ fn a_part_that_contradicts_its_positions_is_refused() {
             row[1] = 10.0 * time - 4.0 * braked(time).powi(2) - 10.0 * (time - 2.25).max(0.0);
             row[4] = 10.0 - 8.0 * braked(time - late);
         });
+    }
+}
+
+#[test]
+fn a_heading_that_is_wrong_from_end_to_end_is_refused() {
+    let scenario = crate::case_book::scenario();
+    // The whole encounter at 15 deg, and a person who stands clear of the car.
+    let turned = |heading: &dyn Fn(f64) -> f64| {
+        let mut rows = Encounter { at: 1.6, ..STANDING }.rows(20.0);
+        let (sin, cos) = libm::sincos(15.0_f64.to_radians());
+        for row in &mut rows {
+            for (x, y) in [(1, 2), (5, 6)] {
+                (row[x], row[y]) = (row[x] * cos - row[y] * sin, row[x] * sin + row[y] * cos);
+            }
+            row[3] = heading(15.0);
+        }
+        rows
+    };
+    assert_eq!(class(&scenario, &turned(&|degrees| degrees), 7), "no touch");
+    let radians = class(&scenario, &turned(&f64::to_radians), 7);
+    assert_eq!(
+        radians,
+        "the car moves at 15 deg from its heading: the numbers look like radians where degrees are needed"
+    );
+    for off in [-20.0, -4.0, 4.0, 10.0, 20.0] {
+        let found = class(&scenario, &turned(&|degrees| degrees + off), 7);
+        assert!(
+            found.contains(" deg from its heading: it does so from the first instant to the last"),
+            "{off}: {found}"
+        );
+    }
+    assert_eq!(class(&scenario, &turned(&|degrees| degrees + 2.0), 7), "no touch");
+    // The middle of a car in a bend slips from the first instant to the last.
+    let bend = |instant: u32| {
+        let turned = f64::from(instant) * 0.025;
+        let (sin, cos) = libm::sincos(turned);
+        let slip = libm::atan(1.4 / 10.0).to_degrees();
+        [
+            0.05 * f64::from(instant),
+            10.0 * sin,
+            10.0 - 10.0 * cos,
+            turned.to_degrees() - slip,
+            5.0,
+            30.0,
+            30.0,
+            90.0,
+            0.0,
+        ]
+    };
+    assert_eq!(class(&scenario, &(0..60).map(bend).collect::<Vec<_>>(), 7), "no touch");
+}
+
+#[test]
+fn speeds_that_are_wrong_from_end_to_end_are_refused() {
+    let scenario = crate::case_book::scenario();
+    for (column, who) in [(4, "the car moves "), (8, "the pedestrian moves ")] {
+        for (factor, is_refused) in [(0.6, true), (0.75, true), (0.85, false), (1.2, false), (1.4, true), (1.6, true)] {
+            let mut rows = CROSSING.rows(20.0);
+            rows.iter_mut().for_each(|row| row[column] *= factor);
+            let found = class(&scenario, &rows, 9);
+            assert!(if is_refused { found.starts_with(who) } else { found == "fault" }, "{column}, {factor}: {found}");
+        }
+    }
+}
+
+/// Numbers of the pedestrian that are wrong for an instant, or for less than a third of a second, are ignored, and no others.
+#[test]
+fn wrong_numbers_of_the_pedestrian_are_ignored() {
+    let scenario = crate::case_book::scenario();
+    let ignored = |encounter: Encounter, columns, rate: f64, lasts: f64, change: &dyn Fn(&mut Row, &Row)| {
+        for before in [1.0, 2.0] {
+            let mut rows = encounter.rows(rate);
+            let first = ((9.0 - before) * rate).round() as usize;
+            let end = first + ((lasts * rate).round() as usize).max(1);
+            let last_right = rows[first - 1];
+            rows[first..end].iter_mut().for_each(|row| change(row, &last_right));
+            let found = judged(&scenario, &rows, columns).unwrap();
+            let wanted = if encounter.walks > 2.0 { "runner" } else { "fault" };
+            let class = found.verdict.unwrap().class().name();
+            assert_eq!(
+                (class, &found.ignored[..]),
+                (wanted, &(first..end).collect::<Vec<_>>()[..]),
+                "{rate} Hz, {columns}"
+            );
+        }
+    };
+    for rate in [10.0, 20.0] {
+        for lasts in [0.0, 0.2, 0.3] {
+            ignored(JOGGING, 9, rate, lasts, &|row, _| row[8] = 0.0);
+            ignored(JOGGING, 9, rate, lasts, &|row, _| row[7] += 180.0);
+            ignored(JOGGING, 9, rate, lasts, &|row, _| row[7] += 90.0);
+        }
+        ignored(CROSSING, 7, rate, 0.3, &|row, last| row[5..7].copy_from_slice(&last[5..7]));
+        ignored(JOGGING, 7, rate, 0.0, &|row, last| row[5..7].copy_from_slice(&last[5..7]));
+    }
+    for rate in [10.0, 20.0, 50.0] {
+        for encounter in [CROSSING, JOGGING] {
+            ignored(encounter, 7, rate, 0.0, &|row, _| row[5] += 0.4);
+            ignored(encounter, 7, rate, 0.0, &|row, _| row[6] -= 0.5);
+        }
+        ignored(CROSSING, 9, rate, 0.0, &|row, _| row[5] += 0.4);
+    }
+}
+
+#[test]
+fn positions_may_be_held_for_a_second() {
+    let scenario = crate::case_book::scenario();
+    for (rate, every) in [(10.0, 3), (10.0, 5), (10.0, 6), (10.0, 10), (20.0, 10), (25.0, 12), (100.0, 50)] {
+        for (encounter, wanted) in [(CROSSING, "fault"), (JOGGING, "runner"), (STEP_OUT, "not_preventable")] {
+            let mut rows = encounter.rows(rate);
+            let held = rows.clone();
+            rows.iter_mut()
+                .enumerate()
+                .for_each(|(number, row)| row[5..].copy_from_slice(&held[number / every * every][5..]));
+            let verdict = judged(&scenario, &rows, 7).unwrap().verdict.unwrap();
+            assert_eq!(verdict.class().name(), wanted, "{rate} Hz, {every} rows");
+            assert!(wanted == "not_preventable" || verdict.warning > 5.9, "{rate} Hz, {every}: {}", verdict.warning);
+        }
+    }
+}
+
+#[test]
+fn a_narrow_escape_is_the_same_at_every_rate() {
+    let scenario = crate::case_book::scenario();
+    for (at, pet, gap) in [(2.0, 0.55, 0.75), (1.5, 0.19, 0.25)] {
+        for rate in [5.0, 10.0, 20.0, 100.0] {
+            let found = judged(&scenario, &Encounter { at, ..CROSSING }.rows(rate), 9).unwrap();
+            let least = found.near_miss.pet.unwrap();
+            assert!(
+                (least - pet).abs() < 0.03 && (found.least_gap - gap).abs() < 0.02,
+                "{rate} Hz: {least}, {found:?}"
+            );
+        }
     }
 }

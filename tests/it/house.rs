@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_418),
-    ("src/world", 35_308),
+    ("src/world", 35_570),
     ("src/ported", 4_642),
     ("src/lang", 6_555),
     ("src/compile", 7_857),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_783),
     ("src/results", 25_758),
     ("src/program", 12_137),
-    ("tests", 27_576),
+    ("tests", 27_712),
 ];
 
 /// Crates that only some places may name.

@@ -101,10 +101,10 @@ fn paper() -> Result<Scenario, Error> {
 fn tell(found: &Encountered, recording: &Recording) {
     let near = &found.near_miss;
     if let [first, rest @ ..] = &found.ignored[..] {
-        let others = if rest.is_empty() { String::new() } else { format!(" and of {} others", rest.len()) };
+        let others = if rest.is_empty() { String::new() } else { format!(" and in {} others", rest.len()) };
         let line = recording.line(*first).unwrap_or(*first);
         console::say(&format!(
-            "ignored: the speed or heading of the car in line {line}{others}, which those before and after contradict"
+            "ignored: the speed, heading or position in line {line}{others}, which those before and after contradict"
         ));
     }
     if let (Some(touch), Some(late)) = (found.touch, found.begins_late) {

@@ -77,8 +77,8 @@ pub const MIN_TTC: Column<f64> = Column::new(
 pub const PET: Column<f64> = Column::new(
     "pet_s",
     "s",
-    "post-encroachment time, to a tick: the least time between one leaving a place and the other reaching it, over all places that \
-     disc and box both sweep; missing without such a place and at a collision",
+    "post-encroachment time at the ticks, up to two of them too long: the least time between one leaving a place and the other \
+     reaching it, over all places that disc and box both sweep; missing without such a place and at a collision",
 );
 pub const DRIVING_MODE: Column<String> =
     Column::new("driving_mode", "", "what the driver did in the last tick: after a collision, at the touch");

@@ -53,6 +53,7 @@ mod recording;
 mod recording_file;
 mod recording_noise;
 mod recording_parts;
+mod recording_spikes;
 mod recording_units;
 #[cfg(test)]
 mod tests;

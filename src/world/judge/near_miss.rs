@@ -23,8 +23,8 @@ pub struct NearMiss {
     /// Least time to collision at constant velocities (s), over all ticks at which the car moves (more than 0.1 m/s). `None` if they were
     /// never on course to touch within ten seconds. 0 when they touched while the car moved.
     pub min_ttc: Option<f64>,
-    /// Post-encroachment time (s), to a tick: the least time between one leaving a place and the other reaching it. `None` if their paths
-    /// do not cross, and when they touched.
+    /// Post-encroachment time (s) at the ticks, up to two of them too long: the least time between one leaving a place and the other reaching it. `None` if
+    /// their paths do not cross, and when they touched.
     pub pet: Option<f64>,
 }
 

@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use super::recording_noise::{clean_car, clean_pedestrian, noise, remove_spikes, usual_speeds, walked};
+use super::recording_noise::{clean_car, clean_pedestrian, noise, taken_apart, usual_speeds, walked};
 use super::recording_parts::{Contradiction, contradiction};
+use super::recording_spikes::{remove_position_spikes, remove_spikes, remove_velocity_spikes};
 use super::recording_units::{Misfit, TrackOf, fits, misfit};
 use super::{Inquiry, NearMiss, Verdict, ViolationVerdict};
-use crate::env::{Driven, OtherDrive, Scenario, Trace, VehicleFrame, is_about_map};
+use crate::env::{Driven, OtherDrive, Pair, Scenario, Trace, VehicleFrame, is_about_map};
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::requirement::{Degree, NamedRequirement};
 use crate::sim::{Contact, PedestrianState, VehicleState, WalkCommand};
@@ -20,7 +21,7 @@ pub struct Recording {
     pedestrian: Vec<PedestrianState>,
     /// Whether the velocities of the pedestrian are those of its positions.
     is_walked: bool,
-    /// The instants at which the car has a speed or a heading that no car has.
+    /// The instants whose speed, heading or position those before and after contradict.
     spikes: Vec<usize>,
     /// The lines of the instants in their file; empty without one.
     pub(super) lines: Vec<usize>,
@@ -28,6 +29,10 @@ pub struct Recording {
 
 /// Time (s) before the touch in which the direction of the car's motion is looked for.
 const DIRECTION: f64 = 0.5;
+
+/// Time (s) between two places of a pair that did not touch, and the most places.
+const RESOLUTION: f64 = 0.01;
+const MAX_PLACES: usize = 500_000;
 
 /// Sizes in the place of those of a scenario (m).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -111,16 +116,16 @@ fn velocity(velocity: Vector) -> String {
 pub struct Encountered {
     /// The time of the first touch from the first instant (s); `None` without one.
     pub touch: Option<f64>,
-    /// The least distance between the car's box and the pedestrian (m); 0 with a touch.
+    /// The least distance between the car's box and the pedestrian (m); 0 with a touch. Between two instants they move on a line.
     pub least_gap: f64,
-    /// How near the two came to a touch.
+    /// How near the two came to a touch, every 0.01 s, but in recordings of more than 500,000 such times.
     pub near_miss: NearMiss,
     /// The verdict; `None` without a touch. It holds if nothing of the danger is missing.
     pub verdict: Option<Verdict>,
     /// How much earlier the recording must begin for a verdict that holds (s): the danger was under way at its start, and a careful human who saw it there
     /// does not avoid the touch. `None` if nothing is missing.
     pub begins_late: Option<f64>,
-    /// The instants whose speed or heading of the car was ignored, since no car has it between those before and after.
+    /// The instants at which a speed, a heading or a position was ignored, since those before and after contradict it.
     pub ignored: Vec<usize>,
     /// The requirements of the scenario.
     pub requirements: Vec<RecordedRequirement>,
@@ -168,9 +173,10 @@ impl Recording {
     /// Those of [`Recording::new`].
     pub fn of_positions(dt: f64, ego: Vec<VehicleState>, positions: &[Point]) -> Result<Self, RecordingError> {
         let coordinates: Vec<Vector> = positions.iter().map(|position| position.coords).collect();
+        let coordinates = taken_apart(&coordinates, dt);
         let mut pedestrian = walked(&coordinates, dt);
-        for (state, position) in pedestrian.iter_mut().zip(positions) {
-            (state.pose.x, state.pose.y) = (position.x, position.y);
+        for (state, place) in pedestrian.iter_mut().zip(coordinates) {
+            (state.pose.x, state.pose.y) = (place.x, place.y);
         }
         Self::checked(Self { dt, ego, pedestrian, is_walked: true, spikes: Vec::new(), lines: Vec::new() })
     }
@@ -204,6 +210,9 @@ impl Recording {
             }
         }
         self.spikes = remove_spikes(&mut self.ego, dt);
+        if !self.is_walked {
+            self.spikes.extend(remove_velocity_spikes(&mut self.pedestrian, dt));
+        }
         let cars: Vec<_> = self.ego.iter().map(|state| (state.pose, state.speed)).collect();
         let mut walkers: Vec<_> = self.pedestrian.iter().map(|state| (state.pose, state.speed())).collect();
         if self.is_walked {
@@ -249,6 +258,20 @@ impl Recording {
         if let Some((error, _)) = contradicts {
             return Err(error);
         }
+        let driven: Vec<Vector> = self.ego.iter().map(|state| state.pose.forward() * state.speed).collect();
+        let walking: Vec<Vector> = self.pedestrian.iter().map(|state| state.velocity).collect();
+        let known = (!self.is_walked).then_some(&walking[..]);
+        let car = remove_position_spikes(self.ego.iter_mut().map(|state| &mut state.pose), Some(&driven), dt);
+        let pedestrian = remove_position_spikes(self.pedestrian.iter_mut().map(|state| &mut state.pose), known, dt);
+        self.spikes.extend(car.into_iter().chain(pedestrian));
+        self.spikes.sort_unstable();
+        self.spikes.dedup();
+        if self.is_walked {
+            let positions: Vec<Vector> = self.pedestrian.iter().map(|state| state.pose.position().coords).collect();
+            for (state, walked) in self.pedestrian.iter_mut().zip(walked(&positions, dt)) {
+                (state.velocity, state.pose.yaw) = (walked.velocity, walked.pose.yaw);
+            }
+        }
         // Wrapped only now: degrees that were wrapped as radians are no longer recognised.
         let poses = self.ego.iter_mut().map(|state| &mut state.pose);
         for pose in poses.chain(self.pedestrian.iter_mut().map(|state| &mut state.pose)) {
@@ -292,8 +315,10 @@ impl Recording {
         let trace = self.trace(&scenario);
         let pair = trace.pair(&scenario, 0, 0);
         let touch = trace.contact().map(|contact| (pair.len() as f64 - 2.0 + contact.fraction) * self.dt);
-        let gaps = pair.frames().map(|frame| pair.gap(&frame));
-        let least_gap = if touch.is_some() { 0.0 } else { gaps.fold(f64::INFINITY, f64::min) };
+        let (near_miss, least_gap) = match touch {
+            Some(_) => (NearMiss::new(&pair), 0.0),
+            None => Self::nearest(&pair),
+        };
         let requirements = scenario.requirements.iter().map(|named| {
             let requirement = &named.requirement;
             let degree = (!requirement.mentions(&is_about_map)).then(|| OtherDrive::recorded(pair, requirement));
@@ -306,12 +331,39 @@ impl Recording {
         Encountered {
             touch,
             least_gap,
-            near_miss: NearMiss::new(&pair),
+            near_miss,
             verdict: inquiry.map(Inquiry::verdict),
             begins_late,
             ignored: self.spikes.clone(),
             requirements,
         }
+    }
+
+    /// How near two came who did not touch, and their least distance (m): between two instants they move on a line.
+    fn nearest(pair: &Pair<'_>) -> (NearMiss, f64) {
+        let parts = (pair.dt() / RESOLUTION).ceil().min((MAX_PLACES / pair.len()) as f64).max(1.0) as usize;
+        let between = |from: Pose, to: Pose, share: f64| {
+            let place = from.position() + (to.position() - from.position()) * share;
+            Pose::new(place.x, place.y, from.yaw + wrap_angle(to.yaw - from.yaw) * share)
+        };
+        let (mut driving, mut walking) = (Vec::new(), Vec::new());
+        for (from, to) in pair.frames().zip(pair.frames().skip(1).chain(pair.last())) {
+            for share in (0..parts).map(|part| part as f64 / parts as f64) {
+                let (car, walker) = (&from.ego, &from.pedestrian);
+                let pose = between(car.pose, to.ego.pose, share);
+                let state = VehicleState { pose, speed: car.speed + (to.ego.speed - car.speed) * share, ..*car };
+                driving.push(VehicleFrame { state, driven: Driven::default() });
+                let pose = between(walker.pose, to.pedestrian.pose, share);
+                let velocity = walker.velocity + (to.pedestrian.velocity - walker.velocity) * share;
+                walking.push(PedestrianState { pose, velocity });
+            }
+        }
+        let mut scenario = pair.scenario.clone();
+        scenario.episode.tick = pair.dt() / parts as f64;
+        let decisions = vec![WalkCommand::default(); walking.len() - 1];
+        let trace = Trace::recorded(driving, walking, decisions, None);
+        let fine = trace.pair(&scenario, 0, 0);
+        (NearMiss::new(&fine), fine.frames().map(|frame| fine.gap(&frame)).fold(f64::INFINITY, f64::min))
     }
 
     /// Judges the first touch on a plane without obstacles: see [`Recording::judged`].

@@ -9,7 +9,7 @@ use crate::sim::{PedestrianState, VehicleState};
 /// The longest time over which noise is averaged (s).
 const HALF_SECOND: f64 = 0.5;
 /// The noise that remains of velocities (m/s), where half a second is long enough for it. A noise below it is none.
-const VELOCITY_NOISE: f64 = 0.05;
+pub(super) const VELOCITY_NOISE: f64 = 0.05;
 /// A noise of headings below this is none (rad).
 const HEADING_NOISE: f64 = 0.005;
 /// A position of the car that is less far from the one before, as a multiple of the noise, says nothing of its direction.
@@ -18,14 +18,13 @@ const MIN_STEP: f64 = 5.0;
 const SIGNIFICANT: f64 = 4.0;
 /// The median of the absolute value of a normal number, and of the length of a pair of them, in standard deviations.
 const OF_NUMBER: f64 = 0.674;
-const OF_PAIR: f64 = 1.177;
-/// How far the speed (m/s) and the heading (rad) of a car may be from those before and after: at once, and in each second.
-pub(super) const SPEED_SPIKE: (f64, f64) = (1.0, 15.0);
-const HEADING_SPIKE: (f64, f64) = (0.2, 2.0);
+pub(super) const OF_PAIR: f64 = 1.177;
+/// Positions that are held for longer (s) are not smoothed but taken apart.
+const LONG_HOLD: f64 = 0.2;
 
 /// The standard deviation of the difference of two values by noise, from the median of their second differences: a body changes its velocity
 /// little between two instants. `usual` is the median of such a difference, in standard deviations.
-fn median_noise(values: &[Vector], usual: f64) -> f64 {
+pub(super) fn median_noise(values: &[Vector], usual: f64) -> f64 {
     let mut changes: Vec<f64> =
         values.windows(3).map(|near| ((near[2] - near[1]) - (near[1] - near[0])).norm()).collect();
     let Some(last) = changes.len().checked_sub(1) else { return 0.0 };
@@ -34,16 +33,46 @@ fn median_noise(values: &[Vector], usual: f64) -> f64 {
     *median / (usual * 6.0_f64.sqrt()) * 2.0_f64.sqrt()
 }
 
-/// The same of values that are rounded, or held for several instants: the usual step between them is the width of an equal distribution.
-fn step_noise(values: &[Vector]) -> f64 {
+/// The instants at which values that are rounded, or held for several instants, change, and how many they are usually held for; `None` if most are not.
+fn holds(values: &[Vector]) -> Option<(Vec<usize>, usize)> {
     let changed: Vec<usize> = (1..values.len()).filter(|place| values[*place] != values[*place - 1]).collect();
     let mut held: Vec<usize> = changed.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = held.len() / 2;
-    if held.is_empty() || *held.select_nth_unstable(middle).1 < 2 {
-        return 0.0;
-    }
+    let usual = if held.is_empty() { 1 } else { *held.select_nth_unstable(middle).1 };
+    (usual > 1).then_some((changed, usual))
+}
+
+/// The same of values that are rounded or held: the usual step between them is the width of an equal distribution.
+pub(super) fn step_noise(values: &[Vector]) -> f64 {
+    let Some((changed, _)) = holds(values) else { return 0.0 };
     let mut steps: Vec<f64> = changed.iter().map(|place| (values[*place] - values[*place - 1]).norm()).collect();
+    let middle = (steps.len() - 1) / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1 / 6.0_f64.sqrt()
+}
+
+/// The positions between the instants at which they change, if they are held regularly for more than a fifth of a second: as new positions came, not as they were
+/// repeated. Who does not move for longer than that stands.
+pub(super) fn taken_apart(positions: &[Vector], dt: f64) -> Vec<Vector> {
+    let mut all = positions.to_vec();
+    let Some((changed, usual)) = holds(positions).filter(|(_, usual)| *usual as f64 * dt > LONG_HOLD) else {
+        return all;
+    };
+    let is_regular = |pair: &&[usize]| (pair[1] - pair[0]).abs_diff(usual) <= 1;
+    if changed.len() < 4 || changed.windows(2).filter(is_regular).count() * 4 < (changed.len() - 1) * 3 {
+        return all;
+    }
+    let mut slope = Vector::zeros();
+    let mut before = 0;
+    for end in &changed {
+        let first = if end - before > usual + 1 { end - usual } else { before };
+        slope = (positions[*end] - positions[first]) / (end - first) as f64;
+        (first..*end).for_each(|place| all[place] = positions[first] + slope * (place - first) as f64);
+        before = *end;
+    }
+    if positions.len() - before <= usual + 1 {
+        (before..positions.len()).for_each(|place| all[place] += slope * (place - before) as f64);
+    }
+    all
 }
 
 /// The standard deviation of the difference of two positions by noise (m).
@@ -233,41 +262,4 @@ fn hold(positions: &mut [Vector], speeds: &[f64], step: f64) {
             positions[place] = from + (to - from) * share;
         }
     }
-}
-
-/// The instants at which a car has a speed or a heading that no car has between those before and after. They get the mean of both. The first and the last
-/// instant are compared with the two beside them.
-pub(super) fn remove_spikes(states: &mut [VehicleState], dt: f64) -> Vec<usize> {
-    let Some(last) = states.len().checked_sub(1).filter(|last| *last > 1) else { return Vec::new() };
-    let mut found = spikes(states, (1..last).map(|place| (place, place - 1, place + 1)), dt);
-    found.extend(spikes(states, [(0, 1, 2), (last, last - 1, last - 2)].into_iter(), dt));
-    found.sort_unstable();
-    found
-}
-
-/// Removes the spikes among some instants, each with two others.
-fn spikes(states: &mut [VehicleState], places: impl Iterator<Item = (usize, usize, usize)>, dt: f64) -> Vec<usize> {
-    let speeds: Vec<f64> = states.iter().map(|state| state.speed).collect();
-    let headings: Vec<f64> = states.iter().map(|state| state.pose.yaw).collect();
-    let is_spike = |(once, rate): (f64, f64), from: f64, to: f64| {
-        let limit = once + rate * dt;
-        from.abs() > limit && to.abs() > limit && from * to > 0.0 && (from - to).abs() <= limit
-    };
-    let mut found = Vec::new();
-    for (place, one, other) in places {
-        let (from, to) = (speeds[place] - speeds[one], speeds[place] - speeds[other]);
-        let is_hasty = is_spike(SPEED_SPIKE, from, to);
-        if is_hasty {
-            states[place].speed -= (from + to) / 2.0;
-        }
-        let (from, to) = (wrap_angle(headings[place] - headings[one]), wrap_angle(headings[place] - headings[other]));
-        let is_turned = is_spike(HEADING_SPIKE, from, to);
-        if is_turned {
-            states[place].pose.yaw -= (from + to) / 2.0;
-        }
-        if is_hasty || is_turned {
-            found.push(place);
-        }
-    }
-    found
 }

@@ -1,6 +1,7 @@
 //! Parts of a recording in which the positions contradict the speeds or the headings.
 
-use super::recording_noise::{SPEED_SPIKE, noise, ways};
+use super::recording_noise::{noise, ways};
+use super::recording_spikes::SPEED_SPIKE;
 use super::recording_units::{MAX_UNSIGNED_REVERSING, MOVING, TrackOf};
 use crate::geometry::{Pose, Vector};
 

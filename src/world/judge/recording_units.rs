@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use super::recording_noise::noise;
+use super::recording_noise::{noise, ways};
 use crate::geometry::{Pose, Vector, wrap_angle};
 
 /// Length of a stretch of a car and of a pedestrian (m), longer than the noise of positions, and the least mean speed on it (m/s).
@@ -28,6 +28,15 @@ const NEAR: f64 = 0.1;
 /// Headings that deviate by less (rad) are right, whatever would fit better.
 const SMALL: f64 = 0.05;
 
+/// What ways may be in every of some parts of a recording, as a multiple of what speeds explain, and by how much headings may deviate to one side in all of
+/// them: by as much as is small (rad), and in a bend by what a point does that is as far from the rear axle (m). A slip is shorter, or changes its side.
+const PARTS: usize = 4;
+const LASTING: (f64, f64) = (0.8, 1.25);
+const SMALL_OF_PEDESTRIAN: f64 = 0.2;
+const LEVER: f64 = 3.0;
+/// Headings that fit much better otherwise deviate by more (rad).
+const MISREAD: f64 = 0.02;
+
 /// The likely cause of headings that are far beyond a whole turn, or fit as degrees.
 const DEGREES: &str = "the numbers look like degrees where radians are needed";
 
@@ -44,6 +53,8 @@ pub(super) enum Misfit {
 struct Stretch {
     /// The way, in a straight line.
     moved: Vector,
+    /// The way that speeds and headings explain.
+    told: Vector,
     /// The length that the speeds explain (m), and their mean (m/s).
     explained: f64,
     speed: f64,
@@ -59,9 +70,13 @@ impl Stretch {
 
     /// The angle from a heading to the motion (rad), −π to π.
     fn angle(&self, reading: usize) -> f64 {
-        let (heading, moved) = (self.headings[reading], self.moved);
-        libm::atan2(heading.x * moved.y - heading.y * moved.x, heading.dot(&moved))
+        angle(self.headings[reading], self.moved)
     }
+}
+
+/// The angle from one direction to another (rad), −π to π.
+fn angle(from: Vector, to: Vector) -> f64 {
+    libm::atan2(from.perp(&to), from.dot(&to))
 }
 
 /// Whose track it is.
@@ -99,15 +114,29 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
     };
     let of_reading = |reading| median(stretches.iter().map(|stretch| deviation(stretch, reading)));
     let found = of_reading(0);
+    let mean =
+        |reading| stretches.iter().map(|stretch| deviation(stretch, reading)).sum::<f64>() / stretches.len() as f64;
     // Numbers beyond 1 that fit much better as degrees are degrees.
     let usual = median(track.iter().map(|(pose, _)| pose.yaw.abs()));
     let is_better = |reading| of_reading(reading) < (found / 4.0).min(PI - found);
+    let fits_better = |reading| mean(reading) < mean(0) / 4.0;
     let likely = match () {
-        () if found <= SMALL => return None,
-        () if usual > 1.0 && is_better(1) || usual > TAU && found > FRAC_PI_4 => DEGREES,
-        () if is_better(3) => "they look left-handed; of a left-handed frame change the signs of y and of the heading",
-        () if found <= FRAC_PI_4 => return None,
-        () if is_better(2) => "the numbers look like radians where degrees are needed",
+        () if found > SMALL && (usual > 1.0 && is_better(1) || usual > TAU && found > FRAC_PI_4) => DEGREES,
+        () if found > SMALL && is_better(3) || mean(0) > MISREAD && fits_better(3) => {
+            "they look left-handed; of a left-handed frame change the signs of y and of the heading"
+        }
+        () if found > MISREAD && is_better(2) || mean(0) > MISREAD && fits_better(2) => {
+            "the numbers look like radians where degrees are needed"
+        }
+        () if found <= FRAC_PI_4 => match lasting(&stretches, reverses, of) {
+            (ratio, _) if !(LASTING.0..=LASTING.1).contains(&ratio) => {
+                return Some(Misfit::Speed { ratio, likely: cause_of(ratio, dt) });
+            }
+            (_, true) => {
+                "it does so from the first instant to the last; correct the heading, or the frame of the positions"
+            }
+            _ => return None,
+        },
         () if found < PI - FRAC_PI_4 => {
             "angles count from x to y; of a left-handed frame change the signs of y and of the heading"
         }
@@ -115,7 +144,35 @@ pub(super) fn misfit(track: &[(Pose, f64)], dt: f64, of: TrackOf) -> Option<Misf
         () if of == TrackOf::Car => "a car that reverses has a negative speed",
         () => "the heading is that of the motion",
     };
-    Some(Misfit::Heading { degrees: found.to_degrees(), likely })
+    Some(Misfit::Heading { degrees: found.max(mean(0)).to_degrees(), likely })
+}
+
+/// What holds in each part of a recording: the least deviation of the ways as a multiple of what the speeds explain, and whether headings deviate to one side by more than another
+/// point of a car does in a bend.
+fn lasting(stretches: &[Stretch], reverses: f64, of: TrackOf) -> (f64, bool) {
+    if stretches.len() < PARTS {
+        return (1.0, false);
+    }
+    let forward = |stretch: &Stretch| {
+        let is_reversed = stretch.speed <= reverses && stretch.moved.dot(&stretch.told) < 0.0;
+        if is_reversed { -stretch.moved } else { stretch.moved }
+    };
+    let bound = |part: usize| stretches.len() * part / PARTS;
+    let parts = (0..PARTS).map(|part| {
+        let (first, end) = (bound(part), bound(part + 1));
+        let moved: Vector = stretches[first..end].iter().map(forward).sum();
+        let told: Vector = stretches[first..end].iter().map(|stretch| stretch.told).sum();
+        let near = &stretches[first.saturating_sub(1)..(end + 1).min(stretches.len())];
+        let turned: f64 = near.windows(2).map(|pair| angle(forward(&pair[0]), forward(&pair[1]))).sum();
+        let bend = turned.abs() / near[1..].iter().map(|stretch| stretch.moved.norm()).sum::<f64>();
+        let deviates = angle(told, moved);
+        let small = if of == TrackOf::Car { SMALL } else { SMALL_OF_PEDESTRIAN };
+        let side = if deviates.abs() > small + LEVER * bend { deviates.signum() } else { 0.0 };
+        (moved.norm() / told.norm(), side)
+    });
+    let nearer = |one: f64, other: f64| if one > 1.0 { one.min(other).max(1.0) } else { one.max(other).min(1.0) };
+    let (ratio, sides) = parts.reduce(|all, part| (nearer(all.0, part.0), all.1 + part.1)).unwrap_or((1.0, 0.0));
+    (ratio, sides.abs() == PARTS as f64)
 }
 
 /// Whether enough of a track shows that its units fit.
@@ -143,6 +200,7 @@ fn significant(number: f64) -> f64 {
 
 /// Splits a track into stretches of this length (m), by the way or by what the speeds explain, and leaves out those in which it hardly moves.
 fn stretches(track: &[(Pose, f64)], dt: f64, length: f64) -> Vec<Stretch> {
+    let told = ways(track.iter().map(|(pose, speed)| pose.forward() * *speed), dt);
     let (mut found, mut first, mut explained) = (Vec::new(), 0, 0.0);
     for instant in 1..track.len() {
         explained += (track[instant - 1].1.abs() + track[instant].1.abs()) / 2.0 * dt;
@@ -159,7 +217,14 @@ fn stretches(track: &[(Pose, f64)], dt: f64, length: f64) -> Vec<Stretch> {
                 });
                 units.sum()
             };
-            found.push(Stretch { moved, explained, speed, headings: [1.0, PI / 180.0, 180.0 / PI, -1.0].map(mean) });
+            let told = told[instant] - told[first];
+            found.push(Stretch {
+                moved,
+                told,
+                explained,
+                speed,
+                headings: [1.0, PI / 180.0, 180.0 / PI, -1.0].map(mean),
+            });
         }
         (first, explained) = (instant, 0.0);
     }
