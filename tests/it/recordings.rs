@@ -132,7 +132,7 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
         (changed(5, "0,15,40,0,-6,5,1,2,0,0,0,0,8,0,x"), "there are 15 fields; the header has 8. Give decimal points"),
         (
             halted.join("\n"),
-            "line 61: in 0.10 s from here on the car moves at 8.0 m/s towards 0 deg by its positions, and at 0 m/s by its speed and heading; correct",
+            "line 61: in 0.05 s from here on the car moves at 8.0 m/s towards 0 deg by its positions, and at 0 m/s by its speed and heading; correct",
         ),
         (rows[..2].join("\n"), "there are 1 instants of the car and 1 of the pedestrian"),
         (crossing(8.0, 1.4, 1.0), "the time between two instants is 1 s"),

@@ -58,7 +58,7 @@ fn hunters_find_twice_the_faults_of_an_interception_without_a_training() {
 }
 
 #[test]
-fn a_hunter_with_the_commands_of_another_adversary_is_in_error() {
-    let [(0, errors)] = *met(&campaign("plausible", "hunter"), 20) else { panic!("no fault counts") };
-    assert!(errors > 0);
+#[should_panic(expected = "unfit-controller")]
+fn a_hunter_with_the_commands_of_another_adversary_is_an_error() {
+    campaign("plausible", "hunter");
 }

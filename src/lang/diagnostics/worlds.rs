@@ -207,12 +207,11 @@ pub fn is_unplaceable(diagnostic: &Diagnostic) -> bool {
 
 /// A scenario names a program to be started, and the user has not allowed that: one error for all programs.
 pub fn external_not_allowed(said: &mut Vec<Diagnostic>, span: Span, command: &str) {
-    const CODE: &str = "external-not-allowed";
-    if let Some(known) = said.iter_mut().find(|each| each.code == CODE) {
+    if let Some(known) = said.iter_mut().find(|each| each.code == "external-not-allowed") {
         *known = known.clone().label(span, "and this one");
         return;
     }
-    let first = Diagnostic::error(CODE, span, format!("this scenario wants to start the program `{command}`"))
+    let first = Diagnostic::error("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))
         .help("`--allow-external` (in Python `allow_external=True`) lets scenarios start programs; give it only with files that you trust");
     said.push(first);
 }
