@@ -161,7 +161,10 @@ impl Roles {
             let Some(ActorSignal { of, to, signal }) = id.of_actor() else { return vec![id] };
             // A role that is not in the cast has been reported.
             let all = |role| self.actors(role).unwrap_or(&[ActorId::EGO]).iter();
+            // The members of a group towards each other.
+            let is_group = of == to && all(of).len() > 1;
             let pairs = all(of).flat_map(|of| all(to).map(move |to| (of, to)));
+            let pairs = pairs.filter(|(of, to)| !is_group || of != to);
             pairs.map(|(of, to)| ActorSignal { of: of.code(), to: to.code(), signal }.into()).collect()
         };
         let resolved = requirements.iter().map(|each| {
@@ -257,6 +260,8 @@ impl Lowering<'_> {
             }
         }
         self.refuse_circles(&written);
+        self.refuse_followers(&written);
+        self.refuse_words(&written);
         let is_left = |each: &&Written<'_>| {
             is_pedestrian(each) && each.declaration.block.keys::<PedestrianKeys>().walker.is_none()
         };
@@ -371,6 +376,37 @@ impl Lowering<'_> {
                     return;
                 }
             }
+        }
+    }
+
+    /// Reports a second car behind the ego, and roles whose place depends on such a car: it has none before the encounter starts.
+    fn refuse_followers(&mut self, written: &[Written<'_>]) {
+        let follows = |each: &&Written<'_>| {
+            each.declaration.kind == CarKeys::KIND && each.declaration.block.keys::<CarKeys>().behind.is_some()
+        };
+        let followers: Vec<&Written<'_>> = written.iter().filter(follows).collect();
+        for second in followers.iter().skip(1) {
+            let message = format!("`{}` is a second car behind the ego", second.declaration.name);
+            self.contradict(second.declaration.block.place("behind"), message, "take one of them");
+        }
+        for each in written {
+            if let Some((span, Some(anchor))) = each.anchor
+                && followers.iter().any(|follower| follower.declaration.id == anchor)
+            {
+                let message = format!(
+                    "`{}` is placed by a car that gets its place when the encounter starts",
+                    each.declaration.name
+                );
+                self.contradict(span, message, "place it relative to `ego` or to another role");
+            }
+        }
+    }
+
+    /// Reports roles with the names of words.
+    fn refuse_words(&mut self, written: &[Written<'_>]) {
+        for each in written.iter().filter(|each| [EGO, STILL].contains(&each.declaration.name.as_str())) {
+            let message = format!("`{}` is a word of casts and no name of a role", each.declaration.name);
+            self.contradict(each.span, message, "give it another name");
         }
     }
 

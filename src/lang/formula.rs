@@ -375,6 +375,9 @@ impl Checker<'_> {
         let roles: Vec<Option<usize>> = arguments.iter().map(|argument| self.role(argument)).collect();
         let roles = roles.into_iter().collect::<Option<Vec<usize>>>()?;
         let id = ActorSignal { of: roles[0], to: roles.get(1).copied().unwrap_or(0), signal };
+        if id.of == 0 && id.to == 0 && name.text != "speed" {
+            return self.say(diagnostics::not_a(span, "signal of two different roles", "signal of the ego to itself"));
+        }
         let variable = &self.scope.vocabulary.signals[signal];
         let quantity = Sort::Quantity(variable.dimension);
         let sort = if variable.is_condition { Sort::Truth } else { quantity };

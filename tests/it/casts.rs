@@ -41,3 +41,59 @@ fn a_cast_runs_to_a_page_and_a_failure_names_the_actors_that_it_needs() {
         object["actors"].as_array().unwrap().iter().map(|actor| actor["role"].as_str().unwrap()).collect();
     assert_eq!(roles, ["van", "follower", "child", "friend", "crowd", "crowd", "crowd"]);
 }
+
+const VAN: &str = "edition 1
+import \"std/drivers.scn\"
+import \"std/paper.scn\"
+town street { street main { through: [(0 m, 0 m), (400 m, 0 m)]  speed_limit: 50 km/h } }
+spawn kerb { ego_poses: [(100 m, -1.75 m, 0 deg)]  ego_speed: 8 m/s  bearing: -20 deg .. -8 deg  distance: 18 m .. 28 m }
+campaign van {
+  vehicle: model3  adversary: suicidal  spawn: kerb  episode: thirty_seconds
+  cast { CAST }
+  REQUIRED
+  evaluate { towns: [street]  policies: [idm()]  pedestrians: [intercept]  episodes: 60 }
+}
+";
+
+/// A parked car of one episode is no obstacle of the next.
+#[test]
+fn a_start_does_not_depend_on_the_episodes_before_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = VAN
+        .replace("CAST", "child: pedestrian()  van: vehicle(distance: 8 m .. 20 m, aside: -3.2 m)")
+        .replace("REQUIRED", "");
+    std::fs::write(folder.path().join("van.scn"), text).unwrap();
+    let run = falsify(&["run", "van.scn"], folder.path());
+    assert!(run.status.success(), "{run:?}");
+    let replayed = falsify(&["replay", "--all", "reports/van"], folder.path());
+    assert!(said(&replayed).contains("60 repeated, 60 equal"), "{}", said(&replayed));
+}
+
+#[test]
+fn casts_that_cannot_be_placed_or_named_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (cast, required, why) in [
+        (
+            "a: vehicle(policy: idm(), behind: ego)  b: vehicle(policy: idm(), behind: ego)",
+            "",
+            "a second car behind the ego",
+        ),
+        (
+            "a: vehicle(policy: idm(), behind: ego)  b: pedestrian(walker: natural, beside: a)  c: pedestrian()",
+            "",
+            "gets its place when the encounter starts",
+        ),
+        ("ego: pedestrian()", "", "is a word of casts"),
+        ("a: pedestrian()", "requirements: [me]", "ego to itself"),
+    ] {
+        let mut text = VAN.replace("CAST", cast).replace("REQUIRED", required);
+        if !required.is_empty() {
+            text = text.replace("campaign van", "requirement me = always(ego.gap > 1 m)\ncampaign van");
+        }
+        std::fs::write(folder.path().join("van.scn"), text).unwrap();
+        let output = falsify(&["check", "van.scn"], folder.path());
+        let text = String::from_utf8_lossy(&output.stderr).into_owned() + &said(&output);
+        assert_eq!(output.status.code(), Some(3), "{cast}: {text}");
+        assert!(text.contains(why), "{cast}: {text}");
+    }
+}

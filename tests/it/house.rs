@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_418),
-    ("src/world", 35_570),
+    ("src/world", 35_572),
     ("src/ported", 4_642),
-    ("src/lang", 6_554),
-    ("src/compile", 7_857),
+    ("src/lang", 6_557),
+    ("src/compile", 7_893),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_758),
-    ("src/program", 12_137),
-    ("tests", 27_712),
+    ("src/results", 25_804),
+    ("src/program", 12_138),
+    ("tests", 27_771),
 ];
 
 /// Crates that only some places may name.

@@ -35,6 +35,7 @@ impl Session {
         let Some(seeds) = options.seeds.clone() else { return self.run_plan(options, &planned, Work::All) };
         let of_seed = |seed: u64| RunOptions { seed, ..options.clone() };
         for seed in seeds.clone() {
+            planned.plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(seed));
             planned.plan.campaigns.iter().try_for_each(|each| check_place(each, &of_seed(seed), &planned.records))?;
         }
         let mut run = RunReport { campaigns: Vec::new(), interrupted: false, overview: None };

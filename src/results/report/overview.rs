@@ -56,6 +56,17 @@ impl<'a> OverviewRow<'a> {
         }
     }
 
+    /// Its report, block, car, body and simulator, which tell cells of one name apart.
+    pub fn block_in_words(&self) -> String {
+        let report = &self.variant.report;
+        match self.found {
+            Found::Evaluated(Cell { key, .. }) => {
+                format!("{report}, block {}, {}, {}, {}", key.block, key.vehicle, key.adversary, key.world)
+            }
+            Found::Searched(cell) => format!("{report}, block {}", cell.key.block),
+        }
+    }
+
     /// The controller with its reward, and with its training where that was elsewhere; or the falsifier.
     pub fn who(&self) -> String {
         match self.found {

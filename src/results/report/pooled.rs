@@ -2,6 +2,7 @@
 
 use super::overview::{Found, Overview, OverviewRow};
 use super::{Cell, Rate, SearchCell};
+use crate::record::CellKey;
 use base::statistics::mean_p;
 
 /// The setting that tells the seeds of a call apart.
@@ -14,6 +15,8 @@ pub struct Pooled<'a> {
     pub rows: Vec<&'a OverviewRow<'a>>,
     /// The rows of the first controller, or falsifier, in the same town against the same driver; `None` for itself.
     pub beside: Option<Vec<&'a OverviewRow<'a>>>,
+    /// The place of the seed among the parameters.
+    seed: usize,
 }
 
 /// A figure: its heading, and what it is of a controller and of a falsifier.
@@ -32,8 +35,23 @@ impl<'a> Pooled<'a> {
         let Some(seed) = overview.parameters.iter().position(|name| *name == SEED) else { return Vec::new() };
         let place = |row: &OverviewRow<'a>| {
             let mut values = row.values.clone();
-            values.remove(seed);
-            (values, row.driver(), row.town(), matches!(row.found, Found::Searched(_)))
+            let report = row.variant.report.replace(&format!("-seed-{}", values.remove(seed).unwrap_or_default()), "");
+            let place = match row.found {
+                Found::Searched(cell) => CellKey {
+                    block: cell.key.block,
+                    town: cell.key.town.clone(),
+                    policy: cell.key.policy.clone(),
+                    ..CellKey::default()
+                },
+                Found::Evaluated(cell) => CellKey {
+                    controller: String::new(),
+                    reward: String::new(),
+                    train_town: String::new(),
+                    train_policy: String::new(),
+                    ..cell.key.clone()
+                },
+            };
+            (report, values, place, matches!(row.found, Found::Searched(_)))
         };
         let mut groups: Vec<Vec<&OverviewRow<'a>>> = Vec::new();
         for row in &overview.rows {
@@ -49,19 +67,33 @@ impl<'a> Pooled<'a> {
         let first =
             |group: &Vec<&OverviewRow<'a>>| groups.iter().find(|other| place(other[0]) == place(group[0])).cloned();
         let beside = |group: &Vec<_>| first(group).filter(|first| !std::ptr::eq(first[0], group[0]));
-        groups.iter().map(|rows| Pooled { rows: rows.clone(), beside: beside(rows) }).collect()
+        groups.iter().map(|rows| Pooled { rows: rows.clone(), beside: beside(rows), seed }).collect()
+    }
+
+    /// The controller with its reward, or the falsifier, with its report if another one of the same name is in the same place.
+    pub fn who(&self, all: &[Self]) -> String {
+        let name = |each: &Self| (each.rows[0].driver(), each.rows[0].town(), each.rows[0].who());
+        let own = name(self);
+        match all.iter().filter(|each| name(each) == own).count() {
+            1 => own.2,
+            _ => format!("{} ({})", own.2, self.rows[0].block_in_words()),
+        }
     }
 
     /// A figure over the seeds, with Student's interval from four on.
     pub fn figure(&self, figure: &FigureOf) -> Rate {
-        Rate::student(by_seed(&self.rows, figure).into_iter(), 1.0)
+        Rate::student(self.rows.iter().map(|row| of_row(row, figure)), 1.0)
     }
 
     /// The difference to the first controller or falsifier there, seed by seed.
     pub fn difference(&self, figure: &FigureOf) -> Rate {
         let Some(beside) = &self.beside else { return Rate::default() };
-        let pairs = by_seed(&self.rows, figure).into_iter().zip(by_seed(beside, figure));
-        let differences: Vec<f64> = pairs.filter_map(|(own, other)| Some(own? - other?)).collect();
+        let same = |row: &&OverviewRow<'_>| {
+            beside.iter().find(|other| other.values[self.seed] == row.values[self.seed]).copied()
+        };
+        let pairs = self.rows.iter().filter_map(|row| Some([*row, same(row)?]));
+        let difference = |[own, other]: [&OverviewRow<'_>; 2]| Some(of_row(own, figure)? - of_row(other, figure)?);
+        let differences: Vec<f64> = pairs.filter_map(difference).collect();
         let interval = base::statistics::mean_interval(&differences).1;
         Rate::of_runs(differences).within(interval, super::aggregate::Method::Student)
     }
@@ -72,11 +104,10 @@ impl<'a> Pooled<'a> {
     }
 }
 
-/// The figure of each seed.
-fn by_seed(rows: &[&OverviewRow<'_>], (_, of_cell, of_search): &FigureOf) -> Vec<Option<f64>> {
-    let of = |row: &&OverviewRow<'_>| match row.found {
+/// The figure of a row.
+fn of_row(row: &OverviewRow<'_>, (_, of_cell, of_search): &FigureOf) -> Option<f64> {
+    match row.found {
         Found::Evaluated(cell) => of_cell(cell).value,
         Found::Searched(cell) => of_search(cell)?.value,
-    };
-    rows.iter().map(of).collect()
+    }
 }

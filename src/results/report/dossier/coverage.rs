@@ -10,8 +10,7 @@ use world::av::DrivingMode;
 use world::judge::Blame;
 
 /// Factors of the operational environment that this simulator does not have.
-const NOT_MODELLED: &str =
-    "weather beside friction, darkness, slopes, kerbs, other traffic in motion, animals, cyclists";
+const NOT_MODELLED: &str = "weather beside friction, darkness, slopes, kerbs, traffic beside a cast, animals, cyclists";
 
 /// What the campaign crossed on the four axes of proposed UN guidance on automated driving: operational environment, competency, kind of scenario, rules of
 /// the road. Holes are shown.
@@ -134,7 +133,7 @@ fn pedestrians(found: &Findings<'_>) -> Vec<Vec<Value>> {
         rows.push(vec![
             format!("search: {name}").into(),
             Value::Count(own().map(|search| search.spent.episodes).sum()),
-            Value::Count(finds().count() as u64),
+            Value::Count(finds().filter(|find| find.failure.outcome.is_collision()).count() as u64),
             Value::Count(finds().filter(|find| find.is(Blame::Fault)).count() as u64),
         ]);
     }

@@ -44,7 +44,7 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
     let faults: usize = shown.iter().map(|finding| finding.merged).sum();
     let mut lead = vec![
         format!(
-            "{faults} failures that count against a driver are listed (the worst of each start, at most 100 a driver). Each was repeated with the fewest commands of the pedestrian that keep it; \
+            "{faults} failures that count against a driver are listed (the worst of each start, at most 100 a driver). Those of built-in drivers were repeated with as few commands of the pedestrian as 600 runs find; \
              those of a driver that become the same are one finding, named after the worst. {} are left. A cause was tried: the failure ran again with one thing changed.",
             shown.len()
         ),

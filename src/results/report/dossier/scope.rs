@@ -68,7 +68,7 @@ const MODELS: [[&str; 3]; 9] = [
     ["perception", "exact, or with the errors of the named sensors", "the scenario's `sensors`"],
     ["sight", "lines of sight from the driver's eye past buildings and parked cars", "geometry"],
     ["careful human", "evaluates, reacts, brakes", "UN R157, annex 3"],
-    ["injury", "risk of severe injury and death by the speed of the car", "Rosén and Sander 2009, GIDAS"],
+    ["injury", "risk of severe injury by the speed of the car", "Tefft 2013"],
 ];
 
 /// The models and their sources.

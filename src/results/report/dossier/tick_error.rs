@@ -4,6 +4,7 @@ use super::section;
 use crate::jobs::{Repeatable, Repeated, TrainingResult, networks};
 use crate::parallel;
 use crate::report::Findings;
+use crate::report::distinct::is_of_program;
 use crate::report::render::{Column, Section, Table, Value};
 use crate::report::replayed::played_failure;
 use base::seed::Seed;
@@ -22,8 +23,8 @@ const PARTS: [u32; 2] = [2, 10];
 pub fn tick_error(found: &Findings<'_>, seed: &Seed) -> Section {
     let is_program =
         |name: &str| found.drivers.iter().any(|each| each.driver.name == name && each.driver.is_external());
-    let own = found.drivers.iter().filter(|each| !each.driver.is_external());
-    let failures = own.flat_map(|each| found.gathered.failures.of(&each.driver.name)).take(MAX_EPISODES);
+    let listed = found.drivers.iter().flat_map(|each| found.gathered.failures.of(&each.driver.name));
+    let failures = listed.filter(|failure| !is_of_program(found, failure)).take(MAX_EPISODES);
     let names: Vec<String> = failures.map(crate::failure::Failure::name).collect();
     let failures = parallel::map(&names, |name| Some(incident(played_failure(name, found, seed)?.2)));
     let evaluations: Vec<&Evaluation> = found

@@ -80,7 +80,7 @@ fn pooled(overview: &Overview<'_>) -> Vec<Table> {
         let row = pooled.rows[0];
         let values = parameters.iter().map(|place| Value::from(row.values[*place].as_deref().unwrap_or("–")));
         let mut words: Vec<Value> = values.collect();
-        words.extend([Value::from(row.driver()), Value::from(row.town()), row.who().into()]);
+        words.extend([Value::from(row.driver()), Value::from(row.town()), pooled.who(&all).into()]);
         words.push(Value::Count(pooled.rows.len() as u64));
         words
     };

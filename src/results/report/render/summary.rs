@@ -7,7 +7,7 @@ use compile::{Campaign, Driver};
 
 /// The limits of the simulator, for every summary.
 pub const LEFT_OUT: &str = "\
-The simulator is flat and has one car and one pedestrian: no other traffic, no kerbs, no weather. There are parked cars and trees \
+The simulator is flat, without kerbs and weather. Beside one car and one pedestrian it has the actors of a `cast`, and no other traffic. There are parked cars and trees \
 only where the scenario puts them. The car is a kinematic bicycle whose pedals are fitted to published figures of CARLA. Its driver \
 perceives without error and without delay, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE have \
 no buildings unless the scenario adds them.";

@@ -146,6 +146,7 @@ impl Placing {
     fn draw(&mut self, scenario: &Scenario, seed: &Seed) -> Result<(), Unplaced> {
         let cast = &scenario.cast;
         self.parked.clear();
+        self.obstacles.park(std::iter::empty());
         for (place, actor) in self.order.iter().copied().enumerate() {
             let number = actor.number() as u64;
             let stream = &mut match actor {
@@ -265,11 +266,12 @@ const ENOUGH: u32 = 20;
 const MIN_SHARE: u32 = 50;
 
 impl CastSurvey {
-    /// Draws starts until 20 have room, or 1,000.
+    /// Draws starts until 20 have room, and each case of a test has, or 1,000.
     pub fn new(scenario: &Scenario, seed: &Seed) -> Self {
         let (mut placing, mut stream) = (Placing::new(scenario), seed.stream());
         let mut survey = Self { tried: 0, accepted: 0, refused: Vec::new() };
-        while survey.accepted < ENOUGH && survey.tried < ENOUGH * MIN_SHARE {
+        let cases = scenario.spawn.target_walk.as_ref().map_or(0, |walk| walk.cases.len() as u32);
+        while survey.accepted < ENOUGH.max(cases) && survey.tried < ENOUGH.max(cases) * MIN_SHARE {
             let number = u64::from(survey.tried);
             let test =
                 scenario.spawn.target_walk.as_ref().map(|walk| walk.spawn(number, 1.0, &scenario.cast.ego().blueprint));
