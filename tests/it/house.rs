@@ -14,7 +14,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/compile", 7_893),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_804),
+    ("src/results", 25_805),
     ("src/program", 12_138),
     ("tests", 27_771),
 ];

@@ -110,16 +110,17 @@ impl Place {
         if !self.root.is_dir() {
             return Err(StoreError::NoFolder { path: path() });
         }
+        let entries = fs::read_dir(&self.root).map_err(|source| StoreError::Folder { path: path(), source })?;
+        let foreign = entries.flatten().filter(|entry| !is_begun(entry));
+        let Some(entry) = foreign.map(|entry| entry.file_name().to_string_lossy().into_owned()).min() else {
+            return Ok(());
+        };
+        // The explanation is the first that a cache gets. It is read last: another process may have begun the cache meanwhile.
         let about = base::files::text(&self.root.join(README)).unwrap_or_default();
         if about.lines().next() == ABOUT.lines().next() {
             return Ok(());
         }
-        let entries = fs::read_dir(&self.root).map_err(|source| StoreError::Folder { path: path(), source })?;
-        let foreign = entries.flatten().filter(|entry| !is_begun(entry));
-        match foreign.map(|entry| entry.file_name().to_string_lossy().into_owned()).min() {
-            Some(entry) => Err(StoreError::Foreign { path: path(), entry }),
-            None => Ok(()),
-        }
+        Err(StoreError::Foreign { path: path(), entry })
     }
 
     /// Makes all folders that are missing.
