@@ -1,7 +1,7 @@
 """JuPedSim's pedestrian in the table of recorded walking figures: `python python/benches/walking.py [PEDESTRIANS]`.
 
 As in the test of the built-in natural pedestrian, a car drives past at 10 m/s, the body reaches every command at once, and speeds and headings are
-compared second by second while it walks. `docs/src/how-to/natural.md` has the recorded figures.
+compared second by second while it walks. `reports/natural_walking.md` has the recorded figures.
 """
 
 import math
