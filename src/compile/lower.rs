@@ -111,7 +111,7 @@ pub fn compile_with(
     let imported = |each: &&Arc<Declaration>| each.form == "campaign" && !base.roots.contains(&each.source);
     let named = |each: &Arc<Declaration>| (each.name.clone(), sources.get(each.source).path.clone());
     plan.imported_campaigns = base.declarations.iter().filter(imported).map(named).collect();
-    forbid_equal_names(base, &plan, &mut diagnostics);
+    forbid_equal_names(base, &plan, overrides.only_checked, &mut diagnostics);
     warn_of_unused(base, &shared.used, &mut diagnostics);
     // One mistake may be reported for many tasks.
     lang::once(&mut diagnostics);

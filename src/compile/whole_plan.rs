@@ -11,11 +11,14 @@ use lang::hir::{Declaration, Program};
 /// The longest name of a combination (bytes); folders and files get this name.
 const MAX_CAMPAIGN_NAME: usize = 150;
 
-/// Reports campaigns of different files with the same name. The language allows them, but their reports would collide.
-pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>) {
+/// Reports campaigns of different files with the same name. The language allows them, but their reports would collide; files that are only checked
+/// have none.
+pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, only_checked: bool, said: &mut Vec<Diagnostic>) {
     let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
     for campaign in program.of_form("campaign") {
-        if let Some(first) = seen.insert(&campaign.name, campaign) {
+        if let Some(first) = seen.insert(&campaign.name, campaign)
+            && !only_checked
+        {
             let (here, there) = (campaign.block.head, first.block.head);
             said.push(diagnostics::duplicate_declaration(here, "campaign", &campaign.name, there));
         }

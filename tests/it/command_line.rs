@@ -442,3 +442,45 @@ fn check_fix_applies_repairs_without_an_alternative() {
     falsify(&["check", "--fix", "typo.scn"], folder.path());
     assert_eq!(std::fs::read(&file).unwrap(), before);
 }
+
+#[test]
+fn rewards_that_pay_nothing_and_speeds_that_no_car_reaches_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let warns = |requirement: &str, limit: &str, start: &str, pay: &str| {
+        let text = format!(
+            "edition 1\nimport \"std/pedestrians.scn\"\nimport \"std/drivers.scn\"\nimport \"std/paper.scn\"\n\
+             town t {{ street a {{ through: [(0 m, 0 m), (400 m, 0 m)]  {limit} }} }}\n\
+             spawn near {{ bearing: -60 deg .. 60 deg  distance: 7 m .. 40 m  {start} }}\nepisode brief {{ ticks: 100  hold: 10 }}\n\
+             requirement slow = {requirement}\nreward mine {{ {pay} }}\n\
+             campaign c {{ vehicle: model3  adversary: suicidal  spawn: near  episode: brief  training: ppo_paper  requirements: [slow]\n\
+             train {{ towns: [t]  policies: [idm]  rewards: [mine]  runs: 1 }} }}\n"
+        );
+        std::fs::write(folder.path().join("my.scn"), text).unwrap();
+        let output = falsify(&["check", "my.scn"], folder.path());
+        assert!(output.status.success(), "{output:?}");
+        let said = error(&output);
+        ["warning[unreachable-speed]", "warning[never-positive]"].map(|code| said.contains(code))
+    };
+    let pays = "on hit => 1  on step => -0.01 * distance / 1 m";
+    assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "", "", pays), [true, false]);
+    assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 km/h)", "", "", pays), [false, false]);
+    assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "speed_limit: 60 km/h", "", pays), [false, false]);
+    assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "", "ego_speed: 18 m/s .. 20 m/s", pays), [false, false]);
+    let never = "on hit(fault) => 0  on hit => -1  on step => -0.01 * distance / 1 m";
+    assert_eq!(warns("always(gap > 0.5 m)", "", "", never), [false, true]);
+    assert_eq!(warns("always(gap > 0.5 m)", "", "", "on step => -1  on timeout => min(3, distance / 1 m)"), [false, false]);
+}
+
+#[test]
+fn files_with_a_campaign_of_one_name_are_checked_together_and_not_run_together() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.scn", "b.scn"] {
+        let text = ON_A_MAP.replace("town t = opendrive(file: \"map.xodr\")", "import harbour from \"std/towns.scn\"");
+        std::fs::write(folder.path().join(name), text.replace("[t]", "[harbour]")).unwrap();
+    }
+    let checked = falsify(&["check", "a.scn", "b.scn"], folder.path());
+    assert!(checked.status.success() && error(&checked).is_empty(), "{checked:?}");
+    let run = falsify(&["run", "--smoke", "a.scn", "b.scn"], folder.path());
+    assert!(!run.status.success() && error(&run).contains("campaign `c`"), "{run:?}");
+    assert!(!folder.path().join("reports").exists());
+}

@@ -5,11 +5,16 @@ use std::collections::BTreeMap;
 use super::Grid;
 use crate::jobs::Search;
 use crate::lowering::Lowering;
-use base::signature::{Formula, Value};
+use base::signature::{Comparison, Formula, Value, VariableId};
 use lang::diagnostics;
 use lang::hir::Block;
 use world::env::RewardRule;
 use world::road::Town;
+
+/// How much faster than the highest speed limit of its towns a car may be expected to drive.
+const ABOVE_LIMIT: f64 = 1.5;
+/// The limit that drivers keep before the first sign (m/s).
+const FIRST_LIMIT: f64 = 30.0 / 3.6;
 
 /// A part of a town: its name, the variables about it, and whether a town has it.
 struct Part {
@@ -66,6 +71,40 @@ impl Lowering<'_> {
             let found: Vec<_> = requirements.chain(rewards).chain(end).chain(drivers).collect();
             for (place, name) in found {
                 self.said.push(diagnostics::never_applies(place, &name, part.name, &without));
+            }
+        }
+    }
+
+    /// Warns of comparisons of requirements that are decided by the speed limits: no car of the campaign drives so fast. A speed that a start or a
+    /// driver names counts as a limit.
+    pub(super) fn warn_of_speeds(&mut self, block: &Block, grid: &Grid) {
+        let limits = grid.campaign.towns.iter().filter_map(|each| each.town.highest_limit()).fold(FIRST_LIMIT, f64::max);
+        let starts = self.program.of_form("spawn").map(|spawn| &spawn.block.arguments);
+        let named = starts.chain(grid.campaign.drivers.iter().map(|driver| &driver.settings)).flat_map(|each| each.iter());
+        let named = named.filter(|(key, _)| key.ends_with("speed")).map(|(_, value)| match value {
+            Value::Number(speed) | Value::Range(_, speed) => *speed,
+            Value::Distribution(drawn) => drawn.support().1,
+            _ => 0.0,
+        });
+        let limit = named.fold(limits, f64::max);
+        let vocabulary = &self.catalog.vocabulary;
+        let is_decided = |part: &Comparison, speed: f64| {
+            let bounds = |id: VariableId| match vocabulary.variable(id) {
+                Some(variable) if variable.name == "ego_speed" => (0.0, speed),
+                Some(variable) => variable.bounds,
+                None => (f64::NEG_INFINITY, f64::INFINITY),
+            };
+            let (low, high) = part.margin.bounds(&bounds);
+            low > 0.0 || high < 0.0
+        };
+        let places = block.members("requirements");
+        for (index, each) in grid.usual.requirements.all.iter().enumerate() {
+            let fastest = limit * ABOVE_LIMIT;
+            let mut parts = each.requirement.parts.iter();
+            let decided = parts.find(|part| is_decided(part, fastest) && !is_decided(part, f64::INFINITY));
+            if let Some(part) = decided {
+                let place = places.get(index).copied().unwrap_or(block.head);
+                self.said.push(diagnostics::unreachable_speed(place, &each.name, &part.text, limit));
             }
         }
     }

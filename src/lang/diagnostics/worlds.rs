@@ -108,6 +108,13 @@ pub fn paid_waiting(span: Span, reward: &str, waiting: f64, hit: f64) -> Diagnos
     .help("a learner will keep away from the car; pay less for a step, or more for a touch")
 }
 
+/// No clause of a reward can pay more than 0.
+pub fn never_positive(span: Span, reward: &str) -> Diagnostic {
+    Diagnostic::warning("never-positive", span, format!("no episode can earn more than 0 with `{reward}`"))
+        .here("every clause pays 0 or less")
+        .help("a learner then looks for the episode that costs least: pay for what the pedestrian is to reach")
+}
+
 /// The budget of a search does not hold one whole episode (ticks).
 pub fn small_budget(span: Span, budget: u64, ticks: u32) -> Diagnostic {
     Diagnostic::warning("small-budget", span, format!("a budget of {budget} ticks does not hold one whole episode"))
@@ -146,6 +153,15 @@ pub fn never_applies(span: Span, name: &str, part: &str, towns: &[&str]) -> Diag
     Diagnostic::warning("never-applies", span, format!("`{name}` is about {part}, and there are none in {towns}"))
         .here("never applies there")
         .help(format!("0 violations say nothing there: use a town with {part}"))
+}
+
+/// A comparison of a requirement is decided by the speed limits: the highest limit (m/s).
+pub fn unreachable_speed(span: Span, name: &str, comparison: &str, limit: f64) -> Diagnostic {
+    let limit = format!("{} km/h", short((limit * 3.6).round()));
+    let message = format!("`{comparison}` of `{name}` is the same in every episode: no car here drives so fast");
+    Diagnostic::warning("unreachable-speed", span, message)
+        .here(format!("the highest speed limit is {limit}"))
+        .help("see whether the unit is the one that you mean: 20 m/s are 72 km/h")
 }
 
 /// A driver of another simulator is to drive in ours.

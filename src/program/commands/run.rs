@@ -52,7 +52,7 @@ pub struct RunArgs {
     #[command(flatten)]
     pub run: session::RunOptions,
     /// Run it at several seeds, as 1..3, and pool their reports, which are called NAME-seed-N.
-    #[arg(long, value_name = "A..B", value_parser = seeds, conflicts_with_all = ["list", "shard"], help_heading = "What runs", display_order = 6)]
+    #[arg(long, value_name = "A..B", value_parser = seeds, conflicts_with_all = ["list", "shard", "seed"], help_heading = "What runs", display_order = 6)]
     pub seeds: Option<RangeInclusive<u64>>,
     /// Form of the output; `json` is one event a line (reports/README.md).
     // The help lists it behind --formats.

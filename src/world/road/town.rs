@@ -122,6 +122,13 @@ impl Town {
         self.has_limits
     }
 
+    /// The highest speed limit of its lanes and signs (m/s); `None` if it has none.
+    pub fn highest_limit(&self) -> Option<f64> {
+        let lanes = self.roads.iter().flat_map(|road| &road.sections).flat_map(|section| &section.lanes);
+        let limits = lanes.flat_map(|lane| lane.limits.iter().filter_map(|(_, limit)| *limit));
+        limits.chain(self.speed_signs.iter().map(|sign| sign.limit)).max_by(f64::total_cmp)
+    }
+
     /// Whether a driving lane leads nowhere.
     pub fn has_ends(&self) -> bool {
         self.has_ends

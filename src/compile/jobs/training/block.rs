@@ -56,7 +56,7 @@ impl Lowering<'_> {
             return;
         }
         let Grid { usual, campaign, rewards } = grid;
-        paid.iter().for_each(|reward| self.warn_of_paid_waiting(reward, &usual.rule.value));
+        paid.iter().for_each(|reward| self.warn_of_pay(reward, &usual.rule.value));
         let config = &training.value;
         for places in groups(ground.places().collect(), together) {
             for reward in &paid {
@@ -90,8 +90,8 @@ impl Lowering<'_> {
         rewards.extend(paid.into_iter().map(|reward| (reward.name.to_string(), reward)));
     }
 
-    /// Warns of a reward that pays for every step, and so much that no touch or violation is worth ending an episode.
-    fn warn_of_paid_waiting(&mut self, reward: &Axis<RewardRule>, rule: &EpisodeRule) {
+    /// Warns of a reward that pays nothing, or that pays so much for every step that no touch or violation is worth ending an episode.
+    fn warn_of_pay(&mut self, reward: &Axis<RewardRule>, rule: &EpisodeRule) {
         // The robustness of a requirement is no variable of the vocabulary, and has no bounds.
         let known = |id: VariableId| self.catalog.vocabulary.variables.get(id.0);
         let bounds = |formula: &Formula| {
@@ -99,6 +99,9 @@ impl Lowering<'_> {
         };
         let declaration = self.program.get(reward.id);
         let clauses = || declaration.block.clauses.iter();
+        if clauses().all(|clause| bounds(&clause.formula).1 <= 0.0) {
+            self.said.push(diagnostics::never_positive(declaration.block.head, &declaration.name));
+        }
         let Some(step) = clauses().find(|clause| clause.event == "step") else { return };
         let waiting = bounds(&step.formula).0 * f64::from(rule.ticks / rule.hold.max(1));
         let is_goal = |clause: &&Clause| clause.event == "hit" || clause.subject.is_some();
