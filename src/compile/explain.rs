@@ -104,7 +104,7 @@ impl Catalog {
         page.extend(TOPICS.map(|(word, about)| format!("  {word:10}  {about}\n")));
         page.push_str("\nDiagnostics; `falsify explain CODE`:\n\n");
         for mistake in mistakes() {
-            let _ = writeln!(page, "  {:22}  {}", mistake.code, first_sentence(mistake.text));
+            let _ = writeln!(page, "  {:22}  {}", mistake.code, reference::first_sentence(mistake.text));
         }
         page
     }
@@ -178,10 +178,6 @@ fn inside(
         add(&path, format!("`{head}`, inside:\n\n{}", reference::block(child)), false);
         inside(&path, &format!("{head}, inside: {} {{ … }}", child.name), child, add);
     }
-}
-
-fn first_sentence(text: &str) -> &str {
-    text.split_once(". ").map_or(text, |(first, _)| first).trim_end_matches('.')
 }
 
 fn explain_mistake(mistake: &Mistake) -> String {

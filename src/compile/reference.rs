@@ -1,19 +1,26 @@
 //! What the language offers as Markdown, each thing rendered in one place: the language reference, `falsify explain` and editors show it.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::Catalog;
 use base::signature::{Event, Form, Param, Signature, Variable};
 
 impl Catalog {
-    /// The part of the language reference that lists forms, kinds, keys, events and variables, as Markdown.
+    /// The part of the language reference that lists forms, kinds, keys, events and variables, as Markdown. Of a key it has the first sentence, and
+    /// once in a form; `falsify explain` has all.
     pub fn reference(&self) -> String {
         let mut page = String::new();
         for each in &self.forms {
+            let mut said = BTreeSet::new();
+            let mut once = |param: &Param| {
+                let line = format!("- {}. {}.\n", short_key(param), first_sentence(param.doc));
+                said.insert(line.clone()).then_some(line)
+            };
             let _ = writeln!(page, "## `{}`\n\n{}\n", each.name, each.doc);
-            page.extend(each.plain.iter().map(|plain| signature(&head(each, None), plain)));
+            page.extend(each.plain.iter().map(|plain| with_keys(&head(each, None), plain, &mut once)));
             for kind in &each.kinds {
-                let _ = write!(page, "### `{}`\n\n{}", kind.name, signature(&head(each, Some(kind)), kind));
+                let _ = write!(page, "### `{}`\n\n{}", kind.name, with_keys(&head(each, Some(kind)), kind, &mut once));
             }
         }
         page.push_str("## Events\n\n`on event => formula` inside a `reward`.\n\n");
@@ -47,25 +54,41 @@ pub(super) fn form(form: &Form) -> String {
 
 /// A kind, or a block, with its keys and its blocks.
 pub(super) fn signature(head: &str, of: &Signature) -> String {
+    with_keys(head, of, &mut |param| Some(key(param)))
+}
+
+/// A kind, or a block, with its blocks and the lines of its keys; a key without a line is named.
+fn with_keys(head: &str, of: &Signature, line: &mut dyn FnMut(&Param) -> Option<String>) -> String {
     let colon = if of.doc.is_empty() { "" } else { ": " };
     let mut page = format!("`{head}`{colon}{}\n\n", of.doc);
     if !of.surrogate.is_empty() {
         let _ = writeln!(page, "**A surrogate.** {}\n", of.surrogate);
     }
-    page.extend(of.params.iter().map(key));
+    let mut above = Vec::new();
+    for param in &of.params {
+        match line(param) {
+            Some(line) => page.push_str(&line),
+            None => above.push(format!("`{}`", param.name)),
+        }
+    }
+    page.extend((!above.is_empty()).then(|| format!("- As above: {}.\n", above.join(", "))));
     page.extend(of.clauses.then_some("- `on event => formula`: see `falsify explain events`.\n"));
     page.extend(of.rising.iter().map(|[low, high]| format!("- `{low}` is at most `{high}`.\n")));
     page.extend(of.tick.map(|tick| format!("- Made for ticks of {tick} s.\n")));
     if !page.ends_with("\n\n") {
         page.push('\n');
     }
-    page.extend(of.children.iter().map(block));
+    page.extend(of.children.iter().map(|child| block_with_keys(child, line)));
     page
 }
 
 /// A block with its keys.
 pub fn block(child: &Signature) -> String {
-    signature(&format!("{} {{ … }}", child.name), child).replacen("`:", &format!("`, {}:", child.occurrence()), 1)
+    block_with_keys(child, &mut |param| Some(key(param)))
+}
+
+fn block_with_keys(child: &Signature, line: &mut dyn FnMut(&Param) -> Option<String>) -> String {
+    with_keys(&format!("{} {{ … }}", child.name), child, line).replacen("`:", &format!("`, {}:", child.occurrence()), 1)
 }
 
 /// A key with its type, units, default and meaning, as a line of a list.
@@ -76,8 +99,8 @@ pub fn key(param: &Param) -> String {
 /// A key with its type, units and default.
 pub fn short_key(param: &Param) -> String {
     let default = match param.default {
-        None => "must be given".into(),
-        Some("") => "may be left out".into(),
+        None => "required".into(),
+        Some("") => "optional".into(),
         Some(text) => format!("default `{text}`"),
     };
     format!("`{}`: {}; {default}", param.name, param.ty.describe_bounded())
@@ -97,4 +120,9 @@ pub(super) fn variable(variable: &Variable) -> String {
 
 pub(super) fn function((name, doc): (&str, &str)) -> String {
     format!("- `{name}(…)`: {doc}\n")
+}
+
+/// The first sentence of a text, without its point.
+pub(super) fn first_sentence(text: &str) -> &str {
+    text.split_once(". ").map_or(text, |(first, _)| first).trim_end_matches('.')
 }

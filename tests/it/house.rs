@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_418),
-    ("src/world", 35_572),
+    ("src/world", 35_579),
     ("src/ported", 4_642),
-    ("src/lang", 6_557),
-    ("src/compile", 7_893),
+    ("src/lang", 6_573),
+    ("src/compile", 7_963),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_805),
+    ("src/results", 25_807),
     ("src/program", 12_138),
-    ("tests", 27_771),
+    ("tests", 27_768),
 ];
 
 /// Crates that only some places may name.

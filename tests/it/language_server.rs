@@ -185,7 +185,7 @@ fn words_are_explained_where_they_stand() {
         ("v_c", "speed"),
         ("m/s)", "`m/s` (unit): speed"),
         ("front)", "`front` within the front sector"),
-        ("vehicle:", "name of a vehicle; must be given"),
+        ("vehicle:", "name of a vehicle; required"),
         ("train {", "Trains one pedestrian"),
         ("towns:", "Towns to train in"),
         ("harbour]", "A port"),

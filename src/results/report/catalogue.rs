@@ -62,12 +62,14 @@ mod tests {
         text
     }
 
-    /// A table of names with their units and meanings. Consecutive ones of one meaning share a row.
+    /// A table of names with their units and meanings, as far as the first sentence or semicolon: `falsify explain` has all. Consecutive ones of one
+    /// meaning share a row.
     fn list(text: &mut String, head: &str, all: &[ColumnReference]) {
         let _ = write!(text, "| {head} | unit | meaning |\n|---|---|---|\n");
         for group in all.chunk_by(|one, next| (&one.unit, &one.doc) == (&next.unit, &next.doc)) {
             let names: Vec<String> = group.iter().map(|each| format!("`{}`", each.name)).collect();
-            let _ = writeln!(text, "| {} | {} | {} |", names.join(", "), group[0].unit, group[0].doc);
+            let first = group[0].doc.split(". ").flat_map(|sentence| sentence.split("; ")).next().unwrap_or_default();
+            let _ = writeln!(text, "| {} | {} | {first} |", names.join(", "), group[0].unit);
         }
         text.push('\n');
     }
