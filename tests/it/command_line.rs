@@ -465,10 +465,16 @@ fn rewards_that_pay_nothing_and_speeds_that_no_car_reaches_are_named() {
     assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "", "", pays), [true, false]);
     assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 km/h)", "", "", pays), [false, false]);
     assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "speed_limit: 60 km/h", "", pays), [false, false]);
-    assert_eq!(warns("always(gap < 1 m implies ego_speed < 20 m/s)", "", "ego_speed: 18 m/s .. 20 m/s", pays), [false, false]);
+    assert_eq!(
+        warns("always(gap < 1 m implies ego_speed < 20 m/s)", "", "ego_speed: 18 m/s .. 20 m/s", pays),
+        [false, false]
+    );
     let never = "on hit(fault) => 0  on hit => -1  on step => -0.01 * distance / 1 m";
     assert_eq!(warns("always(gap > 0.5 m)", "", "", never), [false, true]);
-    assert_eq!(warns("always(gap > 0.5 m)", "", "", "on step => -1  on timeout => min(3, distance / 1 m)"), [false, false]);
+    assert_eq!(
+        warns("always(gap > 0.5 m)", "", "", "on step => -1  on timeout => min(3, distance / 1 m)"),
+        [false, false]
+    );
 }
 
 #[test]

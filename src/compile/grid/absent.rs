@@ -78,9 +78,11 @@ impl Lowering<'_> {
     /// Warns of comparisons of requirements that are decided by the speed limits: no car of the campaign drives so fast. A speed that a start or a
     /// driver names counts as a limit.
     pub(super) fn warn_of_speeds(&mut self, block: &Block, grid: &Grid) {
-        let limits = grid.campaign.towns.iter().filter_map(|each| each.town.highest_limit()).fold(FIRST_LIMIT, f64::max);
+        let limits =
+            grid.campaign.towns.iter().filter_map(|each| each.town.highest_limit()).fold(FIRST_LIMIT, f64::max);
         let starts = self.program.of_form("spawn").map(|spawn| &spawn.block.arguments);
-        let named = starts.chain(grid.campaign.drivers.iter().map(|driver| &driver.settings)).flat_map(|each| each.iter());
+        let named =
+            starts.chain(grid.campaign.drivers.iter().map(|driver| &driver.settings)).flat_map(|each| each.iter());
         let named = named.filter(|(key, _)| key.ends_with("speed")).map(|(_, value)| match value {
             Value::Number(speed) | Value::Range(_, speed) => *speed,
             Value::Distribution(drawn) => drawn.support().1,

@@ -61,6 +61,9 @@ pub struct RunArgs {
     /// Form of the progress on the error stream.
     #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW", help_heading = "Output", display_order = 9)]
     pub progress: Showing,
+    /// Print all tables at the end, not only the drivers.
+    #[arg(long, help_heading = "Output", display_order = 9)]
+    pub details: bool,
     /// List what would be run and why, and what is stored already; then stop.
     // Behind --seed.
     #[arg(long, help_heading = "What runs", display_order = 6)]
@@ -111,7 +114,7 @@ impl RunArgs {
 
     /// The observer of a run with these options.
     pub fn reporter(&self) -> RunReporter {
-        RunReporter { output: self.format, showing: self.progress, progress: Mutex::default() }
+        RunReporter { output: self.format, showing: self.progress, details: self.details, progress: Mutex::default() }
     }
 }
 
@@ -212,6 +215,8 @@ fn run_shard(
 pub struct RunReporter {
     output: Output,
     showing: Showing,
+    /// Whether all tables are printed.
+    details: bool,
     /// The progress of the tasks that are under way.
     progress: Mutex<Option<Progress>>,
 }
@@ -271,7 +276,7 @@ impl RunReporter {
     fn reported(&self, report: &CampaignReport) {
         let CampaignReport { name, folder, manifest, .. } = report;
         match self.output {
-            Output::Human => summary::show(report),
+            Output::Human => summary::show(report, self.details),
             Output::Json => EventLine::ReportWritten { campaign: name, folder, complete: manifest.complete }.tell(),
         }
         gate::show(report);

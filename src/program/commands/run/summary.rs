@@ -8,12 +8,13 @@ use results::failure::Failure;
 use results::record::{CellKey, EPISODES};
 use results::report;
 
-/// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
-pub fn show(report: &CampaignReport) {
+/// Prints what was found about each driver for people, and all tables if `details` are wanted; narrow enough for a terminal of 80 columns where names
+/// are short.
+pub fn show(report: &CampaignReport, details: bool) {
     let CampaignReport { folder, manifest, drivers, sections, .. } = report;
     console::say(&format!("campaign {}", manifest.campaign));
     // The first section is the most important one, and the last lines are those that a reader sees.
-    let texts = sections.iter().rev().map(|section| section.to_terminal(console::width()));
+    let texts = sections.iter().rev().map(|section| section.to_terminal(console::width(), details));
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
     texts.iter().for_each(|text| console::say(&format!("{}\n", text.trim_end())));
     match report::worst_failure(drivers) {

@@ -1,7 +1,7 @@
 use super::TrainingResult;
 use super::picture::learning;
 use crate::report::Findings;
-use crate::report::table::{Column, Section, Table, Value};
+use crate::report::table::{Column, Depth, Section, Table, Value};
 use base::statistics::{mean, sample_deviation};
 use compile::TrainingKey;
 use learn::UpdateLog;
@@ -61,6 +61,7 @@ pub fn trainings(found: &Findings<'_>) -> Option<Section> {
         id: "trainings",
         name: "Trainings",
         title: "Trainings",
+        depth: Depth::Page,
         figures: learning(trainings),
         tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
         notes: vec![

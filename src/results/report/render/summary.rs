@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::table::Section;
+use super::table::{Depth, Section};
 use crate::report::{Findings, Manifest};
 use compile::{Campaign, Driver};
 
@@ -34,7 +34,13 @@ pub fn summary(found: &Findings<'_>, sections: &[Section], manifest: &Manifest) 
     if !doubts.is_empty() {
         let _ = writeln!(page, "**{DOUBTFUL}**\n");
     }
-    sections.iter().for_each(|section| page.push_str(&section.to_markdown()));
+    let (deep, shown): (Vec<&Section>, Vec<&Section>) =
+        sections.iter().partition(|section| section.depth == Depth::Page);
+    shown.iter().for_each(|section| page.push_str(&section.to_markdown()));
+    if !deep.is_empty() {
+        let titles: Vec<String> = deep.iter().map(|section| format!("*{}*", section.title)).collect();
+        let _ = writeln!(page, "\n`report.html` has the rest: {}.", titles.join(", "));
+    }
     page.push_str(&drivers(&campaign.drivers));
     let _ = write!(
         page,
@@ -86,7 +92,7 @@ The manifest says which.";
 pub const DOUBTFUL: &str = "Some trainings may have learned nothing, or disagree: see \"Did the trainings learn?\". A low rate of their rows \
 says little about the driver.";
 
-/// The scenario's documentation of the names above.
+/// The first sentence of the scenario's documentation of each of its names.
 fn words(campaign: &Campaign) -> String {
     let mut text = String::new();
     if campaign.words.is_empty() {
@@ -94,7 +100,8 @@ fn words(campaign: &Campaign) -> String {
     }
     text.push_str("## Names of the scenario\n\n");
     for word in &campaign.words {
-        let _ = writeln!(text, "- {} **{}**: {}", word.form, word.name, word.docs);
+        let first = word.docs.split_inclusive(". ").next().unwrap_or_default().trim_end();
+        let _ = writeln!(text, "- {} **{}**: {first}", word.form, word.name);
     }
     text.push('\n');
     text

@@ -1,6 +1,6 @@
 use super::names::{distinct, head, names};
 use crate::report::render::page::{named, verdicts};
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{Cell, Findings};
 
 /// How to read the table.
@@ -70,6 +70,7 @@ pub fn avoidable(found: &Findings<'_>) -> Option<Section> {
         id: "avoidable",
         name: "Avoidable?",
         title: "Would a careful driver have avoided the collisions?",
+        depth: Depth::Page,
         figures: verdicts(&named(cells)).into_iter().collect(),
         tables: vec![Table { head: columns, rows, ..Table::default() }],
         notes: READING.map(String::from).into(),

@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
 use crate::record::CellKey;
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{Comparison, Findings, Test};
 
 /// Maximum number of rows of drivers on a page; the file of the table has all.
@@ -21,6 +21,7 @@ pub fn comparisons(found: &Findings<'_>) -> Option<Section> {
         id: "comparisons",
         name: "Compared",
         title: "Better than others from the same starts?",
+        depth: Depth::Page,
         tables,
         notes: vec![
             "Differences of rates: each trained controller less another one that met the same starts, and each driver less another one that met \

@@ -1,4 +1,4 @@
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{DistinctFailure, Findings, MAX_SHRUNK};
 
 /// Each distinct failure once, with its cause; `None` without a failure.
@@ -21,10 +21,11 @@ pub fn distinct_failures(found: &Findings<'_>) -> Option<Section> {
         id: "distinct",
         name: "Distinct failures",
         title: "Distinct failures",
+        depth: Depth::Summary,
         tables: vec![Table { head, rows: shown, ..Table::default() }],
         notes: vec![format!(
-            "The first {MAX_SHRUNK} failures of the list were shrunk to as few commands of the pedestrian as 600 runs find, if driver and simulator are built in. Those of a driver that shrink to the same kind \
-             with the same number of commands are one row. `falsify failures REPORT --distinct --why` does so with all failures, and finds the cause of each."
+            "The first {MAX_SHRUNK} failures, shrunk to as few commands of the pedestrian as 600 runs find, if driver and simulator are built in; those that shrink to one kind are one row. \
+             `falsify failures REPORT --distinct --why` does so with all."
         )],
         ..Section::default()
     })

@@ -4,16 +4,9 @@ use crate::report::render::table::{Column, Place, Section, Table, Value};
 use crate::report::{Cell, DriverResult, Findings, Rate};
 
 /// How to read the table.
-const READING: [&str; 2] = [
-    "Drivers are in the order of their *avoidable injury*: the risk of a severe injury in their faults, which a careful human would have spared, for \
-     1,000 episodes. The worst failure is the one that counts most against the driver: a *fault* if there is any, else a *preventable* one; of these \
-     the one with the fastest car. A fault is a collision that careful humans avoid clearly, with a pedestrian that moves as people do, and a car \
-     that drives at 1 m/s or more and is not walked into at its flank.",
-    "The rates are those of the controller and town named beside them, where the avoidable injury is highest, then the fault rate, then the \
-     preventable rate. They are shares of its n episodes. The intervals are Wilson's 95 % over its starts, which its runs share. The highest of several rates is chosen after \
-     the fact, so it is a little too high; compare drivers by their common starts. Without evaluations the avoidable injury is the mean over the driver's \
-     searches, each with the same weight.",
-];
+const READING: &str = "Drivers are in the order of their *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
+    episodes; without evaluations the mean over searches. A *fault* is a collision that a careful human avoids clearly, with a pedestrian who moves as people do, at 1 m/s or more. \
+    Rates are those of the worst setting, chosen after the fact and so a little too high: compare drivers by their common starts. Intervals are Wilson's 95 % over starts.";
 
 /// What was found about each driver: those under test, and below them those that see no pedestrians. `None` without a driver.
 pub fn drivers(found: &Findings<'_>) -> Option<Section> {
@@ -32,7 +25,7 @@ pub fn drivers(found: &Findings<'_>) -> Option<Section> {
         name: "Drivers",
         title: "What was found about each driver",
         tables,
-        notes: READING.map(String::from).into(),
+        notes: vec![READING.into()],
         ..Section::default()
     })
 }
@@ -56,9 +49,10 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
         let setting = Column::text("worst setting");
         head.push(if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() });
         head.push(Column::number("n").page_only());
-        head.push(Column::number("avoidable injury / 1,000"));
-        head.extend(scale.head().map(Column::number));
-        head.extend(["fault (95 %)", "preventable (95 %)"].map(Column::number));
+        head.push(Column::number("avoidable injury / 1,000").page_only());
+        head.extend(scale.head().map(|name| Column::number(name).page_only()));
+        head.push(Column::number("fault (95 %)"));
+        head.push(Column::number("preventable (95 %)").page_only());
         // The setting is that of the most avoidable injury, and others may have more collisions: the page says so beside it.
         head.push(Column::number("collision (95 %)").page_only());
     }

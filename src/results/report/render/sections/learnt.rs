@@ -1,5 +1,5 @@
 use super::names::{head, names};
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{Findings, Learnt};
 
 /// Whether the trainings learnt, and the doubts about them; `None` if no trained controller was evaluated.
@@ -43,13 +43,9 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
         rows.push(row);
     }
     let mut notes = vec![
-        "Mean reward of an episode, of each training, and their mean less that of untrained controllers with the same reward and starts. \
-         *Learnt*: **no** where a training is significantly below one of them, **yes** where each training is significantly above one and none \
-         is below, else **unclear** (5 % after Holm's correction for all pairs of a training and an untrained controller). These tests are about \
-         these trainings, over further episodes; the comparisons are about further trainings."
-            .to_string(),
-        "Trainings *disagree* where their standard deviation is more than twice what the episodes explain and more than half of their mean \
-         gain over `random`. A campaign can require all this: `--fail-if 'learnt != yes'`, `--fail-if 'trainings_disagree == yes'`."
+        "Mean reward of an episode of each training, and their mean less that of pedestrians that learn nothing, from the same starts. *Learnt*: **yes** where each training is \
+         significantly above one of these and none is below, **no** where one is below, else **unclear** (5 %, Holm). Trainings *disagree* where their standard deviation is more than \
+         twice what the episodes explain and more than half of their mean gain over `random`. `--fail-if 'learnt != yes'` and `--fail-if 'trainings_disagree == yes'` require it."
             .to_string(),
     ];
     if !doubts.is_empty() {
@@ -60,6 +56,7 @@ pub fn learnt(found: &Findings<'_>) -> Option<Section> {
         id: "learnt",
         name: "Learnt?",
         title: "Did the trainings learn?",
+        depth: Depth::Summary,
         tables: vec![Table { head: columns, rows, ..Table::default() }],
         notes,
         ..Section::default()

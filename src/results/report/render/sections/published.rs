@@ -1,4 +1,4 @@
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{Findings, PublishedComparison};
 
 /// Published figures compared with ours; `None` without any.
@@ -9,6 +9,7 @@ pub fn published(found: &Findings<'_>) -> Option<Section> {
         id: "published",
         name: "Published",
         title: "Compared with published figures",
+        depth: Depth::Summary,
         tables: all.chunk_by(|a, b| a.source == b.source).map(table).collect(),
         notes: vec![format!(
             "The interval of a difference follows from {} trainings here and their starts, and from {} trainings there; fewer than four have none. A few trainings can \

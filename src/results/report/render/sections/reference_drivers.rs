@@ -1,5 +1,5 @@
 use super::names::{distinct, head, names};
-use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Section, Table, Value};
 use crate::report::{Cell, CellEvidence, Findings};
 use base::statistics::{ClusteredCount, wilson};
 use world::judge::Reference;
@@ -34,6 +34,7 @@ pub fn reference_drivers(found: &Findings<'_>) -> Option<Section> {
         id: "reference-drivers",
         name: "Reference drivers",
         title: "How many collisions would remain with other drivers?",
+        depth: Depth::Page,
         tables: vec![Table { head: columns, rows, ..Table::default() }],
         notes: vec![
             "The collision rate if a reference driver had braked in the same episodes, from the instant at which the danger starts. No driver of that kind \

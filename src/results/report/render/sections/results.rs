@@ -1,20 +1,14 @@
-use std::collections::BTreeSet;
-
 use super::Scale;
-use super::names::{distinct, head, names, place, who};
+use super::names::{distinct, place, who};
 use crate::report::render::page::results_picture;
-use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
 use crate::report::{Cell, Findings};
 
-/// How to read the tables.
-const READING: &str = "\"±\" is the standard deviation over runs. Each run is a training of its own, or for an untrained controller a seed of its own. \
-    The interval is Wilson's over the starts, which the runs share. It does not say what further trainings would show. \
-    In a collision the car moves. *With bumps*: share of the episodes in which car and pedestrian touch, also while the car \
-    stands; *front*: share of these in the front sector. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
-    *Fault*: those of them that count against the driver. The column after it is the fault rate as a share of that of the driver \
-    that sees no pedestrians, or of the worst driver, with the same controller in the same town. All controllers of a town and a policy meet the same starts, within one `evaluate` block. \
-    An untrained controller walks the same for every reward, so it has one row. \
-    *Left out* (if there are any): share of the episodes that are in no rate, since the driver did not reach its start or left the road before it could see a pedestrian.";
+/// How to read the table.
+const READING: &str = "Rates are means over the runs: trainings of a trained pedestrian, seeds of another one. Intervals are Wilson's over the starts, which the runs share; they do \
+    not say what further trainings would show. In a collision the car moves. A *fault* is a collision that a careful human avoids, with a pedestrian who moves as people do. \
+    All pedestrians of a town and a driver meet the same starts. *Left out* (if there are any): share of the episodes that are in no rate, since the driver did not reach its \
+    start or left the road before it could see a pedestrian. `metrics.csv` has all rates, with their spread over runs.";
 
 /// How often cars are hit, and by which controllers; `None` without an evaluation.
 pub fn results(found: &Findings<'_>) -> Option<Section> {
@@ -25,61 +19,13 @@ pub fn results(found: &Findings<'_>) -> Option<Section> {
         name: "Results",
         title: "How often cars are hit",
         lead: errors(cells),
-        tables: vec![of_report(cells, scale), of_terminal(cells, scale)],
+        depth: Depth::Summary,
+        tables: vec![table(cells, scale)],
+        lines: pedestrians(found),
         picture: Some(results_picture(found)),
         notes: vec![READING.into()],
         ..Section::default()
     })
-}
-
-/// The table of cells for the summary. It has the mean reward if any was paid.
-fn of_report(cells: &[Cell], scale: Scale<'_>) -> Table {
-    let has_errors = cells.iter().any(|cell| cell.errors > 0);
-    let has_left_out = cells.iter().any(|cell| cell.left_out > 0);
-    let is_paid = cells.iter().any(|cell| cell.reward_sum.value.is_some_and(|reward| reward != 0.0));
-    let rewards: BTreeSet<&str> = cells.iter().map(|cell| cell.key.reward.as_str()).collect();
-    let mut columns = head();
-    columns.push(Column::number("runs × episodes"));
-    if has_left_out {
-        columns.push(Column::number("left out"));
-    }
-    if has_errors {
-        columns.push(Column::number("errors"));
-    }
-    // Means with a spread are left-aligned, so that the means are below each other.
-    columns.extend(["collision rate", "95 % of episodes", "preventable", "fault"].map(Column::text));
-    columns.extend(scale.name().map(|name| Column::number(format!("fault, of {name}'s"))));
-    columns.extend(["with bumps", "front"].map(Column::text));
-    if is_paid {
-        columns.push(Column::text("mean reward"));
-    }
-    columns.extend(["length (s)", "impact speed (m/s)"].map(Column::text));
-    let row = |cell: &&Cell| {
-        let mut row = names(cell, cells);
-        row.push(Value::Times(cell.runs.into(), u64::from(cell.episodes / cell.runs.max(1))));
-        if has_left_out {
-            row.push(left_out(cell));
-        }
-        if has_errors {
-            row.push(Value::Count(cell.errors.into()));
-        }
-        row.extend([
-            Value::spread(&cell.collision, cell.collisions, cell.episodes),
-            Value::Interval(cell.collision.interval),
-            Value::spread(&cell.preventable, cell.preventable_collisions(), cell.episodes),
-            Value::spread(&cell.fault, cell.faults, cell.episodes),
-        ]);
-        row.extend(scale.name().map(|_| Value::Number(scale.share(cell, |cell| &cell.fault), 2)));
-        row.extend([Value::from(&cell.touch), (&cell.front).into()]);
-        if is_paid {
-            // The row of an untrained controller is that of all rewards, which pay it differently.
-            let one = cell.key.is_of_reward() || rewards.len() == 1;
-            row.push(if one { (&cell.reward_sum).into() } else { Value::Spread(None, None) });
-        }
-        row.extend([Value::from(&cell.length), (&cell.impact_speed).into()]);
-        row
-    };
-    Table { head: columns, rows: distinct(cells).iter().map(row).collect(), ..Table::default() }
 }
 
 /// The share of a cell's episodes that are in no rate.
@@ -87,56 +33,60 @@ fn left_out(cell: &Cell) -> Value {
     Value::Percent(f64::from(cell.left_out) / f64::from(cell.all.max(1)))
 }
 
-/// The rates of the cells for a terminal of 80 columns: a heading for each town and driver, and below it a row for each controller. The fault rate has its
-/// scale in place of its spread.
-fn of_terminal(cells: &[Cell], scale: Scale<'_>) -> Table {
+/// The rates of the cells, narrow enough for a terminal of 80 columns: a heading for each town and driver, and below it a row for each pedestrian.
+fn table(cells: &[Cell], scale: Scale<'_>) -> Table {
     let has_errors = cells.iter().any(|cell| cell.errors > 0);
     let has_left_out = cells.iter().any(|cell| cell.left_out > 0);
-    let mut columns = vec![Column::text("controller"), Column::number("n")];
-    if has_left_out {
-        columns.push(Column::number("left out"));
-    }
-    if has_errors {
-        columns.push(Column::number("errors"));
-    }
-    columns.extend(["collision", "preventable"].map(Column::text));
-    columns.push(Column::text(scale.name().map_or("fault".into(), |name| format!("fault\n(of {name})"))));
-    let distinct = distinct(cells);
-    let heading = |cell: &Cell| format!("{} · {}", place(cell, cells), cell.key.policy);
-    let mut headings: Vec<String> = Vec::new();
-    for cell in &distinct {
-        let name = heading(cell);
-        if !headings.contains(&name) {
-            headings.push(name);
-        }
-    }
+    let mut head = vec![Column::text("pedestrian"), Column::number("runs × episodes")];
+    head.extend(has_left_out.then(|| Column::number("left out")));
+    head.extend(has_errors.then(|| Column::number("errors")));
+    head.extend(["collision (95 %)", "fault (95 %)"].map(Column::text));
+    head.extend(scale.name().map(|name| Column::number(format!("of {name}'s"))));
     let mut rows = Vec::new();
-    for name in headings {
-        let members: Vec<&&Cell> = distinct.iter().filter(|cell| heading(cell) == name).collect();
+    for (name, members) in by_place(cells) {
         let mut row = vec![Value::Text(name)];
-        row.resize(columns.len(), Value::Text(String::new()));
+        row.resize(head.len(), Value::Text(String::new()));
         rows.push(row);
         for cell in members {
-            let mut row = vec![Value::Text(format!("  {}", who(cell, cells))), Value::Count(cell.episodes.into())];
-            if has_left_out {
-                row.push(left_out(cell));
-            }
-            if has_errors {
-                row.push(Value::Count(cell.errors.into()));
-            }
-            let fault = match (cell.fault.value, scale.share(cell, |cell| &cell.fault)) {
-                (Some(mean), Some(share)) => format!("{mean:.2} ({share:.2})").into(),
-                _ => Value::from(&cell.fault),
-            };
-            row.extend([
-                Value::spread(&cell.collision, cell.collisions, cell.episodes),
-                Value::spread(&cell.preventable, cell.preventable_collisions(), cell.episodes),
-                Value::or_count(fault, cell.fault.value, cell.faults, cell.episodes),
-            ]);
+            let mut row = vec![Value::Text(format!("  {}", who(cell, cells)))];
+            row.push(Value::Times(cell.runs.into(), u64::from(cell.episodes / cell.runs.max(1))));
+            row.extend(has_left_out.then(|| left_out(cell)));
+            row.extend(has_errors.then(|| Value::Count(cell.errors.into())));
+            row.push(Value::rate(&cell.collision, cell.collisions, cell.episodes));
+            row.push(Value::rate(&cell.fault, cell.faults, cell.episodes));
+            row.extend(scale.name().map(|_| Value::Number(scale.share(cell, |cell| &cell.fault), 2)));
             rows.push(row);
         }
     }
-    Table { place: Place::Terminal, head: columns, rows, ..Table::default() }
+    Table { place: Place::Everywhere, head, rows, ..Table::default() }
+}
+
+/// The cells of each town and driver, with the name of the two, in their order.
+fn by_place(cells: &[Cell]) -> Vec<(String, Vec<&Cell>)> {
+    let mut places: Vec<(String, Vec<&Cell>)> = Vec::new();
+    for cell in distinct(cells) {
+        let name = format!("{} · {}", place(cell, cells), cell.key.policy);
+        match places.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, members)) => members.push(cell),
+            None => places.push((name, vec![cell])),
+        }
+    }
+    places
+}
+
+/// Of each driver under test the fault rates of the pedestrians, where the worst of them is.
+fn pedestrians(found: &Findings<'_>) -> Vec<String> {
+    let tested = found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians());
+    let worst = tested.filter_map(|result| Some(&found.cells[result.cell?]));
+    let line = |cell: &Cell| {
+        let (name, mut members) =
+            by_place(&found.cells).into_iter().find(|(_, all)| all.iter().any(|each| each.key == cell.key))?;
+        members.sort_by(|a, b| b.fault.value.unwrap_or(0.0).total_cmp(&a.fault.value.unwrap_or(0.0)));
+        let rate = |cell: &&Cell| format!("{} {}", who(cell, &found.cells), Value::from(&cell.fault));
+        let rates: Vec<String> = members.iter().filter(|cell| cell.faults > 0).map(rate).collect();
+        (members.len() > 1 && !rates.is_empty()).then(|| format!("faults in {name}: {}", rates.join(", ")))
+    };
+    worst.filter_map(line).collect()
 }
 
 /// The number of episodes in which a driver or a controller failed as a program, in Markdown; empty without any.

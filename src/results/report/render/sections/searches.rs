@@ -1,5 +1,5 @@
 use super::search_pairs::{findings_of_pairs, search_pairs};
-use crate::report::render::table::{Column, Place, Section, Table, Value};
+use crate::report::render::table::{Column, Depth, Place, Section, Table, Value};
 use crate::report::{Findings, Rate, SearchCell};
 use compile::SearchKey;
 
@@ -27,6 +27,7 @@ pub fn searches(found: &Findings<'_>) -> Option<Section> {
         id: "searches",
         name: "Falsifiers",
         title: "Falsifiers compared",
+        depth: Depth::Page,
         lead: outdone_by_chance(cells).into_iter().collect(),
         tables: [falsifiers(cells)].into_iter().chain(search_pairs(compared)).collect(),
         notes: READING.map(String::from).into(),

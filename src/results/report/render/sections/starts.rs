@@ -1,6 +1,6 @@
 use crate::report::Findings;
 use crate::report::render::page::{named, spawns};
-use crate::report::render::table::Section;
+use crate::report::render::table::{Depth, Section};
 
 /// Where the episodes of trained pedestrians start, and how often they collide from there; `None` without a training.
 pub fn starts(found: &Findings<'_>) -> Option<Section> {
@@ -9,6 +9,7 @@ pub fn starts(found: &Findings<'_>) -> Option<Section> {
         id: "places",
         name: "Starts",
         title: "Where episodes start",
+        depth: Depth::Page,
         figures: vec![figure],
         ..Section::default()
     })

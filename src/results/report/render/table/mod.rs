@@ -86,6 +86,18 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
+/// Where a section is read. The page shows all, and a terminal too with `--details`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Depth {
+    /// At the end of a run, in the summary, and on the page.
+    #[default]
+    First,
+    /// In the summary and on the page.
+    Summary,
+    /// On the page.
+    Page,
+}
+
 /// A part of a report: a heading with figures and tables, and how to read them. The summary, the page and a terminal show it.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
@@ -95,6 +107,7 @@ pub struct Section {
     pub name: &'static str,
     /// The heading.
     pub title: &'static str,
+    pub depth: Depth,
     /// What must be read before the tables, in Markdown, a paragraph each.
     pub lead: Vec<String>,
     /// Pictures, for the page.
@@ -104,7 +117,7 @@ pub struct Section {
     pub picture: Option<Markup>,
     /// How to read them, in Markdown, a paragraph each.
     pub notes: Vec<String>,
-    /// Lines below the tables in a terminal.
+    /// Lines below the tables in a terminal, of any depth.
     pub lines: Vec<String>,
 }
 

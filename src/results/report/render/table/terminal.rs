@@ -1,7 +1,7 @@
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
 
-use super::{Align, Place, Section, Table, Value};
+use super::{Align, Depth, Place, Section, Table, Value};
 
 /// The gap before a column.
 const GAP: u16 = 2;
@@ -81,10 +81,11 @@ impl Table {
 }
 
 impl Section {
-    /// Its tables and lines for a terminal of this width (columns); empty if it has none.
-    pub fn to_terminal(&self, width: u16) -> String {
+    /// Its tables, if it is one of the first or `details` are wanted, and its lines, for a terminal of this width (columns); empty if it has none.
+    pub fn to_terminal(&self, width: u16, details: bool) -> String {
         let mut text = String::new();
-        for table in self.tables.iter().filter(|table| table.place != Place::Report) {
+        let is_shown = details || self.depth == Depth::First;
+        for table in self.tables.iter().filter(|table| is_shown && table.place != Place::Report) {
             if !table.title.is_empty() {
                 text.push_str(&format!("{}\n", table.title));
             }
