@@ -11,12 +11,12 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/world", 35_579),
     ("src/ported", 4_642),
     ("src/lang", 6_573),
-    ("src/compile", 7_963),
+    ("src/compile", 7_965),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_807),
-    ("src/program", 12_138),
-    ("tests", 27_768),
+    ("src/results", 25_777),
+    ("src/program", 12_144),
+    ("tests", 27_774),
 ];
 
 /// Crates that only some places may name.
