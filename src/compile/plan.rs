@@ -6,6 +6,7 @@ use super::Job;
 use base::signature::{Arguments, Keys};
 use world::av::CruiseKeys;
 use world::av::external::ExternalKeys;
+use world::av::onnx::OnnxKeys;
 use world::av::sensors::SensorModel;
 use world::requirement::NamedRequirement;
 use world::road::Town;
@@ -167,6 +168,11 @@ impl Driver {
     /// Whether it perceives no pedestrians, so that each of them can hit it. Reports show such a driver apart from those under test.
     pub fn sees_no_pedestrians(&self) -> bool {
         self.kind == CruiseKeys::KIND
+    }
+
+    /// Whether the user wrote or trained it.
+    pub fn is_own(&self) -> bool {
+        self.is_external() || self.kind == OnnxKeys::KIND
     }
 
     /// Whether it is a program of the user.

@@ -281,17 +281,6 @@ fn a_smoke_run_leaves_the_real_report_alone_and_a_bad_file_name_is_shown() {
 }
 
 #[test]
-fn campaigns_of_two_files_may_not_share_a_name() {
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["a.scn", "b.scn"] {
-        std::fs::write(folder.path().join(name), campaign()).unwrap();
-    }
-    let output = falsify(&["check", "a.scn", "b.scn"], folder.path());
-    assert_eq!(output.status.code(), Some(3));
-    assert!(error(&output).contains("two declarations of campaign `tiny`"), "{}", error(&output));
-}
-
-#[test]
 fn a_reward_that_may_be_no_number_is_not_run() {
     let folder = tempfile::tempdir().unwrap();
     let text = campaign()

@@ -53,8 +53,8 @@ impl DriverResult {
     }
 }
 
-/// The results of the drivers: the worst first, by the avoidable injury and the rates in the worst cell, then by what searches found. Drivers that see no
-/// pedestrians follow, since they are a baseline.
+/// The results of the drivers: the user's own, then those that are built in, then those that see no pedestrians, since they are a baseline. Of each the
+/// worst first, by the avoidable injury and the rates in the worst cell, then by what searches found.
 pub fn driver_results(
     drivers: &[Driver],
     cells: &[Cell],
@@ -87,19 +87,24 @@ pub fn driver_results(
         };
         let searched =
             |result: &DriverResult| result.searched.and_then(|found| found.injury_per_thousand).unwrap_or(0.0);
-        let blindness = a.driver.sees_no_pedestrians().cmp(&b.driver.sees_no_pedestrians());
-        blindness.then(rates).then_with(|| searched(b).total_cmp(&searched(a))).then_with(failures)
+        rank(&a.driver)
+            .cmp(&rank(&b.driver))
+            .then(rates)
+            .then_with(|| searched(b).total_cmp(&searched(a)))
+            .then_with(failures)
     });
     results
 }
 
-/// The worst failure of all drivers under test; without any, that of the drivers that see no pedestrians.
+/// The user's own drivers first, those that see no pedestrians last.
+fn rank(driver: &Driver) -> u8 {
+    if driver.is_own() { 0 } else { 1 + u8::from(driver.sees_no_pedestrians()) }
+}
+
+/// The worst failure of the user's own drivers; without any, of the others under test, then of those that see no pedestrians.
 pub fn worst_failure(results: &[DriverResult]) -> Option<&Failure> {
-    let worst = |blind: bool| {
-        let of = results.iter().filter(|result| result.driver.sees_no_pedestrians() == blind);
-        of.filter_map(|result| result.worst.as_ref()).min_by(|a, b| a.worse_first(b))
-    };
-    worst(false).or_else(|| worst(true))
+    let found = results.iter().filter_map(|result| Some((rank(&result.driver), result.worst.as_ref()?)));
+    found.min_by(|a, b| a.0.cmp(&b.0).then_with(|| a.1.worse_first(b.1))).map(|(_, worst)| worst)
 }
 
 /// The place of the cell of a driver with the highest rates, the first of equal ones.

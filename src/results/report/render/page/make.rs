@@ -9,8 +9,8 @@ use super::worst::{failures, worst};
 use crate::failure::Failure;
 use crate::jobs::TrainingResult;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
-use crate::report::render::table::Section;
-use crate::report::{Findings, Manifest, worst_failure};
+use crate::report::render::table::{Depth, Section};
+use crate::report::{DriverResult, Findings, Manifest, worst_failure};
 use compile::Campaign;
 
 /// A section of the page with its place in the list of found. It can be folded; a script unfolds it where the window is wide.
@@ -18,13 +18,15 @@ struct Part {
     id: &'static str,
     name: &'static str,
     title: &'static str,
+    /// Whether it stays folded until somebody asks for it.
+    deep: bool,
     html: Markup,
 }
 
 impl Part {
     fn to_html(&self) -> Markup {
         html! {
-            details.part {
+            details.part.deep[self.deep] {
                 summary { h2 { (self.title) } }
                 section id=(self.id) { (self.html) }
             }
@@ -47,6 +49,7 @@ pub fn page(
         id: section.id,
         name: section.name,
         title: section.title,
+        deep: section.depth == Depth::Page,
         html: section.to_html(&|name| players.link(name)),
     };
     let mut parts: Vec<Part> = others.iter().map(part).collect();
@@ -56,11 +59,11 @@ pub fn page(
         let html = failures(drivers, &found.gathered.failures, &cards, players);
         // The results of a protocol's tests are what its campaign is run for: the failures follow.
         let place = usize::from(parts.first().is_some_and(|part| part.id == "protocol"));
-        parts.insert(place, Part { id: "failures", name: "Failures", title: "Failures", html });
+        parts.insert(place, Part { id: "failures", name: "Failures", title: "Failures", deep: false, html });
     }
     let names = ("meaning", "Names", "Names of the scenario", meaning(campaign));
     for (id, name, title, html) in [names, ("data", "Data", "Data", data(manifest, files))] {
-        parts.push(Part { id, name, title, html });
+        parts.push(Part { id, name, title, deep: true, html });
     }
     let body = html! {
         a.skip href="#main" { "Skip to the results" }
@@ -106,6 +109,7 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
             h1 { (campaign.name) }
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
             @else { p.lead { (grid(campaign)) } }
+            p.lead { b { (conclusion(found)) } }
             @if manifest.smoke { p.warn { (SMOKE) } }
             @if !manifest.complete { p.warn { (INCOMPLETE) } }
             @for caution in &found.cautions { p.warn { (prose(&format!("{caution}."))) } }
@@ -126,6 +130,31 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
             button #theme type="button" hidden { "Dark" }
         }
     }
+}
+
+/// Which drivers under test have faults, and how often in their worst setting.
+fn conclusion(found: &Findings<'_>) -> String {
+    let tested = found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians());
+    let (faulty, clean): (Vec<_>, Vec<_>) = tested.partition(|result| {
+        let cell = result.cell.map(|cell| &found.cells[cell]);
+        cell.is_some_and(|cell| cell.faults > 0) || result.searched.is_some_and(|searched| searched.fault > 0)
+    });
+    let often = |result: &&DriverResult| match result.cell.map(|cell| &found.cells[cell]).filter(|cell| cell.faults > 0)
+    {
+        Some(cell) => format!("{} in {} of {} episodes", result.driver.name, cell.faults, cell.episodes),
+        None => format!("{} in searches", result.driver.name),
+    };
+    let list = |all: &[&DriverResult], text: &dyn Fn(&&DriverResult) -> String| {
+        all.iter().map(text).collect::<Vec<_>>().join(", ")
+    };
+    let mut said = String::new();
+    if !faulty.is_empty() {
+        said += &format!("Faults of {}. ", list(&faulty, &often));
+    }
+    if !clean.is_empty() {
+        said += &format!("No fault was found of {}.", list(&clean, &|result| result.driver.name.clone()));
+    }
+    said
 }
 
 /// What is run, for a campaign without documentation: the drivers and the towns.

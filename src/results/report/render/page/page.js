@@ -43,7 +43,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
 }
 
 // Sections are open where there is room for them. A link into a closed one opens it.
-for (const part of document.querySelectorAll("details.part")) part.open = matchMedia("(min-width: 701px)").matches;
+for (const part of document.querySelectorAll("details.part:not(.deep)")) part.open = matchMedia("(min-width: 701px)").matches;
 const reveal = (hash) => {
   const target = document.getElementById(hash.slice(1));
   for (let folded = target?.closest("details:not([open])"); folded; folded = folded.parentElement.closest("details:not([open])")) folded.open = true;
