@@ -11,12 +11,12 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/world", 35_579),
     ("src/ported", 4_642),
     ("src/lang", 6_573),
-    ("src/compile", 7_965),
+    ("src/compile", 7_971),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_777),
+    ("src/results", 25_811),
     ("src/program", 12_144),
-    ("tests", 27_774),
+    ("tests", 27_763),
 ];
 
 /// Crates that only some places may name.
