@@ -7,7 +7,7 @@ use crate::lsp::{Ending, serve};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
-Examples (see grammar/README.md for editors' settings):
+Examples (see docs/src/how-to/editor.md for editors' settings):
   falsify lsp                                an editor starts it and speaks to it";
 
 /// The user's cache folder, for data that can be made again.
