@@ -63,7 +63,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ("Write a scenario", &["new", "check", "explain", "fmt", "preview"]),
     ("Run it", &["demo", "run", "status", "merge"]),
     ("Look at what was found", &["failures", "shrink", "replay", "compare", "recheck", "judge"]),
-    ("Give it away", &["export"]),
+    ("Export", &["export"]),
     ("For editors and shells", &["lsp", "completions"]),
 ];
 

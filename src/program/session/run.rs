@@ -282,7 +282,10 @@ impl<'a> CampaignRun<'a> {
         let written = || {
             let held = session.hold(draft, self.planned, self.campaign)?;
             let manifest = session.manifest(options, held, found, times);
-            report::write(draft, found, sections, &manifest, options.dossier)?;
+            // A report that has a dossier keeps one.
+            let has_dossier =
+                options.dossier || options.out.join(options.report_name(self.campaign)).join(report::DOSSIER).is_file();
+            report::write(draft, found, sections, &manifest, has_dossier)?;
             Ok(manifest)
         };
         written().map_err(|error: WriteError| options.keep(error))

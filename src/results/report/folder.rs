@@ -18,6 +18,8 @@ use base::files;
 
 /// The file whose presence marks a folder as a finished report.
 pub(super) const MARK: &str = "manifest.toml";
+/// The dossier of a report that has one.
+pub const DOSSIER: &str = "dossier.html";
 /// The folder of the figures, as SVG.
 pub const FIGURES: &str = "figures";
 /// Why a report could not be written.
@@ -355,7 +357,7 @@ fn is_ours(name: &str) -> bool {
         "csv" | "parquet" => catalogue().iter().any(|table| table.name == stem),
         _ => {
             let mut folders = KINDS.iter().flat_map(|kind| kind.folders);
-            [MARK, "summary.md", "report.html", "dossier.html", SCENARIO, PROGRAMS, FIGURES].contains(&name)
+            [MARK, "summary.md", "report.html", DOSSIER, SCENARIO, PROGRAMS, FIGURES].contains(&name)
                 || folders.any(|folder| *folder == name)
         }
     }

@@ -67,7 +67,9 @@ pub use render::{
 pub use text_forms::{csv_text, json_rows};
 
 // Files: writing a report, reading one back.
-pub use folder::{FIGURES, Formats, ReportFolder, WriteError, write_csv, write_file, write_new_file, write_table};
+pub use folder::{
+    DOSSIER, FIGURES, Formats, ReportFolder, WriteError, write_csv, write_file, write_new_file, write_table,
+};
 pub use manifest::{Call, FileRecord, Manifest, ProgramRecord, RunRecord, ScenarioFile, TrainingRecord};
 pub use read::{
     Difference, Gate, GateError, Judged, ListedFailure, ReadError, StoredReport, TooFewRuns, differences, divergence,

@@ -4,7 +4,7 @@ use super::infer::ComparedRow;
 use super::metric_table::{METRICS, metric_table};
 use super::render::{Section, page_examples, summary, write_page};
 use super::replayed::replayed;
-use super::{FIGURES, Findings, Manifest, ReportFolder, WriteError, infer, town_map};
+use super::{DOSSIER, FIGURES, Findings, Manifest, ReportFolder, WriteError, infer, town_map};
 use crate::jobs::KINDS;
 use base::seed::Seed;
 
@@ -43,7 +43,7 @@ pub fn write(
     folder.file("summary.md", summary(found, sections, manifest).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
     if has_dossier {
-        folder.file("dossier.html", dossier(found, sections, manifest, &Seed::root(manifest.seed)).as_bytes())?;
+        folder.file(DOSSIER, dossier(found, sections, manifest, &Seed::root(manifest.seed)).as_bytes())?;
     }
     let played = replayed(&page_examples(found), found, &Seed::root(manifest.seed));
     write_page(folder, found, sections, &played, manifest)

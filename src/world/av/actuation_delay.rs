@@ -31,6 +31,10 @@ impl DrivingPolicy for ActuationDelay {
         self.driver.reset(perception, stream);
     }
 
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
     fn prepare(&mut self, perception: &Perception<'_>) {
         self.driver.prepare(perception);
     }

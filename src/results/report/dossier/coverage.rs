@@ -10,10 +10,10 @@ use world::av::DrivingMode;
 use world::judge::Blame;
 
 /// Factors of the operational environment that this simulator does not have.
-const NOT_MODELLED: &str = "weather beside friction, darkness, slopes, kerbs, traffic beside a cast, animals, cyclists";
+const NOT_MODELLED: &str = "weather other than friction, darkness other than by the sensors of a driver, slopes, kerbs, traffic beside a cast, animals, cyclists";
 
 /// What the campaign crossed on the four axes of proposed UN guidance on automated driving: operational environment, competency, kind of scenario, rules of
-/// the road. Holes are shown.
+/// the road. Gaps are shown.
 pub fn coverage(found: &Findings<'_>) -> Section {
     let campaign = found.campaign;
     let towns = Table {
@@ -33,8 +33,11 @@ pub fn coverage(found: &Findings<'_>) -> Section {
         ..Table::default()
     };
     let rules = campaign.requirements.iter().map(|named| {
-        let of_rule = found.gathered.requirements.iter().filter(|each| *each.name == *named.name);
-        let (applied, violated) = of_rule.flat_map(|each| &each.runs).fold((0, 0), |(applied, violated), run| {
+        let of_rule = || found.gathered.requirements.iter().filter(|each| *each.name == *named.name);
+        if of_rule().next().is_none() {
+            return vec![Value::from(&*named.name), "not judged".into(), "not judged".into()];
+        }
+        let (applied, violated) = of_rule().flat_map(|each| &each.runs).fold((0, 0), |(applied, violated), run| {
             (applied + u64::from(run.applied), violated + u64::from(run.violated))
         });
         vec![Value::from(&*named.name), Value::Count(applied), Value::Count(violated)]
@@ -51,8 +54,8 @@ pub fn coverage(found: &Findings<'_>) -> Section {
     }
     let holes = holes(found);
     lead.push(match holes.as_slice() {
-        [] => "Every driver met every pedestrian and every search in every town.".into(),
-        [..] => format!("**Holes:** not run were {}.", holes.join("; ")),
+        [] => "Every driver met every pedestrian, and every search if there were any, in every town.".into(),
+        [..] => format!("**Gaps:** not run were {}.", holes.join("; ")),
     });
     let tables = [towns, competency(found), kinds, rules].into_iter().filter(|table| !table.rows.is_empty());
     section("coverage", "Coverage", lead, tables.collect())

@@ -42,16 +42,19 @@ pub fn requirements(found: &Findings<'_>, made: &[Section]) -> Section {
         rows: of_campaign.map(row).collect(),
         ..Table::default()
     };
-    match made.iter().find(|section| section.id == "requirements") {
-        Some(results) => {
-            let tables: Vec<Table> = std::iter::once(named).chain(results.tables_of_report().cloned()).collect();
-            section("requirements", "From requirement to scenario to result", results.lead.clone(), tables)
-        }
-        None => {
-            let lead = vec![format!("{NOT_DONE} The campaign names no requirements beside that nobody is hit.")];
-            section("requirements", "From requirement to scenario to result", lead, Vec::new())
-        }
-    }
+    let of = |id: &str| made.iter().find(|section| section.id == id);
+    let results = of("requirements");
+    let lead = match (results, named.rows.is_empty()) {
+        (Some(results), _) => results.lead.clone(),
+        (None, true) => vec![format!("{NOT_DONE} The campaign names no requirement other than that nobody is hit.")],
+        (None, false) => vec![format!(
+            "{NOT_DONE} No evaluation judged these requirements. Searches look for violations of their `goal` alone, which are among the failures above."
+        )],
+    };
+    let named = (!named.rows.is_empty()).then_some(named);
+    let results = of("protocol").into_iter().chain(results).flat_map(Section::tables_of_report).cloned();
+    let tables: Vec<Table> = named.into_iter().chain(results).collect();
+    section("requirements", "From requirement to scenario to result", lead, tables)
 }
 
 /// What is modelled, after which source, and how far that was compared.

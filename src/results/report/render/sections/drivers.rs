@@ -6,7 +6,7 @@ use crate::report::{Cell, DriverResult, Findings, Rate};
 /// How to read the table.
 const READING: &str = "Your own drivers lead, and baselines come last; then the order is that of their *avoidable injury*: severe injuries in their faults that a careful human would have spared, for 1,000 \
     episodes; without evaluations the mean over searches. A *fault* is a collision that a careful human avoids clearly, with a pedestrian who moves as people do, at 1 m/s or more. \
-    Rates are those of the worst setting, chosen after the fact and so a little too high: compare drivers by their common starts. Intervals are Wilson's 95 % over starts.";
+    Rates are those of the worst setting, *where that is*, chosen after the fact and so a little too high: compare drivers by their common starts. Intervals are Wilson's 95 % over starts.";
 
 /// What was found about each driver: those under test, and below them those that see no pedestrians. `None` without a driver.
 pub fn drivers(found: &Findings<'_>) -> Option<Section> {
@@ -46,12 +46,13 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
         // A terminal has no room for what is the same everywhere.
         let settings =
             |result: &&DriverResult| cells.iter().filter(|cell| cell.key.policy == result.driver.name).count();
-        let setting = Column::text("worst setting");
-        head.push(if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() });
+        let setting = Column::text("where that is");
+        let setting = if results.iter().any(|result| settings(result) > 1) { setting } else { setting.page_only() };
         head.push(Column::number("n").page_only());
         head.push(Column::number("avoidable injury / 1,000").page_only());
         head.extend(scale.head().map(|name| Column::number(name).page_only()));
         head.push(Column::number("fault (95 %)"));
+        head.push(setting);
         head.push(Column::number("preventable (95 %)").page_only());
         // The setting is that of the most avoidable injury, and others may have more collisions: the page says so beside it.
         head.push(Column::number("collision (95 %)").page_only());
@@ -77,15 +78,13 @@ fn table(results: &[&DriverResult], cells: &[Cell], scale: Scale<'_>) -> Table {
         ];
         let cell = result.cell.map(|cell| &cells[cell]);
         if evaluated {
-            row.extend([
-                cell.map_or(Value::Text("–".into()), |cell| {
-                    format!("{} in {}", who(cell, cells), place(cell, cells)).into()
-                }),
-                cell.map_or(Value::Number(None, 0), |cell| Value::Count(cell.episodes.into())),
-            ]);
+            row.push(cell.map_or(Value::Number(None, 0), |cell| Value::Count(cell.episodes.into())));
             row.extend(of_injury(result));
             row.extend([
                 rate(cell, |cell| (&cell.fault, cell.faults)),
+                cell.map_or(Value::Text("–".into()), |cell| {
+                    format!("{} in {}", who(cell, cells), place(cell, cells)).into()
+                }),
                 rate(cell, |cell| (&cell.preventable, cell.preventable_collisions())),
                 rate(cell, |cell| (&cell.collision, cell.collisions)),
             ]);
