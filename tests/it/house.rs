@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_418),
-    ("src/world", 35_579),
+    ("src/world", 35_583),
     ("src/ported", 4_642),
     ("src/lang", 6_573),
     ("src/compile", 7_971),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_811),
-    ("src/program", 12_144),
+    ("src/results", 25_824),
+    ("src/program", 12_147),
     ("tests", 27_763),
 ];
 
