@@ -10,13 +10,9 @@ use smartcore::tree::decision_tree_classifier::{
 #[derive(Debug, Clone, PartialEq)]
 pub enum Node {
     /// Whether a feature is at most a value, and the next node for either answer.
-    Split {
-        feature: usize,
-        value: f64,
-        at_most: usize,
-        above: usize,
-    },
-    Leaf,
+    Split { feature: usize, value: f64, at_most: usize, above: usize },
+    /// The more frequent outcome.
+    Leaf(bool),
 }
 
 /// A classification tree (CART, Gini); node 0 is the root.
@@ -33,6 +29,7 @@ struct Written {
 
 #[derive(Deserialize)]
 struct WrittenNode {
+    output: usize,
     split_feature: usize,
     split_value: Option<f64>,
     true_child: Option<usize>,
@@ -43,7 +40,24 @@ impl ClassificationTree {
     /// Learns a tree of at most this depth, with at least this number of rows in a leaf, from rows of equal length and whether each is a hit. A mere root
     /// if all have the same outcome.
     pub fn learn(rows: &[Vec<f64>], hits: &[bool], depth: u16, min_rows: usize) -> Self {
-        Self::fitted(rows, hits, depth, min_rows).unwrap_or(Self { nodes: vec![Node::Leaf] })
+        Self::fitted(rows, hits, depth, min_rows)
+            .unwrap_or_else(|| Self { nodes: vec![Node::Leaf(hits.first() == Some(&true))] })
+    }
+
+    /// The ways to the leaves that say `true`: each split with whether its feature is at most the value.
+    pub fn hits(&self) -> Vec<Vec<(usize, f64, bool)>> {
+        let (mut found, mut open) = (Vec::new(), vec![(0, Vec::new())]);
+        while let Some((node, way)) = open.pop() {
+            match self.nodes[node] {
+                Node::Split { feature, value, at_most, above } => {
+                    let next = |is_at_most| [way.clone(), vec![(feature, value, is_at_most)]].concat();
+                    open.extend([(above, next(false)), (at_most, next(true))]);
+                }
+                Node::Leaf(true) => found.push(way),
+                Node::Leaf(false) => {}
+            }
+        }
+        found
     }
 
     fn fitted(rows: &[Vec<f64>], hits: &[bool], depth: u16, min_rows: usize) -> Option<Self> {
@@ -66,7 +80,8 @@ impl ClassificationTree {
             (Some(value), Some(at_most), Some(above)) => {
                 Node::Split { feature: node.split_feature, value, at_most, above }
             }
-            _ => Node::Leaf,
+            // Both outcomes are there: `false` is the first class.
+            _ => Node::Leaf(node.output == 1),
         };
         Some(Self { nodes: written.nodes.iter().map(node).collect() })
     }
@@ -108,6 +123,13 @@ mod tests {
             assert!(found.0 == wanted[0] as usize && (found.1 - wanted[1]).abs() < 1e-4, "{splits:?}");
         }
         let one = ClassificationTree::learn(&rows, &vec![true; rows.len()], 3, 15);
-        assert_eq!(one.nodes, [Node::Leaf], "one outcome makes a mere root");
+        let tree = ClassificationTree::learn(&rows, &hits, 40, 1);
+        let is_on = |way: &Vec<(usize, f64, bool)>, row: &[f64]| {
+            way.iter().all(|(feature, value, at_most)| (row[*feature] <= *value) == *at_most)
+        };
+        let said = rows.iter().map(|row| tree.hits().iter().any(|way| is_on(way, row)));
+        let wrong = said.zip(&hits).filter(|(said, hit)| said != *hit).count();
+        assert_eq!(wrong, 0, "a deep tree tells all rows that it learnt");
+        assert_eq!(one.nodes, [Node::Leaf(true)], "one outcome makes a mere root");
     }
 }

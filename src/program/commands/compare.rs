@@ -12,13 +12,15 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, Error};
 use results::record::TableReference;
 use results::report::{
-    self, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, StoredReport,
+    self, ComparedCell, ComparedSearch, FailureChange, PlayedPair, ReportComparison, Side, SideEnd, StoredReport,
 };
 
 /// Maximum number of failures in each list for people.
 pub const MAX_SHOWN: usize = 10;
 /// Maximum number of changes that a page plays.
 const MAX_PLAYED: usize = 12;
+/// Maximum number of new failures whose cause a gate says.
+pub const MAX_EXPLAINED: usize = 3;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -94,7 +96,32 @@ pub fn compare(options: &CompareArgs) -> Ended {
     if let Some(path) = &options.page {
         write_page(&comparison, path, &options.repeat)?;
     }
-    judge(&conditions, &comparison)
+    let code = judge(&conditions, &comparison)?;
+    if code == ExitCode::GateFailed {
+        tell_causes(&comparison, &options.repeat);
+    }
+    Ok(code)
+}
+
+/// Says why the worst failures happened that are new or have become faults. Those of a program are left out, and those that are not as in the report.
+pub fn tell_causes(comparison: &ReportComparison, options: &RepeatArgs) {
+    let searched = comparison.searches.iter().flat_map(|search| &search.changes);
+    let all: Vec<FailureChange> = comparison.changes.iter().chain(searched).cloned().collect();
+    let new = ["new", "worse"].into_iter().flat_map(|word| FailureChange::of_word(&all, word));
+    let new: Vec<&FailureChange> = new.take(MAX_EXPLAINED).collect();
+    if new.is_empty() {
+        return;
+    }
+    let folder = &comparison.folders[1];
+    let report = StoredReport::open(folder).map_err(Error::from);
+    let source = report.and_then(|report| session(options.allow_external).reopen(report, &options.repeat));
+    let cause =
+        |name: &String| source.as_ref().ok()?.repeat(EpisodeName::of_table(name.clone()).ok()?).ok()?.cause(false);
+    for FailureChange { sides: [_, SideEnd { name, .. }], .. } in new {
+        if let Some(cause) = cause(name) {
+            console::note(&format!("{}: {}", folder.join(name).display(), cause.sentence()));
+        }
+    }
 }
 
 /// Judges a comparison and reports which conditions are true.

@@ -13,7 +13,8 @@ use crate::exit_code::{Ended, ExitCode};
 use crate::session::{EpisodeName, Error, Notice, RepeatOptions, Session};
 use results::failure::{Failure, FailureOrder};
 use results::report::{self, ListedFailure, StoredReport};
-use world::cause::Shrunk;
+use world::av::Weakness;
+use world::cause::{Shrunk, around};
 use world::judge::Label;
 
 /// Number of failures that a table shows by default.
@@ -261,9 +262,13 @@ impl Session {
     fn explain(&self, listed: &mut [ListedFailure], options: &RepeatOptions) -> Result<(), Error> {
         let name = |each: &ListedFailure| Ok((each.report.clone(), EpisodeName::of_table(each.failure.name())?));
         let names: Vec<_> = listed.iter().map(name).collect::<Result<_, Error>>()?;
-        let causes = self.each_repeated(&names, options, |repeated| Ok(repeated.cause(true)))?;
+        let causes = self.each_repeated(&names, options, |repeated| {
+            let around = repeated.incident.as_ref().and_then(around);
+            Ok(repeated.cause(true).map(|cause| (cause, around)))
+        })?;
         for (each, cause) in listed.iter_mut().zip(causes) {
-            each.cause = cause.ok().flatten();
+            let (cause, around) = cause.ok().flatten().unzip();
+            (each.cause, each.around) = (cause, around.flatten());
         }
         Ok(())
     }
@@ -307,6 +312,7 @@ pub fn failures(options: &FailuresArgs) -> Ended {
             failure,
             merged: options.distinct.then_some(merged as u64),
             cause: None,
+            around: None,
         })
         .collect();
     if options.why {
@@ -329,11 +335,13 @@ fn tell(listed: &[ListedFailure], all: usize) {
         return console::say("no failure");
     };
     console::say(report::failures_for_terminal(listed, console::width()).trim_end());
-    for ListedFailure { failure, cause, .. } in listed {
-        if let Some(cause) = cause {
-            console::say("");
-            console::say(console::wrapped(&format!("{}  {}", failure.name(), cause.sentence())).trim_end());
-        }
+    for ListedFailure { failure, cause, around, .. } in listed {
+        let Some(cause) = cause else { continue };
+        let around = around.as_ref().map(|around| format!(" {}", around.sentence())).unwrap_or_default();
+        let trials = if cause.weakness == Weakness::NotFound { format!(" {}", cause.trials()) } else { String::new() };
+        let text = format!("{}  {}{around}{trials}", failure.name(), cause.sentence());
+        console::say("");
+        console::say(console::wrapped(&text).trim_end());
     }
     if listed.len() < all {
         console::say(&format!("{} of {all} failures; --top N shows more", listed.len()));

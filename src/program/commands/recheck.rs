@@ -168,6 +168,9 @@ fn judge(conditions: &[Condition], recheck: &Recheck) -> Ended {
         is_idle: false,
     };
     let code = condition::judge(conditions, [failures, crossings], "recheck")?;
+    if code == ExitCode::GateFailed {
+        recheck.causes.iter().for_each(|cause| console::note(cause));
+    }
     let unsure = recheck.notes.iter().find(|note| matches!(note, RecheckNote::OtherNow { .. }));
     match unsure.filter(|_| code == ExitCode::Done && !conditions.is_empty()) {
         Some(note) => {

@@ -15,7 +15,7 @@ use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOpti
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
-use world::cause::{Cause, Need};
+use world::cause::{Cause, Need, TurnedBy};
 use world::judge::JudgedDegree;
 use world::sim::time_of;
 
@@ -168,8 +168,11 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[
     let paragraph = |text: &str| console::say(&format!("{}\n", console::wrapped(text).trim_end()));
     if let Some(cause) = cause {
         paragraph(&cause.sentence());
-        let cost = cause.setting.as_ref().map(|setting| format!(" {}", setting.cost())).unwrap_or_default();
-        paragraph(&format!("{} {}{cost}", cause.last_chances(), cause.perfected()));
+        paragraph(&format!("{} {}", cause.last_chances(), cause.perfected()));
+        [&cause.setting, &cause.world].into_iter().flatten().for_each(|turned| {
+            let text = turned.text();
+            paragraph(&format!("{}{}. {}", text[..1].to_uppercase(), &text[1..], turned.cost()));
+        });
     }
     if !needs.is_empty() {
         paragraph(&needed(needs));
@@ -283,9 +286,11 @@ fn as_json(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs:
 
 /// A cause as an object, for programs. Times are before the end of the failure.
 fn cause_json(cause: &Cause) -> serde_json::Value {
-    let setting = cause.setting.as_ref().map(|setting| {
+    let turned = |turned: &Option<TurnedBy>| {
+        turned.as_ref().map(|setting| {
         json!({ "key": setting.name, "unit": setting.unit, "from": setting.from, "to": setting.to, "cost": setting.cost() })
-    });
+    })
+    };
     json!({
         "sentence": cause.sentence(),
         "weakness": cause.weakness.name(),
@@ -296,7 +301,10 @@ fn cause_json(cause: &Cause) -> serde_json::Value {
         "in_sight_s": cause.seen,
         "reacts_s": cause.reacted,
         "brakes_s": cause.braked,
-        "setting": setting,
+        "setting": turned(&cause.setting),
+        "world": turned(&cause.world),
+        "without": cause.without,
+        "together": cause.together,
         "perfected": cause.faculties.iter().map(|(what, turns)| json!({ "what": what, "turns": turns })).collect::<Vec<_>>(),
         "tried": cause.tried.iter().map(|(what, turns)| json!({ "change": what, "turns": turns })).collect::<Vec<_>>(),
         "runs": cause.runs,

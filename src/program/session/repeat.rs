@@ -7,7 +7,7 @@ use compile::{Evaluation, Search};
 use results::jobs::{Find, Repeatable};
 use results::record::{self, EpisodeRow, RunKey};
 use results::report::{self, Difference};
-use world::cause::{Cause, Incident, Shrunk, explain, shrink};
+use world::cause::{Cause, Incident, Questions, Shrunk, explain, shrink};
 use world::env::{FailureCell, Scenario, Trace};
 use world::falsifier::Failure;
 use world::judge::Judged;
@@ -56,7 +56,8 @@ impl Repeated {
     /// Why it failed; `None` if it is not a failure, if it is not as in the report, or if its driver is a program and `patient` is false.
     pub fn cause(&self, patient: bool) -> Option<Cause> {
         let incident = self.incident.as_ref().filter(|_| self.differences.is_empty());
-        incident.and_then(|incident| explain(incident, patient))
+        let questions = if patient { Questions::All } else { Questions::OfCopied };
+        incident.and_then(|incident| explain(incident, questions))
     }
 
     /// The shrunk failure in place of the episode, under its name.

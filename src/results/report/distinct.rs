@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::parallel;
 use base::seed::Seed;
 use compile::HERE;
-use world::cause::{Shrunk, explain, shrink};
+use world::cause::{Questions, Shrunk, explain, shrink};
 
 /// Maximum number of failures of a page that are shrunk, the first of its list.
 pub const MAX_SHRUNK: usize = 24;
@@ -68,9 +68,10 @@ pub fn distinct_failures(
     });
     let firsts = first_of_each(classed);
     let explained = &firsts[..firsts.len().min(max_explained)];
-    let mut causes =
-        parallel::map(explained, |((_, shrunk), _)| Some(explain(&shrunk.as_ref()?.incident, false)?.sentence()))
-            .into_iter();
+    let mut causes = parallel::map(explained, |((_, shrunk), _)| {
+        Some(explain(&shrunk.as_ref()?.incident, Questions::OfCopied)?.sentence())
+    })
+    .into_iter();
     let distinct = |((failure, shrunk), merged): ((&Failure, Option<Shrunk>), usize)| DistinctFailure {
         failure: failure.clone(),
         merged,

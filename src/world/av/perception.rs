@@ -165,17 +165,14 @@ impl PerfectSensors {
             let lamps = world.town.traffic_lights.iter();
             self.lights.extend(lamps.map(|lamp| Light { trigger: lamp.stop, colour: clock.colour(lamp) }));
         }
-        let (town, signed) = (&world.town, world.vehicles[vehicle].speed_limit);
-        let place = world.vehicles[vehicle].state.pose.position();
-        let lane = town.has_limits().then(|| town.nearest_lane(place, LaneFilter::Driving)).flatten();
         Perception {
-            town,
+            town: &world.town,
             blueprint: &world.vehicles[vehicle].blueprint,
             tick: world.run_up + world.ticks,
             dt: world.dt,
             ego: driven(vehicle),
-            speed_limit: lane.and_then(|lane| town.limit(lane)).unwrap_or(signed),
-            signed_limit: Some(signed),
+            speed_limit: world.speed_limit(vehicle),
+            signed_limit: Some(world.vehicles[vehicle].speed_limit),
             route: &[],
             pedestrians: &self.pedestrians,
             vehicles: &self.vehicles,

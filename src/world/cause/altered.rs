@@ -49,6 +49,8 @@ pub enum Change {
     BrakesFully,
     /// It brakes until it stands, once it brakes.
     KeepsBraking,
+    /// The speed limit is at most this (m/s), in the run-up, too.
+    Limited(f64),
 }
 
 /// A driver with one thing changed.
@@ -220,7 +222,12 @@ impl Altered {
         {
             ego.velocity *= speed;
         }
-        of(&mut *self.driver, &Perception { ego, pedestrians: &self.pedestrians, obstacles, ..*perception })
+        let mut seen = Perception { ego, pedestrians: &self.pedestrians, obstacles, ..*perception };
+        if let Change::Limited(limit) = self.change {
+            seen.speed_limit = seen.speed_limit.min(limit);
+            seen.signed_limit = seen.signed_limit.map(|signed| signed.min(limit));
+        }
+        of(&mut *self.driver, &seen)
     }
 }
 

@@ -2,12 +2,15 @@ use std::sync::Arc;
 
 use super::altered::{BRAKING, Story};
 use super::{Change, Incident, Rerun, Reruns};
-use crate::env::{Criterion, Pair, PolicyMaker, Scenario};
+use crate::env::{Criterion, Pair, PolicyMaker, Scenario, VehicleFrame};
 use crate::geometry::Point;
 use crate::sim::{Control, WalkCommand};
 
 /// Time after the touch for which a run that avoids it goes on (s).
 const AFTER: f64 = 5.0;
+
+/// Maximum number of obstacles that are taken away, one at a time.
+const MAX_OBSTACLES: usize = 8;
 
 /// Runs of an incident with one thing changed.
 pub(super) struct Experiments<'a> {
@@ -16,7 +19,7 @@ pub(super) struct Experiments<'a> {
     pub base: Rerun,
     /// The scenario, which ends soon after the touch.
     scenario: Arc<Scenario>,
-    story: Arc<Story>,
+    pub story: Arc<Story>,
     reruns: Reruns,
     /// The same start, in an episode that only its length ends.
     probes: Reruns,
@@ -50,6 +53,16 @@ impl<'a> Experiments<'a> {
         Some(Self { incident, base, scenario, story, reruns, probes, others: 1 })
     }
 
+    /// Whether a run takes no run-up.
+    pub fn is_copied(&self) -> bool {
+        self.reruns.is_copied()
+    }
+
+    /// The speed limit at the start (m/s).
+    pub fn speed_limit(&self) -> f64 {
+        self.reruns.speed_limit
+    }
+
     /// The number of episodes up to now.
     pub fn runs(&self) -> u32 {
         self.reruns.runs + self.probes.runs + self.others
@@ -76,6 +89,22 @@ impl<'a> Experiments<'a> {
         self.reruns.run_with(&self.incident.commands, &(Arc::new(move |driver| story.alter(driver, change)) as _))
     }
 
+    /// Whether two changes at once turn the failure.
+    pub fn turns_with(&mut self, one: Change, other: Change) -> bool {
+        let story = self.story.clone();
+        let both = move |driver| story.alter(story.alter(driver, one), other);
+        let rerun = self.reruns.run_with(&self.incident.commands, &(Arc::new(both) as _));
+        rerun.is_some_and(|rerun| self.avoids(&rerun))
+    }
+
+    /// Whether the driver presses its brake no harder in a time before the end (s) than at the beginning of that time.
+    pub fn keeps_brake(&self, time: f64) -> bool {
+        let frames = self.base.trace.vehicle(0);
+        let last = &frames[frames.len().saturating_sub((time / self.dt()) as usize)..];
+        let brake = |frame: &VehicleFrame| frame.driven.control.brake;
+        last.first().is_none_or(|first| last.iter().all(|frame| brake(frame) <= brake(first) + BRAKING))
+    }
+
     /// Whether a run avoids the failure.
     fn avoids(&self, rerun: &Rerun) -> bool {
         rerun.outcome.counts() && !self.reruns.fails(rerun)
@@ -93,11 +122,38 @@ impl<'a> Experiments<'a> {
         self.is_turned_in(Arc::new(scenario))
     }
 
-    /// Whether it does not happen in another scenario with the same start.
+    /// Whether it does not happen in another scenario, from the same start of the pedestrian.
     pub fn is_turned_in(&mut self, scenario: Arc<Scenario>) -> bool {
         let mut reruns = Reruns::with(self.incident, scenario);
         self.others += 1;
-        reruns.run(&self.incident.commands).is_some_and(|rerun| self.avoids(&rerun))
+        let start = |rerun: &Rerun| rerun.trace.pedestrian(0).first().map(|first| first.pose);
+        let rerun = reruns.run(&self.incident.commands).filter(|rerun| start(rerun) == start(&self.base));
+        rerun.is_some_and(|rerun| self.avoids(&rerun))
+    }
+
+    /// What turns the failure if it is not there: the traffic lights, or one of the obstacles that hide the pedestrian. What was tried is noted.
+    pub fn without(&mut self, tried: &mut Vec<(String, bool)>) -> Option<String> {
+        let scenario = self.scenario.clone();
+        let mut turned = None;
+        if scenario.episode.traffic_lights && !scenario.town.traffic_lights.is_empty() {
+            let mut dark = Scenario::clone(&scenario);
+            dark.episode.traffic_lights = false;
+            let turns = self.is_turned_in(Arc::new(dark));
+            tried.push(("no traffic lights".into(), turns));
+            turned = turns.then(|| "traffic lights".to_owned());
+        }
+        let pair = self.pair();
+        let hidden = pair.frames().map(|frame| (pair.eye(&frame), frame.pedestrian.pose.position()));
+        let hiding = scenario.obstacles.hiding(hidden);
+        for place in hiding.into_iter().take(MAX_OBSTACLES) {
+            let (obstacles, middle) = scenario.obstacles.without(place);
+            let without = Scenario { obstacles: Arc::new(obstacles), ..Scenario::clone(&scenario) };
+            let turns = self.is_turned_in(Arc::new(without));
+            let name = format!("the obstacle at ({:.1} m, {:.1} m)", middle.x, middle.y);
+            tried.push((format!("without {name}"), turns));
+            turned = turned.or(turns.then_some(name));
+        }
+        turned
     }
 
     /// The last tick from which on a change turns it, if it does from the start on and not at the end.

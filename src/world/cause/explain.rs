@@ -1,18 +1,19 @@
-use std::sync::Arc;
-
 use super::altered::BRAKING;
 use super::experiments::Experiments;
 use super::profile::Profile;
+use super::setting::Variable;
 use super::{Change, Incident};
 use crate::av::{DrivingMode, Weakness};
-use crate::env::{DriverParts, PolicyMaker, Scenario, Setting};
-use crate::hardening::{Traffic, natural_traffic};
+use crate::env::DriverParts;
+use crate::hardening::Traffic;
 
 /// Response times above this (s) count as a delay: two ticks of most drivers are none.
 const PROMPT: f64 = 0.15;
 /// A driver that brakes less hard than this (m/s²) for somebody near brakes weakly: what UN Regulation 152 demands, and what the careful human of UN
 /// Regulation 157 does.
 const WEAK: (f64, f64) = (5.0, 7.59);
+/// A driver that ignores people presses its brake no harder in this time before the touch (s).
+const KEPT: f64 = 1.0;
 /// Response times that differ by more than this (s) show that the driver loses somebody.
 const FLICKER: f64 = 0.2;
 /// Multiples of a delay by which pedestrians are seen earlier: the driver's plan is late, too.
@@ -32,17 +33,8 @@ const SPARE: f64 = 1.0;
 const MAX: (f64, f64, f64) = (3.0, 6.0, 30.0);
 /// The time before a touch in which a car that drove off stood (s).
 const DROVE_OFF: f64 = 6.0;
-/// Ratios of a setting's value that are tried, and values in its unit if it is 0.
-const RATIOS: [f64; 4] = [1.25, 1.6, 2.5, 5.0];
-const FROM_ZERO: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 /// A driver that reacts earlier by this to a pedestrian from the other side (s) sees one side only.
 const EARLIER: f64 = 0.5;
-/// Steps of a bisection.
-const HALVINGS: u32 = 6;
-/// Maximum number of settings whose cost is compared.
-const MAX_COSTED: usize = 3;
-/// Natural crossings that show what a setting costs.
-const NATURAL: u32 = 40;
 
 /// Why a driver failed, by runs with one thing changed. Times are before the touch, or before the end of the episode that violates a requirement (s).
 #[derive(Debug, Clone, PartialEq)]
@@ -62,12 +54,29 @@ pub struct Cause {
     pub drove_off: Option<bool>,
     /// What of a driver was made perfect, one at a time, and whether that turns it.
     pub faculties: [(&'static str, bool); 4],
-    /// The smallest change of a setting that turns it; one that costs no faults in natural crossings comes first.
+    /// Two of these that turn it together, if none does alone and nothing else was found.
+    pub together: Option<[&'static str; 2]>,
+    /// The smallest change of a setting of the driver or of its sensors that turns it; one that costs no faults in natural crossings comes first.
     pub setting: Option<TurnedBy>,
+    /// The same of the world: a lower speed limit, a road with more friction.
+    pub world: Option<TurnedBy>,
+    /// What turns it if it is not there: the traffic lights, or an obstacle that hides the pedestrian.
+    pub without: Option<String>,
     /// What was tried, each with whether it turns the failure.
     pub tried: Vec<(String, bool)>,
     /// The number of episodes that it took, without the natural crossings.
     pub runs: u32,
+}
+
+/// What is asked about a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Questions {
+    /// The weakness, and what would have helped when.
+    Weakness,
+    /// The settings too; `None` for a driver that cannot be copied, such as a program, which drives its run-up in each of about a hundred runs.
+    OfCopied,
+    /// The settings too, of every driver. Those of the world are left out for one that cannot be copied.
+    All,
 }
 
 /// A setting with another value, with which a failure does not happen.
@@ -81,17 +90,26 @@ pub struct TurnedBy {
     pub natural: [Traffic; 2],
 }
 
-/// Finds out why an incident happened; `None` if it is not a failure when it is repeated. A driver that cannot be copied, such as a program, drives its
-/// run-up in each of about a hundred runs; it is left out unless `patient`.
-pub fn explain(incident: &Incident, patient: bool) -> Option<Cause> {
+/// Finds out why an incident happened; `None` if it is not a failure when it is repeated.
+pub fn explain(incident: &Incident, questions: Questions) -> Option<Cause> {
     let parts = &incident.scenario.cast.ego().parts;
-    let experiments = Experiments::new(incident, patient)?;
+    let experiments = Experiments::new(incident, questions != Questions::OfCopied)?;
     let mut inquiry = Inquiry { experiments, tried: Vec::new() };
     let facts = inquiry.facts()?;
     let (weakness, amount) = inquiry.weakness(parts, &facts);
-    let faculties = inquiry.faculties(parts, &facts);
-    let setting = inquiry.setting(&parts.settings);
-    let Inquiry { experiments, tried } = inquiry;
+    let (faculties, together) = inquiry.faculties(parts, &facts);
+    let together = together.filter(|_| weakness == Weakness::NotFound);
+    let Inquiry { mut experiments, mut tried } = inquiry;
+    let (mut setting, mut world, mut without) = (None, None, None);
+    if questions > Questions::Weakness {
+        let variables = Variable::of_driver(&parts.settings, &incident.scenario);
+        setting = experiments.setting(&variables, &mut tried);
+        if experiments.is_copied() {
+            let variables = Variable::of_world(&experiments);
+            world = experiments.setting(&variables, &mut tried);
+            without = experiments.without(&mut tried);
+        }
+    }
     let Facts { last, seen, reaction, braked, drove_off, .. } = facts;
     let before = |tick: u32| experiments.before(tick);
     Some(Cause {
@@ -103,7 +121,10 @@ pub fn explain(incident: &Incident, patient: bool) -> Option<Cause> {
         braked: braked.map(before),
         drove_off,
         faculties,
+        together,
         setting,
+        world,
+        without,
         tried,
         runs: experiments.runs(),
     })
@@ -165,9 +186,10 @@ impl Inquiry<'_> {
     /// The first weakness that explains the failure, with its amount.
     fn weakness(&mut self, parts: &DriverParts, facts: &Facts) -> (Weakness, Option<f64>) {
         self.tried.push(("nobody there".into(), false));
-        let Profile { latency, deceleration, releases, loses, .. } = facts.profile;
+        let Profile { latency, deceleration, releases, loses, gives_way, .. } = facts.profile;
         let dt = self.experiments.dt();
-        if facts.reaction.is_none() && latency.is_none() && self.ignores() {
+        self.tried.push(("somebody near: brakes harder, or leaves its way".into(), !gives_way));
+        if !gives_way && if facts.reaction.is_some() { self.experiments.keeps_brake(KEPT) } else { self.ignores() } {
             return (Weakness::Ignores, None);
         }
         if let Some(found) = self.parts(parts, latency.map(|latency| latency.0)) {
@@ -236,22 +258,35 @@ impl Inquiry<'_> {
         turns.then_some((Weakness::Delay, latency))
     }
 
-    /// Whether perfect perception, perfect prediction, a perfect brake, and no delay turn the failure.
-    fn faculties(&mut self, parts: &DriverParts, facts: &Facts) -> [(&'static str, bool); 4] {
+    /// Whether perfect perception, perfect prediction, a perfect brake, and no delay turn the failure, or else two of them together.
+    fn faculties(
+        &mut self,
+        parts: &DriverParts,
+        facts: &Facts,
+    ) -> ([(&'static str, bool); 4], Option<[&'static str; 2]>) {
         let it = &mut self.experiments;
-        let sees = parts.exact_sensors.as_ref().is_some_and(|exact| it.is_turned_by(exact));
-        let perception = sees || it.turns(Change::SeenThrough);
-        let prediction = [Change::TrueVelocity, Change::Foretold].into_iter().any(|change| it.turns(change));
-        let brake = [Change::BrakesFully, Change::KeepsBraking].into_iter().any(|change| it.turns(change));
         let late = facts.profile.latency.map_or(0, |(least, _)| (least / it.dt()).round() as u32);
-        let at_once = parts.prompt.as_ref().is_some_and(|prompt| it.is_turned_by(prompt));
-        let prompt = at_once || late > 0 && it.turns(Change::Earlier(late));
-        [
-            ("perfect perception", perception),
-            ("perfect prediction", prediction),
-            ("a perfect brake", brake),
-            ("no delay", prompt),
-        ]
+        let parts = [&parts.exact_sensors, &None, &None, &parts.prompt];
+        let changes: [(&str, Vec<Change>); 4] = [
+            ("perfect perception", vec![Change::SeenThrough]),
+            ("perfect prediction", vec![Change::TrueVelocity, Change::Foretold]),
+            ("a perfect brake", vec![Change::BrakesFully, Change::KeepsBraking]),
+            ("no delay", (late > 0).then_some(Change::Earlier(late)).into_iter().collect()),
+        ];
+        let each: Vec<_> = changes
+            .iter()
+            .zip(parts)
+            .map(|((what, changes), part)| {
+                let is_turned = part.as_ref().is_some_and(|part| it.is_turned_by(part));
+                (*what, is_turned || changes.iter().any(|change| it.turns(*change)))
+            })
+            .collect();
+        let mut pairs = (0..4).flat_map(|one| (one + 1..4).map(move |other| [one, other]));
+        let together = pairs.find(|[one, other]| {
+            let all = changes[*one].1.iter().flat_map(|one| changes[*other].1.iter().map(move |other| (*one, *other)));
+            each.iter().all(|(_, turns)| !turns) && { all }.any(|(one, other)| it.turns_with(one, other))
+        });
+        (std::array::from_fn(|place| each[place]), together.map(|pair| pair.map(|place| changes[place].0)))
     }
 
     /// Whether the driver gives the commands of an empty road wherever the pedestrian seems to be.
@@ -338,87 +373,4 @@ impl Inquiry<'_> {
         let slower = frames.windows(2).map(|pair| (pair[0].state.speed - pair[1].state.speed) / self.experiments.dt());
         slower.max_by(f64::total_cmp).filter(|_| frames.iter().any(|frame| frame.driven.control.brake > BRAKING))
     }
-
-    /// The setting whose value must change least to turn the failure, among those that cost no faults in natural crossings, or else among all.
-    fn setting(&mut self, settings: &[Setting]) -> Option<TurnedBy> {
-        let mut found: Vec<(f64, &Setting, f64)> = Vec::new();
-        for setting in settings {
-            let least = self.least_change(setting);
-            self.tried.push((format!("other values of `{}`", setting.name), least.is_some()));
-            found.extend(least.map(|(size, value)| (size, setting, value)));
-        }
-        let scenario = self.experiments.incident.scenario.clone();
-        if scenario.episode.friction.is_some() {
-            let mut dry = Scenario::clone(&scenario);
-            dry.cast.vehicles[0].blueprint.grip = f64::INFINITY;
-            let turns = self.experiments.is_turned_in(Arc::new(dry));
-            self.tried.push(("a dry road".into(), turns));
-        }
-        found.sort_by(|one, other| one.0.total_cmp(&other.0));
-        found.truncate(MAX_COSTED);
-        let seed = self.experiments.incident.seed.child("natural");
-        let traffic = |policy: PolicyMaker| {
-            let mut scenario = Scenario::clone(&scenario);
-            scenario.cast.vehicles[0].policy = policy;
-            natural_traffic(&Arc::new(scenario), NATURAL, &seed)
-        };
-        let (_, first, _) = *found.first()?;
-        let before = traffic((first.make)(first.value));
-        let turned = |(_, setting, value): (f64, &Setting, f64)| TurnedBy {
-            name: setting.name.clone(),
-            unit: setting.unit,
-            from: setting.value,
-            to: value,
-            natural: [before, traffic((setting.make)(value))],
-        };
-        found.into_iter().map(turned).min_by_key(|turned| turned.natural[1].faults.saturating_sub(before.faults))
-    }
-
-    /// The least change of a setting that turns the failure: its size, as a logarithm of the ratio, and the value.
-    fn least_change(&mut self, setting: &Setting) -> Option<(f64, f64)> {
-        let before = setting.value;
-        let size = |value: f64| match before == 0.0 {
-            true => 1.0 + value.abs(),
-            false => libm::log(value / before).abs(),
-        };
-        let mut best: Option<(f64, f64)> = None;
-        for up in [true, false] {
-            let steps = if before == 0.0 { FROM_ZERO } else { RATIOS };
-            let value = |step: f64| match (before == 0.0, up) {
-                (true, true) => step,
-                (true, false) => -step,
-                (false, true) => before * step,
-                (false, false) => before / step,
-            };
-            let mut fails = before;
-            for step in steps {
-                let mut helps = value(step).clamp(setting.bounds.0, setting.bounds.1);
-                if helps == fails || best.is_some_and(|(least, _)| size(helps) > 4.0 * least) {
-                    break;
-                }
-                if !self.experiments.is_turned_by(&(setting.make)(helps)) {
-                    fails = helps;
-                    continue;
-                }
-                for _ in 0..HALVINGS {
-                    let middle = rounded((helps + fails) / 2.0, (helps - before).abs());
-                    if middle == helps || middle == fails {
-                        break;
-                    }
-                    if self.experiments.is_turned_by(&(setting.make)(middle)) { helps = middle } else { fails = middle }
-                }
-                if best.is_none_or(|(least, _)| size(helps) < least) {
-                    best = Some((size(helps), helps));
-                }
-                break;
-            }
-        }
-        best
-    }
-}
-
-/// A value to about three digits of a change.
-fn rounded(value: f64, change: f64) -> f64 {
-    let digits = (2.0 - libm::floor(libm::log10(change.max(1e-9)))).clamp(0.0, 12.0) as usize;
-    format!("{value:.digits$}").parse().unwrap_or(value)
 }

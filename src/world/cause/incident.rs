@@ -31,6 +31,8 @@ pub struct Reruns {
     criterion: Criterion,
     /// The start after its run-up; `None` if it cannot be copied.
     begun: Option<Box<dyn Simulation>>,
+    /// The speed limit at the start (m/s).
+    pub speed_limit: f64,
     /// The number of episodes up to now.
     pub runs: u32,
 }
@@ -60,8 +62,10 @@ impl Reruns {
     /// From the start of an incident in another scenario, which has the same start: with another driver, or another world.
     pub fn with(incident: &Incident, scenario: Arc<Scenario>) -> Self {
         let draw = Draw::new(&incident.seed, incident.start);
-        let mut reruns = Self { scenario, draw, criterion: incident.criterion, begun: None, runs: 0 };
-        reruns.begun = reruns.begin(reruns.scenario.clone()).snapshot();
+        let mut reruns = Self { scenario, draw, criterion: incident.criterion, begun: None, speed_limit: 0.0, runs: 0 };
+        let begun = reruns.begin(reruns.scenario.clone());
+        reruns.speed_limit = begun.scene().world.speed_limit(0);
+        reruns.begun = begun.snapshot();
         reruns
     }
 

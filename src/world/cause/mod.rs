@@ -8,6 +8,7 @@
 //! exchanged of a driver of ours.
 
 mod altered;
+mod around;
 mod experiments;
 mod explain;
 mod failure_kind;
@@ -16,10 +17,12 @@ mod needs;
 mod plan;
 mod profile;
 mod sentence;
+mod setting;
 mod shrink;
 
 pub use altered::Change;
-pub use explain::{Cause, TurnedBy, explain};
+pub use around::{Around, StartRule, around};
+pub use explain::{Cause, Questions, TurnedBy, explain};
 pub use failure_kind::FailureKind;
 pub use incident::{Incident, Rerun, Reruns, WrapMaker};
 pub use needs::{Need, needs};

@@ -25,6 +25,8 @@ const MOVING: f64 = 1.0;
 /// Time in which a car that is asked does not brake by itself (s), nor turn by more than this (rad).
 const FREE: f64 = 1.5;
 const STRAIGHT: f64 = 0.05;
+/// How long a driver may take to give way to somebody near (s), and how far it then leaves its way at least (m).
+const GIVES_WAY: (f64, f64) = (2.0, 0.5);
 /// Halvings of a distance.
 const HALVINGS: u32 = 6;
 
@@ -47,6 +49,8 @@ pub(super) struct Profile {
     pub deceleration: f64,
     /// Whether it lets go of the brake while the car moves and is not there yet.
     pub releases: bool,
+    /// Whether it presses its brake harder, or leaves its way, for somebody who is near.
+    pub gives_way: bool,
 }
 
 /// The reaction of a driver to somebody who suddenly is there.
@@ -63,6 +67,8 @@ struct Probe<'a, 'b> {
     from: u32,
     speed: f64,
     empty: Rerun,
+    /// That of [`Profile`].
+    gives_way: bool,
 }
 
 impl Profile {
@@ -72,7 +78,7 @@ impl Profile {
         let (from, first, straight) = unhurried(empty.trace.vehicle(0), experiments.base.outcome.ticks, dt);
         let speed = empty.trace.vehicle(0).get(from as usize)?.state.speed;
         let mut profile = Self { speed, ..Self::default() };
-        let mut probe = Probe { experiments, from, speed: 1.0, empty };
+        let mut probe = Probe { experiments, from, speed: 1.0, empty, gives_way: false };
         for begin in [from, first] {
             if profile.latency.is_some() {
                 break;
@@ -98,6 +104,7 @@ impl Profile {
         let soon = from + 2 + profile.latency.map_or(0, |(_, most)| (most / dt).round() as u32);
         let side = |side: f64| probe.farthest(BESIDE.1, soon, |probe, left| probe.ask(BESIDE.0, side * left));
         profile.stands = [1.0, -1.0].map(side);
+        profile.gives_way = probe.gives_way;
         let ahead = |probe: &mut Probe<'_, '_>| probe.farthest(FAR, soon, |probe, ahead| probe.ask(ahead, ASIDE));
         let at_its_speed = ahead(&mut probe);
         probe.speed = FASTER;
@@ -144,7 +151,20 @@ impl Probe<'_, '_> {
         let place = pose.to_world(Vector::new(way, left));
         let rerun = self.experiments.appears(self.from, Some(place), self.speed)?;
         let tick = Experiments::differs(&self.empty, &rerun).filter(|tick| *tick >= self.from)?;
+        self.gives_way |= ahead <= BESIDE.0 && self.is_given_way(&rerun);
         Some(Response { from: self.from, tick, rerun })
+    }
+
+    /// Whether the driver soon presses its brake harder than on the empty road and than before, or leaves its way.
+    fn is_given_way(&self, rerun: &Rerun) -> bool {
+        let (from, dt) = (self.from as usize, self.experiments.dt());
+        let frames = [&rerun.trace, &self.empty.trace].map(|trace| &trace.vehicle(0)[from..]);
+        let before = frames[1][0].driven.control.brake + BRAKING;
+        let mut soon = frames[0].iter().zip(frames[1]).skip(1).take((GIVES_WAY.0 / dt) as usize);
+        soon.any(|(here, empty)| {
+            let aside = empty.state.pose.to_local(here.state.pose.position()).y.abs();
+            here.driven.control.brake > before.max(empty.driven.control.brake + BRAKING) || aside > GIVES_WAY.1
+        })
     }
 
     /// The farthest distance, up to a maximum, at which the driver reacts before a tick.

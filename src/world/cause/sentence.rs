@@ -15,7 +15,9 @@ impl Cause {
             (Some(_), Some(braked)) => format!("brakes {braked:.1} s before"),
         };
         let why = self.why();
-        let turned = self.setting.as_ref().map(|setting| format!("; {}", setting.text())).unwrap_or_default();
+        let without = self.without.as_ref().map(|what| format!("without {what} it avoids it"));
+        let turned = [&self.setting, &self.world].into_iter().flatten().map(TurnedBy::text).chain(without).next();
+        let turned = turned.map(|turned| format!("; {turned}")).unwrap_or_default();
         format!("The driver {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{turned}.", self.seen)
     }
 
@@ -24,7 +26,10 @@ impl Cause {
         let amount = self.amount;
         let by = |unit: &str| amount.map_or(String::new(), |amount| format!(" {amount:.1} {unit}"));
         match self.weakness {
-            Weakness::Ignores => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
+            Weakness::Ignores => match self.reacted {
+                None => "it ignores pedestrians, its commands are those of an empty road, bit for bit".into(),
+                Some(_) => "it ignores pedestrians who are near, it neither brakes for them nor leaves its way".into(),
+            },
             Weakness::Hidden => {
                 "an obstacle hides the pedestrian for too long, with sight through it the driver avoids it".into()
             }
@@ -53,11 +58,21 @@ impl Cause {
             Weakness::Corridor => {
                 format!("the pedestrian is outside the corridor that it watches; with{} more it avoids it", by("m"))
             }
-            Weakness::NotFound => {
-                let tried: Vec<&str> = self.tried.iter().map(|(what, _)| what.as_str()).collect();
-                format!("a cause was not found; tried: {}", tried.join(", "))
-            }
+            Weakness::NotFound => match self.together {
+                Some([one, other]) => format!("no single cause was found; {one} and {other} together avoid it"),
+                None => "a cause was not found".into(),
+            },
         }
+    }
+
+    /// What was tried, and what of it shows something.
+    pub fn trials(&self) -> String {
+        let words = |turns: bool| {
+            let words = self.tried.iter().filter(|(_, does)| *does == turns).map(|(what, _)| what.as_str());
+            Some(words.collect::<Vec<_>>().join(", ")).filter(|words| !words.is_empty())
+        };
+        let [does, not] = [true, false].map(|turns| words(turns).unwrap_or_else(|| "nothing".into()));
+        format!("Tried, and it helps or shows a weakness: {does}. Tried without effect: {not}.")
     }
 
     /// When braking and swerving help for the last time.

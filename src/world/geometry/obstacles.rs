@@ -3,6 +3,7 @@
 //! parry2d computes in `f32`. A town is hundreds of metres wide, so every exact query is made in the frame of one box, where an `f32`
 //! resolves micrometres. Only the search for nearby boxes uses world coordinates, with a margin.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use parry2d::bounding_volume::Aabb;
@@ -52,6 +53,24 @@ impl Obstacles {
     pub fn park(&mut self, vehicles: impl Iterator<Item = OrientedBox>) {
         self.parked.clear();
         self.parked.extend(vehicles.map(shaped));
+    }
+
+    /// The boxes of the town that stand between the two points of a line, by their numbers.
+    pub fn hiding(&self, lines: impl Iterator<Item = (Point, Point)>) -> BTreeSet<usize> {
+        let on_line = |(from, to): (Point, Point)| {
+            let query = BvhNode::leaf(bounds(from.inf(&to), from.sup(&to)), 0);
+            let near: Vec<u32> = self.fixed.index.leaves(move |node| node.intersects(&query)).collect();
+            let near = near.into_iter().map(|number| number as usize);
+            near.filter(|number| hides(&self.fixed.boxes[*number], from, to)).collect::<Vec<_>>()
+        };
+        lines.flat_map(on_line).collect()
+    }
+
+    /// The obstacles without a box of the town, with the middle of this one.
+    pub fn without(&self, number: usize) -> (Self, Point) {
+        let mut boxes: Vec<OrientedBox> = self.fixed.boxes.iter().map(|(each, _)| *each).collect();
+        let gone = boxes.remove(number);
+        (Self { parked: self.parked.clone(), ..Self::new(&boxes) }, gone.pose.position())
     }
 
     fn is_empty(&self) -> bool {
@@ -136,14 +155,16 @@ impl Obstacles {
         if self.is_empty() {
             return false;
         }
-        let hides = |(obstacle, shape): &Shaped| {
-            let (start, end) = (obstacle.pose.to_local(from), obstacle.pose.to_local(to));
-            let ray = Ray::new(single(start), single(end - start));
-            shape.cast_local_ray(&ray, 1.0, true).is_some()
-        };
         let mut others = self.parked.iter().filter(|(parked, _)| parked.distance_to(to) > 0.0);
-        self.fixed_between(from.inf(&to), from.sup(&to)).any(hides) || others.any(hides)
+        self.fixed_between(from.inf(&to), from.sup(&to)).any(|each| hides(each, from, to))
+            || others.any(|each| hides(each, from, to))
     }
+}
+
+/// Whether a box stands between two points.
+fn hides((obstacle, shape): &Shaped, from: Point, to: Point) -> bool {
+    let (start, end) = (obstacle.pose.to_local(from), obstacle.pose.to_local(to));
+    shape.cast_local_ray(&Ray::new(single(start), single(end - start)), 1.0, true).is_some()
 }
 
 impl std::fmt::Debug for Obstacles {

@@ -5,7 +5,7 @@ use super::{
     VehicleBlueprint, VehicleState, WalkCommand,
 };
 use crate::geometry::Obstacles;
-use crate::road::Town;
+use crate::road::{LaneFilter, Town};
 
 /// A town with vehicles and pedestrians in it. Vehicle 0 is the ego, the car under test.
 ///
@@ -91,6 +91,14 @@ impl World {
     /// The car under test.
     pub fn ego(&self) -> &Vehicle {
         &self.vehicles[0]
+    }
+
+    /// The speed limit of a vehicle (m/s): that of its lane where the map has limits, else that of the last sign, or 30 km/h.
+    pub fn speed_limit(&self, vehicle: usize) -> f64 {
+        let (town, vehicle) = (&self.town, &self.vehicles[vehicle]);
+        let place = vehicle.state.pose.position();
+        let lane = town.has_limits().then(|| town.nearest_lane(place, LaneFilter::Driving)).flatten();
+        lane.and_then(|lane| town.limit(lane)).unwrap_or(vehicle.speed_limit)
     }
 
     /// Time since the start (s).

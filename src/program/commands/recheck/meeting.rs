@@ -6,14 +6,19 @@ use super::RecheckArgs;
 use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, places, with_driver};
 use super::encounters::{MetAgain, cross};
 use crate::cli::external_world::external_world;
+use crate::commands::compare::MAX_EXPLAINED;
 use crate::session::{EpisodeName, Error, Event, Input, RecheckStage, Session, Source, WhichPrograms};
+use base::seed::Seed;
 use compile::{Campaign, RunId};
 use process::ProcessOpener;
 use results::failure::{Failure, FoundBy};
 use results::parallel;
-use results::report::{CrossedStarts, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy};
-use world::env::{ExternalWorld, Scenario};
-use world::falsifier::{Goal, crossings};
+use results::report::{
+    CrossedStarts, Encounter, Encounters, Recheck, RecheckNote, RecheckedFailures, StoredReport, WalkedBy,
+};
+use world::cause::{Incident, Questions, explain};
+use world::env::{Criterion, ExternalWorld, Outcome, Scenario, Trace};
+use world::falsifier::{Goal, crossings, evaluate_crossings, recorded_commands};
 
 /// Values of a component of a crossing on the fixed list.
 const LEVELS: u32 = 2;
@@ -47,9 +52,10 @@ impl Session {
         notes.extend(sides.world.iter().map(|world| RecheckNote::elsewhere(world)));
         let failures = sides.meet_failures(&pairs, self, &mut notes)?;
         let crossings = sides.cross_all(&pairs, options.starts(), self, &mut notes);
+        let causes = if options.fail_if.is_empty() { Vec::new() } else { sides.causes(&pairs, &crossings) };
         let report = options.report.clone();
         let files = options.files.clone();
-        let mut recheck = Recheck { report, files, notes, failures, crossings };
+        let mut recheck = Recheck { report, files, notes, failures, crossings, causes };
         recheck.adjust();
         Ok(recheck)
     }
@@ -130,6 +136,7 @@ impl<'a> Tally<'a> {
 }
 
 /// A setup in which a report has a driver.
+#[derive(Clone)]
 struct Setup<'a> {
     town: &'a str,
     /// Its number in the town, from 0.
@@ -285,7 +292,7 @@ impl Sides {
         let Setup { town, number, scenario } = setup;
         let new = self.new_driver(&pair.after, town, None).expect("the new driver is in a campaign");
         let before = self.is_there(&pair.before).then_some(scenario);
-        let seed = self.old.seed.child("recheck").child(town);
+        let seed = self.fixed_seed(town);
         CrossedStarts {
             policies: [pair.before.clone(), pair.after.clone()],
             town: (*town).to_owned(),
@@ -294,6 +301,41 @@ impl Sides {
             encounters: cross(goals, before, &with_driver(scenario, new), starts, seed, &|| tally.add()),
             holm: None,
         }
+    }
+
+    /// Why the new drivers have their worst new faults on the fixed list.
+    fn causes(&self, pairs: &[DriverPair], crossed: &[CrossedStarts]) -> Vec<String> {
+        let setups =
+            pairs.iter().flat_map(|pair| self.setups(&pair.before).into_iter().map(move |setup| (pair, setup)));
+        let new =
+            |encounter: &&Encounter| encounter.after.fault && encounter.before.is_some_and(|before| !before.fault);
+        let mut found: Vec<_> = setups
+            .zip(crossed)
+            .flat_map(|(of, row)| row.encounters.valid().filter(new).map(move |encounter| (of.clone(), row, encounter)))
+            .collect();
+        let speed = |encounter: &Encounter| encounter.after.impact_speed.unwrap_or(0.0);
+        found.sort_by(|(.., one), (.., other)| speed(other).total_cmp(&speed(one)));
+        let cause = |((pair, Setup { town, scenario, .. }), row, encounter): &(
+            (&DriverPair, Setup<'_>),
+            &CrossedStarts,
+            &Encounter,
+        )| {
+            let scenario = with_driver(scenario, self.new_driver(&pair.after, town, None)?);
+            let start = u32::try_from(encounter.start).ok()?;
+            let goal = crossings(LEVELS)[encounter.crossing as usize];
+            let seed = self.fixed_seed(town);
+            let note = &mut |_: &Outcome, trace: &Trace| recorded_commands(trace);
+            let commands = evaluate_crossings(&[goal], &scenario, start..start + 1, seed, note).pop()??;
+            let incident = Incident { scenario, seed, start: start.into(), commands, criterion: Criterion::Collision };
+            let name = &encounter.change(row.title())?.sides[1].name;
+            Some(format!("{name}: {}", explain(&incident, Questions::OfCopied)?.sentence()))
+        };
+        found.iter().take(MAX_EXPLAINED).filter_map(cause).collect()
+    }
+
+    /// The seed of the starts of the fixed list in a town.
+    fn fixed_seed(&self, town: &str) -> Seed {
+        self.old.seed.child("recheck").child(town)
     }
 
     /// The different setups in which the report has a driver, numbered in each town.

@@ -9,6 +9,7 @@ use crate::cli::failure::{failed, misused, unwritten};
 use crate::cli::output::Output;
 use crate::commands::compare;
 use crate::commands::condition::{self, Condition};
+use crate::commands::episode::RepeatArgs;
 use crate::exit_code::{Ended, ExitCode};
 use crate::session::{CampaignReport, RunReport};
 use results::report::{self, Gate, GateError, Judged, SearchCell, Suite};
@@ -70,7 +71,11 @@ impl GateArgs {
                 // The output has events only.
                 Output::Json => console::note(text.trim_end()),
             }
-            compare::judge(&conditions, &comparison)
+            let code = compare::judge(&conditions, &comparison)?;
+            if code == ExitCode::GateFailed {
+                compare::tell_causes(&comparison, &RepeatArgs::default());
+            }
+            Ok(code)
         };
         let codes = run.reports().map(|report| against(report).unwrap_or_else(|code| code));
         codes.fold(ExitCode::Done, ExitCode::or)

@@ -19,7 +19,7 @@ use crate::report::aggregate::{
 };
 use compile::{NoRunId, RunId};
 use world::av::DrivingMode;
-use world::cause::Cause;
+use world::cause::{Around, Cause};
 use world::env::Impact;
 use world::judge::Label;
 use world::sim::WalkCommand;
@@ -254,6 +254,8 @@ pub struct ListedFailure {
     pub merged: Option<u64>,
     /// Why it happened; `None` if that was not asked or is not known.
     pub cause: Option<Cause>,
+    /// Which starts around it fail; `None` if that was not asked or is not known.
+    pub around: Option<Around>,
 }
 
 /// Failures with the folders of their reports as a table, one row each, in the order given.
@@ -311,6 +313,10 @@ pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
         .column(
             Column::<String>::new("cause", "", "why the driver failed, a sentence; missing without --why")
                 .of(|row: &Listed| row.cause.as_ref().map(Cause::sentence)),
+        )
+        .column(
+            Column::<String>::new("around", "", "which starts around it fail, a sentence; missing without --why")
+                .of(|row: &Listed| row.around.as_ref().map(Around::sentence)),
         )
         .frame(failures)
 }
