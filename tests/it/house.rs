@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_418),
-    ("src/world", 36_104),
+    ("src/world", 36_132),
     ("src/ported", 4_642),
     ("src/lang", 6_573),
     ("src/compile", 7_971),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_833),
-    ("src/program", 12_241),
-    ("tests", 27_883),
+    ("src/results", 25_855),
+    ("src/program", 12_318),
+    ("tests", 27_914),
 ];
 
 /// Crates that only some places may name.

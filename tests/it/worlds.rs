@@ -47,6 +47,18 @@ fn a_check_of_a_bridge_names_what_is_wrong() {
         let (code, text) = check(&format!("python3 {} {fault}", top("tests/external/world.py")));
         assert!(code == Some(5) && text.contains(message), "{fault}: {text}");
     }
+    let file = place.path().join("towns.scn");
+    let scenario = std::fs::read_to_string(top("scenarios/external/my_world.scn")).unwrap();
+    std::fs::write(&file, scenario.replace("../lib", "std")).unwrap();
+    std::fs::copy(top("scenarios/external/my_world.py"), place.path().join("my_world.py")).unwrap();
+    let compare = |fault: &str| {
+        let command = format!("python3 {} {fault}", top("tests/external/world.py"));
+        said(&["check", "--allow-external", "--world", &command, "towns.scn"], place.path())
+    };
+    let (code, text) = compare("none");
+    assert!(code == Some(0) && text.contains("0.050 m apart on average and at most 0.050 m"), "{text}");
+    let (code, text) = compare("shifted");
+    assert!(code == Some(5) && text.contains("it has lanes up to 300 mm from those of the town"), "{text}");
     let (code, text) = check("no_such_program --here");
     assert!(code == Some(5) && text.contains("no_such_program"), "{text}");
 }
@@ -84,5 +96,14 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
         assert_eq!(row["still_faults"], row["old_faults"], "our kinematics: {row}");
         assert_eq!(row["still_collisions"], row["failures"], "{row}");
         assert_eq!(row["still_fault_share"].is_null(), row["old_faults"] == 0, "{row}");
+        assert_eq!(row["walked_by"], "controller", "a recorded walk says little there");
     }
+    let sampled = falsify(&[&arguments[..], &["--sample", "1"]].concat(), place.path());
+    let sampled: serde_json::Value = serde_json::from_slice(&sampled.stdout).unwrap();
+    let rows = sampled["failures"].as_array().unwrap();
+    let sum = |column: &str| rows.iter().map(|row| row[column].as_u64().unwrap()).sum::<u64>();
+    assert!(sum("old_faults") <= 1 && sum("failures") == sum("old_faults") + 1, "one near miss: {rows:?}");
+    assert_eq!((sum("turned_faults"), sum("failed_encounters")), (0, 0), "our kinematics: {rows:?}");
+    let (code, text) = said(&[&arguments[..], &["--only", "1a2b3c4d:0"]].concat(), place.path());
+    assert!(code == Some(2) && text.contains("has no collision and no near miss 1a2b3c4d:0"), "{text}");
 }

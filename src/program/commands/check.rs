@@ -18,7 +18,7 @@ use base::files;
 use driver_trial::{TrialArgs, try_driver};
 use fix::fix;
 use lang::{Reader, reason};
-use world_trial::try_world;
+use world_trial::{compare_lanes, try_world};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -34,6 +34,7 @@ Examples:
   falsify check --driver sumo                the same for a driver that others wrote; says what is not installed
   falsify check --world 'python3 mine.py'    see whether a bridge to another simulator speaks the protocol of
                                              docs/src/how-to/worlds.md, and moves cars and pedestrians as it is told
+  falsify check --world metadrive my.scn     compare the lanes of the towns in a file
 
 Exit codes: 0 no errors   2 missing file   3 errors   5 the driver or the world failed";
 
@@ -44,7 +45,7 @@ pub struct CheckArgs {
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
     /// Scenario files; `-` is the standard input.
-    #[arg(required_unless_present = "tried", conflicts_with = "tried", value_name = "FILE")]
+    #[arg(required_unless_present = "tried", conflicts_with_all = ["driver", "stack"], value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Replacements of parts of the files.
     #[command(flatten)]
@@ -95,7 +96,11 @@ impl Reader for InputAndFiles {
 /// `falsify check`
 pub fn check(options: &CheckArgs) -> Ended {
     if let Some(world) = &options.trial.world {
-        return Ok(try_world(&options.trial, world));
+        return if options.files.is_empty() {
+            Ok(try_world(&options.trial, world))
+        } else {
+            compare_lanes(options, world)
+        };
     }
     if let Some(words) = options.trial.words() {
         return Ok(try_driver(&options.trial, words));

@@ -59,9 +59,16 @@ pub struct RecheckArgs {
     /// Give a parameter or a key of the new drivers another value, as `v1.margin=1 m`.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub settings: Vec<String>,
-    /// Another simulator in which the new drivers drive: metadrive or sumo of the Python package, or the command of a bridge.
+    /// Another simulator in which the new drivers drive: a name of the Python package, as metadrive, or the command of a bridge.
     #[arg(long, value_name = "WORLD")]
     pub world: Option<String>,
+    /// Meet at most N faults, and N collisions that are no fault or near misses, of each driver in each town, spread evenly over the report. A near miss
+    /// is an episode without a touch whose smallest gap is below 1 m. Without it all collisions are met.
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000))]
+    pub sample: Option<u32>,
+    /// Meet this collision or near miss again, and no others; may be given several times.
+    #[arg(long, value_name = "RUN:EPISODE")]
+    pub only: Vec<String>,
     /// The number of starts in each town from which both drivers meet 120 crossings; 0 leaves these out. 20 by default, and 0 in another simulator.
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=100_000))]
     pub starts: Option<u32>,

@@ -33,7 +33,7 @@ pub struct TrialArgs {
     /// Try a driver that others wrote, by its name in the Python package: sumo, openpilot_like, pdm_closed, fiss, commonroad.
     #[arg(long = "driver", value_name = "NAME", group = "tried")]
     pub stack: Option<String>,
-    /// Try a bridge to another simulator: metadrive or sumo of the Python package, or a command.
+    /// Try a bridge to another simulator: a name of the Python package, as metadrive, or a command. With files, compare the lanes of their towns.
     #[arg(long, value_name = "WORLD", group = "tried")]
     pub world: Option<String>,
     /// Time limit of the driver's answer to a tick, in seconds.

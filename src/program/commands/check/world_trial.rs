@@ -1,12 +1,16 @@
 //! The conformance test of a bridge to another simulator: real episodes in a small town, a check that they repeat, and a car that turns to the left.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::driver_trial::{TrialArgs, failed, first_difference, first_fault, passed, proving_grounds, told};
+use super::{CheckArgs, for_people};
 use crate::cli::external_world::external_world;
+use crate::cli::failure::failed as no_files;
+use crate::cli::input::session;
 use crate::cli::{console, interrupt};
-use crate::exit_code::ExitCode;
+use crate::exit_code::{Ended, ExitCode};
 use base::seed::{Seed, Stream};
 use world::av::{Cruise, CruiseKeys, DrivingMode, DrivingPolicy, Native, NativeKeys, Perception};
 use world::env::{Draw, Outcome, PolicyMaker, Scenario, Trace, WORLD_PROTOCOL};
@@ -97,6 +101,35 @@ pub fn try_world(options: &TrialArgs, world: &str) -> ExitCode {
         console::say(&format!("        it has no {}", cannot.join(", no ")));
     }
     ExitCode::Done
+}
+
+/// `falsify check --world WORLD FILES`: how far the lanes of a world are from those of the towns in scenario files.
+pub fn compare_lanes(options: &CheckArgs, name: &str) -> Ended {
+    let input = options.given.input(&options.files);
+    let found = session(options.given.allow_external).check(&input).map_err(no_files)?;
+    let Ok(plan) = found.plan() else { return Ok(for_people(&found)) };
+    interrupt::end_when_asked();
+    let times = (options.trial.timeout, options.trial.start_timeout);
+    let world = match external_world(name, Arc::new(options.trial.opener()), times) {
+        Ok(world) => Arc::new(world),
+        Err(reason) => return Ok(failed(&format!("greets as {WORLD_PROTOCOL}: {reason}"))),
+    };
+    let mut compared = BTreeSet::new();
+    let mut ended = ExitCode::Done;
+    for (town, scenario) in plan.campaigns.iter().flat_map(|campaign| campaign.starts()) {
+        if !compared.insert(town) {
+            continue;
+        }
+        match world.lanes(scenario) {
+            Ok(Some(lanes)) => passed(&format!(
+                "has the lanes of {town}: {:.3} m apart on average and at most {:.3} m, at {} places",
+                lanes.mean, lanes.farthest, lanes.places
+            )),
+            Ok(None) => console::say(&format!("        it has no lanes to compare with those of {town}")),
+            Err(fault) => ended = failed(&format!("has the lanes of {town}: {}", told(fault))),
+        }
+    }
+    Ok(ended)
 }
 
 fn native_driver(driver: String) -> PolicyMaker {

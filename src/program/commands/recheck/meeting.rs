@@ -20,6 +20,9 @@ use world::cause::{Incident, Questions, explain};
 use world::env::{Criterion, ExternalWorld, Outcome, Scenario, Trace};
 use world::falsifier::{Goal, crossings, evaluate_crossings, recorded_commands};
 
+/// The gap between car and pedestrian below which an episode without a touch is a near miss (m).
+const NEAR: f64 = 1.0;
+
 /// Values of a component of a crossing on the fixed list.
 const LEVELS: u32 = 2;
 
@@ -50,7 +53,7 @@ impl Session {
             changed.map(|program| RecheckNote::OldDriverGone { reason: format!("{program} since the report") }),
         );
         notes.extend(sides.world.iter().map(|world| RecheckNote::elsewhere(world)));
-        let failures = sides.meet_failures(&pairs, self, &mut notes)?;
+        let failures = sides.meet_failures(&pairs, options, self, &mut notes)?;
         let crossings = sides.cross_all(&pairs, options.starts(), self, &mut notes);
         let causes = if options.fail_if.is_empty() { Vec::new() } else { sides.causes(&pairs, &crossings) };
         let report = options.report.clone();
@@ -162,20 +165,33 @@ impl Sides {
     fn meet_failures(
         &self,
         pairs: &[DriverPair],
+        options: &RecheckArgs,
         session: &Session,
         notes: &mut Vec<RecheckNote>,
     ) -> Result<Vec<RecheckedFailures>, Error> {
         let mut rows = Vec::new();
         let [mut other_now, mut other_start, mut damaged, mut commands_alone] = [0; 4];
         let mut found: Vec<(&DriverPair, BTreeMap<RunId, Vec<Failure>>)> = Vec::new();
+        // A violation of a requirement that is no collision has no verdict to compare.
+        let mut all = self.old.report.failures()?;
+        all.retain(|failure| failure.violation.is_none() && failure.is_failure());
+        if options.sample.is_some() || !options.only.is_empty() {
+            all.extend(self.old.report.near_misses(NEAR)?);
+        }
+        if !options.only.is_empty() {
+            all.retain(|failure| options.only.contains(&failure.name()));
+            if let Some(name) = options.only.iter().find(|name| all.iter().all(|failure| failure.name() != **name)) {
+                let report = options.report.display();
+                return Err(Error::Usage(format!("`{report}` has no collision and no near miss {name}")));
+            }
+        }
+        if let Some(most) = options.sample {
+            all = sample(all, most as usize);
+        }
         for pair in pairs {
             let mut runs: BTreeMap<RunId, Vec<Failure>> = BTreeMap::new();
-            // A violation of a requirement that is no collision has no verdict to compare.
-            let is_collision = |failure: &Failure| {
-                failure.key.cell.policy == pair.before && failure.violation.is_none() && failure.is_failure()
-            };
-            for failure in self.old.report.failures()?.into_iter().filter(is_collision) {
-                runs.entry(failure.key.id).or_default().push(failure);
+            for failure in all.iter().filter(|failure| failure.key.cell.policy == pair.before) {
+                runs.entry(failure.key.id).or_default().push(failure.clone());
             }
             found.push((pair, runs));
         }
@@ -352,6 +368,20 @@ impl Sides {
         }
         setups
     }
+}
+
+/// At most this number of faults and of others of each driver in each town, spread evenly.
+fn sample(all: Vec<Failure>, most: usize) -> Vec<Failure> {
+    let mut groups: BTreeMap<(String, String, bool), Vec<Failure>> = BTreeMap::new();
+    for failure in all {
+        let key = (failure.key.cell.policy.clone(), failure.key.cell.town.clone(), failure.fault);
+        groups.entry(key).or_default().push(failure);
+    }
+    let spread = |group: Vec<Failure>| {
+        let (count, chosen) = (group.len(), group.len().min(most));
+        (0..chosen).map(move |place| group[place * count / chosen].clone())
+    };
+    groups.into_values().flat_map(spread).collect()
 }
 
 /// Whether encounters in two scenarios of a town are the same.

@@ -9,7 +9,7 @@ use super::{ReadError, StoredReport};
 use crate::failure::{Failure, FoundBy, Violation, is_occluded};
 use crate::record::columns::{
     CONTROLLER, DIGEST, DRIVING_MODE, EPISODE, EPISODE_LENGTH, FAULT, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT,
-    POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
+    MIN_GAP, POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
 use crate::record::{CellKey, Column, EPISODES, EpisodeTable, RunKey, Signed, Table};
 use crate::report::aggregate::{
@@ -92,6 +92,23 @@ impl StoredReport {
             self.add_lengths(&mut violated)?;
         }
         found.extend(violated);
+        Ok(found)
+    }
+
+    /// Episodes of evaluations without a touch, in which the gap between car and pedestrian was smaller than this (m) at some time.
+    ///
+    /// # Errors
+    /// As [`StoredReport::failures`].
+    pub fn near_misses(&self, gap: f64) -> Result<Vec<Failure>, ReadError> {
+        let mut found = Vec::new();
+        self.each_part(EPISODES, ROWS, |rows| {
+            let (table, gaps) = (EpisodeTable::new(rows)?, MIN_GAP.read(rows)?);
+            let is_near = |row: usize| gaps.get(row).is_some_and(|smallest| smallest < gap);
+            for row in table.rows().filter(|row| table.counts(*row) && !table.is_touch(*row) && is_near(*row)) {
+                found.push(Failure::new(RunKey::read(rows, row)?, FoundBy::Evaluation, table.episode(row).into()));
+            }
+            Ok(())
+        })?;
         Ok(found)
     }
 

@@ -43,9 +43,9 @@ impl Met {
         }
     }
 
-    /// The end of a failure as its report has it.
+    /// The end of a failure, or of a near miss, as its report has it.
     pub fn stored(failure: &Failure) -> Self {
-        Self { impact_speed: Some(failure.impact_speed), fault: failure.fault, error: false }
+        Self { impact_speed: failure.impact.map(|_| failure.impact_speed), fault: failure.fault, error: false }
     }
 
     /// An encounter that was not run, since its driver failed as a program over and over.

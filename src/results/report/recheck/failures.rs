@@ -37,11 +37,12 @@ impl RecheckedFailures {
         format!("{} in {}, failures of the {found_in}, by {walked_by}", drivers(&self.policies), self.town)
     }
 
-    /// The share of the old driver's faults that the new driver still has, and its interval (95 %); `None` without faults.
-    pub fn survival(&self) -> Option<(f64, (f64, f64))> {
-        let all = self.encounters.count(|before, _| before.fault).filter(|all| *all > 0)?;
-        let still = self.encounters.count(|before, after| before.fault && after.fault)?;
-        Some((still as f64 / all as f64, clopper_pearson(still, all, 0.05)))
+    /// The share of the old driver's faults that are faults of the new driver, and its interval (95 %); of the other encounters if `was_fault` is false.
+    /// `None` without any.
+    pub fn fault_share(&self, was_fault: bool) -> Option<(f64, (f64, f64))> {
+        let all = self.encounters.count(|before, _| before.fault == was_fault).filter(|all| *all > 0)?;
+        let faults = self.encounters.count(|before, after| before.fault == was_fault && after.fault)?;
+        Some((faults as f64 / all as f64, clopper_pearson(faults, all, 0.05)))
     }
 
     /// The failures, as they end for both drivers.

@@ -6,11 +6,18 @@ fn other_policy<'t, R: 't>(name: impl Fn(&R) -> String + 't) -> crate::record::E
     Column::<String>::new("other_policy", "", "name of the new driving policy").of(name)
 }
 
+/// What the ends of an interval are.
+const LOW: &str = "its interval (95 %, Clopper and Pearson): lower end";
+const HIGH: &str = "upper end";
+
 /// The failures of a report that were met again as a table, one row for each set.
 pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
     type Row = RecheckedFailures;
     let injuries = |name, doc| Column::<f64>::new(name, "", doc);
     let is = |is: fn(&Met, &Met) -> bool| move |row: &Row| row.encounters.count(is);
+    let share = |name, doc, role| Column::<f64>::new(name, "", doc).with_role(role);
+    let of_share =
+        |was_fault, part: fn((f64, (f64, f64))) -> f64| move |row: &Row| row.fault_share(was_fault).map(part);
     Table::new("recheck_failures", "One row for each driver, town, source of failures and way to move the pedestrian.")
         .column(POLICY.of(|row: &Row| row.policies[0].clone()))
         .column(other_policy(|row: &Row| row.policies[1].clone()))
@@ -19,7 +26,7 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
         .text("walked_by", "what moves the pedestrian: `controller`, or the recorded `commands`", |row| {
             row.walked_by.name()
         })
-        .count("failures", "collisions in the report, met again", is(|_, _| true))
+        .count("failures", "collisions in the report, met again; with --sample near misses, too", is(|_, _| true))
         .count("old_faults", "of them faults of the old driver", is(|before, _| before.fault))
         .count(
             "still_faults",
@@ -27,25 +34,22 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
             is(|before, after| before.fault && after.fault),
         )
         .column(
-            Column::<f64>::new("still_fault_share", "", "`still_faults` as a share of `old_faults`")
-                .with_role(Role::Share)
-                .of(|row: &Row| row.survival().map(|(share, _)| share)),
+            share("still_fault_share", "`still_faults` as a share of `old_faults`", Role::Share)
+                .of(of_share(true, |share| share.0)),
         )
-        .column(
-            Column::<f64>::new("still_fault_share_low", "", "its interval (95 %, Clopper and Pearson): lower end")
-                .with_role(Role::LowerBound)
-                .of(|row: &Row| row.survival().map(|(_, (low, _))| low)),
-        )
-        .column(
-            Column::<f64>::new("still_fault_share_high", "", "upper end")
-                .with_role(Role::UpperBound)
-                .of(|row: &Row| row.survival().map(|(_, (_, high))| high)),
-        )
+        .column(share("still_fault_share_low", LOW, Role::LowerBound).of(of_share(true, |share| share.1.0)))
+        .column(share("still_fault_share_high", HIGH, Role::UpperBound).of(of_share(true, |share| share.1.1)))
         .count(
             "turned_faults",
             "failures that were no fault of the old driver and are one of the new",
             is(|before, after| !before.fault && after.fault),
         )
+        .column(
+            share("turned_fault_share", "`turned_faults` as a share of `failures` without `old_faults`", Role::Share)
+                .of(of_share(false, |share| share.0)),
+        )
+        .column(share("turned_fault_share_low", LOW, Role::LowerBound).of(of_share(false, |share| share.1.0)))
+        .column(share("turned_fault_share_high", HIGH, Role::UpperBound).of(of_share(false, |share| share.1.1)))
         .count(
             "still_collisions",
             "failures that are still collisions with the new driver",

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::message::{self, Begin, Body, Car, Load, Model, Moved, Pedals, Step, Walker, read_loaded, read_moved};
-use super::{ExternalWorld, Loaded};
+use super::{ExternalWorld, LaneMatch, Loaded};
 use crate::av::Fault;
 use crate::av::external::Peer;
 use crate::env::{PedestrianRole, Scenario};
@@ -93,10 +93,10 @@ impl Bridge {
         }
     }
 
-    /// Starts the program if it does not run, and lets it load the town.
-    fn start(&mut self, scenario: &Scenario) -> Result<(), Fault> {
+    /// Starts the program if it does not run, and lets it load the town. Returns how well the lanes match; `None` if they were not compared now.
+    pub(super) fn start(&mut self, scenario: &Scenario) -> Result<Option<LaneMatch>, Fault> {
         if self.peer.as_ref().is_some_and(Peer::is_running) {
-            return Ok(());
+            return Ok(None);
         }
         let lanes = places(&scenario.town);
         if self.peer.is_none() {
@@ -105,20 +105,28 @@ impl Bridge {
             let (peer, has_town) = self.world.take(&self.load);
             self.peer = Some(peer);
             if has_town {
-                return Ok(());
+                return Ok(None);
             }
         }
         let Some(peer) = &mut self.peer else { return Err(Fault::NotStarted) };
         peer.forgive();
         peer.ready(message::hello, |line| message::read_greeting(line).map(|_| ()))?;
         let loaded = peer.exchange(&self.load, self.world.start_timeout, &mut self.answer, read_loaded)?;
-        let Some(theirs) = loaded.lanes else { return Ok(()) };
+        let Some(theirs) = loaded.lanes else { return Ok(None) };
         if theirs.len() != lanes.len() {
             return Err(Fault::Answer("not one place for each place on the lanes"));
         }
         let apart = |(ours, theirs): (&[f64; 2], &[f64; 2])| libm::hypot(ours[0] - theirs[0], ours[1] - theirs[1]);
-        let farthest = lanes.iter().zip(&theirs).map(apart).fold(0.0, f64::max);
-        if farthest > LANES { Err(Fault::Lanes { millimetres: millimetres(farthest) }) } else { Ok(()) }
+        let apart: Vec<f64> = lanes.iter().zip(&theirs).map(apart).collect();
+        let farthest = apart.iter().copied().fold(0.0, f64::max);
+        if farthest > LANES {
+            return Err(Fault::Lanes { millimetres: millimetres(farthest) });
+        }
+        Ok(Some(LaneMatch {
+            places: lanes.len(),
+            mean: apart.iter().sum::<f64>() / lanes.len().max(1) as f64,
+            farthest,
+        }))
     }
 
     /// Moves the car by a control, after the pedestrians have walked; returns its new state.

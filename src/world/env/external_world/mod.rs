@@ -15,6 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::av::Fault;
 use crate::av::external::{Opener, Peer, Program, ProgramKeys};
+use crate::env::Scenario;
 use crate::road::Town;
 use base::keys;
 
@@ -57,8 +58,19 @@ struct Loaded {
     load: Vec<u8>,
 }
 
-/// Maximum number of idle programs: each may take a gigabyte.
-const MAX_IDLE: usize = 2;
+/// Maximum number of idle programs: MetaDrive takes 0.3 GB, and seconds to load a town.
+const MAX_IDLE: usize = 6;
+
+/// How far the lanes of another simulator are from those of a town (m), at places on the middle of lanes outside junctions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneMatch {
+    /// Number of places.
+    pub places: usize,
+    /// Mean distance.
+    pub mean: f64,
+    /// Maximum distance.
+    pub farthest: f64,
+}
 
 impl ExternalWorld {
     /// Makes one. If the opener asks, the program is started, asked what its simulator can do, and ended.
@@ -81,6 +93,14 @@ impl ExternalWorld {
             Peer::new(opener.clone(), program.clone(), start_timeout).ready(message::hello, greeted)?;
         }
         Ok(Self { program, opener, timeout, start_timeout, write_map, idle: Arc::default(), abilities })
+    }
+
+    /// Compares the lanes of the town of a scenario, by starting the program; `None` if the simulator has no lanes.
+    ///
+    /// # Errors
+    /// The program failed, or the lanes are farther apart than an episode allows.
+    pub fn lanes(self: &Arc<Self>, scenario: &Scenario) -> Result<Option<LaneMatch>, Fault> {
+        Bridge::new(self.clone()).start(scenario)
     }
 
     /// An idle program that has loaded what this message says, or a new one.
