@@ -1,6 +1,6 @@
 """A world of your own: a bridge to another simulator, here one of ten lines. Copy it and put your simulator in the three places.
 
-It answers the messages of `docs/src/how-to/worlds.md` on its standard output and uses nothing but the standard library.
+It answers the messages of `docs/src/how-to/bridge.md` on its standard output and uses nothing but the standard library.
 
     falsify check --world 'python3 scenarios/external/my_world.py'
     falsify run --allow-external scenarios/external/my_world.scn

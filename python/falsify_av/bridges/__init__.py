@@ -1,7 +1,8 @@
 """Other simulators as worlds: the bridges that ship, and what serves a bridge.
 
 Each is a program that a scenario names, ``world metadrive = bridge(command: "python3 -m falsify_av.bridges metadrive")``, and that
-``falsify check --world metadrive`` tries. ``docs/src/how-to/worlds.md`` describes the messages, and says what each simulator is and can do.
+``falsify check --world metadrive`` tries. ``docs/src/how-to/worlds.md`` says what each simulator is and can do, and
+``docs/src/how-to/bridge.md`` describes the messages.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ BRIDGES = {
         "metadrive", "MetaDrive", ("metadrive", "sumolib", "sumo"), "metadrive-simulator==0.4.3 eclipse-sumo==1.28.0 sumolib==1.28.0", (3, 11)
     ),
     "sumo": Stack("sumo", "SUMO", ("libsumo", "sumo"), "libsumo==1.28.0 eclipse-sumo==1.28.0"),
+    "carla": Stack("carla", "CARLA's client", ("carla",), "carla==0.9.16"),
 }
 
 
@@ -45,19 +47,24 @@ def state(x: float, y: float, yaw: float, speed: float, pedestrians: list[tuple[
     return {"ego": {"x": x, "y": y, "yaw": yaw, "speed": speed}, "pedestrians": pedestrians}
 
 
+def answer(world: World, line: bytes) -> bytes:
+    """The answer to a message."""
+    message = json.loads(line)
+    kind = message["type"]
+    if kind == "hello":
+        said = {"protocol": message["protocol"], **world.about}
+    elif kind == "load":
+        said = {"lanes": world.load(message)}
+    elif kind == "begin":
+        said = {"tick": 0, **world.begin(message)}
+    else:
+        said = {"tick": message["tick"], **world.step(message)}
+    return json.dumps(said).encode() + b"\n"
+
+
 def serve(world: World) -> None:
     """Answer the messages on the standard input until it ends."""
     out = answers()
     for line in sys.stdin.buffer:
-        message = json.loads(line)
-        kind = message["type"]
-        if kind == "hello":
-            answer = {"protocol": message["protocol"], **world.about}
-        elif kind == "load":
-            answer = {"lanes": world.load(message)}
-        elif kind == "begin":
-            answer = {"tick": 0, **world.begin(message)}
-        else:
-            answer = {"tick": message["tick"], **world.step(message)}
-        out.write(json.dumps(answer).encode() + b"\n")
+        out.write(answer(world, line))
         out.flush()

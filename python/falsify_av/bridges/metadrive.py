@@ -2,7 +2,8 @@
 
 A driver of ours gives an acceleration and an angle of the front wheels, which forces at the wheels of MetaDrive's default car carry out, as far as its tyres
 allow. MetaDrive's own drivers use its pedals. The town comes through SUMO's `netconvert`. Options: `mended` gives pedestrians the attribute
-whose lack blinds `IDMPolicy`; `substeps=N` sets the physics steps of a tick.
+whose lack blinds `IDMPolicy`; `substeps=N` sets the physics steps of a tick; `exact=speed`, `exact=path` and `exact=both` give the car the speed, the path, or both of
+our car after each tick, which shows what of MetaDrive's dynamics makes a difference.
 """
 
 from __future__ import annotations
@@ -14,28 +15,33 @@ from pathlib import Path
 
 from . import Message, roads, state
 
-DRIVERS = ("IDMPolicy", "TrajectoryIDMPolicy")
+DRIVERS = ("IDMPolicy", "TrajectoryIDMPolicy", "ExpertPolicy")
+EXACT = ("speed", "path", "both")
 SUBSTEPS = 5  # Physics steps of a tick.
 
 
 def world(words: list[str]) -> MetaDrive:
     """The world for `python3 -m falsify_av.bridges metadrive WORDS`."""
     options = dict(word.partition("=")[::2] for word in words)
-    unknown = sorted(set(options) - {"mended", "substeps"})
+    unknown = sorted(set(options) - {"mended", "substeps", "exact"})
     if unknown:
-        raise SystemExit(f"metadrive has no option {', '.join(unknown)}; it has mended, substeps=N")
-    return MetaDrive("mended" in options, int(options.get("substeps", SUBSTEPS)))
+        raise SystemExit(f"metadrive has no option {', '.join(unknown)}; it has mended, substeps=N, exact=WHAT")
+    exact = options.get("exact")
+    if exact is not None and exact not in EXACT:
+        raise SystemExit(f"exact={exact} is not one of {', '.join(EXACT)}")
+    return MetaDrive("mended" in options, int(options.get("substeps", SUBSTEPS)), exact)
 
 
 class MetaDrive:
     """One engine of MetaDrive with a car and pedestrians."""
 
-    def __init__(self, mended: bool, substeps: int) -> None:
-        self.mended, self.substeps = mended, substeps
+    def __init__(self, mended: bool, substeps: int, exact: str | None) -> None:
+        self.mended, self.substeps, self.exact = mended, substeps, exact
         versions = ", ".join(f"{name} {version(name)}" for name in ("metadrive-simulator", "eclipse-sumo"))
+        options = (", mended pedestrians" if mended else "") + (f", exact {exact}" if exact else "")
         self.about: Message = {
             "name": "metadrive",
-            "version": f"{versions}, {substeps} steps a tick{', mended pedestrians' if mended else ''}",
+            "version": f"{versions}, {substeps} steps a tick{options}",
             "drivers": list(DRIVERS),
             "friction": False,
             "lights": False,
@@ -47,7 +53,7 @@ class MetaDrive:
         # Its import takes seconds, and a greeting must not wait for it.
         from .metadrive_engine import Flat
 
-        self.wheelbase = message["vehicle"]["wheelbase"]
+        self.wheelbase, self.tick = message["vehicle"]["wheelbase"], message["tick_s"]
         with tempfile.TemporaryDirectory() as folder:
             net = roads.convert(message["map"], Path(folder))
             self.env = Flat(net, message["tick_s"] / self.substeps, self.substeps, message["pedestrians"], self.mended)
@@ -71,9 +77,24 @@ class MetaDrive:
         self.place(message["pedestrians"])
         return self.now()
 
+    def correct(self, before: Message, control: Message) -> None:
+        """Give the car what our car has after a tick: its path, its speed, or both."""
+        slip = math.atan(math.tan(control["wheel_angle"]) / 2)
+        way, heading = before["speed"] * self.tick, before["yaw"] + slip
+        car, after = self.env.agent, self.now()["ego"]
+        yaw, speed = after["yaw"], after["speed"]
+        if self.exact != "speed":
+            yaw = before["yaw"] + way * math.sin(slip) * 2 / self.wheelbase
+            car.set_position(self.theirs(before["x"] + way * math.cos(heading), before["y"] + way * math.sin(heading)))
+            car.set_heading_theta(yaw)
+        if self.exact != "path":
+            speed = max(before["speed"] + control["acceleration"] * self.tick, 0.0)
+        car.set_velocity((speed * math.cos(yaw), speed * math.sin(yaw)))
+
     def step(self, message: Message) -> Message:
         """One tick. MetaDrive's driver sees the pedestrians as they were at its start."""
         control = message["control"]
+        before = self.now()["ego"]
         self.commanded.acceleration = control["acceleration"]
         # The same curvature with its own wheelbase.
         car = self.env.agent
@@ -81,6 +102,8 @@ class MetaDrive:
         angle = math.atan(math.tan(control["wheel_angle"]) * wheelbase / self.wheelbase)
         self.commanded.angle = max(-car.max_steering, min(car.max_steering, math.degrees(angle)))
         self.env.step([0.0, 0.0])
+        if self.exact:
+            self.correct(before, control)
         self.place(message["pedestrians"])
         return self.now()
 

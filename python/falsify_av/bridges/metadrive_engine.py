@@ -8,20 +8,25 @@ from typing import Any
 
 import numpy as np
 from metadrive.component.lane.point_lane import PointLane
+from metadrive.component.navigation_module.node_network_navigation import NodeNetworkNavigation
 from metadrive.component.traffic_participants.pedestrian import Pedestrian
 from metadrive.engine.asset_loader import AssetLoader
 from metadrive.envs import BaseEnv
+from metadrive.examples.ppo_expert import numpy_expert
 from metadrive.manager.base_manager import BaseManager
 from metadrive.manager.sumo_map_manager import SumoMapManager
 from metadrive.obs.observation_base import DummyObservation
+from metadrive.obs.state_obs import LidarStateObservation
 from metadrive.policy.env_input_policy import EnvInputPolicy
+from metadrive.policy.expert_policy import ExpertPolicy
 from metadrive.policy.idm_policy import IDMPolicy, TrajectoryIDMPolicy
 from metadrive.version import VERSION
 
 AWAY = (-5e3, -5e3)  # m: where pedestrians wait for an episode.
 SETTLING = 60  # Ticks until the springs of a new car are at rest.
 LANE = 3.5  # m: width of the lane along a route.
-NATIVE = {"IDMPolicy": IDMPolicy, "TrajectoryIDMPolicy": TrajectoryIDMPolicy}
+PIECE = 50.0  # m: of a route, whose ends are the checkpoints of `ExpertPolicy`; it sees them up to this distance.
+DECISION = 0.1  # s: between decisions of `ExpertPolicy`, as it was trained.
 
 
 def prepare_assets() -> None:
@@ -53,10 +58,39 @@ class Commanded(EnvInputPolicy):
         self.action_info["action"] = [0.0, 0.0]
 
 
+class Expert(ExpertPolicy):
+    """MetaDrive's trained driver, which sees what it was trained with: its lidar, and checkpoints of the route."""
+
+    def __init__(self, car: Any, seed: int) -> None:
+        super().__init__(car, seed)
+        config = self.engine.global_config.copy()
+        config["vehicle_config"].update({
+            "navigation_module": NodeNetworkNavigation,
+            "lidar": {"num_lasers": 240, "distance": 50, "num_others": 4, "gaussian_noise": 0.0, "dropout_prob": 0.0},
+        })
+        numpy_expert._expert_observation = LidarStateObservation(config)
+        numpy_expert._expert_weights = np.load(numpy_expert.ckpt_path)
+        # It draws its actions from numpy's own stream.
+        np.random.seed(seed)
+        tick = config["physics_world_step_size"] * config["decision_repeat"]
+        self.ticks, self.every = 0, max(round(DECISION / tick), 1)
+
+    def act(self, agent: str) -> Any:
+        """A new action if it is time for one."""
+        self.ticks += 1
+        return super().act(agent) if (self.ticks - 1) % self.every == 0 else self.action_info["action"]
+
+
+NATIVE = {"IDMPolicy": IDMPolicy, "TrajectoryIDMPolicy": TrajectoryIDMPolicy, "ExpertPolicy": Expert}
+
+
 class Route:
     """What MetaDrive's drivers ask of a navigation: one lane, along the route."""
 
-    def __init__(self, lane: PointLane) -> None:
+    MAX_LANE_WIDTH = 4.5  # m: of MetaDrive's maps, to scale observations.
+
+    def __init__(self, lane: PointLane, car: Any) -> None:
+        self.car = car
         lane.index = ("start", "end", 0)
         self.current_lane, self.current_ref_lanes, self.next_ref_lanes = lane, [lane], None
         self.map = self
@@ -71,6 +105,17 @@ class Route:
 
     def get_current_lateral_range(self, *_: Any) -> float:
         return float(self.current_lane.width)
+
+    def get_navi_info(self) -> list[float]:
+        """The next two checkpoints as the car sees them, each with the bend before it: none."""
+        lane, car = self.current_lane, self.car
+        along, _ = lane.local_coordinates(car.position)
+        info: list[float] = []
+        for number in (1, 2):
+            way = lane.position(min((along // PIECE + number) * PIECE, lane.length), 0.0) - car.position
+            way = way / max(np.hypot(*way) / PIECE, 1.0)
+            info += [*((part / PIECE + 1) / 2 for part in car.convert_to_local_coordinates(way, 0.0)), 0.0, 0.5, 0.5]
+        return info
 
     def __getattr__(self, name: str) -> Any:
         # The car attaches, detaches and destroys its navigation.
@@ -155,7 +200,10 @@ class Flat(BaseEnv):
         """Let MetaDrive's own driver drive along a route."""
         lane = PointLane(np.array(points), LANE)
         car = self.agent
-        car.navigation = Route(lane)
+        car.navigation = Route(lane, car)
+        # What a reset has measured along the last route.
+        car.update_dist_to_left_right()
+        car.last_heading_dir = car.heading
         for body in self.walkers.bodies:
             body.route = lane
         policy = NATIVE[driver]
