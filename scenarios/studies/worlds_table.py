@@ -1,26 +1,23 @@
-"""The tables of `reports/worlds.md` from reports of `worlds.scn`: `python3 scenarios/studies/worlds_table.py [--native] REPORT...`.
+"""The tables of `reports/worlds.md` from what `worlds.scn` makes:
 
-Each report is a seed. Episodes are paired by town, driver, pedestrian, run and number: they have one start. Left out are pairs of which one is in error or
-left out, and pairs with other starts.
+    worlds_table.py FULL.json...                     how many faults remain faults, and how many near misses become faults
+    worlds_table.py --causes FULL.json OTHER.json... how many of those that differ are as at home with one thing changed
+    worlds_table.py --native REPORT...               the drivers of other simulators
 
-- faults: of the faults here, those that are faults there, with the interval (95 %, Clopper and Pearson)
-- near misses: of the episodes here without a fault and with a gap below 1 m, those that are faults there
-- why a fault is none there: no contact; a contact that no driver could have avoided; a contact with a car at rest
+A JSON file is the output of `falsify recheck --format json`, one for each seed. Intervals are those of Clopper and Pearson (95 %).
 """
 
 import csv
+import json
 import math
 import sys
 from collections import Counter, defaultdict
 from pathlib import Path
 
-HERE, NEAR = "here", 1.0  # The world of the program; m
-
 
 def rows(folder):
     with open(Path(folder) / "episodes.csv", newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            yield (folder, row["town"], row["policy"], row["controller"], row["run"], row["episode"]), row
+        yield from csv.DictReader(file)
 
 
 def tail(successes, trials, share):
@@ -54,53 +51,49 @@ def share(successes, trials):
     return f"{successes} of {trials}: {100 * successes / trials:.1f} % ({100 * low:.1f} to {100 * high:.1f})"
 
 
-def is_fault(row):
-    return row["fault"] == "true"
+def agreement(files):
+    counts = defaultdict(Counter)
+    for file in files:
+        for row in json.loads(Path(file).read_text())["failures"]:
+            for driver in (row["policy"], None):
+                counts[driver].update({name: row[name] for name in ("failures", "old_faults", "still_faults", "turned_faults", "failed_encounters")})
+    print("| driver | faults that remain faults | near misses that become faults | errors |\n|---|--:|--:|--:|")
+    for driver, own in sorted(counts.items(), key=lambda item: item[0] is None):
+        others = own["failures"] - own["old_faults"]
+        cells = [share(own["still_faults"], own["old_faults"]), share(own["turned_faults"], others), str(own["failed_encounters"])]
+        print(f"| {f'`{driver}`' if driver else '**all**'} | {' | '.join(cells)} |")
 
 
-def counts(row):
-    return not row["error"] and not row["left_out"]
+def ends(file):
+    """For each encounter whether it is a fault at home and there, and what it is there."""
+    found = {}
+    for change in json.loads(Path(file).read_text())["failure_changes"]:
+        before, after = (change[side].get("collision") for side in ("before", "after"))
+        what = "no contact" if not after else "a fault" if after["fault"] else "a contact without fault"
+        found[change["before"]["name"]] = (bool(before and before["fault"]), bool(after and after["fault"]), what)
+    return found
 
 
-def why(there):
-    if there["collision"] != "true":
-        return "a car at rest" if there["outcome"] == "bump" else "no contact"
-    return f"a contact that is {there['counts_as'] or there['verdict']}"
-
-
-def agreement(folders):
-    worlds = defaultdict(dict)
-    for folder in folders:
-        for key, row in rows(folder):
-            worlds[row["world"]][key] = row
-    print("| world | driver | faults that remain faults | near misses that become faults | left out |\n|---|---|--:|--:|--:|")
-    reasons = Counter()
-    for world in sorted(set(worlds) - {HERE}):
-        pairs = [(worlds[HERE][key], row) for key, row in worlds[world].items() if key in worlds[HERE]]
-        drivers = list(dict.fromkeys(here["policy"] for here, _ in pairs))
-        for driver in [*drivers, None]:
-            own = [pair for pair in pairs if driver in (None, pair[0]["policy"])]
-            fit = [(here, there) for here, there in own if counts(here) and counts(there) and here["start"] == there["start"]]
-            faults = [pair for pair in fit if is_fault(pair[0])]
-            near = [pair for pair in fit if not is_fault(pair[0]) and float(pair[0]["least_gap_m"] or "inf") < NEAR and pair[0]["outcome"] != "bump"]
-            cells = [share(sum(is_fault(there) for _, there in some), len(some)) for some in (faults, near)]
-            print(f"| {world} | {f'`{driver}`' if driver else '**all**'} | {' | '.join(cells)} | {len(own) - len(fit)} |")
-            if driver is None:
-                reasons.update((world, why(there)) for _, there in faults if not is_fault(there))
-    print("\n| world | what a fault became | number |\n|---|---|--:|")
-    for (world, reason), number in sorted(reasons.items(), key=lambda item: -item[1]):
-        print(f"| {world} | {reason} | {number} |")
+def causes(full, others):
+    differ = {name: end for name, end in ends(full).items() if end[0] != end[1]}
+    print(Counter(("a fault" if end[0] else "no fault", end[2]) for end in differ.values()))
+    print("| changed | faults that are faults again | others that are none again |\n|---|--:|--:|")
+    for other in others:
+        again = ends(other)
+        lost = [again[name][1] for name, end in differ.items() if end[0]]
+        turned = [not again.get(name, (False, False))[1] for name, end in differ.items() if not end[0]]
+        print(f"| `{Path(other).stem}` | {sum(lost)} of {len(lost)} | {sum(turned)} of {len(turned)} |")
 
 
 def native(folders):
     groups = defaultdict(list)
     for folder in folders:
-        for (_, town, *_), row in rows(folder):
+        for row in rows(folder):
             groups[row["world"], row["policy"], row["controller"]].append(row)
     print("| world | driver | pedestrian | faults | collisions | fastest fault (m/s) | left out |\n|---|---|---|--:|--:|--:|--:|")
     for (world, policy, controller), own in groups.items():
-        fit = [row for row in own if counts(row)]
-        faults = [row for row in fit if is_fault(row)]
+        fit = [row for row in own if not row["error"] and not row["left_out"]]
+        faults = [row for row in fit if row["fault"] == "true"]
         fastest = max((float(row["impact_speed_mps"]) for row in faults), default=None)
         hits = sum(row["collision"] == "true" for row in fit)
         figures = [share(len(faults), len(fit)), share(hits, len(fit)), f"{fastest:.1f}" if fastest else "–", str(len(own) - len(fit))]
@@ -108,5 +101,10 @@ def native(folders):
 
 
 if __name__ == "__main__":
-    given = sys.argv[1:]
-    native(given[1:]) if given[:1] == ["--native"] else agreement(given)
+    match sys.argv[1:]:
+        case ["--native", *folders]:
+            native(folders)
+        case ["--causes", full, *others]:
+            causes(full, others)
+        case files:
+            agreement(files)

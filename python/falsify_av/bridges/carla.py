@@ -60,7 +60,7 @@ class Carla:
         self.world.apply_settings(settings)
         first = message["lanes"][0]
         kinds = self.world.get_blueprint_library()
-        self.car = self.world.spawn_actor(kinds.find(CAR), pose(*first, 0.0, ABOVE))
+        self.car = self.world.spawn_actor(kinds.find(CAR), pose(first[0], first[1], 0.0, ABOVE))
         self.middle = self.car.bounding_box.location.x
         away = [pose(first[0], first[1] + 20.0 * (number + 1), 0.0, ABOVE) for number, _ in enumerate(message["pedestrians"])]
         self.walkers = [self.world.spawn_actor(kinds.find(WALKER), place) for place in away]
