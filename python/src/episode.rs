@@ -18,7 +18,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     let name = match outcome.ending {
         Ending::Touch { moving: true, .. } => "collision",
         Ending::Touch { moving: false, .. } => "bump",
-        Ending::OtherContact => "other_contact",
+        Ending::OtherContact { .. } => "other_contact",
         Ending::Lost => "lost",
         Ending::Timeout => "timeout",
         Ending::Error(_) | Ending::ControllerError(_) | Ending::WorldError(_) => "error",

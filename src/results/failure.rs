@@ -99,6 +99,8 @@ pub struct Failure {
     pub length: f64,
     /// Length of the whole episode (s); `None` if it is not known.
     pub episode_length: Option<f64>,
+    /// The roles of the other actors that it needs, such as `child van`; `None` if that was not asked.
+    pub needs: Option<String>,
     /// The requirement that is violated; `None` of a collision or a bump.
     pub violation: Option<Violation>,
 }

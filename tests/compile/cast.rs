@@ -214,7 +214,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     let length = 2.0 * scenario.cast.ego().blueprint.half_length;
     assert!((contact.ahead - length).abs() < 1e-3 && contact.aside.abs() < 0.1, "{contact:?}");
     assert!(contact.impact_speed > 7.0 && contact.is_front(0.1));
-    assert_eq!(outcome.ending, Ending::OtherContact);
+    assert_eq!(outcome.touched(), Some((ActorId::EGO, ActorId::Vehicle(1))));
     assert!(!outcome.is_collision() && outcome.least_gap > 20.0);
     assert_eq!(contact.pedestrian_at_ego(), None);
     let pair = trace.main_pair(&scenario);
@@ -238,7 +238,7 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     let (outcome, trace) = run(&scenario, [STANDING, running]);
     let contact = *trace.contact().unwrap();
     assert_eq!(contact.pair, (ActorId::EGO, ActorId::Pedestrian(1)));
-    assert!(matches!(outcome.ending, Ending::Touch { front: true, moving: true, .. }), "{outcome:?}");
+    assert!(matches!(outcome.ending, Ending::Touch { pedestrian: 1, front: true, moving: true, .. }), "{outcome:?}");
     assert!(outcome.reward > 3.0 && outcome.least_gap == 0.0);
     let pair = trace.main_pair(&scenario);
     assert_eq!(pair.frame(0).pedestrian.pose, in_lane.pose);
@@ -259,7 +259,7 @@ fn traffic_that_touches_a_pedestrian_ends_the_episode_too() {
     let scenario = Arc::new(two_and_two("follower", ("blind", ahead(40.0)), (in_lane, Controller::Fixed(STANDING))));
     let (outcome, trace) = run(&scenario, [STANDING; 2]);
     assert_eq!(trace.contact().unwrap().pair, (ActorId::Vehicle(1), ActorId::Pedestrian(1)));
-    assert_eq!(outcome.ending, Ending::OtherContact);
+    assert_eq!(outcome.ending, Ending::OtherContact { pair: (ActorId::Vehicle(1), ActorId::Pedestrian(1)) });
     assert!(trace.pair(&scenario, 1, 1).contact.is_some() && trace.main_pair(&scenario).contact.is_none());
 }
 

@@ -31,6 +31,15 @@ fn a_cast_runs_to_a_page_and_a_failure_names_the_actors_that_it_needs() {
     let head: Vec<&str> = episodes.lines().next().unwrap().split(',').collect();
     let place = head.iter().position(|name| *name == "episode").unwrap();
     let name = format!("{run_id}:{}", hit.split(',').nth(place).unwrap());
+    let actors = std::fs::read_to_string(report.join("actors.csv")).unwrap();
+    let rows = actors.lines().filter(|line| line.starts_with(&name.replace(':', ","))).count();
+    assert_eq!(rows, 8, "each actor of {name} has a row: {actors}");
+    assert!(actors.lines().any(|line| line.contains(",vehicle,0,ego,") && line.ends_with(",true,")), "{actors}");
+    for text in [&page, &std::fs::read_to_string(report.join("summary.md")).unwrap()] {
+        assert!(text.contains("need two or more actors"), "{text}");
+    }
+    let listed = said(&falsify(&["failures", "reports/family", "--format", "json"], here));
+    assert!(listed.lines().all(|line| line.contains("\"needs\":\"")), "{listed}");
     let again = falsify(&["replay", &name], here);
     let text = said(&again);
     assert!(again.status.success() && text.contains("as in the report, in every column"), "{text}");

@@ -15,7 +15,7 @@ use crate::session::{ChangedProgram, EpisodeName, EpisodePath, Error, RepeatOpti
 pub use all::{ReplayAllOptions, ReplayedReport, Retrained};
 use results::failure::{no_verdict, part_of, unit_of};
 use results::report::{self, Narrative, StoredReport};
-use world::cause::{Cause, Need, TurnedBy};
+use world::cause::{Cause, Need, TurnedBy, needed};
 use world::judge::JudgedDegree;
 use world::sim::time_of;
 
@@ -204,24 +204,6 @@ fn tell(replay: &Replay, narrative: &Narrative, cause: Option<&Cause>, needs: &[
     }
     let edited = report.changed_files().unwrap_or_default();
     reasons(report, programs, &edited).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
-}
-
-/// Which actors a failure needs, as a sentence.
-fn needed(needs: &[Need]) -> String {
-    let named = |wanted: bool| {
-        let mut names: Vec<String> = Vec::new();
-        for need in needs.iter().filter(|need| need.is_needed == wanted) {
-            let name = format!("`{}`", need.name);
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        names.join(", ")
-    };
-    match needs.iter().any(|need| need.is_needed) {
-        true => format!("It needs {}: without any one of them it does not happen.", named(true)),
-        false => format!("It needs none of {}: without any one of them it happens as well.", named(false)),
-    }
 }
 
 /// Makes an object of the result, for programs.

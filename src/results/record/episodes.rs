@@ -182,7 +182,7 @@ fn ending(ending: &Ending) -> &'static str {
     match ending {
         Ending::Touch { moving: true, .. } => named::COLLISION,
         Ending::Touch { moving: false, .. } => named::BUMP,
-        Ending::OtherContact => named::OTHER_CONTACT,
+        Ending::OtherContact { .. } => named::OTHER_CONTACT,
         Ending::Lost => named::LOST,
         Ending::Timeout => named::TIMEOUT,
         Ending::Error(_) | Ending::ControllerError(_) | Ending::WorldError(_) => named::ERROR,

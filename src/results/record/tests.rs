@@ -70,7 +70,7 @@ pub(crate) fn row(episode: u32, ending: Ending) -> EpisodeRow {
 }
 
 fn rows() -> Vec<EpisodeRow> {
-    let hit = Ending::Touch { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
+    let hit = Ending::Touch { pedestrian: 0, front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
     vec![
         row(0, hit),
         row(1, Ending::Timeout),

@@ -1,7 +1,7 @@
 //! All tables of a report with their columns.
 
 use super::metric_table::metric_table_reference;
-use super::{aggregate, infer};
+use super::{actors, aggregate, infer};
 use crate::jobs::KINDS;
 use crate::record::{TableReference, episode_references};
 
@@ -15,7 +15,11 @@ pub fn catalogue() -> Vec<TableReference> {
         infer::comparison_table().reference(),
     ];
     all.extend(KINDS.iter().flat_map(|kind| (kind.references)()));
-    all.extend([aggregate::protocol_table().reference(), aggregate::tick_table().reference()]);
+    all.extend([
+        actors::actor_reference(),
+        aggregate::protocol_table().reference(),
+        aggregate::tick_table().reference(),
+    ]);
     all
 }
 

@@ -1,3 +1,4 @@
+use super::actors::{CastFailure, cast_failures};
 use super::aggregate::cells;
 use super::caution::{Caution, cautions};
 use super::distinct::listed_findings;
@@ -22,6 +23,8 @@ pub struct Findings<'a> {
     pub drivers: Vec<DriverResult>,
     /// The distinct ones among the worst failures.
     pub distinct: Vec<DistinctFailure>,
+    /// The listed failures of a campaign with a cast, and which actors they need.
+    pub cast_failures: Vec<CastFailure>,
     /// Published figures beside ours.
     pub published: Vec<PublishedComparison<'a>>,
     /// The results in the tests of a protocol within its layers.
@@ -47,6 +50,7 @@ impl<'a> Findings<'a> {
         let drivers = driver_results(&campaign.drivers, &cells, &gathered.failures, finished.all::<SearchResult>());
         let mut found = Self {
             distinct: Vec::new(),
+            cast_failures: Vec::new(),
             drivers,
             published: beside(&campaign.published, &cells, evidence),
             layers: layer_cells(campaign, finished.all::<SearchResult>()),
@@ -60,6 +64,7 @@ impl<'a> Findings<'a> {
             gathered,
         };
         found.distinct = listed_findings(&found, seed);
+        found.cast_failures = cast_failures(&found, seed);
         found
     }
 }

@@ -3,6 +3,7 @@
 //! Four jobs, a folder each: `aggregate` makes runs and cells of episodes, `infer` their evidence for further trainings, `render`
 //! text and pictures, and `read` reads a report back. The rest writes files.
 
+mod actors;
 mod aggregate;
 mod infer;
 mod failure_change;
@@ -34,6 +35,7 @@ mod dossier;
 mod write;
 
 // What was found: rates, cells, drivers, searches.
+pub use actors::CastFailure;
 pub(crate) use aggregate::search_table;
 pub use aggregate::{
     Cell, Colour, DriverResult, Episodes, Failures, Gathered, Rate, Run, SearchCell, beside, driver_results,

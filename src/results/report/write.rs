@@ -1,3 +1,4 @@
+use super::actors::{ACTORS, actors};
 use super::aggregate::{PROTOCOL, RESULTS, protocol_table, results};
 use super::dossier::dossier;
 use super::infer::ComparedRow;
@@ -39,6 +40,9 @@ pub fn write(
     if !gathered.protocol.is_empty() || !found.layers.is_empty() {
         let all: Vec<_> = gathered.protocol.iter().chain(&found.layers).cloned().collect();
         folder.table(PROTOCOL, &protocol_table().frame(&all))?;
+    }
+    if !found.cast_failures.is_empty() {
+        folder.table(ACTORS, &actors(&found.cast_failures))?;
     }
     folder.file("summary.md", summary(found, sections, manifest).as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;

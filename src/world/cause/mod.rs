@@ -25,6 +25,6 @@ pub use around::{Around, StartRule, around};
 pub use explain::{Cause, Questions, TurnedBy, explain};
 pub use failure_kind::FailureKind;
 pub use incident::{Incident, Rerun, Reruns, WrapMaker};
-pub use needs::{Need, needs};
+pub use needs::{Need, needed, needed_names, needs};
 pub use plan::{Plan, Segment};
 pub use shrink::{Limit, Shrunk, shrink};

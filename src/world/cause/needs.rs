@@ -36,3 +36,25 @@ pub fn needs(incident: &Incident) -> Vec<Need> {
     };
     others.into_iter().map(without).collect()
 }
+
+/// Which actors a failure needs, as a sentence.
+pub fn needed(needs: &[Need]) -> String {
+    match needed_names(needs) {
+        names if names.is_empty() => {
+            "It needs none of the other actors: without any one of them it happens as well.".into()
+        }
+        names => format!("It needs {names}: without any one of them it does not happen."),
+    }
+}
+
+/// The roles of the actors that a failure needs, each once, as "`child`, `van`"; empty if it needs none.
+pub fn needed_names(needs: &[Need]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for need in needs.iter().filter(|need| need.is_needed) {
+        let name = format!("`{}`", need.name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names.join(", ")
+}

@@ -2,6 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Spawn, StateHashes};
 use crate::av::{DrivingMode, Fault};
+use crate::sim::ActorId;
 use base::choice;
 
 choice! {
@@ -21,8 +22,11 @@ choice! {
 /// Why an episode ended.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Ending {
-    /// The pedestrian and the ego touched: a collision if the ego moved, otherwise a bump.
+    /// A pedestrian and the ego touched: a collision if the ego moved, otherwise a bump.
     Touch {
+        /// The number of the pedestrian in its cast.
+        #[serde(default, skip_serializing_if = "is_first")]
+        pedestrian: u8,
         /// Whether the pedestrian was within the front sector.
         front: bool,
         /// Whether the ego moved.
@@ -32,8 +36,8 @@ pub enum Ending {
         /// Bearing of the pedestrian from the ego's centre, positive to the left (rad).
         bearing: f64,
     },
-    /// Two actors touched, but not the ego and a pedestrian: other traffic was involved.
-    OtherContact,
+    /// These two actors touched, of which one is not the ego or both are vehicles.
+    OtherContact { pair: (ActorId, ActorId) },
     /// The `end_when` condition was true, or the test of a protocol was over.
     Lost,
     /// The episode reached its time limit.
@@ -47,6 +51,11 @@ pub enum Ending {
     /// The other simulator in which the episode was to happen failed as a program. As for a driver, this is not stored.
     #[serde(skip)]
     WorldError(Fault),
+}
+
+/// Whether a pedestrian is the only one of a scenario without others; then its number is not stored.
+fn is_first(pedestrian: &u8) -> bool {
+    *pedestrian == 0
 }
 
 /// The outcome of an episode.
@@ -84,6 +93,15 @@ impl Outcome {
     /// Whether the pedestrian and the ego touched.
     pub fn is_touch(&self) -> bool {
         matches!(self.ending, Ending::Touch { .. })
+    }
+
+    /// The actors that touched at its end; `None` if no two did.
+    pub fn touched(&self) -> Option<(ActorId, ActorId)> {
+        match self.ending {
+            Ending::Touch { pedestrian, .. } => Some((ActorId::EGO, ActorId::Pedestrian(pedestrian))),
+            Ending::OtherContact { pair } => Some(pair),
+            _ => None,
+        }
     }
 
     /// Whether the moving ego touched the pedestrian.

@@ -94,6 +94,11 @@ impl<'a> Pair<'a> {
         Some([first, second].map(|actor| &**self.scenario.cast.name(actor)))
     }
 
+    /// An actor of the episode.
+    pub fn actor(&self, id: ActorId) -> RecordedActor<'a> {
+        RecordedActor::new(self.scenario, self.trace, id)
+    }
+
     /// The other actors of the episode.
     pub fn others(&self) -> impl Iterator<Item = RecordedActor<'a>> + use<'a> {
         let (scenario, trace, pair) = (self.scenario, self.trace, self.actors);

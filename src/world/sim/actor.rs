@@ -9,7 +9,7 @@ use crate::road::Town;
 const FIRST_LIMIT: f64 = 30.0 / 3.6;
 
 /// The identity of an actor of a world: its number among the vehicles or among the pedestrians. It stays the same for a whole episode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub enum ActorId {
     Vehicle(u8),
     Pedestrian(u8),

@@ -164,6 +164,7 @@ mod tests {
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Touch {
+            pedestrian: 0,
             front,
             moving: impact_speed > 0.1,
             impact_speed,

@@ -1,7 +1,7 @@
 use super::section;
 use crate::failure::Failure;
 use crate::report::distinct::distinct_failures;
-use crate::report::render::{Column, Section, Table, Value};
+use crate::report::render::{Column, Section, Table, Value, share_of_two};
 use crate::report::{DistinctFailure, Findings};
 use base::seed::Seed;
 
@@ -50,6 +50,9 @@ pub fn findings(found: &Findings<'_>, shown: &[DistinctFailure]) -> Section {
         ),
         "`falsify replay NAME` shows a failure, `falsify failures REPORT --distinct --why` lists these.".into(),
     ];
+    if !found.cast_failures.is_empty() {
+        lead.push(share_of_two(&found.cast_failures));
+    }
     if shown.is_empty() {
         let episodes: u64 = found.cells.iter().map(|cell| u64::from(cell.episodes)).sum();
         lead = vec![format!(

@@ -28,7 +28,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
         let ending = match letter {
             'x' => {
                 let impact_speed = 1.0 + episode as f64;
-                Ending::Touch { front: true, moving: true, impact_speed, bearing: 0.0 }
+                Ending::Touch { pedestrian: 0, front: true, moving: true, impact_speed, bearing: 0.0 }
             }
             'e' => Ending::Error(world::av::Fault::Ended(world::av::Exit::Unknown)),
             _ => Ending::Timeout,

@@ -12,6 +12,7 @@ use crate::record::columns::{
     MIN_GAP, POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
 use crate::record::{CellKey, Column, EPISODES, EpisodeTable, RunKey, Signed, Table};
+use crate::report::actors::{ACTORS, NEEDED, NUMBER, ROLE};
 use crate::report::aggregate::{
     APPLIES, AT_COLLISION, COMMANDS, COUNTS, FAILURE, FAILURES, FALSIFIER, FOUND_AFTER, GOAL_FAULT, GOAL_FORESEEABLE,
     GOAL_PREVENTABLE, INSTANT, NO_VERDICT, PART, PREVENTABLE, PRIORITY, REQUIREMENT, REQUIREMENTS, ROBUSTNESS,
@@ -92,6 +93,7 @@ impl StoredReport {
             self.add_lengths(&mut violated)?;
         }
         found.extend(violated);
+        self.add_needs(&mut found)?;
         Ok(found)
     }
 
@@ -110,6 +112,26 @@ impl StoredReport {
             Ok(())
         })?;
         Ok(found)
+    }
+
+    /// Adds which actors the failures of a cast need.
+    fn add_needs(&self, failures: &mut [Failure]) -> Result<(), ReadError> {
+        let mut needs: BTreeMap<(String, u64), Vec<String>> = BTreeMap::new();
+        self.each_part(ACTORS, ROWS, |rows| {
+            (0..rows.height()).try_for_each(|number| {
+                let row = Row(rows, number);
+                let named = needs.entry((row.text(&RUN_ID)?, row.count(&NUMBER)?)).or_default();
+                let role = row.text(&ROLE)?;
+                if row.holds(&NEEDED)? && !named.contains(&role) {
+                    named.push(role);
+                }
+                Ok(())
+            })
+        })?;
+        for failure in failures {
+            failure.needs = needs.get(&(failure.key.id.to_string(), failure.number)).map(|roles| roles.join(" "));
+        }
+        Ok(())
     }
 
     /// Adds the lengths of their episodes to violations.
@@ -278,16 +300,13 @@ pub struct ListedFailure {
 /// Failures with the folders of their reports as a table, one row each, in the order given.
 pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
     type Listed = ListedFailure;
-    Table::<Listed>::new("failures", "One row for each failure.")
+    let mut table = Table::<Listed>::new("failures", "One row for each failure.")
         .text("name", "the path by which other commands find it", |row| {
             format!("{}/{}", row.report.display(), row.failure.name())
         })
         .text("report", "folder of the report", |row| row.report.display().to_string())
         .column(RUN_ID.of(|row: &Listed| row.failure.key.id.to_string()))
-        .column(
-            Column::<u64>::new("number", "", "number of the episode, or of the failure of a search")
-                .of(|row: &Listed| row.failure.number),
-        )
+        .column(NUMBER.of(|row: &Listed| row.failure.number))
         .text("found_by", "`evaluation` or `search`", |row| row.failure.found_by.name())
         .column(POLICY.of(|row: &Listed| row.failure.key.cell.policy.clone()))
         .column(CONTROLLER.of(|row: &Listed| row.failure.key.cell.controller.clone()))
@@ -334,6 +353,10 @@ pub fn failure_list(failures: &[ListedFailure]) -> DataFrame {
         .column(
             Column::<String>::new("around", "", "which starts around it fail, a sentence; missing without --why")
                 .of(|row: &Listed| row.around.as_ref().map(Around::sentence)),
-        )
-        .frame(failures)
+        );
+    if failures.iter().any(|each| each.failure.needs.is_some()) {
+        let doc = "roles of the other actors that it needs, with a blank between two; missing if that was not asked";
+        table = table.text("needs", doc, |row| row.failure.needs.clone());
+    }
+    table.frame(failures)
 }

@@ -25,7 +25,7 @@ pub(super) use page::document;
 pub use page::{Replay, Tally, listed, page_examples, write_page};
 pub use recheck_sections::recheck_report;
 pub(crate) use sections::search_section;
-pub use sections::{Group, SectionMaker, failures_for_terminal, sections};
+pub use sections::{Group, SectionMaker, failures_for_terminal, sections, share_of_two};
 pub(super) use summary::LEFT_OUT;
 pub use summary::summary;
 pub use table::Section;

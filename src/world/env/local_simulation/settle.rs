@@ -32,10 +32,12 @@ impl LocalSimulation {
                 let judged = Hit { front, moving, judgement };
                 is_fault = counts && judged.is(HitClass::Fault);
                 let earned = if counts { worth(reward.for_hit(&judged)) } else { 0.0 };
-                let ending = Ending::Touch { front, moving, impact_speed: hit.impact_speed, bearing: hit.bearing };
+                let Contact { impact_speed, bearing, .. } = *hit;
+                let pedestrian = hit.pedestrian_at_ego().unwrap_or_default() as u8;
+                let ending = Ending::Touch { pedestrian, front, moving, impact_speed, bearing };
                 (earned, Some(ending))
             }
-            (None, Some(_)) => (worth(reward.step.as_ref()), Some(Ending::OtherContact)),
+            (None, Some(Contact { pair, .. })) => (worth(reward.step.as_ref()), Some(Ending::OtherContact { pair })),
             (None, None) if lost() || self.is_test_over() => {
                 (worth(reward.step.as_ref()) + worth(reward.lost.as_ref()), Some(Ending::Lost))
             }

@@ -230,13 +230,13 @@ fn actions(frames: &[Frame]) -> Vec<(usize, String)> {
 
 fn ending(outcome: &Outcome, pair: &Pair<'_>, frames: &[Frame]) -> String {
     match outcome.ending {
-        Ending::Touch { front, moving, impact_speed, bearing: at } => {
+        Ending::Touch { front, moving, impact_speed, bearing: at, .. } => {
             let side = if front { "the front sector" } else { "a side or the rear" };
             let car = if moving { speed(impact_speed) } else { "at rest".to_string() };
             let walking = frames.last().map_or(0.0, |last| last.pedestrian.speed());
             format!("contact in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
         }
-        Ending::OtherContact => match pair.last_touch() {
+        Ending::OtherContact { .. } => match pair.last_touch() {
             Some([first, second]) => format!("`{first}` and `{second}` touch"),
             None => "actors touch that are not the car and a pedestrian".to_string(),
         },

@@ -3,7 +3,8 @@ use std::collections::BTreeMap;
 use super::super::town::Scenery;
 use super::Replay;
 use crate::jobs::Repeated;
-use crate::report::{DistinctFailure, PlayedFailure};
+use crate::report::{CastFailure, DistinctFailure, PlayedFailure};
+use world::cause::needed;
 
 /// The failures that can be played on a page.
 #[derive(Debug, Default)]
@@ -14,8 +15,14 @@ pub struct Players {
 }
 
 impl Players {
-    /// Converts these failures to the player's format, with the causes of the distinct ones. The options are those that `falsify replay` needs.
-    pub fn new(played: &[PlayedFailure<'_>], distinct: &[DistinctFailure], options: Option<&'static str>) -> Self {
+    /// Converts these failures to the player's format, with the causes of the distinct ones and the actors that those of a cast need. The options
+    /// are those that `falsify replay` needs.
+    pub fn new(
+        played: &[PlayedFailure<'_>],
+        distinct: &[DistinctFailure],
+        cast: &[CastFailure],
+        options: Option<&'static str>,
+    ) -> Self {
         let mut scenery: BTreeMap<&str, Scenery> = BTreeMap::new();
         let mut all = BTreeMap::new();
         let cause = |name: &str| distinct.iter().find(|each| each.failure.name() == name)?.cause.as_ref();
@@ -24,6 +31,9 @@ impl Players {
             let mut replay = Replay::new(scenario, scenery, trace, judged);
             if let Some(cause) = cause(name) {
                 replay.short = format!("{cause} {}", replay.short);
+            }
+            if let Some(each) = cast.iter().find(|each| each.failure.name() == *name) {
+                replay.short = format!("{} {}", replay.short, needed(&each.needs));
             }
             all.insert(name.clone(), replay);
         }

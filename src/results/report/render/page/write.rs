@@ -61,7 +61,7 @@ pub fn write_page(
         folder.file(&figure.file(), figure.to_svg().as_bytes())?;
     }
     let options = folder.has_parquet().then(|| manifest.call.replay_options());
-    let players = Players::new(played, &found.distinct, options);
+    let players = Players::new(played, &found.distinct, &found.cast_failures, options);
     let html = page(found, sections, &players, manifest, &folder.names()?);
     folder.file("report.html", html.as_bytes())
 }

@@ -6,6 +6,7 @@ use crate::report::render::table::{Column, Table, Value};
 pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
     let one = failures.iter().all(|each| each.report == failures[0].report);
     let is_merged = failures.iter().any(|each| each.merged.is_some());
+    let has_needs = failures.iter().any(|each| each.failure.needs.is_some());
     let row = |ListedFailure { report, failure, merged, .. }: &ListedFailure| {
         let name = failure.name();
         let mut row = vec![
@@ -18,6 +19,7 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
             failure.kind().into(),
         ];
         row.extend(merged.filter(|_| is_merged).map(Value::Count));
+        row.extend(has_needs.then(|| Value::Text(failure.needs.clone().unwrap_or_default())));
         row
     };
     let mut head = vec![
@@ -30,6 +32,7 @@ pub fn failures_for_terminal(failures: &[ListedFailure], width: u16) -> String {
         Column::text("kind"),
     ];
     head.extend(is_merged.then(|| Column::number("merged")));
+    head.extend(has_needs.then(|| Column::text("needs")));
     Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal(width)
 }
 

@@ -8,6 +8,7 @@ mod results;
 mod published;
 mod requirements;
 mod avoidable;
+mod cast;
 mod distinct_failures;
 mod searches;
 mod search_pairs;
@@ -17,6 +18,7 @@ mod reference_drivers;
 mod starts;
 mod failures;
 
+pub use cast::share_of_two;
 pub use drivers::injury;
 pub use failures::failures_for_terminal;
 pub use names::{distinct, place, who};
@@ -51,7 +53,7 @@ const GROUPS: [(Group, &[SectionMaker]); 4] = [
         Group::Rates,
         &[drivers::drivers, protocol::protocol, results::results, published::published, requirements::requirements],
     ),
-    (Group::Failures, &[avoidable::avoidable, distinct_failures::distinct_failures]),
+    (Group::Failures, &[avoidable::avoidable, distinct_failures::distinct_failures, cast::cast]),
     (Group::Comparisons, &[learnt::learnt, comparisons::comparisons, reference_drivers::reference_drivers]),
     (Group::Starts, &[starts::starts]),
 ];

@@ -1,0 +1,131 @@
+use super::Findings;
+use super::distinct::is_of_program;
+use super::render::listed;
+use super::replayed::played_failure;
+use crate::failure::Failure;
+use crate::jobs::{Repeated, SearchResult};
+use crate::parallel;
+use crate::record::columns::RUN_ID;
+use crate::record::{Column, Table};
+use base::seed::Seed;
+use compile::{Evaluation, RunId};
+use polars::prelude::DataFrame;
+use world::cause::{Need, needs};
+use world::env::Scenario;
+use world::geometry::Pose;
+use world::sim::ActorId;
+
+/// The stem of the files of the table of actors.
+pub const ACTORS: &str = "actors";
+pub const NUMBER: Column<u64> = Column::new("number", "", "number of the episode, or of the failure of a search");
+pub const ROLE: Column<String> =
+    Column::new("role", "", "name of the actor in the cast; the members of a group share it");
+pub const NEEDED: Column<bool> = Column::new(
+    "needed",
+    "",
+    "whether the failure does not happen without the actor, with the same random numbers; missing for the car under test",
+);
+
+/// A listed failure of a campaign with a cast, and which of the other actors it needs.
+#[derive(Debug, Clone)]
+pub struct CastFailure {
+    pub failure: Failure,
+    pub needs: Vec<Need>,
+    actors: Vec<RecordedRole>,
+}
+
+/// Where an actor was in a failure.
+#[derive(Debug, Clone)]
+struct RecordedRole {
+    run: RunId,
+    number: u64,
+    actor: ActorId,
+    name: String,
+    start: Pose,
+    end: Pose,
+    touched: bool,
+    needed: Option<bool>,
+}
+
+impl CastFailure {
+    /// Whether two or more other actors are needed: the failure vanishes when any one of them is removed.
+    pub fn needs_two(&self) -> bool {
+        self.needs.iter().filter(|need| need.is_needed).count() >= 2
+    }
+
+    fn new(failure: &Failure, repeated: &Repeated) -> Option<Self> {
+        let Repeated { scenario, trace, judged, .. } = repeated;
+        let needs = needs(&repeated.incident()?);
+        let touched = judged.outcome.touched();
+        let pair = trace.main_pair(scenario);
+        let last = pair.len() - 1;
+        let recorded = scenario.cast.actors().map(|actor| {
+            let recorded = pair.actor(actor);
+            RecordedRole {
+                run: failure.key.id,
+                number: failure.number,
+                actor,
+                name: recorded.name.into(),
+                start: recorded.state(0).0,
+                end: recorded.state(last).0,
+                touched: touched.is_some_and(|(one, other)| one == actor || other == actor),
+                needed: needs.iter().find(|need| need.actor == actor).map(|need| need.is_needed),
+            }
+        });
+        Some(Self { failure: failure.clone(), actors: recorded.collect(), needs })
+    }
+}
+
+/// The failures that a page lists, each episode once, run again without each of their actors; empty of a campaign without a cast. Those of a
+/// program of the user are left out.
+pub fn cast_failures(found: &Findings<'_>, seed: &Seed) -> Vec<CastFailure> {
+    let evaluated = found.campaign.all::<Evaluation>().map(|evaluation| &*evaluation.scenario);
+    let searched = found.finished.all::<SearchResult>().iter().map(|result| &*result.scenario);
+    let has_others = |scenario: &Scenario| scenario.cast.actors().count() > 2;
+    if !evaluated.chain(searched).any(has_others) {
+        return Vec::new();
+    }
+    let mut all: Vec<&Failure> = Vec::new();
+    for failure in listed(&found.drivers, &found.gathered.failures) {
+        let is_same = |other: &&Failure| other.name() == failure.name();
+        if !is_of_program(found, failure) && !all.iter().any(is_same) {
+            all.push(failure);
+        }
+    }
+    let of = |failure: &&Failure| CastFailure::new(failure, &played_failure(&failure.name(), found, seed)?.2);
+    parallel::map(&all, of).into_iter().flatten().filter(|each| !each.needs.is_empty()).collect()
+}
+
+/// The actors of failures as a table.
+pub fn actors(failures: &[CastFailure]) -> DataFrame {
+    let rows: Vec<RecordedRole> = failures.iter().flat_map(|each| each.actors.clone()).collect();
+    actor_table().frame(&rows)
+}
+
+/// The columns of [`actors`].
+fn actor_table() -> Table<'static, RecordedRole> {
+    let doc = "One row for each actor of each failure that the page lists, in a campaign with a `cast`. `run_id` and `number` name the failure.";
+    let kind = |row: &RecordedRole| if matches!(row.actor, ActorId::Vehicle(_)) { "vehicle" } else { "pedestrian" };
+    Table::new(ACTORS, doc)
+        .column(RUN_ID.of(|row: &RecordedRole| row.run.to_string()))
+        .column(NUMBER.of(|row: &RecordedRole| row.number))
+        .text("kind", "`vehicle` or `pedestrian`", kind)
+        .count("actor", "number among the actors of its kind; vehicle 0 is the car under test", |row| {
+            row.actor.number() as u64
+        })
+        .column(ROLE.of(|row: &RecordedRole| row.name.clone()))
+        .measure("start_x_m", "m", "place at the start of the episode, in the world frame", |row| row.start.x)
+        .measure("start_y_m", "m", "place at the start of the episode, in the world frame", |row| row.start.y)
+        .measure("end_x_m", "m", "place at its end", |row| row.end.x)
+        .measure("end_y_m", "m", "place at its end", |row| row.end.y)
+        .column(
+            Column::<bool>::new("touched", "", "whether it is one of the two actors whose touch ended the episode")
+                .of(|row: &RecordedRole| row.touched),
+        )
+        .column(NEEDED.of(|row: &RecordedRole| row.needed))
+}
+
+/// The reference of its columns.
+pub fn actor_reference() -> crate::record::TableReference {
+    actor_table().reference()
+}
