@@ -39,6 +39,12 @@ pub enum Template {
     Crossing,
     /// A child runs out between parked cars, which hide it.
     ChildBehindParkedCars,
+    /// A parked van hides a child; which failures need the van?
+    VanHidesChild,
+    /// A car follows so closely that hard braking is dangerous, too.
+    FollowerTooClose,
+    /// A group of which two walk apart.
+    GroupThatSplits,
     /// Your driver as a program, with an example in Python.
     OwnDriver,
     /// The pedestrian tests of Euro NCAP for your drivers, and a search beyond them.
@@ -53,6 +59,9 @@ impl Template {
         match self {
             Self::Crossing => include_str!("templates/crossing.scn"),
             Self::ChildBehindParkedCars => include_str!("templates/child-behind-parked-cars.scn"),
+            Self::VanHidesChild => include_str!("templates/van-hides-child.scn"),
+            Self::FollowerTooClose => include_str!("templates/follower-too-close.scn"),
+            Self::GroupThatSplits => include_str!("templates/group-that-splits.scn"),
             Self::OwnDriver => include_str!("templates/own-driver.scn"),
             Self::Protocol => include_str!("templates/protocol.scn"),
             Self::Paper => include_str!("templates/paper.scn"),
@@ -63,7 +72,7 @@ impl Template {
     const fn companion(self) -> Option<(&'static str, &'static str)> {
         match self {
             Self::OwnDriver => Some(("my_av.py", include_str!("templates/my_av.py"))),
-            Self::Crossing | Self::ChildBehindParkedCars | Self::Protocol | Self::Paper => None,
+            _ => None,
         }
     }
 
@@ -71,7 +80,7 @@ impl Template {
     const fn option(self) -> &'static str {
         match self {
             Self::OwnDriver => "--allow-external ",
-            Self::Crossing | Self::ChildBehindParkedCars | Self::Protocol | Self::Paper => "",
+            _ => "",
         }
     }
 }
