@@ -61,8 +61,8 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
         **options: Unpack[Options],
     ) -> None:
         self._make(1, scenario, campaign, seed, render_mode, options)
-        self.observation_space = observation_space(self.core, self.core.pedestrians)
-        self.action_space = action_space(self.core, self.core.pedestrians)
+        self.observation_space = observation_space(self.core)
+        self.action_space = action_space(self.core)
         tick, hold, _ = self.core.timing
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1 / (tick * hold)))}
 
@@ -137,8 +137,8 @@ class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.fl
         self._autoreset = kinds[autoreset_mode]
         self._make(num_envs, scenario, campaign, seed, render_mode, options)
         self.num_envs = num_envs
-        self.single_observation_space = observation_space(self.core, self.core.pedestrians)
-        self.single_action_space = action_space(self.core, self.core.pedestrians)
+        self.single_observation_space = observation_space(self.core)
+        self.single_action_space = action_space(self.core)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.metadata = {**type(self).metadata, "autoreset_mode": autoreset_mode}

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 
 class PedestriansEnv(Closable, ParallelEnv):
-    """One scenario in which each controlled pedestrian is an agent, ``pedestrian_0`` and so on. All agents get the reward of the episode.
+    """One scenario in which each controlled pedestrian is an agent. Its name is that of its role in the cast and its number within it, as ``child_0``;
+    without a cast it is ``pedestrian_0``. All agents get the reward of the episode.
 
     An episode ends for all agents at once. Seeds and options are those of :class:`falsify_av.PedestrianEnv`.
     """
@@ -38,11 +39,12 @@ class PedestriansEnv(Closable, ParallelEnv):
         **options: Unpack[Options],
     ) -> None:
         self._make(1, scenario, campaign, seed, render_mode, options)
-        self.possible_agents = [f"pedestrian_{number}" for number in range(self.core.pedestrians)]
+        self.possible_agents = [name for name, _, _ in self.core.agents()]
         self.agents: list[str] = []
         # One object for each agent: spaces have generators of their own.
-        self.observation_spaces = {agent: observation_space(self.core, 1) for agent in self.possible_agents}
-        self.action_spaces = {agent: action_space(self.core, 1) for agent in self.possible_agents}
+        self.observation_spaces = {agent: observation_space(self.core, number) for number, agent in enumerate(self.possible_agents)}
+        self.action_spaces = {agent: action_space(self.core, number) for number, agent in enumerate(self.possible_agents)}
+        self._ends = np.cumsum([space.shape[0] for space in self.observation_spaces.values() if space.shape])
 
     def observation_space(self, agent: str) -> Any:
         """The observations of an agent."""
@@ -53,7 +55,7 @@ class PedestriansEnv(Closable, ParallelEnv):
         return self.action_spaces[agent]
 
     def _observations(self, state: np.ndarray) -> dict[str, np.ndarray]:
-        parts = state.reshape(len(self.possible_agents), self.core.state_size)
+        parts = np.split(state, self._ends[:-1])
         return {agent: part.copy() for agent, part in zip(self.possible_agents, parts)}
 
     def reset(

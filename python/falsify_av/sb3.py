@@ -38,7 +38,7 @@ class PedestrianVecEnv(Closable, VecEnv):
         self._actions: np.ndarray | None = None
         self._lengths = np.zeros(num_envs, np.int64)
         super().__init__(
-            num_envs, observation_space(self.core, self.core.pedestrians), action_space(self.core, self.core.pedestrians)
+            num_envs, observation_space(self.core), action_space(self.core)
         )
 
     def reset(self) -> np.ndarray:

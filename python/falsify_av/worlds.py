@@ -49,19 +49,25 @@ def failed_run_ups(failed: int, all_of_them: int) -> str:
     )
 
 
-def observation_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Space[NDArray[np.float32]]:
-    """The states of some pedestrians, one after another."""
-    high = np.array([np.pi, _FARTHEST, np.pi, _FASTEST], np.float32)
-    if worlds.scaled[0]:
-        high = (high / np.array([np.pi, 30.0, np.pi, 8.0])).astype(np.float32)
-    low = high * np.array([-1, 0, -1, 0], np.float32)
-    box = spaces.Box(np.tile(low, pedestrians), np.tile(high, pedestrians), dtype=np.float32)
+def observation_space(worlds: _core.Worlds, agent: int | None = None) -> spaces.Space[NDArray[np.float32]]:
+    """The states of one of the controlled pedestrians, or of all, one after another."""
+    low: list[float] = []
+    high: list[float] = []
+    for number, (_, scaled, further) in enumerate(worlds.agents()):
+        if agent in (None, number):
+            most = np.array([np.pi, _FARTHEST, np.pi, _FASTEST], np.float32)
+            if scaled:
+                most = (most / np.array([np.pi, 30.0, np.pi, 8.0])).astype(np.float32)
+            low += [*(most * np.array([-1, 0, -1, 0], np.float32)), *(bounds[0] for bounds in further)]
+            high += [*most, *(bounds[1] for bounds in further)]
+    box = spaces.Box(np.array(low, np.float32), np.array(high, np.float32), dtype=np.float32)
     return cast("spaces.Space[NDArray[np.float32]]", box)
 
 
-def action_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Space[NDArray[np.float32]]:
-    """The actions of some pedestrians, one after another."""
-    bounds = np.array(worlds.action_bounds()[: 2 * pedestrians], np.float32)
+def action_space(worlds: _core.Worlds, agent: int | None = None) -> spaces.Space[NDArray[np.float32]]:
+    """The actions of one of the controlled pedestrians, or of all, one after another."""
+    bounds = np.array(worlds.action_bounds(), np.float32)
+    bounds = bounds if agent is None else bounds[2 * agent : 2 * agent + 2]
     return cast("spaces.Space[NDArray[np.float32]]", spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32))
 
 

@@ -137,18 +137,19 @@ impl Worlds {
         self.scenario.cast.action_bounds()
     }
 
-    /// Whether the states and the actions of the first pedestrian are scaled to order one.
-    #[getter]
-    fn scaled(&self) -> (bool, bool) {
-        use world::env::Scaling;
-        let role = self.scenario.cast.pedestrian();
-        (role.observation.scaling == Scaling::Unit, role.action.scaling == Scaling::Unit)
-    }
-
-    /// The numbers of a state of one pedestrian.
-    #[getter]
-    fn state_size(&self) -> usize {
-        self.scenario.cast.pedestrian().observation.dim()
+    /// The pedestrians that actions control: the name of each, whether its states are scaled to order one, and the bounds of the numbers of a state
+    /// after the first four. Members of a role are told apart by their numbers within it.
+    fn agents(&self) -> Vec<(String, bool, Vec<(f64, f64)>)> {
+        let cast = &self.scenario.cast;
+        let agent = |(number, role): (usize, &world::env::PedestrianRole)| {
+            let before = cast.pedestrians[..number].iter().filter(|other| other.name == role.name).count();
+            let further = role.observation.components().into_iter().skip(world::env::ObservationSpec::DIM);
+            let bounds =
+                further.map(|each| (each.low.unwrap_or(f64::NEG_INFINITY), each.high.unwrap_or(f64::INFINITY)));
+            let is_scaled = role.observation.scaling == world::env::Scaling::Unit;
+            (format!("{}_{before}", role.name), is_scaled, bounds.collect())
+        };
+        cast.controlled().map(agent).collect()
     }
 
     /// Gives worlds new seeds; their next episode is number 0. A negative seed leaves a world as it is.

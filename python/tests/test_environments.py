@@ -1,5 +1,7 @@
 """The contracts of Gymnasium and of PettingZoo, and the equality of vector and single environments."""
 
+from pathlib import Path
+
 import gymnasium
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import falsify_av
 
+CAST = Path(__file__).with_name("cast.scn")
 CHOICES = [
     {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"},
     {"campaign": "steady"},
@@ -122,3 +125,24 @@ def test_pettingzoo_finds_nothing_wrong(scenario):
 
     parallel_api_test(parallel_env(scenario, **CHOICES[0]), num_cycles=300)
     parallel_seed_test(lambda: parallel_env(scenario, **CHOICES[0]), num_cycles=30)
+
+
+def test_the_pedestrians_of_a_cast_are_agents_with_the_names_of_their_roles():
+    pytest.importorskip("pettingzoo")
+    from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+    from falsify_av.pettingzoo import parallel_env
+
+    env = parallel_env(CAST)
+    assert env.possible_agents == ["child_0", "group_0", "group_1"]
+    assert [env.observation_space(agent).shape for agent in env.possible_agents] == [(20,), (12,), (12,)]
+    parallel_api_test(env, num_cycles=300)
+    parallel_seed_test(lambda: parallel_env(CAST), num_cycles=30)
+    observations, _ = env.reset(seed=3)
+    # The friend, who walks alone, is half a metre away at most; 0.4 m are the two bodies.
+    present, is_vehicle, ahead, left = observations["child_0"][4:8]
+    assert (present, is_vehicle) == (1, 0) and np.hypot(ahead, left) < 1.3
+
+
+def test_the_space_of_states_with_rays_and_others_holds_them():
+    check_env(falsify_av.make(CAST), skip_render_check=True)

@@ -67,6 +67,8 @@ keys! {
         /// Directions in which it sees obstacles, a multiple of 4: each adds a number to its state, how far the view is free, up to 20 m. They go
         /// evenly around, counterclockwise, from where angles are measured from.
         rays: usize as whole(0, 64) = "0",
+        /// Places in its state for the nearest other actors of a cast, the nearest first: each adds 8 numbers, which are 0 if nobody is left.
+        others: Option<u32> as whole(1, 16),
         /// Where it looks at first.
         first_heading: FirstHeading = "random",
     }
@@ -131,6 +133,7 @@ pub fn lower(keys: AdversaryKeys) -> PedestrianRole {
             scaling: keys.observation_scaling,
             speed: keys.observed_speed,
             rays: keys.rays,
+            others: keys.others.unwrap_or(0) as usize,
         },
         action: ActionSpec {
             speed: keys.speed,

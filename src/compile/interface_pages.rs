@@ -7,7 +7,7 @@ use world::env::{ActionSpec, Component, ObservationSpec, ObservedSpeed, Referenc
 
 /// The page of the state.
 pub fn state() -> String {
-    let spec = |frame, scaling, speed| ObservationSpec { frame, scaling, speed, rays: 0 };
+    let spec = |frame, scaling, speed| ObservationSpec { frame, scaling, speed, rays: 0, others: 0 };
     let usual = spec(ReferenceFrame::Heading, Scaling::Natural, ObservedSpeed::Ego);
     let mut page = format!(
         "state: what the controller of a pedestrian gets before each decision, {} numbers in this order\n\n",
@@ -32,6 +32,12 @@ pub fn state() -> String {
         page,
         "`rays: N` adds N numbers: how far the view is free of obstacles, up to {} m, evenly around from angle 0, counterclockwise.",
         ObservationSpec::REACH
+    );
+    let _ = writeln!(
+        page,
+        "`others: N` adds {} numbers for each of the N nearest other actors of a cast: {}. All are 0 where nobody is left.",
+        ObservationSpec::OTHER_DIM,
+        ObservationSpec::other_names().join(", ")
     );
     page.push_str(
         "With the key `frame_stack: N` of a training the networks get the last N states, the oldest first; zeros precede the first state.\n",

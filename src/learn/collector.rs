@@ -38,6 +38,8 @@ pub(super) struct Collector {
     path: Path,
     /// The maximum number of threads.
     threads: usize,
+    /// The number of agents of an environment.
+    pub(super) agents: usize,
 }
 
 impl Collector {
@@ -45,8 +47,10 @@ impl Collector {
     pub(super) fn new<E: Env>(envs: &[E], policy: &ActorCritic, config: &PpoConfig, noise: &Seed, path: Path) -> Self {
         let chunk = config.batch_size.min(config.steps_per_update);
         let lane = |(i, env)| Lane::new(env, policy, config.frame_stack, chunk, noise.index(i).stream());
+        let agents = agents(envs);
+        let each = envs.iter().flat_map(|env| std::iter::repeat_n(env, agents));
         Self {
-            lanes: (0..).zip(envs).map(lane).collect(),
+            lanes: (0..).zip(each).map(lane).collect(),
             recent: VecDeque::with_capacity(STATISTICS_WINDOW + 1),
             return_moments: config.normalize_rewards.then(|| RunningMoments::new(1)),
             inputs: Vec::with_capacity(policy.obs_dim() * envs.len()),
@@ -55,13 +59,14 @@ impl Collector {
             lambda: config.gae_lambda,
             path,
             threads: config.threads.unwrap_or(usize::MAX),
+            agents,
         }
     }
 
     /// Starts an episode in every environment.
     pub(super) fn begin<E: Env>(&mut self, envs: &mut [E], policy: &mut ActorCritic) -> Result<(), Quantity> {
-        for (env, lane) in envs.iter_mut().zip(&mut self.lanes) {
-            lane.begin(env)?;
+        for (env, lanes) in envs.iter_mut().zip(self.lanes.chunks_mut(self.agents)) {
+            Lane::begin(lanes, env)?;
         }
         observe(policy, &self.lanes);
         Ok(())
@@ -89,20 +94,26 @@ impl Collector {
         self.lanes.iter_mut().for_each(|lane| lane.prepare(policy));
         if self.return_moments.is_none() && policy.observation_moments().is_none() {
             let policy = &*policy;
-            side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
+            side_by_side((self.threads, self.agents), envs, &mut self.lanes, rollouts, |env, lanes, rollouts| {
                 for t in 0..steps {
                     if is_stopped() {
                         return;
                     }
-                    let input = lane.look(policy, rollout, t);
-                    lane.ask(policy, input);
-                    if let Err(quantity) = lane.step(env, rollout, t, gamma) {
-                        lane.failure = Some((t, quantity));
+                    for (lane, rollout) in lanes.iter_mut().zip(&mut *rollouts) {
+                        let input = lane.look(policy, rollout, t);
+                        lane.ask(policy, input);
+                    }
+                    if let Err(quantity) = Lane::step(lanes, env, rollouts, t, gamma) {
+                        lanes[0].failure = Some((t, quantity));
                         return;
                     }
-                    lane.settle(policy, rollout, t, lane.earned, gamma);
+                    for (lane, rollout) in lanes.iter_mut().zip(&mut *rollouts) {
+                        lane.settle(policy, rollout, t, lane.earned, gamma);
+                    }
                 }
-                lane.finish(policy, rollout, gamma, lambda, path);
+                for (lane, rollout) in lanes.iter_mut().zip(rollouts) {
+                    lane.finish(policy, rollout, gamma, lambda, path);
+                }
             });
             self.failure()?;
         } else {
@@ -111,15 +122,17 @@ impl Collector {
                     return Ok(None);
                 }
                 self.think(policy, rollouts, t);
-                side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
-                    lane.failure = lane.step(env, rollout, t, gamma).err().map(|quantity| (t, quantity));
+                side_by_side((self.threads, self.agents), envs, &mut self.lanes, rollouts, |env, lanes, rollouts| {
+                    lanes[0].failure = Lane::step(lanes, env, rollouts, t, gamma).err().map(|quantity| (t, quantity));
                 });
                 self.failure()?;
                 observe(policy, &self.lanes);
                 self.settle(policy, rollouts, t);
             }
-            side_by_side(self.threads, envs, &mut self.lanes, rollouts, |_, lane, rollout| {
-                lane.finish(policy, rollout, gamma, lambda, path);
+            side_by_side((self.threads, self.agents), envs, &mut self.lanes, rollouts, |_, lanes, rollouts| {
+                for (lane, rollout) in lanes.iter_mut().zip(rollouts) {
+                    lane.finish(policy, rollout, gamma, lambda, path);
+                }
             });
         }
         Ok((!stopped.into_inner()).then(|| self.finished()))
@@ -194,20 +207,26 @@ pub(super) fn observe(policy: &mut ActorCritic, lanes: &[Lane]) {
     }
 }
 
-/// Works on all environments, on at most this number of the available threads.
+/// The number of agents of an environment, which is the same for all.
+pub(super) fn agents<E: Env>(envs: &[E]) -> usize {
+    envs.first().map_or(1, Env::agents)
+}
+
+/// Works on all environments, on at most this number of the available threads; each has this number of agents.
 fn side_by_side<E: Env + Send>(
-    threads: usize,
+    (threads, agents): (usize, usize),
     envs: &mut [E],
     lanes: &mut [Lane],
     rollouts: &mut [Rollout],
-    work: impl Fn(&mut E, &mut Lane, &mut Rollout) + Sync,
+    work: impl Fn(&mut E, &mut [Lane], &mut [Rollout]) + Sync,
 ) {
     if threads == 1 || envs.len() == 1 {
-        envs.iter_mut().zip(lanes).zip(rollouts).for_each(|((env, lane), rollout)| work(env, lane, rollout));
+        let each = envs.iter_mut().zip(lanes.chunks_mut(agents)).zip(rollouts.chunks_mut(agents));
+        each.for_each(|((env, lanes), rollouts)| work(env, lanes, rollouts));
     } else {
         let share = envs.len().div_ceil(threads);
-        let all = envs.par_iter_mut().zip(lanes).zip(rollouts).with_min_len(share);
-        all.for_each(|((env, lane), rollout)| work(env, lane, rollout));
+        let all = envs.par_iter_mut().zip(lanes.par_chunks_mut(agents)).zip(rollouts.par_chunks_mut(agents));
+        all.with_min_len(share).for_each(|((env, lanes), rollouts)| work(env, lanes, rollouts));
     }
 }
 

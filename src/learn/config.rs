@@ -8,11 +8,24 @@ use serde_json::Map;
 
 use super::actor_critic::ActorCritic;
 use super::schedule::Schedule;
-use base::keys;
 use base::signature::{Held, MIN_POSITIVE, Value};
+use base::{choice, keys};
 
 /// The ε in Adam's denominator: that of stable-baselines3.
 pub const ADAM_EPS: f64 = 1e-5;
+
+choice! {
+    /// What the reward of an agent is, where one policy moves several.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    pub enum Credit {
+        /// That of the episode, for all.
+        Team = "team",
+        /// That of a touch for the agent that was touched alone.
+        Own = "own",
+        /// What the episode earns with the agent and not without it.
+        Removal = "removal",
+    }
+}
 
 keys! {
     /// Proximal policy optimisation.
@@ -71,6 +84,10 @@ keys! {
         /// their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and
         /// `normalize_observations` must be theirs.
         from: Option<FirstNetworks> as Path,
+        /// Of a cast: one policy moves each of its trained pedestrians, which see and choose for themselves, instead of one that chooses for all at once.
+        /// Each earns what the episode does (`team`); or a touch pays the one that was touched alone (`own`); or each earns what the episode earns with
+        /// it and not without it (`removal`): the episode is run again from its start without that pedestrian.
+        shared: Option<Credit>,
         /// Widths of the hidden layers.
         hidden: Vec<usize> as whole(1, 4096) = "[64, 64]",
     }
@@ -129,6 +146,7 @@ impl PpoConfig {
             threads: None,
             portable_bits: false,
             from: None,
+            shared: None,
             hidden: vec![64, 64],
         }
     }

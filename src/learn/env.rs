@@ -5,20 +5,30 @@
 /// The learner owns the episode: it calls [`Env::reset`] before the first step and after every step that ends an
 /// episode. An environment never resets itself, so that the last observation of an episode stays visible.
 pub trait Env {
-    /// Returns the number of components of an observation.
+    /// Returns the number of agents that act at once, all by one policy, each with an observation and an action of its own.
+    fn agents(&self) -> usize {
+        1
+    }
+
+    /// Returns the number of components of an observation of an agent.
     fn obs_dim(&self) -> usize;
 
-    /// Returns the lower and upper bound of every action component, in the units of the action.
+    /// Returns the lower and upper bound of every component of an agent's action, in the units of the action.
     fn action_bounds(&self) -> Vec<(f64, f64)>;
 
-    /// Starts a new episode and writes its first observation into `obs` (length [`Env::obs_dim`]).
+    /// Starts a new episode and writes its first observation into `obs` (length [`Env::obs_dim`]; those of several agents follow each other).
     fn reset(&mut self, obs: &mut [f64]);
 
     /// Takes one decision and writes the observation that follows it into `obs`.
     ///
-    /// `action` lies inside the bounds of [`Env::action_bounds`]. At the end of an episode `obs` receives the final
+    /// `action` lies inside the bounds of [`Env::action_bounds`]; those of several agents follow each other. At the end of an episode `obs` receives the final
     /// observation, from which the learner bootstraps when the episode was merely cut off.
     fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step;
+
+    /// Returns what an agent earned in the last step, which had this reward: its credit.
+    fn credit(&self, _agent: usize, reward: f64) -> f64 {
+        reward
+    }
 
     /// Returns whether the episode that the last step ended reached its goal, for the reports of training; the learner does not use it.
     ///

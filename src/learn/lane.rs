@@ -12,7 +12,7 @@ use super::shaping::shaping;
 use super::train_error::Quantity;
 use base::seed::Stream;
 
-/// The part of a collector that belongs to one environment. Lanes do not share data, so they can run in parallel.
+/// The part of a collector that belongs to one agent of an environment. Lanes of different environments do not share data, so they can run in parallel.
 #[derive(Debug, Clone)]
 pub(super) struct Lane {
     bounds: Vec<(f64, f64)>,
@@ -37,12 +37,20 @@ pub(super) struct Lane {
     pub(super) failure: Option<(usize, Quantity)>,
     /// The last observation of the episode that the last step ended.
     end: FrameStack,
-    frame: Vec<f64>,
+    /// Memory for the numbers of all agents of the environment, in the lane of its first.
+    joint: Joint,
     spread: Spread,
     mean: Vec<f64>,
     clipped: Vec<f64>,
     scratch: Scratch,
     chunk: usize,
+}
+
+/// The actions and the observations of all agents of an environment.
+#[derive(Debug, Clone, Default)]
+struct Joint {
+    action: Vec<f64>,
+    frames: Vec<f64>,
 }
 
 impl Lane {
@@ -63,7 +71,7 @@ impl Lane {
             potential: 0.0,
             finished: Vec::new(),
             failure: None,
-            frame: vec![0.0; frame_dim],
+            joint: Joint { action: vec![0.0; action_dim * env.agents()], frames: vec![0.0; frame_dim * env.agents()] },
             spread: Spread::new(action_dim),
             mean: vec![0.0; action_dim],
             clipped: vec![0.0; action_dim],
@@ -72,15 +80,29 @@ impl Lane {
         }
     }
 
-    /// Starts an episode.
-    pub(super) fn begin<E: Env>(&mut self, env: &mut E) -> Result<(), Quantity> {
-        env.reset(&mut self.frame);
-        self.stack.begin(&self.frame);
-        self.start = true;
-        self.running = FinishedEpisode::default();
-        self.discounted = 0.0;
-        self.potential = env.potential();
-        representable(&self.frame)
+    /// Starts an episode for all agents of an environment.
+    pub(super) fn begin<E: Env>(lanes: &mut [Self], env: &mut E) -> Result<(), Quantity> {
+        Self::reset(lanes, env)?;
+        for lane in lanes {
+            lane.start = true;
+            lane.running = FinishedEpisode::default();
+            lane.discounted = 0.0;
+        }
+        Ok(())
+    }
+
+    /// Resets an environment and takes its first observations.
+    fn reset<E: Env>(lanes: &mut [Self], env: &mut E) -> Result<(), Quantity> {
+        let [first, ..] = lanes else { return Ok(()) };
+        let mut frames = std::mem::take(&mut first.joint.frames);
+        env.reset(&mut frames);
+        for (lane, frame) in lanes.iter_mut().zip(frames.chunks(env.obs_dim())) {
+            lane.stack.begin(frame);
+            lane.potential = env.potential();
+        }
+        let representable = representable(&frames);
+        lanes[0].joint.frames = frames;
+        representable
     }
 
     /// Prepares a rollout with this policy.
@@ -109,14 +131,41 @@ impl Lane {
         }
     }
 
-    /// Takes step `t` of a rollout with an action around the mean; [`Lane::settle`] does the part that depends on normalised numbers.
+    /// Takes step `t` of a rollout of each agent of an environment, with actions around their means; [`Lane::settle`] does the part that depends on
+    /// normalised numbers.
     pub(super) fn step<E: Env>(
-        &mut self,
+        lanes: &mut [Self],
         env: &mut E,
-        rollout: &mut Rollout,
+        rollouts: &mut [Rollout],
         t: usize,
         gamma: f64,
     ) -> Result<(), Quantity> {
+        let [first, ..] = lanes else { return Ok(()) };
+        let (mut joint, action_dim) = (std::mem::take(&mut first.joint), first.clipped.len());
+        for ((lane, rollout), action) in lanes.iter_mut().zip(rollouts).zip(joint.action.chunks_mut(action_dim)) {
+            lane.act(rollout, t)?;
+            action.copy_from_slice(&lane.clipped);
+        }
+        let outcome = env.step(&joint.action, &mut joint.frames);
+        let potential = env.potential();
+        for (agent, (lane, frame)) in lanes.iter_mut().zip(joint.frames.chunks(env.obs_dim())).enumerate() {
+            let credit = Step { reward: env.credit(agent, outcome.reward), ..outcome };
+            lane.receive(credit, outcome.reward, potential, frame, gamma)?;
+        }
+        lanes[0].joint = joint;
+        if outcome.done() {
+            let running = &mut lanes[0].running;
+            (running.success, running.fault) = (env.is_success(), env.is_fault());
+            let ended = *running;
+            lanes[0].finished.push((t, ended));
+            lanes.iter_mut().for_each(|lane| lane.running = FinishedEpisode::default());
+            Self::reset(lanes, env)?;
+        }
+        Ok(())
+    }
+
+    /// Draws the action of step `t`.
+    fn act(&mut self, rollout: &mut Rollout, t: usize) -> Result<(), Quantity> {
         let action = &mut rollout.actions[t * rollout.action_dim..(t + 1) * rollout.action_dim];
         for ((action, mean), std) in action.iter_mut().zip(&self.mean).zip(self.spread.std()) {
             *action = mean + std * standard_normal(&mut self.noise);
@@ -127,29 +176,31 @@ impl Lane {
         for ((slot, action), (low, high)) in self.clipped.iter_mut().zip(action.iter()).zip(&self.bounds) {
             *slot = action.max(*low).min(*high);
         }
+        Ok(())
+    }
 
-        self.outcome = env.step(&self.clipped, &mut self.frame);
-        let potential = env.potential();
-        self.earned = self.outcome.reward + shaping(self.potential, potential, self.outcome, gamma);
+    /// Takes what came of a step: the agent's own part, the reward of the episode, the potential and its observation.
+    fn receive(
+        &mut self,
+        outcome: Step,
+        reward: f64,
+        potential: f64,
+        frame: &[f64],
+        gamma: f64,
+    ) -> Result<(), Quantity> {
+        self.outcome = outcome;
+        self.earned = outcome.reward + shaping(self.potential, potential, outcome, gamma);
         self.potential = potential;
         finite(&[self.earned], Quantity::Reward)?;
-        representable(&self.frame)?;
-        self.running.reward += self.outcome.reward;
+        representable(frame)?;
+        self.running.reward += reward;
         self.running.length += 1;
-        self.start = self.outcome.done();
-        if self.outcome.done() {
+        self.start = outcome.done();
+        if outcome.done() {
             self.end.restore(self.stack.as_slice());
-            self.end.push(&self.frame);
-            self.running.success = env.is_success();
-            self.running.fault = env.is_fault();
-            self.finished.push((t, self.running));
-            self.running = FinishedEpisode::default();
-            env.reset(&mut self.frame);
-            self.stack.begin(&self.frame);
-            self.potential = env.potential();
-            representable(&self.frame)?;
+            self.end.push(frame);
         } else {
-            self.stack.push(&self.frame);
+            self.stack.push(frame);
         }
         Ok(())
     }

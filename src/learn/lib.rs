@@ -55,7 +55,7 @@ mod log;
 pub use actor_critic::{ActorCritic, Scratch};
 pub use checkpoint::CheckpointError;
 pub use cloning::{Fitted, fit};
-pub use config::{ADAM_EPS, FirstNetworks, PpoConfig, UnsuitableNetworks};
+pub use config::{ADAM_EPS, Credit, FirstNetworks, PpoConfig, UnsuitableNetworks};
 pub use env::{Env, Step};
 pub use frame_stack::FrameStack;
 pub use log::{FinishedEpisode, UpdateLog};

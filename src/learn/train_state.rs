@@ -11,6 +11,7 @@ use super::collector::observe;
 use super::config::PpoConfig;
 use super::curve::{read_curve, read_episodes, write_curve, write_episodes};
 use super::env::Env;
+use super::lane::Lane;
 use super::log::FinishedEpisode;
 use super::trainer::{Trainer, dimensions};
 use base::seed::{Seed, Stream};
@@ -108,30 +109,35 @@ impl Trainer {
             let missing = || CheckpointError::Missing { name: "ret_rms.mean".to_owned() };
             this.collector.return_moments = Some(moments.ok_or_else(missing)?);
         }
-        let others = tensors.tensor(&format!("env.{}.noise", envs.len()));
+        let others = tensors.tensor(&format!("env.{}.noise", this.collector.lanes.len()));
         if others.is_ok() {
             return Err(CheckpointError::Env { env: envs.len() });
         }
         let mut anew = false;
-        for (i, (env, lane)) in envs.iter_mut().zip(&mut this.collector.lanes).enumerate() {
-            lane.noise = read_stream(tensors, &format!("env.{i}.noise"))?;
-            let name = format!("env.{i}.state");
+        let agents = this.collector.agents;
+        for (place, (env, lanes)) in envs.iter_mut().zip(this.collector.lanes.chunks_mut(agents)).enumerate() {
+            for (i, lane) in (place * agents..).zip(&mut *lanes) {
+                lane.noise = read_stream(tensors, &format!("env.{i}.noise"))?;
+            }
+            let name = format!("env.{place}.state");
             if tensors.tensor(&name).is_err() {
-                let name = format!("env.{i}.obs");
-                lane.begin(env).map_err(|_| CheckpointError::NonFinite { name })?;
+                let name = format!("env.{}.obs", place * agents);
+                Lane::begin(lanes, env).map_err(|_| CheckpointError::NonFinite { name })?;
                 anew = true;
                 continue;
             }
             if !env.load(&read::<u8>(tensors, &name)?.values) {
-                return Err(CheckpointError::Env { env: i });
+                return Err(CheckpointError::Env { env: place });
             }
-            lane.potential = env.potential();
-            lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
-            let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
-            let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;
-            lane.running = FinishedEpisode { reward: episode[0], length: length[0], ..FinishedEpisode::default() };
-            lane.discounted = episode[1];
-            lane.start = length[1] != 0;
+            for (i, lane) in (place * agents..).zip(lanes) {
+                lane.potential = env.potential();
+                lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
+                let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
+                let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;
+                lane.running = FinishedEpisode { reward: episode[0], length: length[0], ..FinishedEpisode::default() };
+                lane.discounted = episode[1];
+                lane.start = length[1] != 0;
+            }
         }
         if anew {
             observe(&mut this.learner.policy, &this.collector.lanes);

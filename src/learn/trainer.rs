@@ -2,7 +2,7 @@
 
 use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
-use super::collector::Collector;
+use super::collector::{Collector, agents};
 use super::config::PpoConfig;
 use super::env::Env;
 use super::learner::Learner;
@@ -90,7 +90,8 @@ impl Trainer {
     pub(super) fn assemble<E: Env>(envs: &[E], policy: ActorCritic, config: &PpoConfig, seed: &Seed) -> Self {
         let path = Path::of(config);
         let rollout = Rollout::new(config.steps_per_update, policy.obs_dim(), policy.action_dim());
-        let samples = config.steps_per_update * envs.len();
+        let lanes = envs.len() * agents(envs);
+        let samples = config.steps_per_update * lanes;
         Self {
             collector: Collector::new(envs, &policy, config, &seed.child("action noise"), path),
             learner: Learner::new(policy, config, samples, path),
@@ -98,7 +99,7 @@ impl Trainer {
             config: config.clone(),
             steps: 0,
             learning_curve: Vec::new(),
-            rollouts: vec![rollout; envs.len()],
+            rollouts: vec![rollout; lanes],
         }
     }
 
@@ -134,7 +135,7 @@ impl Trainer {
         envs: &mut [E],
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Experience<'_>, TrainError> {
-        assert!(envs.len() == self.rollouts.len(), "a training keeps its environments");
+        assert!(envs.len() * agents(envs) == self.rollouts.len(), "a training keeps its environments");
         let update = self.updates() + 1;
         let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts, stop);
         match finished {
@@ -190,7 +191,8 @@ impl<'a> Experience<'a> {
     pub fn learn(self) -> Result<&'a UpdateLog, TrainError> {
         let Self { trainer, finished } = self;
         let update = trainer.updates() + 1;
-        trainer.steps += (trainer.config.steps_per_update * trainer.rollouts.len()) as u64;
+        let environments = trainer.rollouts.len() / trainer.collector.agents;
+        trainer.steps += (trainer.config.steps_per_update * environments) as u64;
         let config = &trainer.config;
         let learning_rate = config.learning_rate_schedule.at(config.learning_rate, trainer.steps, config.steps);
         let minibatches = &mut trainer.minibatches;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use base::diagnostic::Sources;
 use base::seed::Seed;
 use compile::{Catalog, compile};
-use world::env::{Controller, Draw, Observer, Trace, carry_out};
+use world::env::{Controller, Draw, Observer, Placement, Trace, VehicleRole, carry_out};
 use world::sim::WalkCommand;
 
 use crate::cast::{ahead, away, two_and_two};
@@ -117,4 +117,42 @@ fn a_tick_of_two_cars_and_two_pedestrians_allocates_nothing() {
         walk(episode);
     }
     assert_eq!((10..30).map(&mut walk).sum::<u64>(), 0);
+}
+
+#[test]
+fn a_tick_of_twelve_pedestrians_and_four_cars_allocates_nothing() {
+    let walking = Controller::Fixed(WalkCommand { heading: 1.0, speed: 1.0 });
+    let mut scenario = two_and_two("follower", ("slow", ahead(40.0)), (away(), walking));
+    for number in 0..10 {
+        let role = scenario.cast.pedestrians[number % 2].clone();
+        scenario.cast.pedestrians.push(role);
+        scenario.cast.pedestrians[number].observation.others = 4;
+        if number < 2 {
+            let place = Placement::Fixed(ahead(80.0 + 40.0 * number as f64));
+            scenario.cast.vehicles.push(VehicleRole { place, ..scenario.cast.vehicles[1].clone() });
+        }
+        if number % 2 == 0 {
+            scenario.cast.pedestrians[number + 2].place = Placement::Fixed(away());
+        }
+    }
+    let scenario = Arc::new(scenario);
+    let mut env = scenario.simulation();
+    let mut trace = Trace::new(&scenario);
+    let mut state = vec![0.0; scenario.cast.obs_dim()];
+    let mut walk = |episode| {
+        env.start(Draw::new(&Seed::root(1), episode));
+        let mut commands = [WalkCommand::default(); 12];
+        let before = ALLOCATIONS.get();
+        trace.begin(&env.scene());
+        while env.outcome().is_none() {
+            env.scene().write_state(&mut state);
+            (0..12).for_each(|number| commands[number] = env.scene().homing(number));
+            carry_out(&mut *env, &commands, &mut trace);
+        }
+        ALLOCATIONS.get() - before
+    };
+    for episode in 0..10 {
+        walk(episode);
+    }
+    assert_eq!((10..20).map(&mut walk).sum::<u64>(), 0);
 }

@@ -7,7 +7,7 @@ use std::sync::{Arc, LazyLock};
 use base::seed::Seed;
 use base::signature::Distribution;
 use compile::{Catalog, Plan, compile};
-use learn::Env;
+use learn::{Credit, Env, PpoConfig};
 use world::av::{DrivingMode, PerfectSensors};
 use world::cause::{Incident, Reruns, needs};
 use world::env::{
@@ -15,10 +15,11 @@ use world::env::{
     PedestrianRole, Placement, Scenario, Trace, VehicleRole, carry_out,
 };
 use world::falsifier::{
-    BudgetedSimulation, Failure, Intercept, PedestrianEnv, Random, WalkPolicy, evaluate, follow, play,
+    ActionMode, BudgetedSimulation, Failure, Intercept, PedestrianEnv, Random, TrainedWalker, TrainingRun, WalkPolicy,
+    evaluate, follow, play,
 };
 use world::geometry::{Obstacles, Pose};
-use world::judge::{NearMiss, judge};
+use world::judge::{Class, NearMiss, judge};
 use world::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
@@ -37,10 +38,12 @@ town lit {
 }
 policy follower = idm()
 policy slow = idm(limit_share: 0.4)
+sensors eyes { eye: 0.4 m  least_visible: 0.2  latency: 0.4 s }
+policy seeing = rss_guarded(sensors: eyes)
 campaign cast {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   train { towns: [long] policies: [blind] rewards: [r2] runs: 1 }
-  evaluate { towns: [long, lit] policies: [blind, follower, slow] pedestrians: [intercept] }
+  evaluate { towns: [long, lit] policies: [blind, follower, slow, seeing] pedestrians: [intercept] }
 }
 "#;
 
@@ -251,6 +254,26 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     // The second car drives behind and forms a pair of its own.
     let other = trace.pair(&scenario, 1, 1);
     assert!(other.contact.is_none() && other.frame(0).ego.pose == behind.pose);
+}
+
+/// The car under test does not look, and somebody stands in its lane. A careful human stops; the car behind must stop, too.
+#[test]
+fn a_human_whose_braking_is_hit_from_behind_is_told_apart() {
+    let verdict = |distance: f64| {
+        let behind = ActorStart { pose: Pose::new(60.0 - distance, LANE, 0.0), speed: 8.0 };
+        let in_lane = ActorStart::standing(Pose::new(90.0, LANE, 0.0));
+        let scenario = two_and_two("blind", ("blind", behind), (in_lane, Controller::Fixed(STANDING)));
+        let (_, trace) = run(&Arc::new(scenario.clone()), [STANDING; 2]);
+        judge(&trace.main_pair(&scenario)).unwrap()
+    };
+    let [near, far] = [6.5, 25.0].map(verdict);
+    assert_eq!((near.class(), far.class()), (Class::Followed, Class::Fault), "{near:?} {far:?}");
+    assert!(near.is_preventable() && !near.is_fault());
+    let [near, far] = [near, far].map(|verdict| verdict.follower.unwrap());
+    assert!(near.touches() && !far.touches());
+    assert_eq!((near.vehicle, far.vehicle), (1, 1));
+    // Both drive at the same speed, so that it has the gap and the way of the human's brake, but for its reaction: far less than 7 m/s².
+    assert!(far.deceleration.unwrap() < 3.0 && near.deceleration.is_none_or(|needed| needed > near.limit));
 }
 
 #[test]
@@ -559,4 +582,118 @@ fn a_driver_sees_a_parked_car_in_its_lane_and_stops_behind_it() {
     assert_eq!((outcome.ending, trace.contact()), (Ending::Timeout, None));
     let last = trace.vehicle(0)[600].state;
     assert!(last.speed < 0.1 && last.pose.x > 100.0, "{last:?}");
+}
+
+/// The ego does not look; the second pedestrian stands in its lane, and the first far away. Both are moved from outside.
+fn one_in_the_lane() -> Arc<Scenario> {
+    let place = ActorStart::standing(Pose::new(95.0, LANE, 0.0));
+    Arc::new(two_and_two("blind", ("blind", ahead(150.0)), (place, Controller::External)))
+}
+
+#[test]
+fn each_pedestrian_earns_what_the_episode_earns_with_it_and_not_without_it() {
+    let scenario = one_in_the_lane();
+    let credits = |credit| {
+        let mut env = PedestrianEnv::new(scenario.simulation(), Seed::root(1)).with_agents(Some(credit));
+        assert_eq!(
+            (env.agents(), env.obs_dim(), env.action_bounds().len()),
+            (2, ObservationSpec::DIM, ActionSpec::DIM)
+        );
+        let mut states = [0.0; 2 * ObservationSpec::DIM];
+        let mut earned = [0.0; 2];
+        env.reset(&mut states);
+        loop {
+            let step = env.step(&[0.0; 4], &mut states);
+            (0..2).for_each(|agent| earned[agent] += env.credit(agent, step.reward));
+            if step.done() {
+                break (earned, env.simulation().outcome().copied().unwrap());
+            }
+        }
+    };
+    let ([first, second], outcome) = credits(Credit::Team);
+    assert_eq!((first, second), (outcome.reward, outcome.reward));
+    assert!(outcome.is_collision() && outcome.reward > 3.0, "{outcome:?}");
+    let ([first, second], _) = credits(Credit::Own);
+    assert!(second > 3.0 && first < second, "{first} {second}");
+    let (removal, _) = credits(Credit::Removal);
+    for (number, credit) in removal.into_iter().enumerate() {
+        let cast = scenario.cast.without(ActorId::Pedestrian(number as u8));
+        let (without, _) = run(&Arc::new(Scenario { cast, ..Scenario::clone(&scenario) }), [STANDING; 2]);
+        assert!((credit - (outcome.reward - without.reward)).abs() < 1e-9, "pedestrian {number}: {credit}");
+    }
+    assert!(removal[0] == 0.0 && removal[1] > 3.0, "{removal:?}");
+}
+
+#[test]
+fn one_policy_learns_for_all_pedestrians_and_is_that_of_one_where_there_is_one() {
+    let config = |shared| PpoConfig {
+        steps: 60,
+        steps_per_update: 30,
+        batch_size: 30,
+        epochs: 2,
+        hidden: vec![8],
+        shared,
+        ..PpoConfig::paper()
+    };
+    let trained = |scenario: &Arc<Scenario>, shared| {
+        let run = TrainingRun::begin(std::slice::from_ref(scenario), 2, &config(shared), &Seed::root(7)).unwrap();
+        run.carry_on(&mut |_| ControlFlow::Continue(())).unwrap().actor_critic
+    };
+    let alone = Arc::new(scenario("long", "blind"));
+    assert_eq!(trained(&alone, Some(Credit::Team)), trained(&alone, None));
+    let both = one_in_the_lane();
+    let policy = trained(&both, Some(Credit::Removal));
+    assert_eq!((policy.obs_dim(), policy.action_dim()), (ObservationSpec::DIM, ActionSpec::DIM));
+    assert_eq!(trained(&both, None).action_dim(), 2 * ActionSpec::DIM);
+    // It moves each by what that one sees.
+    let mut walker = TrainedWalker::new(policy.clone(), &both.cast, ActionMode::Deterministic);
+    let mut env = both.simulation();
+    env.start(Draw::new(&Seed::root(1), 0));
+    walker.begin(Seed::root(2).stream());
+    let mut commands = [STANDING; 2];
+    walker.choose(&env.scene(), &mut commands);
+    let (mut states, mut joint, mut wanted) = ([0.0; 2 * ObservationSpec::DIM], [0.0; 4], [STANDING; 2]);
+    env.scene().write_state(&mut states);
+    for (state, action) in states.chunks(ObservationSpec::DIM).zip(joint.chunks_mut(ActionSpec::DIM)) {
+        policy.act(state, action, &mut policy.scratch(1));
+    }
+    let bounds = both.cast.action_bounds();
+    joint.iter_mut().zip(bounds).for_each(|(number, (low, high))| *number = number.clamp(low, high));
+    env.scene().write_commands(&joint, &mut wanted);
+    assert_eq!(commands, wanted);
+    assert_ne!(commands[0], commands[1]);
+    // A training that is interrupted ends with the same numbers.
+    let seed = &Seed::root(7);
+    let shared = config(Some(Credit::Removal));
+    let mut begun = TrainingRun::begin(std::slice::from_ref(&both), 2, &shared, seed).unwrap();
+    begun.update().unwrap();
+    let state = begun.state(&std::collections::BTreeMap::new());
+    let again = TrainingRun::resume(&state, std::slice::from_ref(&both), None, 2, &shared, seed).unwrap();
+    assert_eq!(again.carry_on(&mut |_| ControlFlow::Continue(())).unwrap().actor_critic, policy);
+}
+
+#[test]
+fn a_pedestrian_sees_the_nearest_others_in_fixed_places() {
+    let mut scenario = two_and_two("follower", ("slow", ahead(40.0)), (away(), Controller::Fixed(STANDING)));
+    scenario.cast.pedestrians[0].observation.others = 3;
+    let observation = scenario.cast.pedestrians[0].observation.clone();
+    assert_eq!(observation.dim(), ObservationSpec::DIM + 3 * ObservationSpec::OTHER_DIM);
+    assert_eq!(observation.components().len(), observation.dim());
+    let mut env = Arc::new(scenario).simulation();
+    env.start(Draw::new(&Seed::root(1), 0));
+    let mut state = vec![0.0; observation.dim()];
+    env.scene().write_state(&mut state);
+    let world = env.scene().world;
+    let here = world.pedestrians[0].state.pose;
+    let places = state[ObservationSpec::DIM..].chunks(ObservationSpec::OTHER_DIM);
+    let others = [world.vehicles[1].state.pose, world.pedestrians[1].state.pose];
+    let mut apart = others.map(|pose| (pose.position() - here.position()).norm());
+    let is_car_first = apart[0] < apart[1];
+    apart.sort_by(f64::total_cmp);
+    let seen: Vec<[f64; 3]> = places.map(|other| [other[0], other[1], other[2].hypot(other[3])]).collect();
+    for (number, distance) in apart.into_iter().enumerate() {
+        assert_eq!(seen[number][..2], [1.0, f64::from((number == 0) == is_car_first)]);
+        assert!((seen[number][2] - distance).abs() < 1e-9);
+    }
+    assert_eq!(seen[2], [0.0; 3]);
 }

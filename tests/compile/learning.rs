@@ -38,8 +38,8 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
         let outcomes = evaluate(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));
         outcomes.iter().filter(|outcome: &&Outcome| outcome.is_touch()).count()
     };
-    let obs_dim = evaluation.scenario.cast.obs_dim();
-    let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, obs_dim, ActionMode::Deterministic));
+    let cast = &evaluation.scenario.cast;
+    let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, cast, ActionMode::Deterministic));
     let random = rate(&mut Random::default());
     assert!(learnt > 120 && random < 40, "{learnt} and {random} of 200");
     let first = plan.campaigns[0].nth::<compile::Evaluation>(1).first.as_deref().unwrap();
@@ -50,6 +50,6 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
         begun.finish().actor_critic,
         "the untrained network is the one with which the training begins"
     );
-    let untrained = rate(&mut TrainedWalker::new(networks, obs_dim, ActionMode::Deterministic));
+    let untrained = rate(&mut TrainedWalker::new(networks, cast, ActionMode::Deterministic));
     assert!(untrained < 60, "{untrained} of 200");
 }

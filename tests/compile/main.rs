@@ -31,6 +31,7 @@ mod learning;
 mod map_facts;
 mod messages;
 mod natural_walking;
+mod needs;
 mod pedestrians;
 mod protocols;
 mod recordings;

@@ -170,7 +170,7 @@ fn a_trained_walker_sees_stacked_and_normalised_states() {
     // The value after it is read back from a file.
     let bytes = trained.actor_critic.to_safetensors(&BTreeMap::new());
     let (policy, _) = ActorCritic::from_safetensors(&bytes).unwrap();
-    let mut walker = TrainedWalker::new(policy, ObservationSpec::DIM, ActionMode::Deterministic);
+    let mut walker = TrainedWalker::new(policy, &training.scenario.cast, ActionMode::Deterministic);
     let mut env = PedestrianEnv::new(training.scenario.simulation(), Seed::root(5));
     let (mut stack, mut scratch) = (FrameStack::new(4, 3), trained.actor_critic.scratch(1));
     for episode in 0..3 {

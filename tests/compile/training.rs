@@ -53,6 +53,7 @@ fn every_setting_can_be_written() {
         portable_bits: true,
         initial_log_std: -1.0,
         from: None,
+        shared: None,
         hidden: vec![32, 16],
     };
     assert_eq!(lowered(text), config);

@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 /// for a user.
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
-    ("src/learn", 5_418),
-    ("src/world", 36_132),
+    ("src/learn", 5_524),
+    ("src/world", 36_618),
     ("src/ported", 4_642),
-    ("src/lang", 6_573),
-    ("src/compile", 7_971),
+    ("src/lang", 6_585),
+    ("src/compile", 7_986),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 25_855),
+    ("src/results", 26_111),
     ("src/program", 12_318),
-    ("tests", 27_914),
+    ("tests", 28_184),
 ];
 
 /// Crates that only some places may name.

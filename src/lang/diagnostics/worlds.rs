@@ -24,6 +24,18 @@ pub fn trained_without_training(span: Span) -> Diagnostic {
         .help("use `random`, `homing` or `intercept` instead: `pedestrians: [random]`")
 }
 
+/// One policy is to move each of several trained pedestrians, which see or choose other numbers.
+pub fn unshared_policy(span: Span) -> Diagnostic {
+    let message = "`shared` of the training needs pedestrians that see and choose the same";
+    contradiction(span, message.into()).help("give the trained roles of the cast one adversary, or leave `shared` out")
+}
+
+/// A search is to learn a policy of which each pedestrian has a part.
+pub fn shared_search(span: Span) -> Diagnostic {
+    contradiction(span, "a search learns one policy for all pedestrians at once, and its training has `shared`".into())
+        .help("give the falsifier a `training` without `shared`")
+}
+
 /// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.
 pub fn nothing_to_compare(span: Span) -> Diagnostic {
     Diagnostic::warning("unused", span, "these figures are compared with nothing")

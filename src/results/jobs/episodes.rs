@@ -39,7 +39,7 @@ pub(super) fn watch_numbered<T>(
 ) -> Vec<T> {
     let learnt = |mode| -> Box<dyn WalkPolicy> {
         let trained = trained.expect("a trained pedestrian comes with its networks");
-        Box::new(TrainedWalker::new(trained.clone(), evaluation.scenario.cast.obs_dim(), mode))
+        Box::new(TrainedWalker::new(trained.clone(), &evaluation.scenario.cast, mode))
     };
     let mut walker: Box<dyn WalkPolicy> = match &evaluation.controller {
         ControllerKind::Untrained(controller) => controller.walk_policy(),
@@ -49,7 +49,7 @@ pub(super) fn watch_numbered<T>(
             let Training { config, key, .. } =
                 evaluation.first.as_deref().expect("first networks come with their training");
             let first = first_networks(&evaluation.scenario.cast, config, &key.seed(seed));
-            Box::new(TrainedWalker::new(first, evaluation.scenario.cast.obs_dim(), ActionMode::Deterministic))
+            Box::new(TrainedWalker::new(first, &evaluation.scenario.cast, ActionMode::Deterministic))
         }
     };
     let own = seed.child("walker").child(&evaluation.town).child(&evaluation.policy);

@@ -149,7 +149,7 @@ pub const COUNTS_AS: Column<String> = Column::new(
     "counts_as",
     "",
     "`fault`, or the first reason why it is none: `bump` (the car stood), `not_preventable`, `unforeseeable`, `flank` (the pedestrian walked \
-     into the flank or the rear), `slow` (below 1 m/s), `narrow` (a careful human has less than 0.1 m to spare). `runner` is a fault, too: somebody faster than 8 km/h at a steady speed",
+     into the flank or the rear), `slow` (below 1 m/s), `narrow` (a careful human has less than 0.1 m to spare), `followed` (a car behind runs into that of a careful human who brakes). `runner` is a fault, too: somebody faster than 8 km/h at a steady speed",
 );
 pub const AVOIDABLE_INJURY: Column<f64> = Column::new(
     "avoidable_injury",

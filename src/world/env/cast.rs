@@ -140,6 +140,21 @@ impl Cast {
         self.controlled().map(|(_, role)| role.observation.dim()).sum()
     }
 
+    /// The numbers of a state and the bounds of an action of a policy of all controlled pedestrians: joint ones, or those of one pedestrian.
+    pub fn policy_dims(&self, shared: bool) -> (usize, Vec<(f64, f64)>) {
+        match self.controlled().next().filter(|_| shared) {
+            Some((_, role)) => (role.observation.dim(), role.action.bounds().to_vec()),
+            None => (self.obs_dim(), self.action_bounds()),
+        }
+    }
+
+    /// Whether all controlled pedestrians see and choose the same, so that one policy can move each of them.
+    pub fn is_uniform(&self) -> bool {
+        let mut roles = self.controlled().map(|(_, role)| (&role.observation, &role.action));
+        let first = roles.next();
+        roles.all(|role| Some(role) == first)
+    }
+
     /// The bounds of a joint action: those of all controlled pedestrians, one after another.
     pub fn action_bounds(&self) -> Vec<(f64, f64)> {
         self.controlled().flat_map(|(_, role)| role.action.bounds()).collect()

@@ -20,7 +20,24 @@ pub struct Component {
 /// The angle that an observation scaled to units divides by (rad), the distance (m) and the speed (m/s).
 pub(super) const UNITS: (f64, f64, f64) = (PI, 30.0, 8.0);
 
+/// The numbers about another actor: name, whether it is a length or a speed, and meaning.
+const OTHER: [(&str, Option<bool>, &str); ObservationSpec::OTHER_DIM] = [
+    ("present", None, "1 if there is such an actor, the nearest first; otherwise all numbers about it are 0"),
+    ("vehicle", None, "1 for a car, 0 for a pedestrian"),
+    ("ahead", Some(true), "how far it is in the direction of angle 0"),
+    ("left", Some(true), "how far it is to the left of that"),
+    ("velocity_ahead", Some(false), "its velocity in the direction of angle 0"),
+    ("velocity_left", Some(false), "its velocity to the left"),
+    ("half_length", Some(true), "half of its length"),
+    ("half_width", Some(true), "half of its width"),
+];
+
 impl ObservationSpec {
+    /// The names of the numbers about another actor.
+    pub fn other_names() -> [&'static str; Self::OTHER_DIM] {
+        OTHER.map(|(name, ..)| name)
+    }
+
     /// The numbers of a state in their order.
     pub fn components(&self) -> Vec<Component> {
         let first = match self.frame {
@@ -62,7 +79,28 @@ impl ObservationSpec {
             let over = |bound: Option<f64>| bound.map(|bound| bound / divisor);
             Component { name: name.into(), unit: unit.into(), low: over(low), high: over(high), meaning }
         });
-        of_the_ego.into_iter().chain(rays).collect()
+        let (length, speed) = match self.scaling {
+            Scaling::Natural => ("m", "m/s"),
+            Scaling::Unit => ("30 m", "8 m/s"),
+        };
+        let others = (0..self.others).flat_map(move |number| {
+            OTHER.map(|(name, unit, meaning)| {
+                let unit = match unit {
+                    Some(true) => length,
+                    Some(false) => speed,
+                    None => "",
+                };
+                let bound = |at: f64| unit.is_empty().then_some(at);
+                Component {
+                    name: format!("other_{number}_{name}"),
+                    unit: unit.into(),
+                    low: bound(0.0),
+                    high: bound(1.0),
+                    meaning,
+                }
+            })
+        });
+        of_the_ego.into_iter().chain(rays).chain(others).collect()
     }
 }
 
@@ -136,7 +174,7 @@ mod tests {
             [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::LineOfSight, ReferenceFrame::World];
         for (frame, scaling) in frames.into_iter().flat_map(|frame| [(frame, Scaling::Natural), (frame, Scaling::Unit)])
         {
-            let spec = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0 };
+            let spec = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0, others: 0 };
             let components = spec.components();
             let mut extremes = [(f64::MAX, f64::MIN); ObservationSpec::DIM];
             for step in 0..2000 {

@@ -305,6 +305,12 @@ impl Simulation for LocalSimulation {
         Some(Box::new(copy))
     }
 
+    fn snapshot_without(&self, pedestrian: usize) -> Option<Box<dyn Simulation>> {
+        let mut copy = self.copy()?;
+        copy.world.pedestrians[pedestrian].is_present = false;
+        Some(Box::new(copy))
+    }
+
     fn snapshot(&self) -> Option<Box<dyn Simulation>> {
         Some(Box::new(self.copy()?))
     }

@@ -63,7 +63,7 @@ pub use external_world::{Abilities, BridgeKeys, ExternalWorld, LaneMatch, MapWri
 pub use failure_cell::{Course, FailureCell, Zone};
 pub(crate) use lane_watch::{LanePlace, LaneWatch};
 pub use local_simulation::LocalSimulation;
-pub use observation::{Observation, ObservationSpec, ObservedSpeed};
+pub use observation::{Observation, ObservationSpec, ObservedSpeed, SeenActor};
 pub use other_actor::RecordedActor;
 pub use other_drive::OtherDrive;
 pub use outcome::{Ending, Impact, LeftOut, Outcome};

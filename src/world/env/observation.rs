@@ -53,7 +53,8 @@ impl Observation {
     }
 }
 
-/// Converts an [`Observation`] to the numbers of a state: bearing, distance, relative heading, speed; then how far the view is free along the rays.
+/// Converts an [`Observation`] to the numbers of a state: bearing, distance, relative heading, speed; then how far the view is free along the rays, and
+/// the nearest other actors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationSpec {
     /// The direction from which the angles are measured.
@@ -64,18 +65,35 @@ pub struct ObservationSpec {
     pub speed: ObservedSpeed,
     /// The number of directions in which obstacles are seen, evenly around from the direction of the frame, counterclockwise.
     pub rays: usize,
+    /// The number of places for other actors, the nearest first.
+    pub others: usize,
+}
+
+/// Another actor than the ego, as a pedestrian sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenActor {
+    pub pose: Pose,
+    /// In the world (m/s).
+    pub velocity: Vector,
+    /// Half extents along its heading and across it (m).
+    pub half: Vector,
+    pub is_vehicle: bool,
 }
 
 impl ObservationSpec {
     /// The numbers of a state about the ego.
     pub const DIM: usize = 4;
 
+    /// The numbers of a state about another actor: 1 if there is one, 1 if it is a vehicle, how far it is ahead and to the left, its velocity in these
+    /// directions, and its half extents.
+    pub const OTHER_DIM: usize = 8;
+
     /// The length of a ray (m): what is farther is not seen.
     pub const REACH: f64 = 20.0;
 
     /// The numbers of a state.
     pub fn dim(&self) -> usize {
-        Self::DIM + self.rays
+        Self::DIM + self.rays + self.others * Self::OTHER_DIM
     }
 
     /// The numbers about the ego for an observation in the frame of the pedestrian's heading.
@@ -94,6 +112,35 @@ impl ObservationSpec {
                 [state[0] / turn, state[1] / distance, state[2] / turn, state[3] / speed]
             }
         }
+    }
+
+    /// The numbers about another actor.
+    pub fn encode_other(
+        &self,
+        pedestrian: &Pose,
+        initial_heading: f64,
+        ego: Point,
+        other: &SeenActor,
+    ) -> [f64; Self::OTHER_DIM] {
+        let yaw = self.frame.origin(pedestrian, initial_heading, ego);
+        let frame = Pose { yaw, ..*pedestrian };
+        let (place, half) = (frame.to_local(other.pose.position()), other.half);
+        let velocity = [other.velocity.dot(&frame.forward()), other.velocity.dot(&frame.left())];
+        let (metres, pace) = match self.scaling {
+            Scaling::Natural => (1.0, 1.0),
+            Scaling::Unit => (UNITS.1, UNITS.2),
+        };
+        let is_vehicle = f64::from(other.is_vehicle);
+        [
+            1.0,
+            is_vehicle,
+            place.x / metres,
+            place.y / metres,
+            velocity[0] / pace,
+            velocity[1] / pace,
+            half.x / metres,
+            half.y / metres,
+        ]
     }
 
     /// Writes how far the view is free along each ray: in metres, or over their length.
@@ -134,7 +181,7 @@ mod tests {
         let (pose, ego) = (Pose::new(3.0, 4.0, 2.5), Pose::new(-5.0, 1.0, 0.2));
         for frame in [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::World] {
             let scaling = Scaling::Natural;
-            let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0 };
+            let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego, rays: 0, others: 0 };
             let action = ActionSpec { frame, scaling, speed: (0.0, 3.5), heading: ActionSpec::ANY_HEADING };
             let seen = Observation::new(&pose, 0.0, &ego, 5.0, ObservedSpeed::Ego);
             let state = observation.encode(&seen, &pose, 0.3, ego.position());

@@ -4,9 +4,10 @@ use super::pursuit::meeting_heading;
 use super::trace::Driven;
 use super::{
     ActionSpec, Actions, Cast, Controller, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario,
+    SeenActor,
 };
 use crate::geometry::{Point, Pose, Vector};
-use crate::sim::{Contact, WalkCommand, World, time_of};
+use crate::sim::{ActorId, Contact, WalkCommand, World, time_of};
 
 /// What a policy of pedestrians sees: time, roads, lights and all actors as they are now.
 #[derive(Debug, Clone, Copy)]
@@ -96,10 +97,40 @@ impl<'a> Scene<'a> {
         for (number, role) in self.controlled() {
             let Some(part) = rest.split_off_mut(..role.observation.dim()) else { return };
             let (pedestrian, initial, ego) = self.viewpoint(number);
-            let (of_the_ego, rays) = part.split_at_mut(ObservationSpec::DIM);
+            let (of_the_ego, rest) = part.split_at_mut(ObservationSpec::DIM);
+            let (rays, others) = rest.split_at_mut(role.observation.rays);
             of_the_ego.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
             role.observation.look(pedestrian, initial, ego, &self.world.obstacles, rays);
+            let mut before = (-1.0, 0);
+            for place in others.as_chunks_mut().0 {
+                let next = self.others(number).filter(|(order, _)| *order > before);
+                let nearest = next.min_by(|(one, _), (other, _)| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+                *place = nearest.map_or([0.0; ObservationSpec::OTHER_DIM], |(order, other)| {
+                    before = order;
+                    role.observation.encode_other(pedestrian, initial, ego, &other)
+                });
+            }
         }
+    }
+
+    /// The actors beside the ego and a pedestrian, each with its distance from that one (m) and its code, by which they are ordered.
+    fn others(&self, pedestrian: usize) -> impl Iterator<Item = ((f64, usize), SeenActor)> {
+        let here = self.world.pedestrians[pedestrian].state.pose.position();
+        let order = move |pose: &Pose, actor: ActorId| ((pose.position() - here).norm(), actor.code());
+        let vehicles = self.world.vehicles.iter().enumerate().skip(1).filter(|(_, each)| each.is_present);
+        let vehicles = vehicles.map(move |(number, each)| {
+            let (pose, half) = (each.state.pose, each.outline().half);
+            let velocity = pose.forward() * each.state.speed;
+            let seen = SeenActor { pose, velocity, half, is_vehicle: true };
+            (order(&pose, ActorId::Vehicle(number as u8)), seen)
+        });
+        let pedestrians = self.world.pedestrians.iter().enumerate();
+        let pedestrians = pedestrians.filter(move |(number, each)| *number != pedestrian && each.is_present);
+        vehicles.chain(pedestrians.map(move |(number, each)| {
+            let (pose, velocity) = (each.state.pose, each.state.velocity);
+            let seen = SeenActor { pose, velocity, half: each.body.half(), is_vehicle: false };
+            (order(&pose, ActorId::Pedestrian(number as u8)), seen)
+        }))
     }
 
     /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.

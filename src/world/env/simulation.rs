@@ -98,6 +98,12 @@ pub trait Simulation: Send {
         None
     }
 
+    /// A copy in the present state without a pedestrian; `None` if that cannot be copied.
+    fn snapshot_without(&self, pedestrian: usize) -> Option<Box<dyn Simulation>> {
+        let _ = pedestrian;
+        None
+    }
+
     /// The number of simulations whose drivers are best asked together.
     fn batch_size(&self) -> usize {
         1

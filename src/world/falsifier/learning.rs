@@ -67,7 +67,7 @@ impl Env for Ground<'_> {
 impl Falsifier for Learning {
     fn search(&self, simulator: &mut BudgetedSimulation<'_>, seed: &Seed) -> Searched {
         let scenario = simulator.scenario();
-        let (hold, obs_dim) = (u64::from(scenario.episode.hold), scenario.cast.obs_dim());
+        let (hold, cast) = (u64::from(scenario.episode.hold), scenario.cast.clone());
         let run_up = u64::from(scenario.most_run_up());
         let stride = self.0.environments as u64;
         let shares = simulator.shares(stride);
@@ -76,7 +76,7 @@ impl Falsifier for Learning {
         let config = PpoConfig { steps: (simulator.left() / hold).max(1), ..self.0.clone() };
         let trained = train(&mut grounds, &config, hold + run_up, seed);
         simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());
-        Ok(Some(Box::new(TrainedWalker::new(trained?, obs_dim, ActionMode::Deterministic))))
+        Ok(Some(Box::new(TrainedWalker::new(trained?, &cast, ActionMode::Deterministic))))
     }
 }
 

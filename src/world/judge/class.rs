@@ -15,6 +15,7 @@ choice! {
     /// | `flank` | the pedestrian walked into the flank after the front had passed it, or ran into the rear. One that kept its velocity and is touched within half a metre and 0.1 s behind the bumper did not |
     /// | `slow` | the car was slower than [`WALKING_PACE`] |
     /// | `narrow` | a careful human has less than [`CLEAR`] to spare |
+    /// | `followed` | a car behind runs into that of a careful human who brakes: [`Follower`](super::Follower) |
     /// | `runner` | none of these, and somebody faster than 8 km/h was hit, such as a jogger or a cyclist: it counts against the driver |
     /// | `fault` | none of these: the collision counts against the driver |
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -31,6 +32,8 @@ choice! {
         Slow = "slow",
         /// A careful human has less than 0.1 m to spare.
         Narrow = "narrow",
+        /// A car behind runs into that of a careful human.
+        Followed = "followed",
         /// It counts against the driver, who hit somebody faster than a pedestrian.
         Runner = "runner",
         /// It counts against the driver.
@@ -55,6 +58,8 @@ pub(super) struct Facts {
     pub speed: f64,
     /// What the careful human with less to spare has to spare (m).
     pub margin: f64,
+    /// Whether a car behind runs into that of a careful human.
+    pub followed: bool,
 }
 
 impl Class {
@@ -66,6 +71,7 @@ impl Class {
             Facts { walked_into: true, .. } => Self::Flank,
             Facts { speed, .. } if *speed < WALKING_PACE => Self::Slow,
             Facts { margin, .. } if *margin < CLEAR => Self::Narrow,
+            Facts { followed: true, .. } => Self::Followed,
             Facts { fast: true, .. } => Self::Runner,
             _ => Self::Fault,
         }
@@ -85,6 +91,7 @@ impl Class {
             Self::Flank => "the pedestrian walked into the flank or the rear after the front had passed",
             Self::Slow => "the car was slower than 1 m/s",
             Self::Narrow => "a careful human has less than 0.1 m to spare",
+            Self::Followed => "a car behind runs into that of a careful human who brakes",
             Self::Runner => {
                 "a careful human avoids it; the person was faster than 8 km/h and moved as runners and cyclists do"
             }
@@ -107,10 +114,12 @@ mod tests {
             walked_into: false,
             speed: 1.0,
             margin: CLEAR,
+            followed: false,
         };
         for (facts, class) in [
             (fault, Class::Fault),
             (Facts { fast: true, ..fault }, Class::Runner),
+            (Facts { followed: true, ..fault }, Class::Followed),
             (Facts { margin: 0.09, ..fault }, Class::Narrow),
             (Facts { speed: 0.99, ..fault }, Class::Slow),
             (Facts { walked_into: true, ..fault }, Class::Flank),

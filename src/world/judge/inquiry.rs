@@ -1,4 +1,5 @@
 use super::class::Facts;
+use super::follower::{Braked, Follower, others};
 use super::reaction::{MAX_REACTION, share_of_drivers};
 use super::reference::Model;
 use super::trial::{FreeRun, Notice, STANDING};
@@ -170,7 +171,25 @@ impl<'a> Inquiry<'a> {
             walked_into,
             speed: self.contact.impact_speed,
             margin,
+            followed: self.follower().is_some_and(|follower| follower.touches()),
         })
+    }
+
+    /// The car that follows that of a careful human; `None` without one, and if the humans do not avoid the touch.
+    fn follower(&mut self) -> Option<Follower> {
+        others(&self.pair).next()?;
+        if !self.is_preventable() {
+            return None;
+        }
+        let humans = Label::humans().map(|human| {
+            let mut braked = Braked::default();
+            if let Model::Delayed(driver) = human.model() {
+                let notice = self.free.noticed(&self.encounter, &driver);
+                braked.stopped = self.free.braked_watched(&mut self.encounter, driver, notice, &mut braked).stopped;
+            }
+            braked
+        });
+        Follower::behind(&self.pair, &self.encounter, &humans)
     }
 
     /// The side of the touch, and whether the pedestrian walked into the car.
@@ -191,6 +210,7 @@ impl<'a> Inquiry<'a> {
             sight: Sight::new(&self.pair),
             impact_speed: self.contact.impact_speed,
             latest_reaction: self.latest_reaction(),
+            follower: self.follower(),
             trials: Reference::ALL.map(|reference| self.trial(reference)),
         }
     }

@@ -17,7 +17,7 @@
 //! 4. A driver *avoids* the failure when the car does not touch the pedestrian while the car moves. A pedestrian that then walks
 //!    into the standing car, or comes from behind, is not counted.
 //! 5. A collision that both careful humans avoid is *preventable*. It is a *fault* ([`Class`]) if the pedestrian moved as people do and was hit
-//!    by the front or driven into, at walking pace or more, and both humans have 0.1 m to spare.
+//!    by the front or driven into, at walking pace or more, both humans have 0.1 m to spare, and no car that follows runs into them ([`Follower`]).
 //!
 //! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording. A [`Judged`] episode has its outcome,
 //! the verdict on its touch and those on the violations of requirements.
@@ -43,6 +43,7 @@ mod severity;
 mod class;
 mod inquiry;
 mod false_alarms;
+mod follower;
 mod verdict;
 mod violation;
 mod judged;
@@ -63,6 +64,7 @@ pub use contact_side::ContactSide;
 pub use driven_path::{DrivenPath, Place};
 pub use encounter::{Encounter, Step};
 pub use false_alarms::FalseAlarms;
+pub use follower::Follower;
 pub use foreseeable::PedestrianMotion;
 pub use inquiry::Inquiry;
 pub use judged::{Blame, Judged, JudgedDegree};

@@ -1,5 +1,5 @@
 use super::class::Facts;
-use super::{Class, ContactSide, Inquiry, Reference, Sight, Trial, reaction, severity};
+use super::{Class, ContactSide, Follower, Inquiry, Reference, Sight, Trial, reaction, severity};
 use crate::env::Pair;
 use base::choice;
 
@@ -88,6 +88,9 @@ pub struct Verdict {
     pub impact_speed: f64,
     /// The longest reaction time with which a careful driver avoids it (s): [`Inquiry::latest_reaction`].
     pub latest_reaction: Option<f64>,
+    /// The car that follows, if careful humans avoid the collision; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follower: Option<Follower>,
     /// The result of each driver, in the order of [`Reference::ALL`].
     pub trials: [Trial; Reference::COUNT],
 }
@@ -113,6 +116,7 @@ impl Verdict {
             walked_into: self.walked_into,
             speed: self.impact_speed,
             margin: Label::humans().map(|human| self.margin(human)).into_iter().fold(f64::INFINITY, f64::min),
+            followed: self.follower.is_some_and(|follower| follower.touches()),
         })
     }
 

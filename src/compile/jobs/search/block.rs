@@ -141,6 +141,9 @@ impl Lowering<'_> {
                 self.said.push(diagnostics::no_training(at.campaign.head, declaration.block.head));
                 continue;
             }
+            if training.as_ref().is_some_and(|axis| axis.value.shared.is_some()) {
+                self.said.push(diagnostics::shared_search(declaration.block.head));
+            }
             let controller = falsifier::named(arguments, "controller");
             let named = falsifier::Named {
                 training: training.as_ref().map(|training| training.value.clone()),

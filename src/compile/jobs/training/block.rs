@@ -63,6 +63,9 @@ impl Lowering<'_> {
                 let scenario_of = |place: &Place<'_>| usual.scenario(place, &body, &reward.value, &[].into());
                 let scenarios: Vec<_> =
                     places.iter().map(|place| (place.town.name.to_string(), scenario_of(place))).collect();
+                if config.shared.is_some() && !scenarios[0].1.cast.is_uniform() {
+                    return self.said.push(diagnostics::unshared_policy(at.block.head));
+                }
                 let ground: Vec<DeclarationId> =
                     places.iter().flat_map(|place| usual.declarations(place, &body)).collect();
                 let fingerprint = self.fingerprint(&[ground.as_slice(), &[reward.id, training.id]].concat());

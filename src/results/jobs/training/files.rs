@@ -31,8 +31,11 @@ pub fn files(found: &Findings<'_>, manifest: &Manifest) -> Vec<(String, Vec<u8>)
             files.push((driver_file(key), bytes));
             continue;
         }
-        let bounds = planned.scenario.cast.action_bounds();
-        let interface = planned.scenario.cast.interface(&planned.scenario.episode);
+        let whole = &planned.scenario.cast;
+        // A shared policy moves one pedestrian at a time.
+        let first = whole.controlled().next().filter(|_| planned.config.shared.is_some());
+        let cast = first.map_or_else(|| whole.clone(), |(number, _)| whole.alone(number));
+        let (bounds, interface) = (cast.action_bounds(), cast.interface(&planned.scenario.episode));
         let metadata: BTreeMap<String, String> = [
             ("falsify", manifest.version.clone()),
             ("campaign", campaign.name.clone()),

@@ -20,7 +20,7 @@ pub fn reward(plan: &Training, networks: &ActorCritic, part: &Part<'_>) -> Optio
     let episodes = STARTS.div_ceil(scenarios.len() as u32);
     let mut rewards = Vec::new();
     for (place, scenario) in (0..).zip(&scenarios) {
-        let mut walker = TrainedWalker::new(networks.clone(), scenario.cast.obs_dim(), ActionMode::Deterministic);
+        let mut walker = TrainedWalker::new(networks.clone(), &scenario.cast, ActionMode::Deterministic);
         let (starts, draws) = (seed.index(place), seed.child("walker").index(place));
         let outcomes = evaluate(&mut walker, scenario, episodes, &starts, &draws, &mut |_| flow(part.stop()));
         rewards.extend(outcomes.iter().filter(|outcome| outcome.left_out.is_none()).map(|outcome| outcome.reward));

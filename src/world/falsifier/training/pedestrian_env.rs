@@ -1,13 +1,13 @@
 use std::sync::Arc;
 
 use super::StartBank;
-use crate::env::{Controller, Draw, Simulation};
+use crate::env::{Controller, Draw, Ending, Simulation};
 use crate::falsifier::FaultStreak;
 use crate::sim::WalkCommand;
 use base::seed::Seed;
-use learn::{Env, Step};
+use learn::{Credit, Env, Step};
 
-/// An environment whose agent controls the pedestrians: the episodes of a simulation, one after another.
+/// An environment whose agent controls the pedestrians, or whose agents control one each: the episodes of a simulation, one after another.
 ///
 /// Episode *k* depends only on the seed and on *k*. A decision is one command for each pedestrian of the cast, in the order of their numbers. An
 /// action is joint: the numbers of all controlled pedestrians, one after another. So is a state.
@@ -22,6 +22,19 @@ pub struct PedestrianEnv {
     /// Memory for the commands of a decision.
     commands: Vec<WalkCommand>,
     faults: FaultStreak,
+    /// The agents; `None` if one chooses for all pedestrians.
+    agents: Option<Agents>,
+}
+
+/// One agent for each controlled pedestrian.
+struct Agents {
+    credit: Credit,
+    /// The numbers of their pedestrians.
+    pedestrians: Vec<usize>,
+    /// The start of the running episode; `None` if it cannot be copied.
+    start: Option<Box<dyn Simulation>>,
+    /// What each earned in the last step, beside the reward of all.
+    earned: Vec<f64>,
 }
 
 /// A running episode up to now, with all data to repeat it.
@@ -52,7 +65,17 @@ impl PedestrianEnv {
             decisions: Vec::with_capacity(decisions.min(MAX_RESERVED)),
             commands: vec![WalkCommand::default(); pedestrians],
             faults: FaultStreak::default(),
+            agents: None,
         }
+    }
+
+    /// The same environment with an agent for each controlled pedestrian, if that is wanted. Where the start of an episode cannot be copied, removal
+    /// pays as a team.
+    pub fn with_agents(mut self, credit: Option<Credit>) -> Self {
+        let pedestrians: Vec<usize> = self.simulation.scenario().cast.controlled().map(|(number, _)| number).collect();
+        let earned = vec![0.0; pedestrians.len()];
+        self.agents = credit.map(|credit| Agents { credit, pedestrians, start: None, earned });
+        self
     }
 
     /// The same environment, whose episodes begin with copies of the bank's starts.
@@ -83,6 +106,9 @@ impl PedestrianEnv {
         }
         self.next_episode = number + 1;
         self.decisions.clear();
+        if let Some(agents) = self.agents.as_mut().filter(|agents| agents.credit == Credit::Removal) {
+            agents.start = self.simulation.snapshot();
+        }
     }
 
     /// Carries out a decision: one command for each pedestrian.
@@ -92,7 +118,29 @@ impl PedestrianEnv {
         if let Some(outcome) = self.simulation.outcome() {
             self.faults.count(outcome.fault());
         }
+        self.give_credit(step);
         step
+    }
+
+    /// Works out what each agent earned in a step.
+    fn give_credit(&mut self, Step { reward, .. }: Step) {
+        let Some(agents) = &mut self.agents else { return };
+        agents.earned.fill(reward);
+        let Some(outcome) = self.simulation.outcome() else { return };
+        match (agents.credit, outcome.ending) {
+            (Credit::Own, Ending::Touch { pedestrian, .. }) => {
+                for (earned, number) in agents.earned.iter_mut().zip(&agents.pedestrians) {
+                    *earned = if *number == usize::from(pedestrian) { reward } else { 0.0 };
+                }
+            }
+            (Credit::Removal, _) => {
+                for (earned, number) in agents.earned.iter_mut().zip(&agents.pedestrians) {
+                    let without = agents.start.as_ref().and_then(|start| start.snapshot_without(*number));
+                    *earned -= without.map_or(0.0, |rest| reward_of(rest, &self.decisions));
+                }
+            }
+            (Credit::Team | Credit::Own, _) => {}
+        }
     }
 
     /// Repeats an episode up to the recorded point, and returns whether it led to the same state.
@@ -121,13 +169,33 @@ impl PedestrianEnv {
     }
 }
 
+/// The reward of an episode that goes on with these commands; the last ones are kept until it ends.
+fn reward_of(mut simulation: Box<dyn Simulation>, decisions: &[WalkCommand]) -> f64 {
+    let each = simulation.scenario().cast.pedestrians.len();
+    let mut decisions = decisions.chunks(each);
+    let mut commands: &[WalkCommand] = &[];
+    while simulation.outcome().is_none() {
+        commands = decisions.next().unwrap_or(commands);
+        simulation.carry_out(commands);
+    }
+    simulation.outcome().map_or(0.0, |outcome| outcome.reward)
+}
+
 impl Env for PedestrianEnv {
+    fn agents(&self) -> usize {
+        self.agents.as_ref().map_or(1, |agents| agents.pedestrians.len())
+    }
+
     fn obs_dim(&self) -> usize {
-        self.simulation.scenario().cast.obs_dim()
+        self.simulation.scenario().cast.policy_dims(self.agents.is_some()).0
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
-        self.simulation.scenario().cast.action_bounds()
+        self.simulation.scenario().cast.policy_dims(self.agents.is_some()).1
+    }
+
+    fn credit(&self, agent: usize, reward: f64) -> f64 {
+        self.agents.as_ref().map_or(reward, |agents| agents.earned[agent])
     }
 
     fn reset(&mut self, state: &mut [f64]) {

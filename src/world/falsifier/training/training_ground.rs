@@ -6,7 +6,7 @@ use crate::driving::{DriveEnv, DriveRule, Pupil};
 use crate::env::Scenario;
 use crate::falsifier::FaultStreak;
 use base::seed::Seed;
-use learn::{Env, Step};
+use learn::{Credit, Env, Step};
 
 /// An environment whose episodes take place in several scenarios in turn: other towns, other drivers.
 ///
@@ -55,6 +55,7 @@ impl TrainingGround {
         scenarios: &[Arc<Scenario>],
         rule: Option<&Arc<DriveRule>>,
         banks: &[Option<Arc<StartBank>>],
+        shared: Option<Credit>,
         number: usize,
         episodes: &Seed,
     ) -> Self {
@@ -62,7 +63,10 @@ impl TrainingGround {
         let seed = |place: u64| if place == 0 { *episodes } else { episodes.child("place").index(place) };
         let envs = (0..).zip(scenarios).zip(banks).map(|((place, scenario), bank)| match rule {
             Some(rule) => Box::new(DriveEnv::new(scenario, rule, &seed(place))) as Box<dyn Place>,
-            None => Box::new(PedestrianEnv::new(scenario.simulation(), seed(place)).with_bank(bank.clone())),
+            None => {
+                let env = PedestrianEnv::new(scenario.simulation(), seed(place));
+                Box::new(env.with_bank(bank.clone()).with_agents(shared))
+            }
         });
         // The first reset moves on to the scenario of the number.
         Self { current: (number + scenarios.len() - 1) % scenarios.len(), envs: envs.collect() }
@@ -94,6 +98,14 @@ impl Pupil for TrainingGround {
 }
 
 impl Env for TrainingGround {
+    fn agents(&self) -> usize {
+        self.env().agents()
+    }
+
+    fn credit(&self, agent: usize, reward: f64) -> f64 {
+        self.env().credit(agent, reward)
+    }
+
     fn obs_dim(&self) -> usize {
         self.env().obs_dim()
     }

@@ -177,7 +177,8 @@ impl TrainingRun {
 
 /// The networks with which a training of such actors begins, before its first decision; `seed` is that of [`TrainingRun::begin`].
 pub fn first_networks(cast: &Cast, config: &PpoConfig, seed: &Seed) -> ActorCritic {
-    learn::first_networks(cast.obs_dim() * config.frame_stack, cast.action_bounds().len(), config, &seed.child("ppo"))
+    let (obs_dim, bounds) = cast.policy_dims(config.shared.is_some());
+    learn::first_networks(obs_dim * config.frame_stack, bounds.len(), config, &seed.child("ppo"))
 }
 
 impl std::fmt::Debug for TrainingRun {
@@ -198,6 +199,6 @@ fn environments_of(
     let bank = |(place, scenario)| StartBank::new(scenario, config.starts?, hard, starts.index(place)).map(Arc::new);
     let banks: Vec<_> = (0..).zip(scenarios).map(bank).collect();
     (0..environments)
-        .map(|env| TrainingGround::new(scenarios, rule, &banks, env, &episodes.index(env as u64)))
+        .map(|env| TrainingGround::new(scenarios, rule, &banks, config.shared, env, &episodes.index(env as u64)))
         .collect()
 }

@@ -286,6 +286,14 @@ fn verdict_lines(verdict: &Verdict) -> Vec<String> {
             None => "  a careful driver hits the pedestrian even without any reaction time".into(),
         });
     }
+    lines.extend(verdict.follower.map(|follower| match follower.deceleration {
+        None => "  the car behind runs into a careful human before it can stop".into(),
+        Some(0.0) => "  the car behind need not brake when a careful human does".into(),
+        Some(needed) => {
+            let fares = if follower.touches() { "runs into a careful human" } else { "still stops" };
+            format!("  the car behind {fares}: it needs {needed:.1} m/s², and has {:.1} m/s²", follower.limit)
+        }
+    }));
     lines.extend(Reference::ALL.into_iter().map(|reference| {
         let trial = verdict.trial(reference);
         let fared = match trial.impact_speed {
