@@ -44,7 +44,7 @@ fn one_culprit(stream: &mut Stream) -> Built {
     (scenario, vec![culprit])
 }
 
-/// Somebody walks out from behind a parked van. Without the van the driver sees that and stops.
+/// Somebody walks out from behind a parked van.
 fn two_culprits(stream: &mut Stream) -> Built {
     let van = stream.random_range(68.0..93.0);
     let parked = ActorStart::standing(Pose::new(van, -4.6, 0.0));
@@ -67,8 +67,14 @@ fn share_named(name: &str, count: usize, build: impl Fn(&mut Stream) -> Built) -
         let commands = vec![STANDING; pedestrians];
         let scenario = Arc::new(scenario);
         let incident = Incident { scenario, seed: Seed::root(1), start: 0, commands, criterion: Criterion::Collision };
-        let hits = Reruns::new(&incident).run(&incident.commands).is_some_and(|rerun| rerun.outcome.is_collision());
-        if hits {
+        let hits = |incident: &Incident| {
+            Reruns::new(incident).run(&incident.commands).is_some_and(|rerun| rerun.outcome.is_collision())
+        };
+        // A van is a cause if the driver stops in a street that never had one.
+        let mut street = Scenario::clone(&incident.scenario);
+        street.cast.vehicles.truncate(1);
+        let without = Incident { scenario: Arc::new(street), ..incident.clone() };
+        if hits(&incident) && (!planted.contains(&ActorId::Vehicle(1)) || !hits(&without)) {
             failures += 1;
             let found = needs(&incident).into_iter().filter(|need| need.is_needed).map(|need| need.actor);
             let found: Vec<ActorId> = found.collect();
