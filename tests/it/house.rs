@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_783),
     ("src/results", 26_111),
     ("src/program", 12_318),
-    ("tests", 28_184),
+    ("tests", 28_194),
 ];
 
 /// Crates that only some places may name.
