@@ -49,7 +49,7 @@ fn scenario(spawn: &str, policy: &str) -> Arc<Scenario> {
 
 fn campaign(spawn: &str, policy: &str, town: &str, target: &str) -> Result<compile::Plan, String> {
     let text = format!(
-        "edition 1\nimport \"std/drivers.scn\"\nimport \"std/fmvss127.scn\"\nimport \"std/ncap.scn\"\nimport \"std/r152.scn\"\npolicy follower = idm()\n\
+        "edition 1\nimport \"std/drivers.scn\"\nimport \"std/fmvss127.scn\"\nimport \"std/ncap.scn\"\nimport \"std/r152.scn\"\npolicy follower = idm()\npolicy late = idm(actuation_delay: 0.2 s)\n\
          campaign c {{ vehicle: model3 adversary: {target} spawn: {spawn} episode: protocol_test\n\
          evaluate {{ towns: [{town}] policies: [{policy}] pedestrians: [scripted] episodes: 1 }} }}"
     );
@@ -258,7 +258,7 @@ fn cpna_50_meets_where_the_published_openscenario_file_does() {
 
 #[test]
 fn drivers_hold_the_test_speed_and_the_release_does_not_wait_for_them() {
-    for policy in ["blind", "aeb", "rss", "follower", "predictive", "behavior"] {
+    for policy in ["blind", "aeb", "rss", "follower", "late", "predictive", "behavior"] {
         let scenario = scenario("cpna", policy);
         let walk = scenario.spawn.target_walk.as_ref().unwrap();
         for (case, (_, trace)) in walk.cases.iter().zip(cases(&scenario)) {

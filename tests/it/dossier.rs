@@ -49,3 +49,18 @@ fn every_heading_has_figures_or_says_that_it_was_not_done() {
     let without = dossier("", "2");
     assert_eq!(without.matches("Not done.").count(), 2, "nor were there requirements");
 }
+
+#[test]
+fn requirements_that_nobody_judged_are_not_called_kept_and_a_dossier_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let evaluate = SCENARIO.lines().find(|line| line.contains("evaluate")).unwrap();
+    let text = SCENARIO.replace(evaluate, "").replace("REQUIRED", "requirements: [safe_passing]");
+    std::fs::write(folder.path().join("c.scn"), text).unwrap();
+    assert!(falsify(&["run", "c.scn", "--dossier"], folder.path()).status.success());
+    let file = folder.path().join("reports/c/dossier.html");
+    let page = std::fs::read_to_string(&file).unwrap();
+    assert!(page.contains("No evaluation judged these requirements"), "{page}");
+    assert_eq!(page.matches("not judged").count(), 2, "{page}");
+    assert!(falsify(&["run", "c.scn", "--seed", "2", "--replace"], folder.path()).status.success());
+    assert!(std::fs::read_to_string(&file).unwrap() != page, "that of the new run");
+}
