@@ -15,8 +15,8 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/process", 859),
     ("src/export", 3_783),
     ("src/results", 26_111),
-    ("src/program", 12_318),
-    ("tests", 28_194),
+    ("src/program", 12_309),
+    ("tests", 28_209),
 ];
 
 /// Crates that only some places may name.
