@@ -278,7 +278,7 @@ impl fmt::Display for Doubt {
         match &self.reason {
             Reason::Below { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "{count} of {of} trainings got less reward than {}: {} and {reward:.3} an episode",
+                "{count} of {of} trainings got less reward than {} beyond chance: {} and {reward:.3} an episode",
                 named(controller),
                 listed(rewards)
             ),
