@@ -15,7 +15,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/process", 859),
     ("src/export", 3_783),
     ("src/results", 26_111),
-    ("src/program", 12_309),
+    ("src/program", 12_316),
     ("tests", 28_209),
 ];
 

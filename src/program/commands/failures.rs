@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::episode::RepeatArgs;
+use super::run::quoted;
 use super::shrink::MAX_RUNS;
 use crate::cli::choice::choice;
 use crate::cli::console;
@@ -347,5 +348,5 @@ fn tell(listed: &[ListedFailure], all: usize) {
         console::say(&format!("{} of {all} failures; --top N shows more", listed.len()));
     }
     let options = report::StoredReport::open(folder).map_or("", |report| report.manifest().call.replay_options());
-    console::say(&format!("falsify replay {options}{}", folder.join(first.name()).display()));
+    console::say(&format!("falsify replay {options}{}", quoted(&folder.join(first.name()).display().to_string())));
 }

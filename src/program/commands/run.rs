@@ -21,7 +21,7 @@ use crate::session::{
 use gate::GateArgs;
 use results::campaign::Shard;
 use shard::{NamedShard, ShardOptions};
-use summary::quoted;
+pub(crate) use summary::quoted;
 
 /// Maximum number of seeds of a call.
 const MAX_SEEDS: u64 = 1_000;

@@ -2,7 +2,8 @@ use super::{Cause, TurnedBy};
 use crate::av::Weakness;
 
 impl Cause {
-    /// The cause in a sentence or two, without the name of the driver: `drives off after a red light, sees her for 2.4 s and does not brake: …`.
+    /// The cause in a sentence or two, without the name of the driver: `drives off after a red light, sees her for 2.4 s and does not brake: …`. A value of a
+    /// key that turns this one failure may do so by chance of timing, so settings are told apart, with what they cost ([`TurnedBy`]).
     pub fn sentence(&self) -> String {
         let drove_off = match self.drove_off {
             Some(true) => "drives off after a red light, ",
@@ -16,9 +17,8 @@ impl Cause {
         };
         let why = self.why();
         let without = self.without.as_ref().map(|what| format!("without {what} it avoids it"));
-        let turned = [&self.setting, &self.world].into_iter().flatten().map(TurnedBy::text).chain(without).next();
-        let turned = turned.map(|turned| format!("; {turned}")).unwrap_or_default();
-        format!("The driver {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{turned}.", self.seen)
+        let without = without.map(|without| format!("; {without}")).unwrap_or_default();
+        format!("The driver {drove_off}has the pedestrian in sight for {:.1} s and {act}: {why}{without}.", self.seen)
     }
 
     /// What it lacks.

@@ -17,6 +17,12 @@ pub fn show(report: &CampaignReport, details: bool) {
     let texts = sections.iter().rev().map(|section| section.to_terminal(console::width(), details));
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
     texts.iter().for_each(|text| console::say(&format!("{}\n", text.trim_end())));
+    if manifest.smoke {
+        console::say(report::SMOKE);
+    }
+    if !manifest.complete {
+        console::say("partial: the same command goes on");
+    }
     match report::worst_failure(drivers) {
         Some(worst) => console::say(&look_at(worst, folder, manifest.call.replay_options())),
         None if drivers.iter().all(|driver| driver.episodes == 0) => {

@@ -27,7 +27,7 @@ pub use recheck_sections::recheck_report;
 pub(crate) use sections::search_section;
 pub use sections::{Group, SectionMaker, failures_for_terminal, sections, share_of_two};
 pub(super) use summary::LEFT_OUT;
-pub use summary::summary;
+pub use summary::{SMOKE, summary};
 pub use table::Section;
 pub(super) use table::{Column, Table, Value};
 pub use town::{MapPage, StartLayer, Starts, TownView, map_page, spawn_map, town_map};

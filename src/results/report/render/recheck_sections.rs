@@ -27,7 +27,7 @@ pub fn recheck_report(recheck: &Recheck) -> ChangeReport {
     ChangeReport {
         sides: [
             recheck.report.display().to_string(),
-            if files.is_empty() { "the same files".into() } else { files.join(" ") },
+            if files.is_empty() { "the files as they are now".into() } else { files.join(" ") },
         ],
         notes: recheck.notes.iter().map(ToString::to_string).collect(),
         lead: Vec::new(),
