@@ -15,8 +15,8 @@ use base::seed::Seed;
 /// in ten episodes in a row.
 ///
 /// Where a batch is faster for the driver ([`DrivingPolicy::clone_for_batch`](crate::av::DrivingPolicy::clone_for_batch)), several
-/// episodes run at once, tick by tick. That changes no outcome: episodes are independent, and when a driver fails in a batch, each
-/// episode of the batch is run again alone.
+/// episodes run at once, tick by tick. That changes no outcome: episodes are independent, and when a driver fails in a batch, the
+/// episodes of the batch are run again alone. If none of them fails then, the failure counts as that of the last one.
 pub fn evaluate(
     walker: &mut dyn WalkPolicy,
     scenario: &Arc<Scenario>,
@@ -152,13 +152,24 @@ impl<T> Trial<'_, T> {
                 let Some(episode) = slot.episode.take() else { continue };
                 match outcome.fault() {
                     Some(Fault::Stopped) => return ControlFlow::Break(()),
-                    Some(_) => failed.push((episode, slot)),
+                    Some(_) => failed.push((episode, outcome, slot)),
                     None => self.record(episode, &outcome, &slot.trace)?,
                 }
             }
-            failed.sort_by_key(|(episode, _)| *episode);
-            for (episode, slot) in failed {
-                self.alone(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode)?;
+            failed.sort_by_key(|(episode, ..)| *episode);
+            let mut blamed = false;
+            let count = failed.len();
+            for (place, (episode, outcome, slot)) in failed.into_iter().enumerate() {
+                // Where no other one fails alone, it was this one, or all of them together: one of them has failed in any case.
+                let outcome = if place + 1 == count && !blamed {
+                    outcome
+                } else {
+                    self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode);
+                    play(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace)
+                        .expect("our simulator ends every episode")
+                };
+                blamed |= outcome.fault().is_some();
+                self.record(episode, &outcome, &slot.trace)?;
             }
         }
     }
