@@ -52,6 +52,9 @@ enum Actions<'py> {
     Double(PyReadonlyArray2<'py, f64>),
 }
 
+/// A pedestrian that actions control: its name, whether its states are scaled to order one, and bounds of numbers of its state.
+type Agent = (String, bool, Vec<(f64, f64)>);
+
 /// Worlds of one scenario. Each has its own seed and its own sequence of episodes.
 #[pyclass(module = "falsify_av._core")]
 pub struct Worlds {
@@ -139,7 +142,7 @@ impl Worlds {
 
     /// The pedestrians that actions control: the name of each, whether its states are scaled to order one, and the bounds of the numbers of a state
     /// after the first four. Members of a role are told apart by their numbers within it.
-    fn agents(&self) -> Vec<(String, bool, Vec<(f64, f64)>)> {
+    fn agents(&self) -> Vec<Agent> {
         let cast = &self.scenario.cast;
         let agent = |(number, role): (usize, &world::env::PedestrianRole)| {
             let before = cast.pedestrians[..number].iter().filter(|other| other.name == role.name).count();

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_524),
-    ("src/world", 36_629),
+    ("src/world", 36_632),
     ("src/ported", 4_642),
     ("src/lang", 6_585),
     ("src/compile", 7_986),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_783),
     ("src/results", 26_111),
     ("src/program", 12_316),
-    ("tests", 28_229),
+    ("tests", 28_242),
 ];
 
 /// Crates that only some places may name.

@@ -157,20 +157,23 @@ impl<T> Trial<'_, T> {
                 }
             }
             failed.sort_by_key(|(episode, ..)| *episode);
-            let mut blamed = false;
-            let count = failed.len();
-            for (place, (episode, outcome, slot)) in failed.into_iter().enumerate() {
-                // Where no other one fails alone, it was this one, or all of them together: one of them has failed in any case.
-                let outcome = if place + 1 == count && !blamed {
-                    outcome
-                } else {
-                    self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode);
-                    play(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace)
-                        .expect("our simulator ends every episode")
-                };
-                blamed |= outcome.fault().is_some();
-                self.record(episode, &outcome, &slot.trace)?;
+            let (mut held, mut blamed) = (Vec::with_capacity(failed.len()), false);
+            for (episode, together, slot) in failed {
+                self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode);
+                let alone = play(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace);
+                let alone = alone.expect("our simulator ends every episode");
+                blamed |= alone.fault().is_some();
+                held.push((episode, together, alone, slot));
+                if blamed {
+                    held.drain(..)
+                        .try_for_each(|(episode, _, alone, slot)| self.record(episode, &alone, &slot.trace))?;
+                }
             }
+            // Where none fails alone, one of them has failed all the same.
+            if let Some((_, together, alone, _)) = held.last_mut() {
+                *alone = *together;
+            }
+            held.into_iter().try_for_each(|(episode, _, alone, slot)| self.record(episode, &alone, &slot.trace))?;
         }
     }
 
