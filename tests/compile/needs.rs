@@ -78,16 +78,12 @@ fn share_named(name: &str, count: usize, build: impl Fn(&mut Stream) -> Built) -
             failures += 1;
             let found = needs(&incident).into_iter().filter(|need| need.is_needed).map(|need| need.actor);
             let found: Vec<ActorId> = found.collect();
-            if found != planted {
-                println!("{name}, case {number}: {found:?} and not {planted:?}");
-            }
             named += usize::from(found == planted);
         }
         if failures == count {
             break;
         }
     }
-    println!("{name}: {named} of {failures}");
     named as f64 / failures as f64
 }
 
