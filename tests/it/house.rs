@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_783),
     ("src/results", 26_111),
     ("src/program", 12_316),
-    ("tests", 28_242),
+    ("tests", 28_238),
 ];
 
 /// Crates that only some places may name.
