@@ -140,7 +140,7 @@ def test_the_pedestrians_of_a_cast_are_agents_with_the_names_of_their_roles():
     parallel_seed_test(lambda: parallel_env(CAST), num_cycles=30)
     observations, _ = env.reset(seed=3)
     # The friend, who walks alone, is half a metre away at most; 0.4 m are the two bodies.
-    present, is_vehicle, ahead, left = observations["child_0"][4:8]
+    present, is_vehicle, ahead, left = observations["child_0"][12:16]
     assert (present, is_vehicle) == (1, 0) and np.hypot(ahead, left) < 1.3
 
 

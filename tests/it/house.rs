@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_524),
-    ("src/world", 36_632),
+    ("src/world", 36_641),
     ("src/ported", 4_642),
-    ("src/lang", 6_585),
-    ("src/compile", 7_986),
+    ("src/lang", 6_595),
+    ("src/compile", 8_027),
     ("src/process", 859),
     ("src/export", 3_783),
-    ("src/results", 26_111),
+    ("src/results", 26_116),
     ("src/program", 12_316),
-    ("tests", 28_238),
+    ("tests", 28_244),
 ];
 
 /// Crates that only some places may name.

@@ -71,6 +71,8 @@ class MetaDrive:
         car.set_heading_theta(ego["yaw"])
         car.set_velocity((ego["speed"] * math.cos(ego["yaw"]), ego["speed"] * math.sin(ego["yaw"])))
         car.set_angular_velocity(0.0)
+        if message["driver"] and self.exact:
+            raise SystemExit("`exact` gives the car the motion of a driver of ours; MetaDrive's own drivers drive without it")
         if message["driver"]:
             points = [self.theirs(x, y) for x, y, _ in message["route"]]
             self.env.hand_over(message["driver"], points, message["seed"] % 2**31)

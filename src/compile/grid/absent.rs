@@ -36,6 +36,16 @@ const PARTS: [Part; 2] = [
     },
 ];
 
+/// The highest of the speeds of a key (m/s).
+fn highest(value: &Value) -> f64 {
+    match value {
+        Value::Number(speed) | Value::Range(_, speed) => *speed,
+        Value::Distribution(drawn) => drawn.support().1,
+        Value::List(members) => members.iter().map(highest).fold(0.0, f64::max),
+        _ => 0.0,
+    }
+}
+
 impl Lowering<'_> {
     /// Warns of requirements, rewards and drivers of a campaign that are about a part that a town of it does not have.
     pub(super) fn warn_of_absent(&mut self, block: &Block, grid: &Grid) {
@@ -76,19 +86,18 @@ impl Lowering<'_> {
     }
 
     /// Warns of comparisons of requirements that are decided by the speed limits: no car of the campaign drives so fast. A speed that a start or a
-    /// driver names counts as a limit.
+    /// driver names counts as a limit. Drivers of the user may break all limits.
     pub(super) fn warn_of_speeds(&mut self, block: &Block, grid: &Grid) {
+        if grid.campaign.drivers.iter().any(crate::plan::Driver::is_own) {
+            return;
+        }
         let limits =
             grid.campaign.towns.iter().filter_map(|each| each.town.highest_limit()).fold(FIRST_LIMIT, f64::max);
         let starts = self.program.of_form("spawn").map(|spawn| &spawn.block.arguments);
         let named =
             starts.chain(grid.campaign.drivers.iter().map(|driver| &driver.settings)).flat_map(|each| each.iter());
-        let named = named.filter(|(key, _)| key.ends_with("speed")).map(|(_, value)| match value {
-            Value::Number(speed) | Value::Range(_, speed) => *speed,
-            Value::Distribution(drawn) => drawn.support().1,
-            _ => 0.0,
-        });
-        let limit = named.fold(limits, f64::max);
+        let named = named.filter(|(key, _)| key.ends_with("speed") || key.ends_with("speeds"));
+        let limit = named.map(|(_, value)| highest(value)).fold(limits, f64::max);
         let vocabulary = &self.catalog.vocabulary;
         let is_decided = |part: &Comparison, speed: f64| {
             let bounds = |id: VariableId| match vocabulary.variable(id) {

@@ -67,11 +67,12 @@ impl Lowering<'_> {
         Axis { id, name: self.axis_name(id), value }
     }
 
-    /// A training of a pedestrian whose states have this number of numbers.
-    pub(crate) fn training(&mut self, id: DeclarationId, state: usize) -> Axis<PpoConfig> {
+    /// A training of pedestrians whose states have this number of numbers together, each of them the same if one policy moves them all.
+    pub(crate) fn training(&mut self, id: DeclarationId, state: usize, agents: usize) -> Axis<PpoConfig> {
         let declaration = self.program.get(id);
         let block = &declaration.block;
         let mut config: PpoConfig = block.keys();
+        let state = if config.shared.is_some() { state / agents } else { state };
         let decisions = config.steps_per_update.saturating_mul(config.environments);
         config.batch_size = config.batch_size.min(decisions);
         training::read_networks(declaration, &mut config, state, self);

@@ -176,6 +176,16 @@ pub fn unreachable_speed(span: Span, name: &str, comparison: &str, limit: f64) -
         .help("see whether the unit is the one that you mean: 20 m/s are 72 km/h")
 }
 
+/// A pedestrian cannot be removed from an episode whose driver is a program.
+pub fn uncopied_removal(span: Span) -> Diagnostic {
+    contradiction(
+        span,
+        "`shared: removal` runs an episode again from its start, and a driver that is a program cannot be copied"
+            .into(),
+    )
+    .help("`shared: team` and `shared: own` need no copy")
+}
+
 /// A driver of another simulator is to drive in ours.
 pub fn native_here(span: Span, name: &str) -> Diagnostic {
     contradiction(span, format!("`{name}` is a driver of another simulator, and these episodes happen in ours"))

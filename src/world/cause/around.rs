@@ -50,7 +50,7 @@ struct Quantity {
 }
 
 /// Runs starts around that of a failure: the pedestrian at other places about the car, the car faster or slower where its speed is drawn, and the same
-/// commands at another speed. The car begins at the same place. `None` if it is not a failure when it is repeated, if its driver cannot be copied, if
+/// commands at another speed. The car begins at the same place; what else the scenario draws of a start may be drawn anew. `None` if it is not a failure when it is repeated, if its driver cannot be copied, if
 /// there are other actors, or if the scenario draws nothing of this.
 pub fn around(incident: &Incident) -> Option<Around> {
     let scenario = &incident.scenario;

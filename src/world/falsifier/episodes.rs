@@ -15,7 +15,7 @@ use base::seed::Seed;
 /// in ten episodes in a row.
 ///
 /// Where a batch is faster for the driver ([`DrivingPolicy::clone_for_batch`](crate::av::DrivingPolicy::clone_for_batch)), several
-/// episodes run at once, tick by tick. That changes no outcome: episodes are independent, and when a driver fails in a batch, the
+/// episodes run at once, tick by tick. Episodes are independent, so that changes no outcome. When a driver fails in a batch, the
 /// episodes of the batch are run again alone. If none of them fails then, the failure counts as that of the last one.
 pub fn evaluate(
     walker: &mut dyn WalkPolicy,
@@ -162,6 +162,9 @@ impl<T> Trial<'_, T> {
                 self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode);
                 let alone = play(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace);
                 let alone = alone.expect("our simulator ends every episode");
+                if alone.fault() == Some(Fault::Stopped) {
+                    return ControlFlow::Break(());
+                }
                 blamed |= alone.fault().is_some();
                 held.push((episode, together, alone, slot));
                 if blamed {
@@ -170,8 +173,10 @@ impl<T> Trial<'_, T> {
                 }
             }
             // Where none fails alone, one of them has failed all the same.
-            if let Some((_, together, alone, _)) = held.last_mut() {
+            if let Some((episode, together, alone, slot)) = held.last_mut() {
                 *alone = *together;
+                // Its trace is that of no failure.
+                self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, *episode);
             }
             held.into_iter().try_for_each(|(episode, _, alone, slot)| self.record(episode, &alone, &slot.trace))?;
         }

@@ -121,6 +121,23 @@ impl Lowering<'_> {
                 let declared = chosen.iter().find(|each| each.controller == *controller).and_then(|each| each.declared);
                 scenarios[&(trained.reward.as_str(), declared)].clone()
             };
+            let shared = usual.training.as_ref().is_some_and(|training| training.value.shared.is_some());
+            for (controller, trained, _) in &controllers {
+                let training = campaign.all::<Training>().find(|training| training.key == **trained);
+                let state = |scenario: &Scenario| {
+                    let mut dims: Vec<usize> =
+                        scenario.cast.controlled().map(|(_, role)| role.observation.dim()).collect();
+                    dims.dedup_by(|one, other| shared && one == other);
+                    dims
+                };
+                if !matches!(controller, ControllerKind::Untrained(_))
+                    && training.is_some_and(|training| state(&training.scenario) != state(&of(controller, trained).0))
+                {
+                    let (place, reason) = (block.place("pedestrians"), "its training saw states of another size");
+                    self.said.push(diagnostics::unfit_controller(place, controller.name(), &walker.name, reason));
+                    return;
+                }
+            }
             let evaluations = controllers.iter().map(|(controller, trained, needs)| {
                 let (scenario, origin) = of(controller, trained);
                 Job::from(Evaluation {

@@ -130,10 +130,12 @@ impl Lowering<'_> {
             let declaration = self.program.get(*id);
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
-                Some(id) => Some(self.training(id, state)),
+                Some(id) => Some(self.training(id, state, 1)),
                 // Its first networks were checked for the campaign's pedestrian, who may have other states.
                 None => usual.map(|axis| match axis.value.from.as_ref().and_then(|from| from.networks.as_ref()) {
-                    Some(first) if first.obs_dim() != state * axis.value.frame_stack => self.training(axis.id, state),
+                    Some(first) if first.obs_dim() != state * axis.value.frame_stack => {
+                        self.training(axis.id, state, 1)
+                    }
                     _ => axis.clone(),
                 }),
             };

@@ -10,6 +10,8 @@ use base::signature::{DeclarationId, Formula, Keys, VariableId};
 use base::{choice, keys};
 use lang::diagnostics;
 use lang::hir::{Block, Clause};
+use learn::Credit;
+use world::av::external::ExternalKeys;
 use world::env::{EpisodeRule, RewardRule};
 
 choice! {
@@ -65,6 +67,10 @@ impl Lowering<'_> {
                     places.iter().map(|place| (place.town.name.to_string(), scenario_of(place))).collect();
                 if config.shared.is_some() && !scenarios[0].1.cast.is_uniform() {
                     return self.said.push(diagnostics::unshared_policy(at.block.head));
+                }
+                let is_program = |place: &Place<'_>| self.program.get(place.policy.id).kind == ExternalKeys::KIND;
+                if config.shared == Some(Credit::Removal) && places.iter().any(is_program) {
+                    return self.said.push(diagnostics::uncopied_removal(at.block.head));
                 }
                 let ground: Vec<DeclarationId> =
                     places.iter().flat_map(|place| usual.declarations(place, &body)).collect();

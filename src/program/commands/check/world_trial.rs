@@ -117,7 +117,7 @@ pub fn compare_lanes(options: &CheckArgs, name: &str) -> Ended {
     let mut compared = BTreeSet::new();
     let mut ended = ExitCode::Done;
     for (town, scenario) in plan.campaigns.iter().flat_map(|campaign| campaign.starts()) {
-        if !compared.insert(town) {
+        if !compared.insert((town, Arc::as_ptr(&scenario.town))) {
             continue;
         }
         match world.lanes(scenario) {

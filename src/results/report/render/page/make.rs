@@ -109,7 +109,8 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
             h1 { (campaign.name) }
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
             @else { p.lead { (grid(campaign)) } }
-            p.lead { b { (conclusion(found)) } }
+            @let conclusion = conclusion(found);
+            @if !conclusion.is_empty() { p.lead { b { (conclusion) } } }
             @if manifest.smoke { p.warn { (SMOKE) } }
             @if !manifest.complete { p.warn { (INCOMPLETE) } }
             @for caution in &found.cautions { p.warn { (prose(&format!("{caution}."))) } }
@@ -135,7 +136,8 @@ fn head(found: &Findings<'_>, manifest: &Manifest) -> Markup {
 /// Which drivers under test have faults, and how often in their worst setting.
 fn conclusion(found: &Findings<'_>) -> String {
     let tested = found.drivers.iter().filter(|result| !result.driver.sees_no_pedestrians());
-    let (faulty, clean): (Vec<_>, Vec<_>) = tested.partition(|result| {
+    let (lost, tested): (Vec<_>, Vec<_>) = tested.partition(|result| result.episodes == 0);
+    let (faulty, clean): (Vec<_>, Vec<_>) = tested.into_iter().partition(|result| {
         let cell = result.cell.map(|cell| &found.cells[cell]);
         cell.is_some_and(|cell| cell.faults > 0) || result.searched.is_some_and(|searched| searched.fault > 0)
     });
@@ -152,7 +154,10 @@ fn conclusion(found: &Findings<'_>) -> String {
         said += &format!("Faults of {}. ", list(&faulty, &often));
     }
     if !clean.is_empty() {
-        said += &format!("No fault was found of {}.", list(&clean, &|result| result.driver.name.clone()));
+        said += &format!("No fault was found of {}. ", list(&clean, &|result| result.driver.name.clone()));
+    }
+    if !lost.is_empty() {
+        said += &format!("No episode counted of {}.", list(&lost, &|result| result.driver.name.clone()));
     }
     said
 }
