@@ -263,26 +263,6 @@ fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_
     assert!(summary.contains(&format!("In {errors} more episodes the driver or the controller failed")), "{summary}");
 }
 
-/// A program that ends once, in whatever episodes are under way, and drives well from then on.
-#[test]
-fn a_program_that_ended_once_is_not_clean() {
-    if python().is_none() {
-        return;
-    }
-    let place = tempfile::tempdir().unwrap();
-    let driver = std::fs::read_to_string(folder("scenarios/external/my_av.py")).unwrap();
-    let once = "import os\nfor line in sys.stdin:\n    if '\"tick\":20' in line and not os.path.exists('died'):\n        open('died', 'w').close()\n        sys.exit(9)\n";
-    let dies = driver.replace("for line in sys.stdin:\n", once);
-    assert!(dies != driver);
-    std::fs::write(place.path().join("dies.py"), dies).unwrap();
-    std::fs::write(place.path().join("c.scn"), text("python3 dies.py", "timeout: 60 s")).unwrap();
-    let output = falsify(&["run", "--allow-external", "c.scn"], place.path());
-    assert!(place.path().join("died").exists());
-    assert_eq!(output.status.code(), Some(5), "{}", said(&output));
-    let episodes = std::fs::read_to_string(place.path().join("reports/outside/episodes.csv")).unwrap();
-    assert_eq!(episodes.matches("ended before it answered with exit code 9").count(), 1, "{episodes}");
-}
-
 #[test]
 fn av_check_tells_good_drivers_from_bad_ones() {
     if python().is_none() {

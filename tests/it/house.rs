@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const CEILINGS: &[(&str, usize)] = &[
     ("src/base", 3_424),
     ("src/learn", 5_524),
-    ("src/world", 36_641),
+    ("src/world", 36_622),
     ("src/ported", 4_642),
     ("src/lang", 6_595),
     ("src/compile", 8_027),
@@ -16,7 +16,7 @@ const CEILINGS: &[(&str, usize)] = &[
     ("src/export", 3_783),
     ("src/results", 26_116),
     ("src/program", 12_316),
-    ("tests", 28_244),
+    ("tests", 28_224),
 ];
 
 /// Crates that only some places may name.

@@ -15,8 +15,8 @@ use base::seed::Seed;
 /// in ten episodes in a row.
 ///
 /// Where a batch is faster for the driver ([`DrivingPolicy::clone_for_batch`](crate::av::DrivingPolicy::clone_for_batch)), several
-/// episodes run at once, tick by tick. Episodes are independent, so that changes no outcome. When a driver fails in a batch, the
-/// episodes of the batch are run again alone. If none of them fails then, the failure counts as that of the last one.
+/// episodes run at once, tick by tick. That changes no outcome: episodes are independent, and when a driver fails in a batch, each
+/// episode of the batch is run again alone.
 pub fn evaluate(
     walker: &mut dyn WalkPolicy,
     scenario: &Arc<Scenario>,
@@ -152,33 +152,14 @@ impl<T> Trial<'_, T> {
                 let Some(episode) = slot.episode.take() else { continue };
                 match outcome.fault() {
                     Some(Fault::Stopped) => return ControlFlow::Break(()),
-                    Some(_) => failed.push((episode, outcome, slot)),
+                    Some(_) => failed.push((episode, slot)),
                     None => self.record(episode, &outcome, &slot.trace)?,
                 }
             }
-            failed.sort_by_key(|(episode, ..)| *episode);
-            let (mut held, mut blamed) = (Vec::with_capacity(failed.len()), false);
-            for (episode, together, slot) in failed {
-                self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode);
-                let alone = play(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace);
-                let alone = alone.expect("our simulator ends every episode");
-                if alone.fault() == Some(Fault::Stopped) {
-                    return ControlFlow::Break(());
-                }
-                blamed |= alone.fault().is_some();
-                held.push((episode, together, alone, slot));
-                if blamed {
-                    held.drain(..)
-                        .try_for_each(|(episode, _, alone, slot)| self.record(episode, &alone, &slot.trace))?;
-                }
+            failed.sort_by_key(|(episode, _)| *episode);
+            for (episode, slot) in failed {
+                self.alone(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, episode)?;
             }
-            // Where none fails alone, one of them has failed all the same.
-            if let Some((episode, together, alone, slot)) = held.last_mut() {
-                *alone = *together;
-                // Its trace is that of no failure.
-                self.begin(&mut *slot.simulation, slot.walker.as_mut(), &mut slot.trace, *episode);
-            }
-            held.into_iter().try_for_each(|(episode, _, alone, slot)| self.record(episode, &alone, &slot.trace))?;
         }
     }
 
