@@ -84,6 +84,7 @@ fn share_named(name: &str, count: usize, build: impl Fn(&mut Stream) -> Built) -
             break;
         }
     }
+    loud!("{name}: {named} of {failures}");
     named as f64 / failures as f64
 }
 

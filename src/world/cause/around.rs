@@ -35,7 +35,7 @@ pub struct Around {
 pub struct StartRule {
     /// Each with the quantity, its unit, a bound in this unit, and whether the quantity is at most the bound.
     pub conditions: Vec<(&'static str, &'static str, f64, bool)>,
-    /// The share of starts that it tells wrongly, measured on starts that it was not made of.
+    /// The share of held-out starts that it tells wrongly.
     pub error: f64,
     /// The same of the word that fits most starts.
     pub error_without: f64,
@@ -190,7 +190,7 @@ impl Around {
                 let conditions: Vec<String> = conditions.iter().map(condition).collect();
                 let (error, without) = (100.0 * error, 100.0 * error_without);
                 format!(
-                    "{all}: those with a {} (wrong in {error:.0} % of starts that it was not made of, {without:.0} % without a rule).",
+                    "{all}: those with a {} (wrong in {error:.0} % of held-out starts, {without:.0} % without a rule).",
                     conditions.join(" and a ")
                 )
             }

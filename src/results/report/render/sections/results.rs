@@ -82,9 +82,10 @@ fn pedestrians(found: &Findings<'_>) -> Vec<String> {
         let (name, mut members) =
             by_place(&found.cells).into_iter().find(|(_, all)| all.iter().any(|each| each.key == cell.key))?;
         members.sort_by(|a, b| b.fault.value.unwrap_or(0.0).total_cmp(&a.fault.value.unwrap_or(0.0)));
-        let rate = |cell: &&Cell| format!("{} {}", who(cell, &found.cells), Value::from(&cell.fault));
+        let fault = |cell: &Cell| Value::spread(&cell.fault, cell.faults, cell.episodes);
+        let rate = |cell: &&Cell| format!("{} {}", who(cell, &found.cells), fault(cell));
         let rates: Vec<String> = members.iter().filter(|cell| cell.faults > 0).map(rate).collect();
-        (members.len() > 1 && !rates.is_empty()).then(|| format!("faults in {name}: {}", rates.join(", ")))
+        (members.len() > 1 && !rates.is_empty()).then(|| format!("faults in {name}: {}", rates.join("; ")))
     };
     worst.filter_map(line).collect()
 }
