@@ -1,6 +1,6 @@
 use std::fmt;
 
-use compile::{Evaluation, NO_REWARD, RunId, UNTRAINED};
+use compile::{Evaluation, HERE, NO_REWARD, RunId, UNTRAINED};
 
 /// The key of a cell of results: a controller and its training, the place of the episodes, and the driver under test.
 ///
@@ -44,6 +44,11 @@ impl CellKey {
         }
     }
 
+    /// Whether the car drives in another simulator; not in a search, which names none.
+    pub fn is_elsewhere(&self) -> bool {
+        !self.world.is_empty() && self.world != HERE
+    }
+
     /// Whether the controller comes from a training.
     pub fn is_trained(&self) -> bool {
         !self.train_town.is_empty()
@@ -78,16 +83,18 @@ impl CellKey {
         }
     }
 
-    /// The full key in words: [`Display`](fmt::Display), then vehicle, adversary, world and block.
+    /// The full key in words: controller, town and driver, then vehicle, adversary, world and block.
     pub fn in_full(&self) -> String {
-        format!("{self}, {}, {}, {}, block {}", self.vehicle, self.adversary, self.world, self.block)
+        let Self { block, town, policy, vehicle, adversary, world, .. } = self;
+        format!("{} in {town} against {policy}, {vehicle}, {adversary}, {world}, block {block}", self.who())
     }
 }
 
-/// `trained r1 (harbour, idm) in village against idm`.
+/// `trained r1 (harbour, idm) in village against idm`, and in which simulator if it is another one.
 impl fmt::Display for CellKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} in {} against {}", self.who(), self.town, self.policy)
+        write!(f, "{} in {} against {}", self.who(), self.town, self.policy)?;
+        if self.is_elsewhere() { write!(f, " in {}", self.world) } else { Ok(()) }
     }
 }
 

@@ -4,7 +4,6 @@ use super::replayed::played_failure;
 use crate::failure::Failure;
 use crate::parallel;
 use base::seed::Seed;
-use compile::HERE;
 use world::cause::{Questions, Shrunk, explain, shrink};
 
 /// Maximum number of failures of a page that are shrunk, the first of its list.
@@ -83,9 +82,7 @@ pub fn distinct_failures(
 
 /// Whether the driver of a failure is a program of the user, or it happened in another simulator: runs of these are dear.
 pub fn is_of_program(found: &Findings<'_>, failure: &Failure) -> bool {
-    let world = &failure.key.cell.world;
-    let is_elsewhere = !world.is_empty() && world != HERE;
-    is_elsewhere
+    failure.key.cell.is_elsewhere()
         || found.drivers.iter().any(|each| each.driver.name == failure.key.cell.policy && each.driver.is_external())
 }
 

@@ -3,7 +3,9 @@
 use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 
 use super::{Cell, Doubt, DriverResult, Rate, SearchCell};
+use crate::record::columns::WORLD;
 use crate::record::{Column, Table};
+use compile::HERE;
 
 /// The results of a report for an overview.
 #[derive(Debug, Clone)]
@@ -53,6 +55,14 @@ impl<'a> OverviewRow<'a> {
         match self.found {
             Found::Evaluated(cell) => &cell.key.town,
             Found::Searched(cell) => &cell.key.town,
+        }
+    }
+
+    /// The simulator in which the car drove.
+    pub fn world(&self) -> &'a str {
+        match self.found {
+            Found::Evaluated(cell) => &cell.key.world,
+            Found::Searched(_) => HERE,
         }
     }
 
@@ -144,6 +154,7 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
     .text("report", "folder of the report", |row| row.variant.report.clone())
     .text("policy", "name of the driving policy", |row| row.driver().to_string())
     .text("town", "name of the town", |row| row.town().to_string())
+    .column(WORLD.of(|row: &Row<'a>| row.world().to_string()))
     .text("controller", "the controller of the pedestrian; empty for a falsifier", move |row| {
         cell(row).map_or(String::new(), |cell| cell.key.controller.clone())
     })

@@ -170,7 +170,7 @@ fn holes(found: &Findings<'_>) -> Vec<String> {
 
 /// Whether other simulators agree.
 pub fn worlds(found: &Findings<'_>) -> Section {
-    let elsewhere = |cell: &&Cell| cell.key.world != HERE;
+    let elsewhere = |cell: &&Cell| cell.key.is_elsewhere();
     let row = |cell: &Cell| {
         let home = CellKey { world: HERE.into(), ..cell.key.clone() };
         let home = found.cells.iter().find(|other| other.key == home);

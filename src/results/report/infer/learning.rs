@@ -299,9 +299,9 @@ impl fmt::Display for Doubt {
 /// The doubts about the trainings of a campaign, in the order of the cells. Trainings without an untrained controller to compare with give
 /// none.
 ///
-/// A training is judged where it was trained: in its town and against its driver. One that was evaluated only elsewhere is judged there.
+/// A training is judged where it was trained: in its town, against its driver, in our simulator. One that was evaluated only elsewhere is judged there.
 pub fn doubts(cells: &[CellEvidence]) -> Vec<Doubt> {
-    let is_home = |key: &CellKey| key.town == key.train_town && key.policy == key.train_policy;
+    let is_home = |key: &CellKey| key.town == key.train_town && key.policy == key.train_policy && !key.is_elsewhere();
     let same = |a: &CellKey, b: &CellKey| {
         (&a.controller, &a.reward, &a.train_town, &a.train_policy)
             == (&b.controller, &b.reward, &b.train_town, &b.train_policy)

@@ -147,15 +147,15 @@ fn tables(overview: &Overview<'_>) -> Vec<Table> {
         let first = overview.rows.first().map(name);
         overview.rows.iter().any(|row| Some(name(row)) != first)
     };
-    let (drivers, towns) = (several(|row| row.driver().to_string()), several(|row| row.town().to_string()));
-    let place = |row: &OverviewRow<'_>| {
-        let driver = drivers.then(|| Value::from(row.driver()));
-        driver.into_iter().chain(towns.then(|| Value::from(row.town())))
-    };
+    let parts: [(&str, fn(&OverviewRow<'_>) -> String); 3] = [
+        ("driver", |row| row.driver().to_string()),
+        ("town", |row| row.town().to_string()),
+        ("world", |row| row.world().to_string()),
+    ];
+    let parts: Vec<_> = parts.into_iter().filter(|(_, name)| several(*name)).collect();
+    let place = |row: &OverviewRow<'_>| parts.iter().map(|(_, name)| name(row).into()).collect::<Vec<Value>>();
     let place_of = |row: &OverviewRow<'_>| first(row.variant, &row.values);
-    let mut place_head = Vec::new();
-    place_head.extend(drivers.then(|| Column::text("driver")));
-    place_head.extend(towns.then(|| Column::text("town")));
+    let place_head: Vec<Column> = parts.iter().map(|(name, _)| Column::text(*name)).collect();
     let mut tables = Vec::new();
     if !evaluated.is_empty() {
         let mut head = head(overview);
