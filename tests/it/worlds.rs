@@ -106,6 +106,10 @@ fn a_report_names_worlds_and_its_faults_are_met_again_in_another_one() {
     let sum = |column: &str| rows.iter().map(|row| row[column].as_u64().unwrap()).sum::<u64>();
     assert!(sum("old_faults") <= 1 && sum("failures") == sum("old_faults") + 1, "one near miss: {rows:?}");
     assert_eq!((sum("turned_faults"), sum("failed_encounters")), (0, 0), "our kinematics: {rows:?}");
+    let crash = format!("python3 {} crash", top("tests/external/world.py"));
+    let (code, text) = said(&["recheck", "--allow-external", "out/two_worlds", "--world", &crash], place.path());
+    let reason = "failed as a program; first in ";
+    assert!(code == Some(5) && text.contains(reason) && text.contains("with exit code 3"), "{text}");
     let (code, text) = said(&[&arguments[..], &["--only", "1a2b3c4d:0"]].concat(), place.path());
     assert!(code == Some(2) && text.contains("has no collision and no near miss 1a2b3c4d:0"), "{text}");
 }

@@ -40,7 +40,7 @@ Examples:
   falsify recheck reports/my new.scn --fail-if 'still_faults > 0' --fail-if 'faults_new > 0'
                                              block what is not fixed, and what is new
 
-Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5 a driver failed as a program
+Exit codes: 0 done   2 no report, or no such driver   3 errors in a scenario   5 a driver, a controller or the world failed as a program
   7 a --fail-if condition is true";
 
 /// Options of `falsify recheck`.
@@ -121,7 +121,7 @@ pub fn recheck(options: &RecheckArgs) -> Ended {
     let errors = recheck.errors();
     if code == ExitCode::Done && errors > 0 {
         console::fail(&format!(
-            "a driver or a controller failed as a program in {}; `falsify check -- DRIVER` tries a driver",
+            "a driver, a controller or the world failed as a program in {}, which are left out; `falsify check` tries one",
             console::count(errors as usize, "encounter")
         ));
         return Err(ExitCode::RunFailed);

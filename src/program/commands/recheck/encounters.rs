@@ -29,6 +29,15 @@ pub(super) struct MetAgain {
     pub is_damaged: bool,
     /// Whether its controller cannot be repeated.
     pub has_no_controller: bool,
+    /// What failed as a program, and why; `None` if nothing did, or if it was not run.
+    pub error: Option<String>,
+}
+
+impl MetAgain {
+    /// A failure that was not met again, since what is met had failed as a program over and over.
+    pub(super) fn not_run(failure: &Failure) -> Self {
+        Self { encounters: vec![(WalkedBy::Controller, encounter(failure, None, Met::error()))], ..Self::default() }
+    }
 }
 
 type Played = (Outcome, Trace);
@@ -97,23 +106,25 @@ fn met_again(
     let old = before.as_ref().map(|(outcome, trace)| (outcome.start, end(scenario, outcome, trace)));
     let is_other_now =
         old.is_some_and(|(_, old)| (old.fault, old.is_collision()) != (stored.fault, stored.is_collision()));
-    let mut met = MetAgain { is_other_now, ..MetAgain::default() };
+    let error = before.as_ref().and_then(|(outcome, _)| outcome.error());
+    let mut met = MetAgain { is_other_now, error, ..MetAgain::default() };
     for (walked_by, played) in ends {
         let Some((outcome, trace)) = played else { continue };
+        met.error = met.error.or_else(|| outcome.error());
         if old.is_some_and(|(start, _)| start != outcome.start) {
             met.has_other_start = true;
             continue;
         }
-        let encounter = Encounter {
-            name: failure.name(),
-            start: failure.start,
-            crossing: 0,
-            before: Some(old.map_or(stored, |(_, old)| old)),
-            after: end(scenario, &outcome, &trace),
-        };
-        met.encounters.push((walked_by, encounter));
+        let after = end(scenario, &outcome, &trace);
+        met.encounters.push((walked_by, encounter(failure, old.map(|(_, old)| old), after)));
     }
     met
+}
+
+/// A failure, met again. `before` is how it ended for the old driver now; `None` if that was not run.
+fn encounter(failure: &Failure, before: Option<Met>, after: Met) -> Encounter {
+    let before = Some(before.unwrap_or_else(|| Met::stored(failure)));
+    Encounter { name: failure.name(), start: failure.start, crossing: 0, before, after }
 }
 
 /// Both drivers in all of these crossings from the first starts; without `before` the new driver alone. `played` is called after each episode.

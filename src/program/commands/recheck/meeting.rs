@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use super::RecheckArgs;
 use super::driver_pairs::{DriverPair, NewDriver, Place, driver_pairs, new_role, places, with_driver};
@@ -25,6 +25,9 @@ const NEAR: f64 = 1.0;
 
 /// Values of a component of a crossing on the fixed list.
 const LEVELS: u32 = 2;
+
+/// Failures in a row in which a program fails before the others are not met with the same driver.
+const MAX_ERRORS: u32 = 10;
 
 /// What a recheck works with.
 struct Sides {
@@ -124,12 +127,28 @@ struct Tally<'a> {
     stage: RecheckStage,
     done: AtomicU64,
     all: u64,
+    /// The failures in a row in which a program failed.
+    errors: AtomicU32,
 }
 
 impl<'a> Tally<'a> {
     fn new(session: &'a Session, stage: RecheckStage, all: u64) -> Self {
         session.tell(Event::Rechecked { stage, done: 0, all });
-        Self { session, stage, done: AtomicU64::new(0), all }
+        Self { session, stage, done: AtomicU64::new(0), all, errors: AtomicU32::new(0) }
+    }
+
+    /// Meets a failure, unless a program failed in ten in a row.
+    fn meet(&self, failure: &Failure, run: impl FnOnce() -> MetAgain) -> MetAgain {
+        if self.errors.load(Ordering::Relaxed) >= MAX_ERRORS {
+            return MetAgain::not_run(failure);
+        }
+        let met = run();
+        match met.error {
+            Some(_) => drop(self.errors.fetch_add(1, Ordering::Relaxed)),
+            None => self.errors.store(0, Ordering::Relaxed),
+        }
+        self.add();
+        met
     }
 
     fn add(&self) {
@@ -171,6 +190,7 @@ impl Sides {
     ) -> Result<Vec<RecheckedFailures>, Error> {
         let mut rows = Vec::new();
         let [mut other_now, mut other_start, mut damaged, mut commands_alone] = [0; 4];
+        let mut failed: Option<String> = None;
         let mut found: Vec<(&DriverPair, BTreeMap<RunId, Vec<Failure>>)> = Vec::new();
         // A violation of a requirement that is no collision has no verdict to compare.
         let mut all = self.old.report.failures()?;
@@ -199,12 +219,16 @@ impl Sides {
         let tally = Tally::new(session, RecheckStage::Failures, all as u64);
         for (pair, runs) in found {
             let mut sets = Sets::new();
+            tally.errors.store(0, Ordering::Relaxed);
             for (run, failures) in runs {
                 for (failure, met) in failures.iter().zip(self.meet_run(run, &failures, pair, &tally)?) {
                     other_now += u64::from(met.is_other_now);
                     other_start += u64::from(met.has_other_start);
                     damaged += u64::from(met.is_damaged);
                     commands_alone += u64::from(met.has_no_controller);
+                    if let (None, Some(error)) = (&failed, met.error) {
+                        failed = Some(format!("{} against `{}`: {error}", failure.name(), pair.after));
+                    }
                     for (walked_by, encounter) in met.encounters {
                         sets.entry((failure.key.cell.town.clone(), failure.found_by, walked_by))
                             .or_default()
@@ -229,6 +253,7 @@ impl Sides {
             (damaged, RecheckNote::Damaged { failures: damaged }),
         ];
         notes.extend(counted.into_iter().filter(|(count, _)| *count > 0).map(|(_, note)| note));
+        notes.extend(failed.map(|first| RecheckNote::Failed { first }));
         Ok(rows)
     }
 
@@ -248,20 +273,14 @@ impl Sides {
             let vehicle = Some(&*evaluation.vehicle);
             let new = self.new_driver(&pair.after, &evaluation.town, vehicle).ok_or_else(gone)?;
             let of_run = (evaluation, trained.as_ref());
-            let meet = |failure: &Failure| {
-                let met = self.old.meet_episode(failure, of_run, new, is_old_there);
-                tally.add();
-                met
-            };
+            let meet =
+                |failure: &Failure| tally.meet(failure, || self.old.meet_episode(failure, of_run, new, is_old_there));
             return Ok(parallel::map(failures, meet));
         }
         let search = self.old.search(run).ok_or_else(gone)?;
         let new = self.new_driver(&pair.after, &search.key.town, None).ok_or_else(gone)?;
-        let meet = |failure: &Failure| {
-            let met = self.old.meet_failure(failure, search, new, is_old_there);
-            tally.add();
-            met
-        };
+        let meet =
+            |failure: &Failure| tally.meet(failure, || self.old.meet_failure(failure, search, new, is_old_there));
         Ok(parallel::map(failures, meet))
     }
 

@@ -33,6 +33,14 @@ pub enum RecheckNote {
         "the new drivers drive in `{name}` ({version}); starts, pedestrians, contacts and verdicts are those of the report"
     )]
     Elsewhere { name: String, version: String },
+    /// Encounters are left out, since a program failed.
+    #[error(
+        "a driver, a controller or the world failed as a program; first in {first}. Ten failures in a row end the encounters with a driver"
+    )]
+    Failed {
+        /// The first of the failures, with what failed and why.
+        first: String,
+    },
     /// Encounters whose starts differ.
     #[error("encounters that have another start with the new driver and are left out: {encounters}")]
     OtherStart { encounters: u64 },

@@ -71,9 +71,11 @@ pub fn rechecked_table() -> Table<'static, RecheckedFailures> {
             injuries("avoidable_injuries_after", "the same in the new driver's")
                 .of(|row: &Row| row.encounters.ends().map(|(_, after)| after.avoidable_injury()).sum::<f64>()),
         )
-        .count("failed_encounters", "failures left out, since a driver failed as a program", |row| {
-            row.encounters.errors()
-        })
+        .count(
+            "failed_encounters",
+            "failures left out, since a driver, a controller or the world failed as a program",
+            |row| row.encounters.errors(),
+        )
 }
 
 /// The fixed list as a table, one row for each driver, town and setup.
