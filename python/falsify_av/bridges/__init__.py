@@ -23,6 +23,8 @@ BRIDGES = {
     ),
     "sumo": Stack("sumo", "SUMO", ("libsumo", "sumo"), "libsumo==1.28.0 eclipse-sumo==1.28.0"),
     "carla": Stack("carla", "CARLA's client", ("carla",), "carla==0.9.16"),
+    # Its library is built by the user, and the bridge says how.
+    "esmini": Stack("esmini", "esmini", (), ""),
 }
 
 
